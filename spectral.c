@@ -12,14 +12,11 @@
 #include "data/compare/compare.h"
 #include "data/develop/develop.h"
 #include "data/options/options.h"
-#include "data/pack/pack.h"
 #include "data/process/process.h"
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
-#include "raster/batch/batch.h"
 #include "raster/cost/cost.h"
-#include "raster/deal/deal.h"
 #include "raster/driver/driver.h"
 #include "raster/drivers/drivers.h"
 #include "raster/exchange/exchange.h"
@@ -74,12 +71,8 @@ static const struct command commands[] = {
      command_export, FOR_EXPORT, 1},
     {"judge", "SCENE PIXELS", "judge what it drew: a folder, or a TIFF", "judge room drawn",
      command_judge, FOR_JUDGE, 2},
-    {"join", "STACK", "put the parts of a stack together, which render --part drew",
-     "join spheres.tif", command_join, FOR_JOIN, 1},
-    {"batch", "LIST", "render each line of a list that is not up to date, several at a time",
-     "batch scenes.txt", command_batch, FOR_BATCH, 1},
-    {"pack", "SCENE [-o FILE.tar]", "write a scene with all files that it names as one archive",
-     "pack my.scene", command_pack, FOR_PACK, 1},
+    {"join", "-o STACK PART...", "put the parts of a picture together, which render --part drew",
+     "join -o spheres.tif spheres.*-of-4.tif", command_join, FOR_JOIN, MAX_OPERANDS},
     {"list", "[KIND]", "print the names of all that is built in, or of one kind", "list materials",
      command_list, 0, 1},
     {"show", "NAME [-o FILE]", "print a built-in file, to start a file of your own with",
@@ -131,12 +124,11 @@ static const struct option known_options[] = {
     {.heading = "render:"},
     {"-o, --output STACK.tif",
      "writes there; - is standard output; /dev/null: checks only, writes nothing", FOR_RENDER,
-     TEXT(output)},
+     TEXT(output), .writes = true},
     {"--again STACK",
      "makes that stack again, from its record (default output: STACK's name + -again.tif)",
      FOR_RENDER, TEXT(again)},
-    {"--trust", "--again reads files outside of this folder, too", FOR_RENDER | FOR_JOIN,
-     FLAG(trust)},
+    {"--trust", "--again reads files outside of this folder, too", FOR_RENDER, FLAG(trust)},
     {"--renderer gl|llvmpipe|softpipe|gl-shader[:DRIVER]|es-shader[:DRIVER]|raster",
      "stores pixels of gl (default), of its driver llvmpipe or softpipe, of shaders by OpenGL 3.3 "
      "core or OpenGL ES 3, or of the reference",
@@ -153,30 +145,26 @@ static const struct option known_options[] = {
      FOR_RENDER | FOR_VERIFY | FOR_JUDGE | RECORDED, TEXT(unchecked)},
     {"--check-map FILE",
      "writes what the check can see at each pixel, and its verdict there (.tif or .png)",
-     FOR_RENDER | FOR_JUDGE, TEXT(check_map)},
+     FOR_RENDER | FOR_JUDGE, TEXT(check_map), .writes = true},
     {"--keep", "stores the stack even if the check fails", FOR_RENDER | FOR_JOIN, FLAG(keep)},
     {"--envi", "also writes STACK.tif.hdr, as envi does", FOR_RENDER | FOR_JOIN, FLAG(envi)},
-    {"--part I/N",
-     "draws part I of N into STACK.tif.I-of-N.part; goes on there if it was killed; see join",
-     FOR_RENDER | FOR_PLAN, TEXT(part), .accepts = part_accepts},
-    {"--shared", "parts store in one file, STACK.tif.unfinished", FOR_RENDER, FLAG(shared)},
-    {"--resume", "goes on with a render that was killed", FOR_RENDER, FLAG(resume)},
-    {"--update", "draws nothing if the stack is up to date", FOR_RENDER, FLAG(update)},
+    {"--part I/N", "draws part I of N as a stack of some rows of the picture; see join",
+     FOR_RENDER, TEXT(part), .accepts = part_accepts},
     {"--full-scale R", "radiance of count 65535 (default: the largest)",
      FOR_RENDER | FOR_EXCHANGE | RECORDED, NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      FOR_RENDER | RECORDED, TEXT(depth), .choices = depths},
     {"-j, --threads N", "threads to compute with (default: one per processor)",
-     FOR_SCENES | FOR_STACKS | FOR_JOIN | FOR_BATCH, COUNT(threads), .lowest = 1, .highest = 1024},
+     FOR_SCENES | FOR_STACKS, COUNT(threads), .lowest = 1, .highest = 1024},
     {"--memory MIB", "MiB of memory that a command may take beyond a tile's 300 (default: 1024)",
      FOR_ALL, COUNT(memory_mib), .lowest = 1, .highest = 1 << 24},
     {"--json FILE", "writes the results as JSON; - is standard output",
-     FOR_SCENES | FOR_STACKS | FOR_INFO | FOR_DRIVERS | FOR_JOIN | FOR_BATCH, TEXT(json)},
+     FOR_SCENES | FOR_STACKS | FOR_INFO | FOR_DRIVERS, TEXT(json), .writes = true},
     {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated",
      FOR_RENDER | FOR_JUDGE, FLAG(verbose)},
     {"-q, --quiet", "prints no table and no progress",
      FOR_RENDER | FOR_JUDGE | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST | FOR_VERIFY |
-         FOR_JOIN | FOR_BATCH,
+         FOR_JOIN,
      FLAG(quiet)},
     {.heading = "develop, probe and compare:"},
     {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
@@ -186,7 +174,7 @@ static const struct option known_options[] = {
     {.heading = "develop:"},
     {"-o, --output PICTURE.png",
      "writes there, PNG or .tif; - is standard output (default: STACK's name + -developed.png)",
-     FOR_DEVELOP, TEXT(output)},
+     FOR_DEVELOP, TEXT(output), .writes = true},
     {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
      "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",
      FOR_DEVELOP, TEXT(adaptation), .accepts = develop_accepts_adaptation},
@@ -203,7 +191,7 @@ static const struct option known_options[] = {
      TEXT(sampling)},
     {.heading = "probe and show:"},
     {"-o, --output FILE", "writes there (default: standard output)", FOR_PROBE | FOR_SHOW,
-     TEXT(output)},
+     TEXT(output), .writes = true},
     {"--csv", "writes a table instead of text", FOR_PROBE, FLAG(csv)},
     {"--svg", "writes a plot instead of text", FOR_PROBE, FLAG(svg)},
     {.heading = "compare:"},
@@ -212,11 +200,11 @@ static const struct option known_options[] = {
      FOR_COMPARE, TEXT(tolerance), .accepts = compare_accepts_tolerance},
     {"--map FILE",
      "writes each pixel's largest difference, spectral angle and CIEDE2000 (.tif, .png)",
-     FOR_COMPARE, TEXT(map)},
+     FOR_COMPARE, TEXT(map), .writes = true},
     {.heading = "view:"},
     {"-o, --output PAGE.html",
      "writes there, HTML or .png; - is standard output (default: SCENE's name + .html)", FOR_VIEW,
-     TEXT(output)},
+     TEXT(output), .writes = true},
     {"--still", "the page draws one geometry, and cannot be edited", FOR_VIEW, FLAG(still)},
     {"--gallery", "a page of all built-in scenes", FOR_VIEW, FLAG(gallery)},
     {"--budget MB", "samples in the page of a stack, at most (default: 40)", FOR_VIEW, TEXT(budget)},
@@ -226,8 +214,10 @@ static const struct option known_options[] = {
     {"--runs N", "runs of each configuration, at least 5 (default: 5)", FOR_COST, COUNT(runs),
      .lowest = 5, .highest = 1024},
     {"--quick", "measures near the frontier only, in about half a minute", FOR_COST, FLAG(quick)},
-    {"--csv FILE", "writes the table; - is standard output", FOR_COST, TEXT(csv_file)},
-    {"--svg FILE", "writes a chart; - is standard output", FOR_COST, TEXT(svg_file)},
+    {"--csv FILE", "writes the table; - is standard output", FOR_COST, TEXT(csv_file),
+     .writes = true},
+    {"--svg FILE", "writes a chart; - is standard output", FOR_COST, TEXT(svg_file),
+     .writes = true},
     {"--tolerance EdE00",
      "names the cheapest configuration within E CIEDE2000 for 95 % of the pixels", FOR_COST,
      TEXT(tolerance), .accepts = cost_accepts_tolerance},
@@ -235,7 +225,7 @@ static const struct option known_options[] = {
      TEXT(budget)},
     {.heading = "verify:"},
     {"--junit FILE", "writes the results as JUnit's XML; - is standard output", FOR_VERIFY,
-     TEXT(junit)},
+     TEXT(junit), .writes = true},
     {"--baseline FILE", "fails where a result is not as in this file, and nowhere else", FOR_VERIFY,
      TEXT(baseline)},
     {"--reduce FOLDER", "makes the first scene that fails small, and writes it there as a case",
@@ -252,13 +242,10 @@ static const struct option known_options[] = {
     {.heading = "envi:"},
     {"-o, --output FILE.hdr",
      "writes there; - is standard output (default: STACK's name + .hdr, beside it)", FOR_ENVI,
-     TEXT(output)},
-    {.heading = "batch:"},
-    {"--jobs N", "renders at a time (default: one per processor)", FOR_BATCH, COUNT(jobs),
-     .lowest = 1, .highest = 1024},
-    {.heading = "pack:"},
-    {"-o, --output FILE.tar", "writes there; - is standard output (default: SCENE's name + .tar)",
-     FOR_PACK, TEXT(output)},
+     TEXT(output), .writes = true},
+    {.heading = "join:"},
+    {"-o, --output STACK.tif", "writes there; - is standard output", FOR_JOIN, TEXT(output),
+     .writes = true},
     {.heading = "all:"},
     {"-h, --help", "prints the help of this command; spectral -V, --version prints the versions",
      FOR_ALL, FLAG(help)},
@@ -345,8 +332,7 @@ static bool print_version(struct error *err)
 
 static bool run_limited(const struct command *command, struct options *options, struct error *err)
 {
-    if (command->options != FOR_BATCH) /* each of its renders has a limit */
-        options_limit_memory(options);
+    options_limit_memory(options);
     return command->run(options, err);
 }
 
@@ -410,28 +396,14 @@ static bool run_command(int argc, char **argv, struct error *err)
                                     : run_with_options(command, argv, argc, err);
 }
 
-struct words {
-    int n;
-    char **word;
-};
-
-/* Returns the exit status. A user who has stopped the program needs no message. */
-static int run_words(void *of)
-{
-    const struct words *words = of;
-    struct error err = {.status = EXIT_AGREED};
-    if (run_command(words->n, words->word, &err))
-        return EXIT_AGREED;
-    if (err.text[0] && !is_interrupted())
-        fprintf(stderr, "%s\n", err.text);
-    return (int)err.status;
-}
-
 int main(int argc, char **argv)
 {
-    struct words words = {argc, argv};
+    struct error err = {.status = EXIT_AGREED};
+    guard_begin();
     /* a closed pipe, and a file that reaches its limit, are failed writes */
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
-    return guard_run(run_words, &words);
+    if (!run_command(argc, argv, &err) && err.text[0])
+        fprintf(stderr, "%s\n", err.text);
+    guard_exit((int)err.status);
 }

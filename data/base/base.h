@@ -79,6 +79,19 @@ bool input_read(const char *name, char **bytes, size_t *length, struct error *er
 bool file_open(const char *path, struct place from, int *descriptor,
                const struct builtin_file **builtin, struct error *err);
 
+/* ---- was_read.c: the files that this process has opened for reading ---- */
+
+struct file_identity {
+    uint64_t device, inode;
+};
+/* Notes the file of a descriptor; what is no regular file is never replaced, and not noted. Every
+ * opening for reading comes through file.c, which notes it. Fails without memory. */
+bool file_note_read(int descriptor, struct error *err);
+bool file_was_read(const char *path); /* also under another name of the file */
+/* For a process that reads in place of another: the files noted so far; and one more. */
+const struct file_identity *files_read(int *n);
+bool files_read_add(const struct file_identity *file, struct error *err);
+
 /* ---- file.c: bytes of an open file ---- */
 
 /* Repeats a call of the system that a signal has interrupted, e.g. UNTIL_DONE(got, read(...)). */

@@ -73,7 +73,7 @@ static int open_readable(const char *path, struct place from, int flags, struct 
         fail_read(err, from, path);
     else if (S_ISDIR(status->st_mode))
         refuse_read(err, from, path, "it is a folder");
-    else
+    else if (file_note_read(descriptor, err))
         return descriptor;
     if (descriptor >= 0)
         close(descriptor);
@@ -169,7 +169,9 @@ bool file_read(const char *path, struct place from, char **bytes, size_t *length
 bool input_read(const char *name, char **bytes, size_t *length, struct error *err)
 {
     struct reading of = {.path = name};
-    return end_reading(&of, read_open(&of, STDIN_FILENO, 1 << 16, err), bytes, length);
+    const bool done =
+        file_note_read(STDIN_FILENO, err) && read_open(&of, STDIN_FILENO, 1 << 16, err);
+    return end_reading(&of, done, bytes, length);
 }
 
 bool file_open(const char *path, struct place from, int *descriptor,

@@ -11,7 +11,6 @@
 #include "data/compare/compare.h"
 #include "data/maths/maths.h"
 #include "data/pages/pages.h"
-#include "data/process/process.h"
 #include "data/record/record.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
@@ -254,8 +253,6 @@ static void add_row(struct comparer *comparer, int row)
 
 static bool compare_chunk(struct comparer *comparer, int first, struct error *err)
 {
-    if (is_interrupted())
-        return error_system(err, "interrupted; nothing was written");
     if (!rows_read(&comparer->a, first, err) || !rows_read(&comparer->b, first, err))
         return false;
     threads_each(comparer->threads, comparer->a.n, compare_row, comparer);

@@ -84,7 +84,6 @@ bool command_develop(struct options *options, struct error *err)
         return error_usage(err, "develop takes a STACK; see spectral develop --help");
     if (!name_picture(options, stack, err) ||
         !read_options(options, &method, &develop_options, err) || !scene_refuse(stack, err) ||
-        !image_spared(options->output, stack, err) || !image_spared(options->json, stack, err) ||
         !output_can_open(options->json, err) ||
         !develop(stack, options->output, &develop_options, &result, err))
         return false;

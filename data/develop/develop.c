@@ -10,7 +10,6 @@
 #include "data/base/base.h"
 #include "data/develop/develop.h"
 #include "data/pages/pages.h"
-#include "data/process/process.h"
 #include "data/threads/threads.h"
 #include "data/tiff/tiff.h"
 
@@ -89,8 +88,6 @@ static bool sum_chunk(struct development *of, int y, int rows, struct error *err
     struct image *image = &of->cube.image;
     memset(of->sums, 0, 3 * of->n_pixels * sizeof *of->sums);
     for (int page = 0; page < image->n_pages; page++) {
-        if (is_interrupted())
-            return error_system(err, "interrupted; nothing was written");
         if (!image_read(image, page, y, rows, of->radiance + (size_t)(page % BATCH) * of->n_pixels,
                         err))
             return false;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "digest": SHA-256 (FIPS 180-4), which nobody can forge, and a checksum, which is fast.
- */
+/* The room "digest": SHA-256 (FIPS 180-4). */
 #ifndef DIGEST_H
 #define DIGEST_H
 
@@ -15,10 +14,5 @@ void digest_start(struct digest *out);
 void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 bool digest_file(const char *path, char out[65], struct error *err);
-
-/* ---- checksum.c: CRC-32 (ISO 3309), by zlib ---- */
-
-/* Adds bytes to a checksum, which begins with 0. */
-uint32_t checksum_add(uint32_t sum, const void *bytes, size_t length);
 
 #endif

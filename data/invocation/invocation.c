@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/inputs/inputs.h"
 #include "data/invocation/invocation.h"
 #include "data/method/method.h"
 #include "data/tiff/tiff.h"
@@ -32,20 +31,6 @@ bool scene_read_options(const struct options *options, struct scene *out, struct
         if (!options->changes[i].apply(out, options->changes[i].value, err))
             return false;
     return true;
-}
-
-bool scene_spared(const char *output, const struct scene *scene, struct error *err)
-{
-    struct inputs inputs = {.path = NULL};
-    bool done = !output || inputs_list(scene, NULL, &inputs, err);
-    for (int i = 0; done && i < scene->n_texts; i++) {
-        const char *path = scene->files[i].path;
-        done = output_spares(output, scene_is_input(path) ? "/dev/stdin" : path, err);
-    }
-    for (int i = 0; done && i < inputs.n; i++)
-        done = output_spares(output, inputs.path[i], err);
-    inputs_free(&inputs);
-    return done;
 }
 
 bool scene_refuse(const char *stack, struct error *err)

@@ -10,8 +10,6 @@
 
 /* Reads SCENE and makes the changes that the options ask for, in their order. */
 bool scene_read_options(const struct options *options, struct scene *out, struct error *err);
-/* Refuses an output that would replace a file of the scene. NULL: no output. */
-bool scene_spared(const char *output, const struct scene *scene, struct error *err);
 /* Refuses a text file, or the name of a built-in scene, where a stack is expected: nobody has
  * rendered it yet.
  * A missing file passes: whoever opens it reports that. */

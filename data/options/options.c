@@ -178,25 +178,72 @@ static bool read_option(const struct option_rules *rules, char *const *words, in
 
 /* ---- outputs ---- */
 
-/* Refuses two outputs that are one file: the later would replace the earlier. */
+/* Returns the text that the option of a row was given; NULL: none, or the command takes no such
+ * option. */
+static const char *given_text(const struct options *options, const struct option *row)
+{
+    const char *value = NULL;
+    if (!row->heading && row->kind == OPTION_TEXT && option_takes(row, options->commands))
+        memcpy(&value, (const char *)options + row->offset, sizeof value);
+    return value;
+}
+
+/* A stack may be made again under its own name: the bytes must be the same. */
+static bool makes_again(const struct options *options, const char *written, const char *named)
+{
+    return written == options->output && named == options->again;
+}
+
+/* Points to the long name in a usage, and returns its length. */
+static int long_name(const struct option *row, const char **out)
+{
+    *out = strstr(row->usage, "--");
+    return (int)strcspn(*out, " ,");
+}
+
+/* Refuses an output that is the file of another option. A value that is no file is none of them. */
+static bool spares_option(const struct options *options, const struct option *writes,
+                          const struct option *row, struct error *err)
+{
+    const char *written = given_text(options, writes), *named = given_text(options, row), *one,
+               *other;
+    bool is_file = row->writes, same = false;
+    if (row == writes || !named || strcmp(written, "/dev/null") == 0 ||
+        makes_again(options, written, named))
+        return true;
+    if ((!is_file && !file_is_regular(named, &is_file, err)) ||
+        (is_file && !file_is_same(written, named, &same, err)))
+        return false;
+    const int length = long_name(writes, &one), other_length = long_name(row, &other);
+    return !same || error_usage(err, "%.*s and %.*s name the same file; expected two files", length,
+                                one, other_length, other);
+}
+
+/* Refuses an output that is the file of an operand. */
+static bool spares_operand(const char *written, const char *operand, struct error *err)
+{
+    bool is_file = false, same = false;
+    if (!file_is_regular(operand, &is_file, err) ||
+        (is_file && !file_is_same(written, operand, &same, err)))
+        return false;
+    return !same ||
+           error_usage(err, "%s would replace an input; expected another file", written);
+}
+
+/* Refuses outputs that would replace another file of the command line. */
 static bool check_outputs(const struct options *options, struct error *err)
 {
-    const struct {
-        const char *word, *path;
-    } outputs[] = {{"--output", options->output}, {"--json", options->json},
-                   {"--map", options->map},       {"--check-map", options->check_map},
-                   {"--csv", options->csv_file},  {"--svg", options->svg_file}};
-    for (size_t i = 0; i < sizeof outputs / sizeof outputs[0]; i++)
-        for (size_t j = 0; j < i; j++) {
-            bool same;
-            if (!outputs[i].path || !outputs[j].path || strcmp(outputs[i].path, "/dev/null") == 0)
-                continue;
-            if (!file_is_same(outputs[i].path, outputs[j].path, &same, err))
+    const struct option_table *table = options->table;
+    for (int i = 0; i < table->n; i++) {
+        const struct option *writes = &table->options[i];
+        const char *written = writes->writes ? given_text(options, writes) : NULL;
+        for (int j = 0; written && j < table->n; j++)
+            if (!spares_option(options, writes, &table->options[j], err))
                 return false;
-            if (same)
-                return error_usage(err, "%s and %s name the same file; expected two files",
-                                   outputs[j].word, outputs[i].word);
-        }
+        for (int j = 0; written && j < options->n_operands; j++)
+            if (!spares_operand(written, options->operands[j], err))
+                return false;
+    }
     return true;
 }
 
@@ -206,7 +253,7 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
                   struct options *out, struct error *err)
 {
     bool only_operands = false;
-    *out = (struct options){.table = rules->table};
+    *out = (struct options){.table = rules->table, .commands = rules->commands};
     for (int i = 0; i < n_words; i++) {
         if (!only_operands && strcmp(words[i], "--") == 0) {
             only_operands = true;
@@ -263,6 +310,13 @@ void options_limit_memory(const struct options *options)
 const char *options_scene(const struct options *options)
 {
     return options->operand ? options->operand : "colorchecker";
+}
+
+bool options_unchecked(const struct options *options, double *out, struct error *err)
+{
+    const double usual = 0.01;
+    *out = options->strict ? 0 : usual;
+    return !options->unchecked || option_number("--unchecked", options->unchecked, 0, 1, out, err);
 }
 
 int options_table(const struct options *options, const char *output)

@@ -20,8 +20,8 @@ struct options;
 enum { FOR_RENDER = 1, FOR_PLAN = 1 << 1, FOR_PROBE = 1 << 2, FOR_COST = 1 << 3 };
 enum { FOR_VIEW = 1 << 4, FOR_DEVELOP = 1 << 5, FOR_COMPARE = 1 << 6, FOR_SHOW = 1 << 7 };
 enum { FOR_INFO = 1 << 8, FOR_ENVI = 1 << 9, FOR_DRIVERS = 1 << 10, FOR_VERIFY = 1 << 11 };
-enum { FOR_EXPORT = 1 << 12, FOR_JUDGE = 1 << 13, FOR_JOIN = 1 << 14, FOR_BATCH = 1 << 15 };
-enum { FOR_PACK = 1 << 16, FOR_ALL = 1 << 17, RECORDED = 1 << 18 };
+enum { FOR_EXPORT = 1 << 12, FOR_JUDGE = 1 << 13, FOR_JOIN = 1 << 14 };
+enum { FOR_ALL = 1 << 15, RECORDED = 1 << 16 };
 enum {
     /* cost chooses the shading by itself */
     FOR_EXCHANGE = FOR_EXPORT | FOR_JUDGE,
@@ -52,6 +52,7 @@ struct option {
     bool (*accepts)(const char *option, const char *value, struct error *err);
     bool (*change)(struct scene *scene, const char *value, struct error *err);
     const char *heading; /* for --help; NULL: the row is an option, otherwise all else is 0 */
+    bool writes;         /* OPTION_TEXT: the value names a file that the command writes */
 };
 struct option_table {
     const struct option *options;
@@ -64,12 +65,13 @@ struct option_change {
     const char *value;
 };
 
-enum { MAX_OPERANDS = 64, MAX_RECORDED = 64 };
+enum { MAX_OPERANDS = 1024, MAX_RECORDED = 64 };
 
 /* A command line as it was read. Texts point into it. NULL, 0 or false means that an option was not
  * given. */
 struct options {
     const struct option_table *table; /* by which it was read */
+    int commands;                     /* whose options it may hold: see struct option_rules */
     const char *program;              /* the name that the user started the program by */
     const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
     const char *operands[MAX_OPERANDS];
@@ -83,10 +85,10 @@ struct options {
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
     const char *tolerance, *budget, *unchecked, *accuracy, *part;
     double full_scale;
-    int threads, runs, memory_mib, max_triangles, jobs;
+    int threads, runs, memory_mib, max_triangles;
     struct outputs outputs; /* complete; they appear when the command has ended well */
     bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick,
-        measure, update_baseline, resume, shared, update, still, gallery;
+        measure, update_baseline, still, gallery;
 };
 
 /* The options and operands that a command allows. */
@@ -98,20 +100,23 @@ struct option_rules {
 };
 
 /* Reads the words behind the command's name: "--option value", "--option=value", flags and
- * operands; behind "--" all words are operands. The words must outlive *out. Call options_free also
- * after a failure. */
+ * operands; behind "--" all words are operands. Refuses an output that is a file of another word.
+ * The words must outlive *out. Call options_free also after a failure. */
 bool options_read(const struct option_rules *rules, char *const *words, int n_words,
                   struct options *out, struct error *err);
 void options_free(struct options *options);
 
 /* Names the output after the file `path`, with another ending, where the command line gives none;
- * after "scene" where the path is "-". Refuses another output's name. options_free ends it. */
+ * after "scene" where the path is "-". Refuses a name that the command line has, too. options_free
+ * ends it. */
 bool options_name_output(struct options *options, const char *path, const char *ending,
                          struct error *err);
 /* Limits the memory of the command: see memory_limit. */
 void options_limit_memory(const struct options *options);
 /* Returns SCENE, or the built-in colorchecker if none is given. */
 const char *options_scene(const struct options *options);
+/* Finds the share of object pixels that may stay unchecked in a picture that agrees. */
+bool options_unchecked(const struct options *options, double *out, struct error *err);
 /* Returns the detector or observer, or cie1931 if none is given. */
 const char *options_detector(const struct options *options);
 

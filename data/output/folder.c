@@ -2,7 +2,6 @@
 /* A folder for files that nobody keeps. It holds a lock as long as its process lives: a later
  * process removes the folders of those that were killed. */
 #define _GNU_SOURCE /* flock */
-#include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,13 +11,14 @@
 #include <unistd.h>
 
 #include "data/output/output.h"
+#include "data/process/process.h"
 
 /* Names of folders are a prefix and the six characters of mkdtemp. In a folder of the user's they
  * are hidden, and no name that anybody gives. */
 static const char temporary_prefix[] = "spectral.", kept_prefix[] = ".spectral-unfinished.",
                   pattern[] = "XXXXXX";
 
-/* Opens a folder of this user. Follows no link. Returns -1 where there is none. */
+/* Opens a folder of this user. Follows no link. Returns -1: there is none. */
 static int open_own(int parent, const char *name)
 {
     const int folder = openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
@@ -31,24 +31,33 @@ static int open_own(int parent, const char *name)
 }
 
 /* Removes the files in a folder, which holds no folders. */
-static void empty(int folder)
+static void empty(DIR *entries)
 {
-    const int copy = dup(folder);
-    DIR *entries = copy >= 0 ? fdopendir(copy) : NULL;
-    if (!entries) {
-        if (copy >= 0)
-            close(copy);
-        return;
-    }
+    rewinddir(entries);
     for (const struct dirent *entry; (entry = readdir(entries));)
-        unlinkat(folder, entry->d_name, 0);
-    closedir(entries);
+        unlinkat(dirfd(entries), entry->d_name, 0);
 }
 
 static bool is_ours(const char *name, const char *prefix)
 {
     const size_t length = strlen(prefix);
     return strncmp(name, prefix, length) == 0 && strlen(name) == length + strlen(pattern);
+}
+
+/* Opens a folder of this user by its name in another one, and locks it; NULL: another process holds
+ * it, or it is none. */
+static DIR *lock_folder(int parent, const char *name)
+{
+    const int folder = open_own(parent, name);
+    DIR *entries = folder >= 0 ? fdopendir(folder) : NULL;
+    if (folder >= 0 && !entries)
+        close(folder);
+    /* a file system without locks is swept by nobody */
+    if (entries && flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+        closedir(entries);
+        entries = NULL;
+    }
+    return entries;
 }
 
 /* Removes the folders of processes that were killed. */
@@ -58,22 +67,18 @@ static void sweep(const char *parent, const char *prefix)
     if (!entries)
         return;
     for (const struct dirent *entry; (entry = readdir(entries));) {
-        if (!is_ours(entry->d_name, prefix))
+        DIR *folder =
+            is_ours(entry->d_name, prefix) ? lock_folder(dirfd(entries), entry->d_name) : NULL;
+        if (!folder)
             continue;
-        const int folder = open_own(dirfd(entries), entry->d_name);
-        if (folder < 0)
-            continue;
-        if (flock(folder, LOCK_EX | LOCK_NB) == 0) {
-            empty(folder);
-            unlinkat(dirfd(entries), entry->d_name, AT_REMOVEDIR);
-        }
-        close(folder);
+        empty(folder);
+        unlinkat(dirfd(entries), entry->d_name, AT_REMOVEDIR);
+        closedir(folder);
     }
     closedir(entries);
 }
 
-/* Another process may sweep a new folder before this one has its lock: then it makes another. A
- * file system without locks is swept by nobody. */
+/* Another process may sweep a new folder before this one has its lock: then it makes another. */
 static bool make(const char *parent, const char *prefix, struct folder *out)
 {
     struct stat status;
@@ -83,9 +88,8 @@ static bool make(const char *parent, const char *prefix, struct folder *out)
         if (!mkdtemp(path))
             return false;
         memcpy(out->path, path, sizeof path);
-        out->lock = open_own(AT_FDCWD, path);
-        if (out->lock >= 0 && (flock(out->lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
-            fstat(out->lock, &status) == 0 && status.st_nlink > 0)
+        out->entries = lock_folder(AT_FDCWD, path);
+        if (out->entries && fstat(dirfd(out->entries), &status) == 0 && status.st_nlink > 0)
             return true;
         folder_close(out);
     }
@@ -95,14 +99,16 @@ static bool make(const char *parent, const char *prefix, struct folder *out)
 bool folder_open(struct folder *out, struct error *err)
 {
     const char *given = getenv("TMPDIR"), *parent = given && given[0] ? given : "/tmp";
-    *out = (struct folder){.lock = -1};
+    *out = (struct folder){.entries = NULL};
     sweep(parent, temporary_prefix);
-    if (!make(parent, temporary_prefix, out)) {
+    guard_hold();
+    const bool done = make(parent, temporary_prefix, out) && guard_remove(out->path);
+    if (!done) {
         error_system(err, "cannot make a temporary folder in %s", parent);
         folder_close(out);
-        return false;
     }
-    return true;
+    guard_release();
+    return done;
 }
 
 /* Writes the folder that a path lies in. */
@@ -119,7 +125,7 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
 {
     char parent[sizeof out->path];
     const struct place place = {path, 0, 0};
-    *out = (struct folder){.lock = -1};
+    *out = (struct folder){.entries = NULL};
     if (!file_is_missing(path))
         return error_at(err, place, "this folder exists already; expected a new name");
     find_parent(path, parent);
@@ -139,7 +145,8 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err)
     char parent[sizeof folder->path];
     const mode_t mask = umask(0);
     umask(mask);
-    if (fchmod(folder->lock, 0777 & ~mask) != 0 || fsync(folder->lock) != 0 ||
+    const int own = dirfd(folder->entries);
+    if (fchmod(own, 0777 & ~mask) != 0 || fsync(own) != 0 ||
         rename(folder->path, path) != 0)
         return error_cause(err, place, errno, "cannot make the folder");
     folder->path[0] = '\0';
@@ -154,11 +161,12 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err)
 
 void folder_close(struct folder *folder)
 {
-    if (folder->path[0] && rmdir(folder->path) != 0 && folder->lock >= 0) {
-        empty(folder->lock);
+    if (folder->path[0] && folder->entries)
+        empty(folder->entries);
+    if (folder->path[0])
         rmdir(folder->path);
-    }
-    if (folder->lock >= 0)
-        close(folder->lock);
-    *folder = (struct folder){.lock = -1};
+    guard_forget(folder->path);
+    if (folder->entries)
+        closedir(folder->entries);
+    *folder = (struct folder){.entries = NULL};
 }

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "data/output/output.h"
+#include "data/process/process.h"
 
 /* ---- opening ---- */
 
@@ -52,6 +53,13 @@ static bool open_beside(struct output *out, const char *path, const struct stat 
            write_fault(err, path);
 }
 
+/* Refuses to replace a file that this process has read. */
+static bool spares_inputs(const char *path, struct error *err)
+{
+    return !file_was_read(path) ||
+           error_usage(err, "%s would replace an input; expected another file", path);
+}
+
 static bool open_target(struct output *out, const char *path, struct error *err)
 {
     struct stat status;
@@ -63,8 +71,9 @@ static bool open_target(struct output *out, const char *path, struct error *err)
             return error_usage(err, "cannot write %s: it is a folder", path);
         if (access(path, W_OK) != 0)
             return write_fault(err, path);
-        return S_ISREG(status.st_mode) ? open_beside(out, path, &status, err)
-                                       : open_copied(out, path, err);
+        return !S_ISREG(status.st_mode) ? open_copied(out, path, err)
+                                        : spares_inputs(path, err) &&
+                                              open_beside(out, path, &status, err);
     }
     if (errno != ENOENT)
         return write_fault(err, path);
@@ -147,8 +156,13 @@ static void sync_folder(const char *path)
 
 static bool commit_name(struct output *out, struct error *err)
 {
-    if (!temporary_name(out, out->path))
-        return write_fault(err, out->path);
+    if (!spares_inputs(out->path, err))
+        return false;
+    guard_hold();
+    const bool done = temporary_name(out, out->path) || write_fault(err, out->path);
+    guard_release();
+    if (!done)
+        return false;
     sync_folder(out->path);
     return true;
 }
@@ -231,12 +245,30 @@ bool outputs_readable(const struct outputs *outputs, const char *path, const cha
     return true;
 }
 
+/* Refuses an output under two names, of which the later would replace the earlier. */
+static bool is_one_of_its_own(const struct outputs *outputs, int i, struct error *err)
+{
+    const char *path = outputs->list[i].path;
+    for (int j = 0; j < i; j++) {
+        bool same;
+        if (!file_is_same(outputs->list[j].path, path, &same, err))
+            return false;
+        if (same)
+            return error_usage(err, "%s would be written twice; expected two files", path);
+    }
+    return true;
+}
+
 bool outputs_commit(struct outputs *outputs, struct error *err)
 {
     bool done = true;
     for (int i = 0; done && i < outputs->n; i++)
+        done = spares_inputs(outputs->list[i].path, err) && is_one_of_its_own(outputs, i, err);
+    guard_hold();
+    for (int i = 0; done && i < outputs->n; i++)
         done = commit(&outputs->list[i], err);
     outputs_discard(outputs);
+    guard_release();
     return done;
 }
 

@@ -4,6 +4,8 @@
 #ifndef OUTPUT_H
 #define OUTPUT_H
 
+#include <dirent.h>
+
 #include "data/base/base.h"
 
 /* ---- output.c: files that appear whole or not at all ---- */
@@ -18,8 +20,8 @@ enum { LATE_PIECES = 32 };
 struct output {
     int descriptor;
     char *path;      /* final name, links resolved */
-    char *temporary; /* a name by which the file can be read until it is committed; NULL when none
-                        is open */
+    char *temporary; /* the path under which this process can read the file before it has its final
+                        name; NULL: no file is open */
     bool named;      /* the temporary name stands in the folder, and must be removed */
     bool copied;     /* path is no regular file, or "-": copy at the end */
     struct output_piece
@@ -27,7 +29,8 @@ struct output {
     int n_pieces;
     uint64_t written; /* bytes that output_written has heard of */
 };
-/* Creates the file. Refuses a path that cannot be written, and a terminal. */
+/* Creates the file. Refuses a path that cannot be written, a terminal, and a file that this process
+ * has read: see file_was_read. */
 bool output_open(struct output *out, const char *path, struct error *err);
 bool output_sync(const struct output *output, struct error *err); /* bytes are then on the disk */
 void output_discard(struct output *out); /* safe after output_pass, and on a zeroed struct */
@@ -46,6 +49,8 @@ bool output_pass(struct output *output, struct outputs *outputs, struct error *e
  * of them. Fails only where the system does. */
 bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
                       struct error *err);
+/* Lets all outputs appear under their names. Refuses to replace a file that this process has read:
+ * then none appears. */
 bool outputs_commit(struct outputs *outputs, struct error *err);
 void outputs_discard(struct outputs *outputs); /* safe after commit */
 /* Writes a whole small file, which appears whole or not at all. "-" is standard output; if its
@@ -76,18 +81,18 @@ char *output_name(const char *path, const char *ending);
 bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
 bool output_is_standard(const char *path); /* true of "-", standard output */
 bool output_is_stream(const char *path);   /* true of "-", and of what exists and is no file */
-/* Refuses an output that would replace the input. Either may be NULL. */
-bool output_spares(const char *output, const char *input, struct error *err);
 
 /* ---- folder.c: a folder for files that nobody keeps ---- */
 
 struct folder {
     char path[4096]; /* Linux takes no longer one; "": there is none */
-    int lock;        /* -1: there is none */
+    DIR *entries;    /* open, so that the folder can be emptied without memory; NULL: there is none */
 };
-/* Makes a folder in TMPDIR, or /tmp. Removes those of processes that were killed. */
+/* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove): the caller tells the
+ * guard of the files in it. Removes the folders of processes that were killed. */
 bool folder_open(struct folder *out, struct error *err);
-/* Makes a folder beside the path, which must not exist, for files that the user keeps. */
+/* Makes a folder beside the path, which must not exist, for files that the user keeps. The caller
+ * holds signals back until folder_close: see guard_hold. */
 bool folder_open_beside(const char *path, struct folder *out, struct error *err);
 /* Gives the folder the name of that path, with all files in it. */
 bool folder_keep(struct folder *folder, const char *path, struct error *err);
@@ -97,8 +102,8 @@ void folder_close(struct folder *folder); /* with all files in it, unless they a
 
 /* temporary.c: fills out->descriptor, temporary and named with a new file in the folder of a path.
  * Where the file system can, the file has no name, so that nothing stays behind if the program is
- * killed. Otherwise its name is .NAME.PID.N.tmp, and it holds a lock as long as it is open: a later
- * output of the same NAME removes such files that nobody holds. Returns false with errno. */
+ * killed. Otherwise its name is .NAME.PID.N.tmp, which guard_remove knows. Returns false with errno.
+ */
 bool temporary_create(struct output *out, const char *path, mode_t mode);
 /* Gives the file the path's name, in place of any file of that name. Returns false with errno. */
 bool temporary_name(struct output *out, const char *path);

@@ -58,14 +58,3 @@ bool output_is_stream(const char *path)
     struct stat status;
     return output_is_standard(path) || (stat(path, &status) == 0 && !S_ISREG(status.st_mode));
 }
-
-bool output_spares(const char *output, const char *input, struct error *err)
-{
-    bool regular, same;
-    if (!output || !input || output_is_standard(output))
-        return true;
-    if (!file_is_regular(input, &regular, err) || !file_is_same(output, input, &same, err))
-        return false;
-    return !regular || !same ||
-           error_usage(err, "%s would replace the input; expected another file", output);
-}

@@ -225,11 +225,11 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
     const bool fits = (pages->big || end <= UINT32_MAX) && recorded;
     good = good && (!fits || place_pages(tiff, &client));
     if (!close_tiff(tiff, &client, good) ||
-        !(pages->head_only || output_fits(pages->output.descriptor, pages->output.path, end, err)))
+        !output_fits(pages->output.descriptor, pages->output.path, end, err))
         return false;
     int resized;
     UNTIL_DONE(resized, ftruncate(pages->output.descriptor, fits ? (off_t)end : 0));
-    if (resized != 0 || (fits && !pages->head_only && !output_reserve(&pages->output, end)))
+    if (resized != 0 || (fits && !output_reserve(&pages->output, end)))
         return error_system(err, "%s: cannot hold %" PRIu64 " bytes", pages->output.path, end);
     pages->big = pages->big || end > UINT32_MAX;
     return fits || lay_out(pages, set_tags, of, err);
@@ -255,14 +255,6 @@ bool pages_write(const struct pages *pages, int page, uint64_t at, const void *b
                  struct error *err)
 {
     return put(pages, bytes, length, pages_offset(pages, page) + at, err);
-}
-
-bool pages_read(const struct pages *pages, int page, uint64_t at, void *bytes, size_t length,
-                struct error *err)
-{
-    const ssize_t got =
-        read_at(pages->output.descriptor, bytes, length, pages_offset(pages, page) + at);
-    return got == (ssize_t)length || error_system(err, "%s: cannot be read", pages->output.path);
 }
 
 void pages_written(struct pages *pages, int page, uint64_t at, uint64_t length)

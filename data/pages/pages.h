@@ -20,7 +20,6 @@ struct pages {
     const char *room;      /* beginning of a text in the first page; pages_finish writes it */
     size_t room_bytes;     /* of that text; room NULL: there is none */
     uint32_t room_tag;
-    bool head_only; /* no samples are written into this file, which needs no room for them */
     /* set by pages_open: */
     struct output output;
     uint64_t first; /* the offset of the first page's pixels */
@@ -42,9 +41,6 @@ uint64_t pages_end(const struct pages *pages); /* the size of the whole file */
 /* Writes bytes into a page, from byte `at` of its pixels on. */
 bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
                  struct error *err);
-/* Reads such bytes again. */
-bool pages_read(const struct pages *pages, int page, uint64_t at, void *bytes, size_t length,
-                struct error *err);
 /* Says that the writing of so many bytes of a page is over: see output_written. */
 void pages_written(struct pages *pages, int page, uint64_t at, uint64_t length);
 /* Fills the room with a text (NULL: there is no room). Reads all directories again, and fails if

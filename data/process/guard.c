@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* A command runs in a process that another one watches. A library may end its process, as LLVM
- * does without memory, or be ended by a bad pointer. The watching process
- * survives that, and the user still gets one line and an exit status. It also ends a command that
- * does not stop by itself after a signal. */
+/* The end of this process. Outputs have no name until they are whole, so a process can end at any
+ * moment. Only a file system that keeps no nameless files, and temporary folders, have names to be
+ * removed first. A signal handler gets no context: its data must be static. */
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "data/process/process.h"
@@ -17,137 +15,77 @@
 #include <sys/prctl.h>
 #endif
 
-/* ---- signals ---- */
+enum { MOST_NAMES = 8, NAME_ROOM = 4096 };
+static struct {
+    char names[MOST_NAMES][NAME_ROOM]; /* "": a free place */
+    volatile sig_atomic_t child;       /* 0: none */
+    volatile sig_atomic_t holds;       /* guard_hold without guard_release */
+    volatile sig_atomic_t waiting;     /* the signal that came meanwhile; 0: none */
+    volatile sig_atomic_t is_over;     /* guard_exit ends the process */
+} guard;
 
-static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP};
-enum { ENDING_SIGNALS = sizeof ending_signals / sizeof ending_signals[0] };
+static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP},
+                 crash_signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
+enum { ENDING_SIGNALS = 3, CRASH_SIGNALS = 5 };
 
-/* Finds the signals that end the program: not those that it ignores, as SIGHUP under nohup. Linux
- * keeps a blocked signal pending although it is ignored. */
-static void find_ending(sigset_t *out)
+/* ---- what the handlers do: only calls that POSIX allows there ---- */
+
+static void remove_names(void)
 {
-    sigemptyset(out);
-    for (int i = 0; i < ENDING_SIGNALS; i++) {
-        struct sigaction action;
-        if (sigaction(ending_signals[i], NULL, &action) == 0 && action.sa_handler != SIG_IGN)
-            sigaddset(out, ending_signals[i]);
+    for (int i = MOST_NAMES - 1; i >= 0; i--)
+        if (guard.names[i][0] && unlink(guard.names[i]) != 0)
+            rmdir(guard.names[i]);
+}
+
+/* The signal is blocked until the handler returns, and then ends the process as it does by default,
+ * so that a shell sees why. A child could make new files in a folder, so it ends first. */
+static void end_by(int number)
+{
+    const pid_t child = (pid_t)guard.child;
+    if (guard.holds > 0) {
+        guard.waiting = number;
+        return;
     }
-}
-
-/* Returns the ending signal that is blocked and pending; 0: none is. */
-static int pending_signal(void)
-{
-    sigset_t ending, pending;
-    find_ending(&ending);
-    sigpending(&pending);
-    for (int i = 0; i < ENDING_SIGNALS; i++)
-        if (sigismember(&ending, ending_signals[i]) == 1 &&
-            sigismember(&pending, ending_signals[i]) == 1)
-            return ending_signals[i];
-    return 0;
-}
-
-bool is_interrupted(void)
-{
-    return pending_signal() != 0;
-}
-
-/* Ends this process as the signal does by default, so that a shell sees why. */
-static int die_of(int number)
-{
-    sigset_t set;
+    if (child > 0 && kill(child, SIGKILL) == 0)
+        waitpid(child, NULL, 0);
+    remove_names();
     signal(number, SIG_DFL);
-    sigemptyset(&set);
-    sigaddset(&set, number);
     raise(number);
-    sigprocmask(SIG_UNBLOCK, &set, NULL);
-    return EXIT_SYSTEM;
 }
 
-void signals_release(void)
+static void print_line(const char *what)
 {
-    sigset_t held;
-    find_ending(&held);
-    sigaddset(&held, SIGCHLD);
-    sigprocmask(SIG_UNBLOCK, &held, NULL);
+    static const char line[] = "; memory or threads may have run out; --memory sets a limit\n";
+    const bool said = write_all(STDERR_FILENO, what, strlen(what)) &&
+                      write_all(STDERR_FILENO, line, sizeof line - 1);
+    (void)said;
 }
 
-/* ---- the process that works ---- */
-
-/* It ends with this and its exit status, or this and the number of a signal that it found: no
- * library ends a process so. */
-enum { ENDED = 96, SIGNALLED = 128 };
-
-bool process_follow(pid_t parent)
+static void end_crashed(int number)
 {
-#ifdef __linux__
-    prctl(PR_SET_PDEATHSIG, SIGKILL);
-#endif
-    return getppid() == parent;
+    static const char *const causes[CRASH_SIGNALS] = {
+        "error: the program crashed: Segmentation fault", "error: the program crashed: Bus error",
+        "error: the program crashed: Floating point exception",
+        "error: the program crashed: Illegal instruction", "error: a library aborted the program"};
+    int i = 0;
+    while (i < CRASH_SIGNALS - 1 && crash_signals[i] != number)
+        i++;
+    remove_names();
+    print_line(causes[i]);
+    _exit(EXIT_SYSTEM);
 }
 
-static void run_worker(int (*work)(void *of), void *of, pid_t parent)
+/* A library called exit. */
+static void end_exited(void)
 {
-    if (!process_follow(parent))
-        exit(EXIT_SYSTEM);
-    const int status = work(of), number = pending_signal();
-    if (status == EXIT_SYSTEM && number == 0) /* the libraries may be in no state to clean up */
-        _exit(ENDED + status);
-    exit(number > 0 ? SIGNALLED + number : ENDED + status);
+    if (guard.is_over)
+        return;
+    remove_names();
+    print_line("error: a library ended the program");
+    _exit(EXIT_SYSTEM);
 }
 
-/* ---- the process that watches ---- */
-
-enum { UNKNOWN_STATUS = -1 }; /* waitpid never gives it */
-
-/* Returns whether the worker has ended. A worker that cannot be waited for is killed. */
-static bool has_ended(pid_t worker, int *status)
-{
-    pid_t ended;
-    UNTIL_DONE(ended, waitpid(worker, status, WNOHANG));
-    if (ended < 0) {
-        kill(worker, SIGKILL);
-        *status = UNKNOWN_STATUS;
-    }
-    return ended != 0;
-}
-
-/* Waits for the end of the worker. Returns the signal that came meanwhile; 0: none. The first one
- * is passed on; after a second, or GRACE_MS, the worker is killed. */
-static int watch(pid_t worker, const sigset_t *held, int *status)
-{
-    const struct timespec grace = {0, GRACE_MS * 1000000L}, rest = {1, 0};
-    int number = 0;
-    while (!has_ended(worker, status)) {
-        const int got = sigtimedwait(held, NULL, number > 0 ? &grace : &rest);
-        if (number > 0 && (got > 0 ? got != SIGCHLD : errno == EAGAIN))
-            kill(worker, SIGKILL);
-        else if (got > 0 && got != SIGCHLD)
-            kill(worker, number = got);
-    }
-    return number;
-}
-
-/* Returns the exit status of a worker that has ended. */
-static int conclude(int status)
-{
-    static const char hint[] = "memory or threads may have run out; --memory sets a limit";
-    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    if (status == UNKNOWN_STATUS) {
-        fprintf(stderr, "error: cannot wait for the work, and ended it\n");
-        return EXIT_SYSTEM;
-    }
-    if (code > SIGNALLED)
-        return die_of(code - SIGNALLED);
-    if (code >= ENDED && code <= ENDED + EXIT_SYSTEM)
-        return code - ENDED;
-    if (WIFSIGNALED(status))
-        fprintf(stderr, "error: the work was ended by signal %d (%s); %s\n", WTERMSIG(status),
-                strsignal(WTERMSIG(status)), hint);
-    else
-        fprintf(stderr, "error: a library ended the work with status %d; %s\n", code, hint);
-    return EXIT_SYSTEM;
-}
+/* ---- the guard ---- */
 
 /* Puts something in the place of standard input, output or error where it is closed: a file of the
  * program would take its number, and get the text of a table. Reading or writing there still fails.
@@ -160,23 +98,109 @@ static void fill_standard(void)
             return;
 }
 
-int guard_run(int (*work)(void *of), void *of)
+/* Installs a handler where the signal has none: a sanitizer has its own. It runs on a stack of its
+ * own, as the usual one may be full. */
+static void handle(int number, void (*handler)(int number))
 {
-    int status = 0;
-    sigset_t held;
-    const pid_t parent = getpid();
+    struct sigaction action;
+    if (sigaction(number, NULL, &action) != 0 || action.sa_handler != SIG_DFL)
+        return;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = handler;
+    action.sa_flags = SA_ONSTACK;
+    for (int i = 0; i < ENDING_SIGNALS; i++)
+        sigaddset(&action.sa_mask, ending_signals[i]);
+    sigaction(number, &action, NULL);
+}
+
+void guard_begin(void)
+{
+    static char stack[1 << 16];
+    const stack_t other = {.ss_sp = stack, .ss_size = sizeof stack};
     fill_standard();
+    sigaltstack(&other, NULL);
+    atexit(end_exited);
+    for (int i = 0; i < ENDING_SIGNALS; i++)
+        handle(ending_signals[i], end_by);
+    for (int i = 0; i < CRASH_SIGNALS; i++)
+        handle(crash_signals[i], end_crashed);
     signal(SIGCHLD, SIG_DFL); /* a process that ignores it cannot wait for another */
-    find_ending(&held);
-    sigaddset(&held, SIGCHLD);
-    sigprocmask(SIG_BLOCK, &held, NULL);
-    const pid_t worker = fork();
-    if (worker == 0)
-        run_worker(work, of, parent);
-    if (worker < 0) {
-        fprintf(stderr, "error: cannot start a process: %s\n", strerror(errno));
-        return EXIT_SYSTEM;
-    }
-    const int number = watch(worker, &held, &status);
-    return number > 0 ? die_of(number) : conclude(status);
+}
+
+/* After a failure of the system the libraries may be in no state to clean up. */
+void guard_exit(int status)
+{
+    guard.is_over = 1;
+    if (status == EXIT_SYSTEM)
+        _exit(status);
+    exit(status);
+}
+
+/* ---- names ---- */
+
+/* Returns the index of a name, or of a free place for ""; -1: there is none. */
+static int find_name(const char *path)
+{
+    for (int i = 0; i < MOST_NAMES; i++)
+        if (strcmp(guard.names[i], path) == 0)
+            return i;
+    return -1;
+}
+
+/* The first byte comes last: until then a handler finds no name. */
+bool guard_remove(const char *path)
+{
+    const int i = find_name("");
+    const size_t length = strlen(path);
+    if (i < 0 || length >= NAME_ROOM)
+        return false;
+    memcpy(guard.names[i] + 1, path + 1, length);
+    *(volatile char *)guard.names[i] = path[0];
+    return true;
+}
+
+void guard_forget(const char *path)
+{
+    const int i = find_name(path);
+    if (i >= 0)
+        *(volatile char *)guard.names[i] = '\0';
+}
+
+/* ---- signals that wait ---- */
+
+void guard_hold(void)
+{
+    guard.holds++;
+}
+
+void guard_release(void)
+{
+    guard.holds--;
+    if (guard.holds == 0 && guard.waiting)
+        end_by((int)guard.waiting);
+}
+
+bool is_interrupted(void)
+{
+    return guard.waiting != 0;
+}
+
+/* ---- children ---- */
+
+bool guard_child(pid_t parent)
+{
+    for (int i = 0; i < MOST_NAMES; i++)
+        guard.names[i][0] = '\0';
+    for (int i = 0; i < CRASH_SIGNALS; i++)
+        signal(crash_signals[i], SIG_DFL);
+    guard.child = 0;
+#ifdef __linux__
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+#endif
+    return getppid() == parent;
+}
+
+void guard_follow(pid_t child)
+{
+    guard.child = (sig_atomic_t)child;
 }

@@ -1,13 +1,35 @@
 /* SPDX-License-Identifier: MIT */
 /* WebAssembly has no processes and no signals: the work is done in place. The browser's page runs
  * each command in an instance of its own, and throws that away to end the command. */
-#include <string.h>
+#include <stdlib.h>
 
 #include "data/process/process.h"
 
-int guard_run(int (*work)(void *of), void *of)
+void guard_begin(void)
 {
-    return work(of);
+}
+
+void guard_exit(int status)
+{
+    exit(status);
+}
+
+bool guard_remove(const char *path)
+{
+    return path != NULL;
+}
+
+void guard_forget(const char *path)
+{
+    (void)path;
+}
+
+void guard_hold(void)
+{
+}
+
+void guard_release(void)
+{
 }
 
 bool is_interrupted(void)
@@ -22,26 +44,11 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
     return job(context, out, err);
 }
 
-bool process_start(const char *const *words, struct running_program *out, struct error *err)
-{
-    (void)out;
-    errno = 0;
-    return error_system(err, "%s: this system has no processes", words[0]);
-}
-
-bool process_await(const struct running_program *program, struct run_seconds *out,
-                   struct error *err)
-{
-    (void)program, (void)out;
-    errno = 0;
-    return error_system(err, "this system has no processes");
-}
-
 bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
 {
-    struct running_program program;
     *out = (struct run_seconds){.wall = 0};
-    return process_start(words, &program, err);
+    errno = 0;
+    return error_system(err, "%s: this system has no processes", words[0]);
 }
 
 const char *program_file(const char *link, const char *typed)

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Runs a job in a process of its own, which sends its result through a pipe. */
-#include <poll.h>
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
@@ -9,26 +7,18 @@
 
 #include "data/process/process.h"
 
-/* The job sends this first, then its own bytes. */
+/* The job sends this first, then the files that it has read, then its own bytes. */
 struct reply {
     bool done;
+    int n_read;
     struct error err;
 };
 
-/* Reads all bytes. Fails if the pipe ends before the last one, or at an interruption. */
+/* Reads all bytes. Fails if the pipe ends before the last one. */
 static bool read_all(int from, void *bytes, size_t length)
 {
     for (size_t got = 0; got < length;) {
-        struct pollfd ready = {.fd = from, .events = POLLIN};
-        if (is_interrupted())
-            return false;
-        int n;
         ssize_t more;
-        UNTIL_DONE(n, poll(&ready, 1, LOOK_MS));
-        if (n < 0)
-            return false;
-        if (n == 0)
-            continue;
         UNTIL_DONE(more, read(from, (char *)bytes + got, length - got));
         if (more <= 0)
             return false;
@@ -37,21 +27,35 @@ static bool read_all(int from, void *bytes, size_t length)
     return true;
 }
 
+/* Takes over the files that the job has read. */
+static bool read_files(int from, int n, struct error *err)
+{
+    bool done = true;
+    for (struct file_identity file; done && n > 0; n--)
+        done = read_all(from, &file, sizeof file) && files_read_add(&file, err);
+    return done;
+}
+
+static bool send(int to, const struct reply *reply, const void *out, size_t size)
+{
+    int n;
+    const struct file_identity *files = files_read(&n);
+    return write_all(to, reply, sizeof *reply) &&
+           write_all(to, files, (size_t)n * sizeof *files) && write_all(to, out, size);
+}
+
 /* Reads the job's result, and waits until its process ends. */
 static bool await(pid_t child, int from, void *out, size_t size, struct error *err)
 {
     struct reply reply;
     int status = 0;
-    const bool whole = read_all(from, &reply, sizeof reply) && read_all(from, out, size);
-    const bool interrupted = !whole && is_interrupted();
+    const bool whole = read_all(from, &reply, sizeof reply) &&
+                       read_files(from, reply.n_read, err) && read_all(from, out, size);
     pid_t ended;
-    if (!whole)
-        kill(child, SIGKILL);
     UNTIL_DONE(ended, waitpid(child, &status, 0));
     (void)ended;
+    guard_follow(0);
     errno = 0;
-    if (interrupted)
-        return error_system(err, "interrupted; nothing was written");
     if (!whole)
         return error_system(err, "a run ended without a result%s%s",
                             WIFSIGNALED(status) ? ": " : "",
@@ -72,11 +76,13 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
     if (child == 0) {
         struct reply reply = {.done = false};
         close(ends[0]);
-        if (!process_follow(parent))
+        if (!guard_child(parent))
             _exit(EXIT_SYSTEM);
         reply.done = job(context, out, &reply.err);
-        _exit(!(write_all(ends[1], &reply, sizeof reply) && write_all(ends[1], out, size)));
+        files_read(&reply.n_read);
+        _exit(!send(ends[1], &reply, out, size));
     }
+    guard_follow(child > 0 ? child : 0);
     close(ends[1]);
     const bool done = child > 0 ? await(child, ends[0], out, size, err)
                                 : error_system(err, "cannot start a process");

@@ -1,27 +1,40 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "process": jobs in processes of their own, and the signals that end a run. */
+/* The room "process": the end of this process, wanted or not; jobs and programs in processes of
+ * their own. */
 #ifndef PROCESS_H
 #define PROCESS_H
 
 #include "data/base/base.h"
 
-/* ---- guard.c: the command in a process that another one watches ---- */
+/* ---- guard.c: the end of this process ---- */
 
-/* Does the work in a process of its own, and returns its exit status, 0 to 3, when that process has
- * ended. A status counts only if the work returned it: if a library ends the process, or a signal
- * does, this prints a line and returns EXIT_SYSTEM. SIGINT, SIGTERM and SIGHUP end both processes:
- * the work has GRACE_MS to remove its temporary files. */
-int guard_run(int (*work)(void *of), void *of);
-enum { GRACE_MS = 150 };
-/* Returns whether such a signal has come. The work looks for it between its steps, and then
- * returns. Outside of guard_run: whether one is blocked and pending. */
-bool is_interrupted(void);
+/* Call once, first of all. From then on:
+ * - SIGINT, SIGTERM and SIGHUP end the process at once, unless it ignores them, and remove the names
+ *   that guard_remove knows.
+ * - A crash, or an exit that is not by guard_exit, removes these names, prints one line and ends the
+ *   process with EXIT_SYSTEM: a library may end its process, as LLVM does without memory. */
+void guard_begin(void);
+/* Ends the process with the exit status of a command. Does not return. */
+void guard_exit(int status);
+
+/* Remembers the name of a file or of an empty folder that must not outlive the process; the latest
+ * is removed first. Returns false where there is no room for it: the caller then makes no such file.
+ * The name is absolute, or relative to a working folder that stays. guard_forget takes it back. */
+bool guard_remove(const char *path);
+void guard_forget(const char *path);
+
+/* Between these two calls the signals that end the process wait: outputs get their names, or a
+ * folder holds files that have no guard. They nest. */
+void guard_hold(void);
+void guard_release(void);
+bool is_interrupted(void); /* such a signal waits */
 
 /* ---- process.c: a job in a process of its own ---- */
 
 /* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
- * An interruption ends the job. This process may start no thread and no OpenGL: a copy of a process
- * has none of its threads, and OpenGL would wait for them. */
+ * What the job has read counts as read by this process: see file_was_read. This process may start no
+ * thread and no OpenGL: a copy of a process has none of its threads, and OpenGL would wait for
+ * them. */
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
                  size_t size, struct error *err);
 
@@ -34,30 +47,18 @@ struct run_seconds {
 };
 /* Runs this program with the words, which end with NULL; the first is the name that this program
  * was started by. Standard input and output are /dev/null. Returns false with the last line that
- * the program printed on standard error, and with its exit status. An interruption ends it. */
+ * the program printed on standard error, and with its exit status. */
 bool process_program(const char *const *words, struct run_seconds *out, struct error *err);
-/* Do that in two steps, for several programs at a time, each on a thread of its own. The caller
- * lets only one thread start a program at a time. Processor seconds are those of all programs. */
-struct running_program {
-    pid_t child;
-    int messages; /* a descriptor */
-    struct run_seconds start;
-};
-bool process_start(const char *const *words, struct running_program *out, struct error *err);
-bool process_await(const struct running_program *program, struct run_seconds *out,
-                   struct error *err);
 /* Returns the file to run: the link if it leads to a program, or else the name that the user typed,
  * which the system looks for as a shell does. */
 const char *program_file(const char *link, const char *typed);
 
 /* ---- Inside this room ---- */
 
-/* Lets this process end when its parent ends, where the system can do so. Returns false if the
- * parent has ended already. */
-bool process_follow(pid_t parent);
-/* Lets the signals pass that guard_run holds back: a program must start without that. */
-void signals_release(void);
-/* Signals are held back, so a wait for a process looks for one this often. */
-enum { LOOK_MS = 10 };
+/* A child ends when its parent ends, where the system can do so. `of` is the parent. Crashes end
+ * the child as usual, and it removes no names. Returns false if the parent has ended already. */
+bool guard_child(pid_t parent);
+/* Remembers a child, which an ending signal kills first; 0: there is none. */
+void guard_follow(pid_t child);
 
 #endif

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Runs this program again, as a shell would: from exec to exit, in a process of its own. */
 #include <fcntl.h>
-#include <poll.h>
 #include <signal.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -48,7 +47,6 @@ static void become(const char *file, const char *const *words, int messages)
     UNTIL_DONE(nothing, open("/dev/null", O_RDWR | O_CLOEXEC));
     if (nothing >= 0 && redirect(nothing, STDIN_FILENO) && redirect(nothing, STDOUT_FILENO) &&
         redirect(messages, STDERR_FILENO)) {
-        signals_release();
         errno = 0;
         execvp(file, line);
     }
@@ -81,37 +79,17 @@ static void take(struct last_line *line, const char *bytes, size_t length)
     line->text[line->length] = '\0';
 }
 
-/* Reads messages until no process has the pipe open. Returns false at an interruption, after
- * `looks` looks (negative: never), or where reading fails. */
-static bool read_messages(int from, int looks, struct last_line *out)
+/* Reads messages until no process has the pipe open. */
+static bool read_messages(int from, struct last_line *out)
 {
     for (;;) {
-        struct pollfd ready = {.fd = from, .events = POLLIN};
         char bytes[512];
-        int n;
         ssize_t got;
-        if (looks < 0 && is_interrupted())
-            return false;
-        UNTIL_DONE(n, poll(&ready, 1, LOOK_MS));
-        if (n < 0 || (n == 0 && looks >= 0 && looks-- == 0))
-            return false;
-        if (n == 0)
-            continue;
         UNTIL_DONE(got, read(from, bytes, sizeof bytes));
         if (got <= 0)
             return got == 0;
         take(out, bytes, (size_t)got);
     }
-}
-
-/* Ends the program. It watches a process of its own, which ends by the first signal at its next
- * step, or with the program where the system can do so. The whole takes less than GRACE_MS. */
-static void end(pid_t child, int from, struct last_line *messages)
-{
-    kill(child, SIGTERM);
-    if (!read_messages(from, 3, messages))
-        kill(child, SIGKILL);
-    read_messages(from, 3, messages);
 }
 
 /* Concludes from the status of a program that has ended by itself. */
@@ -140,61 +118,44 @@ static double children_seconds(void)
            1e-6 * ((double)used.ru_utime.tv_usec + (double)used.ru_stime.tv_usec);
 }
 
-bool process_await(const struct running_program *program, struct run_seconds *out,
-                   struct error *err)
+/* Waits for the program, whose messages come from a pipe. `start`: the seconds when it began. */
+static bool await(pid_t child, int from, const struct run_seconds *start, struct run_seconds *out,
+                  struct error *err)
 {
-    const pid_t child = program->child;
     struct last_line messages = {.length = 0};
-    const bool whole = read_messages(program->messages, -1, &messages),
-               interrupted = is_interrupted();
     int status = 0;
     pid_t ended;
-    if (!whole)
-        end(child, program->messages, &messages);
-    close(program->messages);
-    UNTIL_DONE(ended, waitpid(child, &status, 0));
-    *out = (struct run_seconds){clock_seconds() - program->start.wall,
-                                children_seconds() - program->start.processor};
-    if (ended < 0) {
+    if (!read_messages(from, &messages))
         kill(child, SIGKILL);
-        return error_system(err, "cannot wait for a run");
-    }
-    errno = 0;
-    if (!whole)
-        return error_system(err, interrupted ? "interrupted; nothing was written"
-                                             : "cannot read the messages of a run");
-    return conclude(status, &messages, err);
-}
-
-/* No other program gets the pipe, which would seem to be open as long as that program runs. */
-bool process_start(const char *const *words, struct running_program *out, struct error *err)
-{
-    const char *file = program_file(running, words[0]);
-    int ends[2];
-    fflush(NULL);
-    if (pipe(ends) != 0)
-        return error_system(err, "cannot make a pipe");
-    fcntl(ends[0], F_SETFD, FD_CLOEXEC);
-    fcntl(ends[1], F_SETFD, FD_CLOEXEC);
-    *out = (struct running_program){.messages = ends[0],
-                                    .start = {clock_seconds(), children_seconds()}};
-    const pid_t parent = getpid();
-    out->child = fork();
-    if (out->child == 0) {
-        if (!process_follow(parent))
-            _exit(EXIT_SYSTEM);
-        become(file, words, ends[1]);
-    }
-    close(ends[1]);
-    if (out->child > 0)
-        return true;
-    close(ends[0]);
-    return error_system(err, "cannot start a process");
+    UNTIL_DONE(ended, waitpid(child, &status, 0));
+    guard_follow(0);
+    *out = (struct run_seconds){clock_seconds() - start->wall,
+                                children_seconds() - start->processor};
+    return ended < 0 ? error_system(err, "cannot wait for a run")
+                     : conclude(status, &messages, err);
 }
 
 bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
 {
-    struct running_program program;
+    const char *file = program_file(running, words[0]);
+    const struct run_seconds start = {clock_seconds(), children_seconds()};
+    int ends[2];
     *out = (struct run_seconds){.wall = 0};
-    return process_start(words, &program, err) && process_await(&program, out, err);
+    fflush(NULL);
+    if (pipe(ends) != 0)
+        return error_system(err, "cannot make a pipe");
+    const pid_t parent = getpid(), child = fork();
+    if (child == 0) {
+        close(ends[0]);
+        fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+        if (!guard_child(parent))
+            _exit(EXIT_SYSTEM);
+        become(file, words, ends[1]);
+    }
+    guard_follow(child > 0 ? child : 0);
+    close(ends[1]);
+    const bool done = child > 0 ? await(child, ends[0], &start, out, err)
+                                : error_system(err, "cannot start a process");
+    close(ends[0]);
+    return done;
 }

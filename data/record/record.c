@@ -51,6 +51,7 @@ static const struct field fields[] = {
     {"response", FIELD_NUMBERS, AT(response), -HUGE_VAL, 0},
     {"white_response", FIELD_NUMBERS, AT(white_response), -HUGE_VAL, 3},
     {"object", FIELD_TEXTS, AT(objects), 0, 0},
+    {"rows", FIELD_NUMBERS, AT(rows), 0, 3},
     {"full_scale", FIELD_TEXT, AT(full_scale), 0, 0},
     {"scale", FIELD_TEXT, AT(scale), 0, 0},
     {"object_map", FIELD_TEXT, AT(object_map), 0, 0}};
@@ -199,6 +200,13 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, co
     if (!done)
         record_free(out);
     return done;
+}
+
+bool record_rows(struct record *record, const struct part_rows *rows, int height,
+                 struct error *err)
+{
+    const double numbers[3] = {rows->first, rows->count, height};
+    return add_numbers(&record->rows, numbers, 3, err);
 }
 
 /* ---- files ---- */
@@ -493,6 +501,15 @@ static bool sampling_agrees(const struct record *record, const struct image *ima
                                    !image->wavelengths_nm && record->white.n == 0);
 }
 
+/* Returns whether the record has no rows, or those of the image, which lie in their picture. */
+static bool rows_agree(const struct record *record, const struct image *image)
+{
+    const double *rows = record->rows.value;
+    return record->rows.n == 0 ||
+           (rows[0] == floor(rows[0]) && rows[1] == image->height && rows[2] == floor(rows[2]) &&
+            rows[0] + rows[1] <= rows[2] && rows[2] <= LONGEST_SIDE);
+}
+
 double record_illumination(const struct record *record)
 {
     return record->illumination.n > 0 ? record->illumination.value[0] : 0;
@@ -503,7 +520,7 @@ bool record_read(const struct image *image, struct record *out, struct error *er
     *out = (struct record){.text = description_text(image->description, err)};
     if (out->text != NULL && keep_lines(out, err) && out->full_scale != NULL &&
         out->scale != NULL && read_map(out) &&
-        (out->white.n == 0 || out->white.n == image->n_pages) &&
+        (out->white.n == 0 || out->white.n == image->n_pages) && rows_agree(out, image) &&
         (record_illumination(out) > 0 || out->white.n + out->white_response.n == 0) &&
         sampling_agrees(out, image))
         return true;

@@ -131,7 +131,6 @@ bool command_info(struct options *options, struct error *err)
     if (!options->operand)
         return error_usage(err, "info takes a STACK; see spectral info --help");
     bool done = scene_refuse(options->operand, err) &&
-                image_spared(options->json, options->operand, err) &&
                 image_open(options->operand, nowhere, &image, err) &&
                 (image.envi || record_read(&image, &record, err));
     if (done && options->json) {

@@ -13,11 +13,7 @@
 
 /* ---- the header ---- */
 
-typedef char page_name[40];
-
-/* The labels of pages, by which the tags name them as well. */
-static bool names_make(const struct cube *cube, page_name *text, const char **names,
-                       struct error *err)
+bool names_make(const struct cube *cube, page_name *text, const char **names, struct error *err)
 {
     const struct image *image = &cube->image;
     struct sampling sampling = {.detector = NULL};
@@ -166,8 +162,8 @@ bool command_envi(struct options *options, struct error *err)
     if (!beside)
         return error_memory(err);
     const char *path = options->output ? options->output : beside;
-    const bool done = scene_refuse(stack, err) && image_spared(path, stack, err) &&
-                      write_header(stack, path, &options->outputs, err);
+    const bool done =
+        scene_refuse(stack, err) && write_header(stack, path, &options->outputs, err);
     free(beside);
     return done;
 }

@@ -53,8 +53,7 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
                                        (uint64_t)options->map_bytes,
                        .room = STACK_UNFINISHED,
                        .room_bytes = STACK_VERDICT,
-                       .room_tag = TAG_VERDICT,
-                       .head_only = options->head_only};
+                       .room_tag = TAG_VERDICT};
     return pages_open(&out->pages, path, tags_set, out, err);
 }
 
@@ -99,17 +98,6 @@ bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, 
     if (runs.n > 0)
         pages_written(&writer->pages, to->page, runs.at,
                       (uint64_t)(runs.n - 1) * runs.pitch + runs.length);
-    return true;
-}
-
-bool stack_read(const struct stack_writer *writer, const struct stack_rectangle *from,
-                void *samples, struct error *err)
-{
-    const struct runs runs = runs_of(writer, from);
-    for (int i = 0; i < runs.n; i++)
-        if (!pages_read(&writer->pages, from->page, runs.at + (uint64_t)i * runs.pitch,
-                        (char *)samples + (size_t)i * runs.length, runs.length, err))
-            return false;
     return true;
 }
 

@@ -20,7 +20,6 @@ struct stack_options {
     const char *scene;      /* for the description */
     const char *provenance; /* lines of text for the description: record_text */
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
-    bool head_only;         /* samples will go into another file: see data/unfinished */
     const char *const *labels; /* of the pages, which then have no wavelengths; NULL: they have */
 };
 /* A stack that is being written: laid out at once, then filled in rectangles of any order. */
@@ -40,8 +39,6 @@ struct stack_rectangle {
  * floats; of the object map uint8_t or uint16_t. */
 bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
                  struct error *err);
-bool stack_read(const struct stack_writer *writer, const struct stack_rectangle *from, /* again */
-                void *samples, struct error *err);
 /* Stores `verdict` (the check in one line, printable ASCII, at most STACK_VERDICT - 1 bytes) in the
  * room that stack_open left for it, and reads all directories again to see that they are whole. */
 enum { STACK_VERDICT = 512 };
@@ -59,6 +56,20 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
 bool stack_commit(struct stack_writer *writer, struct outputs *outputs, struct error *err);
 void stack_discard(struct stack_writer *writer); /* safe after commit */
 const char *stack_library(void);                 /* name and version of the libtiff in use */
+
+/* ---- verdict.c: the verdict on a stack, in numbers ---- */
+
+/* How the check of all samples ended, as the line of a stack records it. */
+struct stack_verdict {
+    char word[16]; /* "agreed", "differs", "not verified" */
+    uint64_t samples, exact, within_1;
+    double largest; /* difference, in counts */
+    uint64_t unexplained, pixels, unchecked, objects;
+};
+void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT]);
+/* Returns false where the line records no numbers: nothing was checked, or the reference's pixels
+ * are stored. */
+bool stack_verdict_read(const char *line, struct stack_verdict *out);
 
 /* ---- cube.c: a spectral stack to be read ---- */
 
@@ -112,6 +123,13 @@ void sight_free(struct sight *sight);
 bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);
 void cube_close(struct cube *cube);
 
+/* ---- join.c: parts of a picture become its stack; spectral join ---- */
+
+/* Joins the stacks of parts, in any order, into the bytes of the whole stack. Refuses parts that are
+ * missing, double, or of another render. Fails with EXIT_DIFFERENT where too little of the whole
+ * picture could be checked. */
+bool command_join(struct options *options, struct error *err);
+
 /* ---- sidecar.c: the ENVI header of a stack, STACK.tif.hdr; spectral envi ---- */
 
 /* Writes the header of a stack. */
@@ -143,5 +161,8 @@ double page_width_nm(const double *wavelengths_nm, int n, int page);
 /* Sets all tags of the current directory but those of its format. It is the page_tags of a
  * stack_writer, to which `stack` points. */
 bool tags_set(struct tiff *tiff, const void *stack, int page, struct error *err);
+/* sidecar.c: the names of pages, as the tags have them. `text` and `names` have room for all. */
+typedef char page_name[40];
+bool names_make(const struct cube *cube, page_name *text, const char **names, struct error *err);
 
 #endif

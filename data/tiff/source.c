@@ -74,19 +74,6 @@ bool image_is_float(const struct image *image)
     return done;
 }
 
-bool image_spared(const char *output, const char *input, struct error *err)
-{
-    char header[ENVI_PATH], data[ENVI_PATH];
-    struct error ignored = {0};
-    enum image_kind kind;
-    if (!image_kind(input, &kind, err))
-        return false;
-    const bool is_cube =
-        kind == IMAGE_ENVI && envi_files(input, (struct place){0}, header, data, &ignored);
-    return output_spares(output, input, err) &&
-           (!is_cube || (output_spares(output, header, err) && output_spares(output, data, err)));
-}
-
 void image_close(struct image *image)
 {
     tiff_close(image->file);

@@ -41,7 +41,7 @@ bool cost_render(const struct options *options, const struct cost_entry *entry, 
     struct options own = {.operand = NULL};
     bool done = read_words(options, entry, &own, err);
     own.output = output;
-    done = done && render_scene(&own, err) && outputs_commit(&own.outputs, err);
+    done = done && command_render(&own, err) && outputs_commit(&own.outputs, err);
     options_free(&own);
     return done;
 }
@@ -187,11 +187,9 @@ static bool check_files(struct options *options, struct error *err)
 {
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
-    const char *csv = options->csv_file, *svg = options->svg_file;
     bool done = cost_read(options, NULL, &scene, &sampling, err) &&
-                scene_spared(csv, &scene, err) && scene_spared(svg, &scene, err) &&
-                scene_spared(options->json, &scene, err) && output_can_open(csv, err) &&
-                output_can_open(svg, err) && output_can_open(options->json, err);
+                output_can_open(options->csv_file, err) &&
+                output_can_open(options->svg_file, err) && output_can_open(options->json, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;

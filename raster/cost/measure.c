@@ -46,14 +46,15 @@ static bool open_folder(struct measurement *measurement, struct error *err)
              measurement->folder.path);
     snprintf(measurement->summary, sizeof measurement->summary, "%s/standard",
              measurement->folder.path);
+    guard_remove(measurement->stack);
+    guard_remove(measurement->summary);
     return true;
 }
 
-/* Removes the two files by their names, since listing a folder needs memory. */
 static void close_folder(struct measurement *measurement)
 {
-    unlink(measurement->stack);
-    unlink(measurement->summary);
+    guard_forget(measurement->stack);
+    guard_forget(measurement->summary);
     folder_close(&measurement->folder);
 }
 
@@ -108,7 +109,7 @@ static bool render_entry(const struct measurement *measurement, const struct cos
     if (cost_run(measurement->options, entry, measurement->size[0] ? measurement->size : NULL,
                  measurement->stack, seconds, err))
         return true;
-    if (err->status == EXIT_SYSTEM && !is_interrupted() &&
+    if (err->status == EXIT_SYSTEM &&
         !process_run(render_job, &task, NULL, 0, &again) && again.unsupported)
         *err = again;
     return false;
@@ -433,7 +434,7 @@ static bool measure(struct measurement *measurement, struct error *err)
 
 bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {.options = options, .folder = {.lock = -1}, .cost = out};
+    struct measurement measurement = {.options = options, .folder = {.entries = NULL}, .cost = out};
     measurement.shown = progress_start(&measurement.line, options->quiet || options->quick);
     *out = (struct cost){.quick = options->quick, .scouting = options->quick, .floor = floor};
     const bool done = measure(&measurement, err);

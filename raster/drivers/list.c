@@ -79,12 +79,9 @@ static bool try_library(const char *library, struct driver_list *out, struct err
         "es-shader", "es-shader:llvmpipe", "es-shader:softpipe"};
     enum { ALL = sizeof renderers / sizeof *renderers, WITHOUT_SHADERS = 3 };
     const int n = strcmp(library, "osmesa") == 0 ? WITHOUT_SHADERS : ALL;
-    for (int i = 0; i < n; i++) {
-        if (is_interrupted())
-            return error_system(err, "interrupted");
+    for (int i = 0; i < n; i++)
         if (!try_renderer(library, renderers[i], out, err))
             return false;
-    }
     return true;
 }
 
@@ -125,8 +122,6 @@ bool drivers_measure(struct driver_list *drivers, struct error *err)
         struct listed_driver *listed = &drivers->list[i];
         if (!listed->is)
             continue;
-        if (is_interrupted())
-            return error_system(err, "interrupted");
         listed->traits = malloc(sizeof *listed->traits);
         if (!listed->traits)
             return error_memory(err);

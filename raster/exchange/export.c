@@ -39,9 +39,10 @@ static bool write_files(const struct plan *plan, struct folder *folder, struct e
 bool export_plan(const struct plan *plan, const char *path, struct error *err)
 {
     struct folder folder;
-    if (!folder_open_beside(path, &folder, err))
-        return false;
-    const bool done = write_files(plan, &folder, err) && folder_keep(&folder, path, err);
+    guard_hold();
+    const bool done = folder_open_beside(path, &folder, err) && write_files(plan, &folder, err) &&
+                      folder_keep(&folder, path, err);
     folder_close(&folder);
+    guard_release();
     return done;
 }

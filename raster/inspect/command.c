@@ -50,8 +50,7 @@ static bool probe_picture(const struct options *options, const struct probe_opti
     struct plan plan = {.scene = NULL};
     struct refine_result refined = {.levels = 0};
     bool done =
-        scene_read_options(options, &scene, err) && scene_spared(options->output, &scene, err) &&
-        scene_spared(options->json, &scene, err) &&
+        scene_read_options(options, &scene, err) &&
         plan_make(&scene, NULL, &plan_options, &plan, err) &&
         refine_options(options, &plan, &refined, err) && probe_scene(&plan, region, out, err);
     refine_result_free(&refined);
@@ -71,9 +70,7 @@ static bool probe_operand(const struct options *options, const struct probe_opti
     if (options->n_recorded > 0)
         return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
                            options->recorded[0]);
-    return image_spared(options->output, options->operand, err) &&
-           image_spared(options->json, options->operand, err) &&
-           probe_stack(options->operand, region, out, err);
+    return probe_stack(options->operand, region, out, err);
 }
 
 /* Returns the probe as text or CSV, allocated; NULL: no memory. */

@@ -10,8 +10,10 @@
 #include "data/tiff/tiff.h"
 #include "raster/render/render.h"
 
-bool recorded_options(const struct options *options, const char *from, const struct record *record,
-                      struct options *out, struct error *err)
+/* Reads the options that a record holds; others come from the command line. `from`: the file with
+ * the record, for messages. The caller frees *out, also after a failure. */
+static bool recorded_options(const struct options *options, const char *from,
+                             const struct record *record, struct options *out, struct error *err)
 {
     const struct option_rules rules = {"render", options->table, RECORDED, 1};
     if (!options_read(&rules, record->options, record->n_options, out, err))
@@ -109,7 +111,8 @@ static bool option_is_trusted(const char *stack, const char *option, struct erro
     return trusted;
 }
 
-bool record_is_trusted(const char *stack, const struct record *record, struct error *err)
+/* Refuses a record that names a file that is not below the working folder. */
+static bool record_is_trusted(const char *stack, const struct record *record, struct error *err)
 {
     bool trusted = is_trusted(stack, record->scene, err);
     for (int i = 0; trusted && i < record->n_options; i++)
@@ -147,6 +150,9 @@ static bool can_be_same(const struct record *record, const struct render_output 
                                ", and each stack records its program; --keep stores the new "
                                "stack anyway",
                                output->again, record->program);
+    if (record->rows.n > 0)
+        return error_usage(err, "%s is a part of a picture; expected a whole stack, as join writes",
+                           output->again);
     return !scene_is_missing(record->scene) ||
            error_usage(err,
                        "%s: its scene '%.500s' does not exist; a relative name starts from the "
@@ -176,14 +182,18 @@ static bool render_recorded(const struct options *options, const struct render_o
 bool render_again(struct options *options, struct error *err)
 {
     options_forget_check(options);
-    if (options->update)
-        return error_usage(err, "--again takes no --update: it always makes the stack again");
     if (options->operand || options->n_recorded > 0)
         return error_usage(err, "--again takes no %s: the stack records it",
                            options->operand ? "SCENE" : options->recorded[0]);
-    /* With -o /dev/null the stack is written under its default name, compared, and then discarded.
-     */
-    const bool discard = options->output && strcmp(options->output, "/dev/null") == 0;
+    if (options->part)
+        return error_usage(err, "--again takes no --part: it makes a whole stack");
+    /* With -o /dev/null, or with its own name, the stack is written under its default name,
+     * compared, and then discarded. */
+    bool discard = false;
+    if (options->output && strcmp(options->output, "/dev/null") != 0 &&
+        !file_is_same(options->output, options->again, &discard, err))
+        return false;
+    discard = discard || (options->output && strcmp(options->output, "/dev/null") == 0);
     if (discard)
         options->output = NULL;
     if (!options_name_output(options, options->again, "-again.tif", err))

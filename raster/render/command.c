@@ -98,24 +98,6 @@ static bool check_same_scene(const struct options *options, const struct scene *
     return change[0] == '\0' || error_usage(err, "%s", change);
 }
 
-/* Refuses a header of the stack that cannot be written, or not in that place. */
-static bool check_header(const struct options *options, const struct render_output *output,
-                         const struct scene *scene, struct error *err)
-{
-    const char *stack = output->discard ? NULL : output->path;
-    if (!output->envi)
-        return true;
-    if (!sidecar_can_open(stack, err))
-        return false;
-    char *header = sidecar_name(stack);
-    bool done = header ? scene_spared(header, scene, err) : error_memory(err);
-    if (done && options->json && strcmp(options->json, header) == 0)
-        done =
-            error_usage(err, "%s is the header that --envi writes; expected another file", header);
-    free(header);
-    return done;
-}
-
 /* ---- report ---- */
 
 /* stored: the name of the stack; NULL: no stack was stored. A stack that went into a pipe gets no
@@ -150,32 +132,11 @@ static bool print_header(const char *stack, bool written, struct printed *to, st
     return done;
 }
 
-/* Prints what was drawn of a part, and where it lies. */
-static bool print_part(const struct render_output *output, const struct render_result *result,
-                       struct printed *to, struct error *err)
-{
-    const struct part_result *part = &result->part;
-    if (part->finished) {
-        print(to, "tiles             %d, %d complete already\n", part->n_tiles, part->n_before);
-        return true;
-    }
-    char *name = part_name(output->path, output->part);
-    if (!name)
-        return error_memory(err);
-    print(to, "part              %d of %d: %d tiles, %d complete already\n", part->part.number,
-          part->part.count, part->n_tiles, part->n_before);
-    print(to, "file              %s\n", name);
-    free(name);
-    return true;
-}
-
 static bool print_report(const struct plan *plan, const struct render_result *result,
                          const struct render_output *output, const char *stored, struct printed *to,
                          struct error *err)
 {
     report_print(plan, result, to);
-    if (output->part && !print_part(output, result, to, err))
-        return false;
     if (stored) {
         print(to, "stack             %s\n", stored);
         if (!print_header(stored, output->envi, to, err))
@@ -199,7 +160,7 @@ static bool report(const struct options *options, const struct plan *plan,
                    const struct record *made, struct error *err)
 {
     bool agreed = render_agreed(plan, result);
-    const char *wanted = output->discard || (output->part && !output->resume) ? NULL : output->path;
+    const char *wanted = output->discard ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
     /* the JSON, the stack itself (-o -) or the map may use standard output */
     const int table = options_table(
@@ -216,21 +177,15 @@ static bool report(const struct options *options, const struct plan *plan,
     if (agreed)
         return true;
     const char *then = output->foreign ? NULL
-                       : output->resume && !output->keep
-                           ? "no stack was written (--keep stores it, and draws nothing again)"
-                       : output->part && !output->resume ? "the part is kept, and join refuses it"
-                       : !wanted                         ? "no stack was wanted"
-                       : output->keep                    ? "the stack was kept"
-                                      : "no stack was written (--keep stores it anyway)";
+                       : !wanted       ? "no stack was wanted"
+                       : output->keep  ? "the stack was kept"
+                                       : "no stack was written (--keep stores it anyway)";
     return plan->options.check && check_outcome(plan, &result->check) != OUTCOME_AGREED
                ? report_disagreement(plan, &result->check, then, err)
                : report_not_again(plan, result, output->again, made, then, err);
 }
 
 /* ---- plan and render ---- */
-
-/* The share of object pixels that may stay unchecked in a picture that agrees. */
-static const double most_unchecked = 0.01;
 
 /* Returns 8 or 16 for these words, 32 for any other word, and 0 for NULL. */
 static int bits_of(const char *choice)
@@ -244,8 +199,7 @@ static int bits_of(const char *choice)
 static bool plan_options_of(const struct options *options, bool foreign, struct plan_options *out,
                             struct error *err)
 {
-    struct plan_options plan = {.unchecked = options->strict ? 0 : most_unchecked,
-                                .full_scale = options->full_scale,
+    struct plan_options plan = {.full_scale = options->full_scale,
                                 .buffer_bits = bits_of(options->buffer),
                                 .gl_library = options->gl,
                                 .detector = options->detector,
@@ -262,8 +216,7 @@ static bool plan_options_of(const struct options *options, bool foreign, struct 
     plan.check = (gl_is_built() || foreign) && !options->no_check;
     plan.use_gl = plan.check || !plan.store_raster;
     *out = plan;
-    return !options->unchecked ||
-           option_number("--unchecked", options->unchecked, 0, 1, &out->unchecked, err);
+    return options_unchecked(options, &out->unchecked, err);
 }
 
 /* before: the seconds that it took to read the scene and make the plan. */
@@ -280,8 +233,6 @@ static bool render_planned(const struct options *options, const struct plan *pla
     bool done = render(plan, output, shown ? &line : NULL, &result, err);
     if (done && output->take)
         return output->take(output->taker, plan, &result, err);
-    if (done && !foreign && !output->part && !output->join)
-        forecast_learn(plan, result.seconds.total);
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
     result.seconds.total += before->read + before->plan;
@@ -306,12 +257,11 @@ bool render_with_options(const struct options *options, const struct render_outp
         scene_read_sampled(options, &scene, &sampling, err) &&
         check_shading(options, &scene, &plan_options, err) &&
         check_same_scene(options, &scene, output->again, made, err) &&
-        scene_spared(output->path, &scene, err) && scene_spared(options->json, &scene, err) &&
-        scene_spared(options->check_map, &scene, err) && check_header(options, output, &scene, err);
+        (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err));
     seconds.read = clock_seconds() - start;
     done = done && plan_asked(options, &plan_options, &scene, &sampling, &asked, err);
     seconds.plan = clock_seconds() - start - seconds.read;
-    if ((!options->quiet || options->json) && !output->join)
+    if (!options->quiet || options->json)
         noted.notes = &notes;
     done = done && output_can_open(options->json, err) &&
            output_can_open(options->check_map, err) &&
@@ -338,63 +288,52 @@ void options_forget_check(struct options *options)
     options->n_recorded = n;
 }
 
-/* Refuses options that need the whole picture, or an option's other one. */
-static bool check_part(const struct options *options, struct error *err)
+/* Reads "3/7", the number of a part and how many there are. */
+static bool part_read(const char *option, const char *value, struct picture_part *out,
+                      struct error *err)
 {
-    const char *kept = options->part ? "--part" : "--resume", *whole = options->check_map
-                                                                           ? "--check-map"
-                                                                       : options->again ? "--again"
-                                                                       : !options->part ? NULL
-                                                                       : options->keep  ? "--keep"
-                                                                       : options->envi  ? "--envi"
-                                                                                        : NULL;
-    if (options->shared && !options->part)
-        return error_usage(err, "--shared needs --part");
-    if (!options->part && !options->resume)
+    int end = 0;
+    if (sscanf(value, "%6d/%6d%n", &out->number, &out->count, &end) == 2 && value[end] == '\0' &&
+        out->number >= 1 && out->number <= out->count)
         return true;
-    if (whole)
-        return error_usage(err, "%s takes no %s%s", kept, whole,
-                           options->keep || options->envi ? "; join does" : "");
-    return !output_is_stream(options->output) ||
-           error_usage(err, "%s needs the name of a stack beside which its file lies; found %s",
-                       kept, options->output);
+    return error_usage(err, "%s: expected a part and their number, as 3/7, found '%s'", option,
+                       value);
 }
 
-/* Draws all, or a part. */
-static bool draw_scene(struct options *options, struct error *err)
+bool part_accepts(const char *option, const char *value, struct error *err)
 {
-    struct picture_part part = {1, 1};
-    const bool resume = options->resume && !options->part;
-    if (!check_part(options, err) ||
-        (options->part && !part_read("--part", options->part, &part, err)))
+    struct picture_part part;
+    return part_read(option, value, &part, err);
+}
+
+/* Each part gets a name of its own where the command line gives none. */
+static bool name_stack(struct options *options, const struct picture_part *part, struct error *err)
+{
+    char ending[48] = ".tif";
+    if (part->count > 0)
+        snprintf(ending, sizeof ending, ".%d-of-%d.tif", part->number, part->count);
+    return options_name_output(options, options_scene(options), ending, err);
+}
+
+/* Renders a scene, or a part of it, and reports the result. */
+static bool render_scene(struct options *options, struct error *err)
+{
+    struct picture_part part = {.count = 0};
+    if (options->part && options->check_map)
+        return error_usage(err, "--part takes no --check-map, which shows the whole picture");
+    if ((options->part && !part_read("--part", options->part, &part, err)) ||
+        !name_stack(options, &part, err))
         return false;
+    if (stores_raster(options))
+        options_forget_check(options);
     const bool discard = strcmp(options->output, "/dev/null") == 0;
     const struct render_output wanted = {.path = discard ? NULL : options->output,
                                          .check_map = options->check_map,
                                          .keep = options->keep,
                                          .envi = options->envi,
                                          .outputs = &options->outputs,
-                                         .part = options->part || resume ? &part : NULL,
-                                         .shared = options->shared,
-                                         .resume = resume};
+                                         .part = part};
     return render_with_options(options, &wanted, NULL, err);
-}
-
-bool render_scene(struct options *options, struct error *err)
-{
-    struct printed printed = {.text = NULL};
-    bool current = false;
-    if (!options_name_output(options, options_scene(options), ".tif", err))
-        return false;
-    if (stores_raster(options))
-        options_forget_check(options);
-    if (options->update && !render_is_current(options, &current, err))
-        return false;
-    if (!current)
-        return draw_scene(options, err);
-    if (!options->quiet)
-        print(&printed, "stack             %s is up to date\n", options->output);
-    return printed_show(&printed, options_table(options, NULL), err);
 }
 
 bool command_render(struct options *options, struct error *err)

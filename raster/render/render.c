@@ -18,14 +18,7 @@ struct state {
     struct fit fit;
     struct check_scene check_scene;
     struct check_map map;
-    struct stack_sink {
-        struct tile_sink sink; /* the first member */
-        struct stack_writer writer;
-    } stack;
-    int *tiles;       /* owned */
-    char *provenance; /* of find_provenance; owned; NULL: not asked for */
-    struct part_file part;
-    bool shared; /* samples of parts are in the unfinished stack */
+    struct stack_writer stack;
     struct renderer_lacks lacks;
     double since; /* clock_seconds at the last clock_in */
     struct render_result *result;
@@ -48,25 +41,26 @@ static bool list_objects(const struct plan *plan, struct record *record, struct 
     return true;
 }
 
-/* Makes the record of the stack as text, when it is first asked for: all files of the scene are
- * read for their digests. */
-static bool find_provenance(struct state *state, struct error *err)
+/* Returns the record of the stack as text, allocated; NULL on failure. */
+static char *make_provenance(const struct state *state, struct error *err)
 {
     const struct plan *plan = state->stages.plan;
+    const struct part_rows *rows = &state->result->rows;
     struct record record;
-    if (state->provenance)
-        return true;
+    char *text = NULL;
     if (!record_scene(plan->scene, plan->sampling, plan->options.detector, &record, err))
-        return false;
+        return NULL;
     record.program = PROGRAM;
     record.renderer = render_stored(plan, state->result);
     record.n_options = plan->options.n_recorded;
     for (int i = 0; i < record.n_options; i++)
         record.options[i] = plan->options.recorded[i];
-    if (list_objects(plan, &record, err) && !(state->provenance = record_text(&record)))
+    if (list_objects(plan, &record, err) &&
+        (rows->count == 0 || record_rows(&record, rows, plan->scene->height, err)) &&
+        !(text = record_text(&record)))
         error_memory(err);
     record_free(&record);
-    return state->provenance != NULL;
+    return text;
 }
 
 /* Returns the labels of the pages of components. One allocation holds the pointers and the text.
@@ -86,146 +80,31 @@ static const char **make_labels(const struct sampling *sampling, struct error *e
     return labels;
 }
 
-static bool write_stack(struct tile_sink *sink, const struct stack_rectangle *to,
-                        const void *samples, struct error *err)
-{
-    return stack_write(&((struct stack_sink *)sink)->writer, to, samples, err);
-}
-
-static bool open_stack(struct state *state, const char *path, bool head_only, struct error *err)
+static bool open_stack(struct state *state, const char *path, struct error *err)
 {
     const struct plan *plan = state->stages.plan;
     const struct sampling *sampling = plan->sampling;
+    const struct part_rows *rows = &state->result->rows;
     const bool labelled = sampling && !sampling->spectral;
-    const bool recorded = find_provenance(state, err);
-    const char **labels = labelled && recorded ? make_labels(sampling, err) : NULL;
-    struct stack_options options = {.width = plan->scene->width,
-                                    .height = plan->scene->height,
-                                    .n_wavelengths = plan->n_bands,
-                                    .wavelengths_nm = plan->scene->wavelengths_nm,
-                                    .full_scale = state->result->full_scale,
-                                    .bits = plan->options.bits,
-                                    .scene = plan->scene->path,
-                                    .provenance = state->provenance,
-                                    .map_bytes = plan->map_bytes,
-                                    .head_only = head_only,
-                                    .labels = labels};
-    if (recorded && (labels || !labelled) &&
-        stack_open(&state->stack.writer, path, &options, err)) {
-        state->stack.sink.write = write_stack;
-        state->stages.sink = &state->stack.sink;
-    }
+    char *provenance = make_provenance(state, err);
+    const char **labels = labelled && provenance ? make_labels(sampling, err) : NULL;
+    const struct stack_options options = {
+        .width = plan->scene->width,
+        .height = rows->count > 0 ? rows->count : plan->scene->height,
+        .n_wavelengths = plan->n_bands,
+        .wavelengths_nm = plan->scene->wavelengths_nm,
+        .full_scale = state->result->full_scale,
+        .bits = plan->options.bits,
+        .scene = plan->scene->path,
+        .provenance = provenance,
+        .map_bytes = plan->map_bytes,
+        .labels = labels};
+    if (provenance && (labels || !labelled) && stack_open(&state->stack, path, &options, err))
+        state->stages.stack = &state->stack;
     free(labels);
+    free(provenance);
     clock_in(&state->since, &state->stages.seconds.write);
-    return state->stages.sink != NULL;
-}
-
-/* ---- parts ---- */
-
-/* Returns the facts of the picture as text, allocated; NULL on failure. */
-static char *make_facts(struct state *state, struct error *err)
-{
-    const struct plan *plan = state->stages.plan;
-    const struct part_facts facts = {.full_scale = state->stages.full_scale,
-                                     .unchecked = plan->options.unchecked,
-                                     .clips = state->stages.clips,
-                                     .check = plan->options.check,
-                                     .strict = plan->options.strict,
-                                     .shared = state->shared,
-                                     .measured = state->result->driver.is_measured,
-                                     .names = state->result->names,
-                                     .lacks = state->lacks};
-    char *text = find_provenance(state, err) ? facts_text(plan, &facts, state->provenance) : NULL;
-    if (state->provenance && !text)
-        error_memory(err);
-    return text;
-}
-
-/* Adds the sums of the tiles that are complete already. A process that draws alone reads their
- * samples again. */
-static bool take_complete(struct state *state, const struct render_output *output,
-                          struct error *err)
-{
-    struct stages *stages = &state->stages;
-    struct collector collector;
-    bool found = true,
-         done = collector_open(stages->plan, output->resume ? &state->stack.writer : NULL,
-                               &stages->sums, &collector, err);
-    while (done && found)
-        done = collector_take(&collector, &state->part, &found, err);
-    collector_close(&collector);
-    return done;
-}
-
-/* Opens the unfinished stack, if it is to take the samples of the part. */
-static bool open_unfinished(struct state *state, const struct render_output *output,
-                            struct error *err)
-{
-    const enum unfinished_use use = output->resume ? UNFINISHED_ALONE : UNFINISHED_SHARED;
-    return !state->shared ||
-           unfinished_open(&state->stack.writer, use, part_begun(&state->part), err);
-}
-
-/* Opens the file of a part, and lists the tiles that are not complete. */
-static bool open_part(struct state *state, const struct render_output *output, struct error *err)
-{
-    struct stages *stages = &state->stages;
-    struct part_file *file = &state->part;
-    state->shared = output->shared || output->resume;
-    if (state->shared && !open_stack(state, output->path, true, err))
-        return false;
-    file->part = *output->part;
-    file->stack = state->shared ? &state->stack.writer : NULL;
-    char *text = make_facts(state, err);
-    const bool done = text && part_create(output->path, stages->plan, text, file, err) &&
-                      open_unfinished(state, output, err) && take_complete(state, output, err);
-    free(text);
-    if (!done)
-        return false;
-    state->result->part =
-        (struct part_result){*output->part, file->n_tiles, file->n_complete, output->resume};
-    stages->sink = &file->sink;
-    stages->tiles = file->tiles + file->n_complete;
-    stages->n_tiles = file->n_tiles - file->n_complete;
-    clock_in(&state->since, &stages->seconds.write);
-    return true;
-}
-
-/* Takes what the parts record, in place of what is found when a scene is drawn. Refuses parts that
- * this program would not draw from the scene as it is now. */
-static bool prepare_join(struct state *state, const struct render_output *output, struct error *err)
-{
-    struct stages *stages = &state->stages;
-    const char *recorded = output->join->list[0].text;
-    char own[FACT_LINE], other[FACT_LINE];
-    struct part_facts facts;
-    if (!facts_read(recorded, &facts))
-        return error_usage(err, "%s: records no facts", output->join->list[0].path);
-    state->result->names = facts.names;
-    state->result->driver = *driver_of(facts.names.renderer);
-    if (facts.measured) {
-        state->result->driver.is_measured = true;
-        state->result->driver.name = "measured";
-    }
-    state->result->full_scale = stages->full_scale = facts.full_scale;
-    stages->clips = facts.clips;
-    state->shared = facts.shared;
-    state->lacks = facts.lacks;
-    state->lit.plan = stages->plan;
-    char *text = make_facts(state, err);
-    const bool differ = text && facts_differ(text, recorded, own, other);
-    free(text);
-    if (!text)
-        return false;
-    if (differ)
-        return error_usage(err, "%s: the parts record '%s', but now it is '%s'", output->path,
-                           other, own);
-    if (!stages->plan->options.check)
-        return true;
-    state->check_scene = (struct check_scene){
-        .lit = &state->lit, .full_scale = stages->full_scale, .clips = stages->clips};
-    stages->check_scene = &state->check_scene;
-    return totals_open(&state->check_scene, &stages->sums.totals, err);
+    return state->stages.stack != NULL;
 }
 
 /* ---- everything before the first pixel ---- */
@@ -270,18 +149,30 @@ static bool open_renderer(struct state *state, const struct render_foreign *fore
     return done;
 }
 
-/* Lists all tiles. */
-static bool list_tiles(struct state *state, struct error *err)
+/* Finds the tiles to be drawn: those of the picture, or whole rows of them for a part. */
+static bool find_tiles(struct state *state, const struct picture_part *part, struct error *err)
 {
     struct stages *stages = &state->stages;
-    const struct rectangle picture = plan_picture(stages->plan);
-    stages->n_tiles = plan_tiles(stages->plan, &picture);
-    state->tiles = calloc((size_t)stages->n_tiles, sizeof *state->tiles);
-    if (!state->tiles)
-        return error_memory(err);
-    for (int i = 0; i < stages->n_tiles; i++)
-        state->tiles[i] = i;
-    stages->tiles = state->tiles;
+    const struct plan *plan = stages->plan;
+    const struct rectangle picture = plan_picture(plan);
+    const int n = plan_tiles(plan, &picture), height = plan->tile_height,
+              all = (picture.height + height - 1) / height, columns = n / all,
+              from = part->count > 0 ? (int)((long)all * (part->number - 1) / part->count) : 0,
+              to = part->count > 0 ? (int)((long)all * part->number / part->count) : all;
+    if (part->count > all)
+        return error_usage(err,
+                           "--part %d/%d: a part has whole rows of tiles, and this picture has %d; "
+                           "expected at most %d parts",
+                           part->number, part->count, all, all);
+    stages->first_tile = from * columns;
+    stages->n_tiles = (to - from) * columns;
+    if (part->count == 0)
+        return true;
+    const struct rectangle first = plan_tile(plan, &picture, stages->first_tile),
+                           last = plan_tile(plan, &picture, to * columns - 1);
+    stages->first_row = plan_pixels(plan, &first).y;
+    state->result->rows.first = stages->first_row;
+    state->result->rows.count = (last.y + last.height - first.y) / plan->scene->positions;
     return true;
 }
 
@@ -302,10 +193,9 @@ static bool prepare(struct state *state, const struct render_output *output, str
         return false;
     result->full_scale = stages->full_scale;
     clock_in(&state->since, &stages->seconds.raster);
-    return list_tiles(state, err) &&
+    return find_tiles(state, &output->part, err) &&
            (!plan->options.check || open_check(state, output->check_map, err)) &&
-           (!output->path || (output->part ? open_part(state, output, err)
-                                           : open_stack(state, output->path, false, err)));
+           (!output->path || open_stack(state, output->path, err));
 }
 
 bool render_agreed(const struct plan *plan, const struct render_result *result)
@@ -314,10 +204,12 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
         return false;
     if (!plan->options.check)
         return true;
-    /* the share of a picture that may stay unchecked is no limit of a part's */
+    /* The share of a picture that may stay unchecked is no limit of a part: join knows the sum. The
+     * verdict on pixels of the reference has no sums. */
     const enum check_outcome outcome = check_outcome(plan, &result->check);
-    return outcome == OUTCOME_AGREED || (result->part.part.count > 0 && !result->part.finished &&
-                                         outcome == OUTCOME_NOT_VERIFIED);
+    return outcome == OUTCOME_AGREED ||
+           (outcome == OUTCOME_NOT_VERIFIED && result->rows.count > 0 &&
+            !plan->options.store_raster);
 }
 
 /* Refuses samples that no page can hold. */
@@ -331,45 +223,23 @@ static bool are_finite(const struct render_result *result, struct error *err)
                         (unsigned long long)result->odd.undefined);
 }
 
-static bool remove_part(const char *path, struct error *err)
-{
-    errno = 0;
-    return remove(path) == 0 || errno == ENOENT || error_system(err, "cannot remove %s", path);
-}
-
-/* The unfinished stack becomes the stack. What is left of it then is no part of anything, so the
- * parts go first; where one cannot, there is no stack. */
-static bool end_parts(struct state *state, const struct render_output *output, struct error *err)
-{
-    if (!state->shared)
-        return true;
-    bool done = !output->resume || remove_part(state->part.path, err);
-    for (int i = 0; done && output->join && i < output->join->n; i++)
-        done = remove_part(output->join->list[i].path, err);
-    if (done)
-        unfinished_end(&state->stack.writer);
-    return done;
-}
-
 static bool commit(struct state *state, const struct render_output *output, struct error *err)
 {
     struct render_result *result = state->result;
     const struct plan *plan = state->stages.plan;
     char verdict[STACK_VERDICT];
     bool compared = output->again && result->odd.undefined == 0;
-    if (!state->stages.sink || !(output->keep || compared || render_agreed(plan, result)))
+    if (!state->stages.stack || !(output->keep || compared || render_agreed(plan, result)))
         return true;
     if (!are_finite(result, err))
         return false;
-    report_verdict(plan, &result->check, verdict, sizeof verdict);
-    bool done = stack_finish(&state->stack.writer, verdict, err) &&
-                (!output->again ||
-                 stack_compare(&state->stack.writer, output->again, &result->difference, err));
+    report_verdict(plan, &result->check, verdict);
+    bool done =
+        stack_finish(&state->stack, verdict, err) &&
+        (!output->again || stack_compare(&state->stack, output->again, &result->difference, err));
     if (done && !output->discard && (output->keep || render_agreed(plan, result)))
-        done = end_parts(state, output, err) &&
-               (output->envi
-                    ? stack_commit_envi(&state->stack.writer, output->path, output->outputs, err)
-                    : stack_commit(&state->stack.writer, output->outputs, err));
+        done = output->envi ? stack_commit_envi(&state->stack, output->path, output->outputs, err)
+                            : stack_commit(&state->stack, output->outputs, err);
     clock_in(&state->since, &result->seconds.write);
     return done;
 }
@@ -395,29 +265,12 @@ static void take_results(struct state *state)
     }
 }
 
-/* Puts parts together. */
-static bool join_all(struct state *state, const struct render_output *output, struct error *err)
-{
-    if (!prepare_join(state, output, err) || !open_stack(state, output->path, state->shared, err) ||
-        (state->shared && !unfinished_open(&state->stack.writer, UNFINISHED_ALONE, true, err)) ||
-        !parts_collect(output->join, state->stages.plan, &state->stack.writer, &state->stages.sums,
-                       err))
-        return false;
-    clock_in(&state->since, &state->stages.seconds.write);
-    take_results(state);
-    return commit(state, output, err);
-}
-
 static bool render_all(struct state *state, const struct render_output *output, struct error *err)
 {
-    if (output->join)
-        return join_all(state, output, err);
     if (!prepare(state, output, err) || !stages_run(&state->stages, err))
         return false;
     state->since = clock_seconds();
     take_results(state);
-    if (output->part && !output->resume)
-        return are_finite(state->result, err);
     /* both files are complete before the first of them appears */
     const bool mapped = state->stages.map != NULL;
     return (!mapped || check_map_finish(&state->map, err)) && commit(state, output, err) &&
@@ -433,16 +286,13 @@ bool render(const struct plan *plan, const struct render_output *output,
         .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
     *out = (struct render_result){.notes = output->notes};
     bool done = render_all(&state, output, err);
-    part_close(&state.part);
-    if (state.stack.sink.write)
-        stack_discard(&state.stack.writer); /* keeps a committed stack, and an unfinished one */
+    if (state.stages.stack)
+        stack_discard(&state.stack); /* keeps a committed stack */
     if (state.fit.plan)
         fit_free(&state.fit);
     if (state.stages.map)
         check_map_discard(&state.map);
     totals_free(&state.stages.sums.totals);
-    free(state.tiles);
-    free(state.provenance);
     if (state.stages.renderer)
         state.stages.renderer->kind->close(state.stages.renderer);
     lit_free(&state.lit);

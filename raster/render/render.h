@@ -10,10 +10,8 @@
 #include "data/record/record.h"
 #include "data/stack/stack.h"
 #include "raster/driver/driver.h"
-#include "raster/forecast/forecast.h"
 #include "raster/gl/gl.h"
 #include "raster/notes/notes.h"
-#include "raster/parts/parts.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
 #include "raster/shader/shader.h"
@@ -35,11 +33,7 @@ struct render_result {
     struct odd_samples odd;
     struct stack_difference difference; /* from the stack that is made again */
     const struct notes *notes;          /* those of struct render_output */
-    struct part_result {
-        struct picture_part part; /* count 0: it is no part */
-        int n_tiles, n_before;    /* tiles that were complete already */
-        bool finished;            /* the stack follows in the same process */
-    } part;
+    struct part_rows rows;             /* that the stack has; count 0: all */
     struct part_seconds seconds;
 };
 /* Another program draws the pixels. */
@@ -65,10 +59,9 @@ struct render_output {
                  struct error *err);
     void *taker;
     const struct render_foreign *foreign; /* NULL: OpenGL draws here */
-    const struct picture_part *part; /* draws this part of the stack at `path`; NULL: all of it */
-    bool shared;                     /* parts store in one file, the unfinished stack */
-    bool resume;                     /* draws all as such a part, and finishes the stack */
-    struct parts *join;              /* draws nothing, and puts these together; NULL: it draws */
+    struct picture_part {            /* draws these rows of tiles; count 0: all */
+        int number, count;           /* from 1 */
+    } part;
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
@@ -82,8 +75,8 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* ---- words.c: the verdict in words ---- */
 
 /* Writes the verdict as one line of ASCII, for the stack. */
-void report_verdict(const struct plan *plan, const struct check_verdict *verdict, char *out,
-                    size_t capacity);
+void report_verdict(const struct plan *plan, const struct check_verdict *verdict,
+                    char out[STACK_VERDICT]);
 /* Returns false with EXIT_DIFFERENT. The message names the first pixel where the pictures differ,
  * or what could not be checked, and ends with `then`, the consequence; NULL: with none. */
 bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
@@ -110,9 +103,7 @@ void report_json(const struct plan *plan, const struct render_result *result, co
 
 /* Renders a scene, or makes a stack again. Fails with EXIT_DIFFERENT if the pictures differ. */
 bool command_render(struct options *options, struct error *err);
-/* Renders a scene into its stack, and reports the result. */
-bool render_scene(struct options *options, struct error *err);
-
+bool part_accepts(const char *option, const char *value, struct error *err); /* "3/7" */
 /* Reads, plans and renders the scene of the options, and reports the result. made: the record of
  * the stack that is made again; NULL: the stack is new. */
 bool render_with_options(const struct options *options, const struct render_output *output,
@@ -124,24 +115,7 @@ bool render_with_options(const struct options *options, const struct render_outp
  * reference's pixels is the same with any check. */
 void options_forget_check(struct options *options);
 
-/* ---- current.c: spectral render --update ---- */
-
-/* Finds whether the stack at the output's name is what the options ask for, made by this program
- * and good by its verdict, and whether all other outputs are there. A part is never. Another
- * version of OpenGL makes no difference. Fails where the scene cannot be read. */
-bool render_is_current(const struct options *options, bool *out, struct error *err);
-/* ---- join.c: parts become a stack ---- */
-
-/* Reads the options that the parts were drawn with, and puts them together. */
-bool command_join(struct options *options, struct error *err);
 /* ---- again.c: spectral render --again ---- */
-
-/* Reads the options that a record holds; others come from the command line. `from`: the file with
- * the record, for messages. The caller frees *out, also after a failure. */
-bool recorded_options(const struct options *options, const char *from, const struct record *record,
-                      struct options *out, struct error *err);
-/* Refuses a record that names a file that is not below the working folder. */
-bool record_is_trusted(const char *from, const struct record *record, struct error *err);
 
 /* Makes a stack again from the scene and the options that it records. Fails with EXIT_DIFFERENT if
  * any byte of the new stack differs. */

@@ -127,6 +127,9 @@ void report_print(const struct plan *plan, const struct render_result *result, s
     print(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
           plan->scene->width, plan->scene->height, plan->n_bands,
           has_components(plan) ? "components" : "wavelengths");
+    if (result->rows.count > 0)
+        print(to, "part              rows %d to %d, from 0\n", result->rows.first,
+              result->rows.first + result->rows.count - 1);
     if (plan->scene->positions > 1)
         print(to,
               "positions         %d x %d a pixel, whose mean is stored; the check counts each as a "
@@ -327,17 +330,15 @@ static void json_again(struct json *json, const struct stack_difference *differe
     json_close(json, '}');
 }
 
-static void json_part(struct json *json, const struct part_result *part)
+static void json_part(struct json *json, const struct part_rows *rows)
 {
-    if (part->part.count == 0) {
+    if (rows->count == 0) {
         json_string(json, "part", NULL);
         return;
     }
     json_open(json, "part", '{');
-    json_count(json, "number", (uint64_t)part->part.number);
-    json_count(json, "count", (uint64_t)part->part.count);
-    json_count(json, "tiles", (uint64_t)part->n_tiles);
-    json_count(json, "tiles_before", (uint64_t)part->n_before);
+    json_count(json, "first_row", (uint64_t)rows->first);
+    json_count(json, "rows", (uint64_t)rows->count);
     json_close(json, '}');
 }
 
@@ -373,7 +374,7 @@ void report_json(const struct plan *plan, const struct render_result *result, co
         notes_json(result->notes, json);
     }
     json_again(json, &result->difference);
-    json_part(json, &result->part);
+    json_part(json, &result->rows);
     json_count(json, "clipped_samples", result->odd.clipped);
     json_seconds(json, &result->seconds);
     json_count(json, "peak_bytes", peak_bytes);

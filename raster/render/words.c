@@ -95,10 +95,26 @@ void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
     print(to, "verdict           %s: %s\n", verdict_word(plan, verdict), reason);
 }
 
-/* Pixels of the reference get the same words with and without a check that agrees. */
-void report_verdict(const struct plan *plan, const struct check_verdict *verdict, char *out,
-                    size_t capacity)
+static void checked_text(const struct plan *plan, const struct check_verdict *verdict,
+                         char out[STACK_VERDICT])
 {
+    struct stack_verdict numbers = {.samples = verdict->samples.n,
+                                    .exact = verdict->samples.exact,
+                                    .within_1 = verdict->samples.within_1,
+                                    .largest = verdict->samples.largest,
+                                    .unexplained = verdict->unexplained,
+                                    .pixels = verdict->pixels,
+                                    .unchecked = verdict->unchecked,
+                                    .objects = verdict->objects};
+    snprintf(numbers.word, sizeof numbers.word, "%s", verdict_word(plan, verdict));
+    stack_verdict_text(&numbers, out);
+}
+
+/* Pixels of the reference get the same words with and without a check that agrees. */
+void report_verdict(const struct plan *plan, const struct check_verdict *verdict,
+                    char out[STACK_VERDICT])
+{
+    const size_t capacity = STACK_VERDICT;
     const bool agreed = !plan->options.check || check_outcome(plan, verdict) == OUTCOME_AGREED;
     if (plan->scene->shading == SHADING_PHONG)
         snprintf(out, capacity, "pixels of the reference, not checked%s", no_check(plan));
@@ -107,15 +123,7 @@ void report_verdict(const struct plan *plan, const struct check_verdict *verdict
     else if (!plan->options.check)
         snprintf(out, capacity, "not checked");
     else
-        snprintf(
-            out, capacity,
-            "%s; %llu samples, %llu exact, %llu within 1 count, largest difference %.3g counts, "
-            "%llu of %llu pixels unexplained, %llu of %llu object pixels not checked",
-            verdict_word(plan, verdict), (unsigned long long)verdict->samples.n,
-            (unsigned long long)verdict->samples.exact,
-            (unsigned long long)verdict->samples.within_1, verdict->samples.largest,
-            (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels,
-            (unsigned long long)verdict->unchecked, (unsigned long long)verdict->objects);
+        checked_text(plan, verdict, out);
 }
 
 /* ---- disagreement ---- */

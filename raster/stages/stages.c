@@ -2,18 +2,14 @@
 /* The passes of all tiles, by three stages that work side by side. One draws by OpenGL, three bands
  * a pass. One draws the reference of each tile, judges what OpenGL has drawn, and counts. One
  * writes. The stages do the same work in the same order, however far one is ahead of another. */
-#include <errno.h>
 #include <stdlib.h>
 
-#include "data/process/process.h"
 #include "raster/stages/stages.h"
 
-/* Counts on their way to the stack: of some pages of a tile; or the sums of that tile. */
+/* Counts on their way to the stack: of some pages of a tile. */
 struct written {
-    struct rectangle at;     /* in pixels of the stack */
+    struct rectangle at;     /* in pixels of the picture */
     int first_page, n_pages; /* the object map is the page after the last one */
-    unsigned char *sums;     /* packed; owned; NULL: there are pages */
-    size_t sums_length;
     unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
 };
 enum { WRITTEN_PLACES = 2 }; /* one is filled while the other is written */
@@ -156,7 +152,7 @@ static bool draw_tiles(void *context, struct error *err)
     order_frames(state, frames);
     bool done = expect_frames(state, frames, err);
     for (int i = 0; i < stages->n_tiles && done; i++) {
-        const struct rectangle at = plan_tile(plan, &picture, stages->tiles[i]);
+        const struct rectangle at = plan_tile(plan, &picture, stages->first_tile + i);
         done = draw_tile(state, &at, frames, err);
     }
     free(frames);
@@ -359,7 +355,7 @@ static bool learn_pilots(struct state *state, const struct tile *tile, struct er
 static bool find_room(struct state *state, const struct tile *tile, struct written **out)
 {
     *out = NULL;
-    if (!state->stages->sink)
+    if (!state->stages->stack)
         return true;
     const int place = queue_room(&state->counted);
     if (place < 0)
@@ -410,7 +406,7 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
 static bool add_object_map(struct state *state, const struct tile *tile)
 {
     struct written *room;
-    if (state->plan->map_bytes == 0 || !state->stages->sink)
+    if (state->plan->map_bytes == 0 || !state->stages->stack)
         return true;
     if (!find_room(state, tile, &room))
         return false;
@@ -433,38 +429,11 @@ static void add_work(struct light_work *to, const struct tile *tile)
     }
 }
 
-/* The sink keeps each tile that is complete. */
-static bool keeps_tiles(const struct state *state)
-{
-    return state->stages->sink && state->stages->sink->end;
-}
-
-static bool take_step(struct state *state, struct error *err)
+static void take_step(struct state *state)
 {
     state->steps++;
     if (state->stages->progress)
         progress_show(state->stages->progress, state->steps, state->all_steps);
-    errno = 0;
-    return !is_interrupted() ||
-           error_system(err, "interrupted; %s",
-                        keeps_tiles(state) ? "complete tiles are kept, and the same command goes on"
-                                           : "nothing was written");
-}
-
-/* Passes the sums of a tile on, and adds them to the picture's. */
-static bool end_tile(struct state *state, struct error *err)
-{
-    if (keeps_tiles(state)) {
-        const int place = queue_room(&state->counted);
-        if (place < 0)
-            return false;
-        struct written *room = &state->written[place];
-        if (!sums_pack(&state->sums, &room->sums, &room->sums_length, err))
-            return false;
-        queue_fill(&state->counted);
-    }
-    sums_add(&state->stages->sums, &state->sums);
-    return true;
 }
 
 static bool treat_tile(void *context, const struct tile *tile, struct error *err)
@@ -477,10 +446,13 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     if (done && checking)
         queue_free(&state->numbers);
     done = done && learn_pilots(state, tile, err);
-    for (int pass = 0; done && pass < state->plan->n_passes; pass++)
-        done = treat_pass(state, tile, pass, err) && take_step(state, err);
+    for (int pass = 0; done && pass < state->plan->n_passes; pass++) {
+        done = treat_pass(state, tile, pass, err);
+        take_step(state);
+    }
     leave_frame(state);
-    done = done && settle_checks(state, tile, err) && end_tile(state, err);
+    done = done && settle_checks(state, tile, err);
+    sums_add(&state->stages->sums, &state->sums);
     close_checks(state, tile);
     state->since = clock_seconds();
     return done;
@@ -495,7 +467,7 @@ static bool treat_tiles(void *context, struct error *err)
     state->all_steps = (long)stages->n_tiles * state->plan->n_passes;
     state->since = clock_seconds();
     for (int i = 0; i < stages->n_tiles && done; i++) {
-        const struct rectangle at = plan_tile(state->plan, &picture, stages->tiles[i]);
+        const struct rectangle at = plan_tile(state->plan, &picture, stages->first_tile + i);
         done = tile_draw(stages->lit, &at, treat_tile, state, err);
     }
     queue_end(&state->counted);
@@ -506,33 +478,23 @@ static bool treat_tiles(void *context, struct error *err)
 
 static bool write_pages(const struct state *state, const struct written *from, struct error *err)
 {
-    struct tile_sink *sink = state->stages->sink;
+    const struct stages *stages = state->stages;
     const struct rectangle *at = &from->at;
     for (int i = 0; i < from->n_pages; i++) {
-        const struct stack_rectangle to = {from->first_page + i, at->x, at->y, at->width,
-                                           at->height};
-        if (!sink->write(sink, &to, from->samples[i], err))
+        const struct stack_rectangle to = {from->first_page + i, at->x, at->y - stages->first_row,
+                                           at->width, at->height};
+        if (!stack_write(stages->stack, &to, from->samples[i], err))
             return false;
     }
     return true;
-}
-
-static bool write_sums(const struct state *state, struct written *from, struct error *err)
-{
-    struct tile_sink *sink = state->stages->sink;
-    const bool done = sink->end(sink, from->sums, from->sums_length, err);
-    free(from->sums);
-    from->sums = NULL;
-    return done;
 }
 
 static bool write_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     for (int place; (place = queue_next(&state->counted, 0)) >= 0;) {
-        struct written *from = &state->written[place];
         double since = clock_seconds();
-        if (!(from->sums ? write_sums(state, from, err) : write_pages(state, from, err)))
+        if (!write_pages(state, &state->written[place], err))
             return false;
         clock_in(&since, &state->written_seconds);
         queue_free(&state->counted);
@@ -553,7 +515,7 @@ static bool allocate(struct state *state, struct error *err)
     if (state->stages->check_scene &&
         !totals_open(state->stages->check_scene, &state->sums.totals, err))
         return false;
-    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->stages->sink; i++) {
+    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->stages->stack; i++) {
         unsigned char **samples = &state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS];
         *samples = malloc(n_samples * (size > map ? size : map));
         if (!*samples)
@@ -568,8 +530,6 @@ static void release(struct state *state)
     totals_free(&state->sums.totals);
     for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS; i++)
         free(state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS]);
-    for (int i = 0; i < WRITTEN_PLACES; i++)
-        free(state->written[i].sums);
 }
 
 bool stages_run(struct stages *stages, struct error *err)
@@ -585,7 +545,7 @@ bool stages_run(struct stages *stages, struct error *err)
     if (stages->renderer)
         parts[n++] = draw_tiles; /* OpenGL's context is this thread's */
     parts[n++] = treat_tiles;
-    if (stages->sink)
+    if (stages->stack)
         parts[n++] = write_tiles;
     const bool done =
         allocate(&state, err) &&

@@ -45,17 +45,6 @@ struct part_seconds {
 /* Adds the seconds since *since to a part, and makes now the new *since. */
 void clock_in(double *since, double *part);
 
-/* Takes the samples of one tile after the other. A room that stores them embeds it as the first
- * member of a struct of its own. */
-struct tile_sink {
-    /* Takes the samples of a rectangle: of the object map, then of each page in turn. */
-    bool (*write)(struct tile_sink *sink, const struct stack_rectangle *to, const void *samples,
-                  struct error *err);
-    /* Takes the packed sums of the tile whose samples are all written. NULL: wants none. */
-    bool (*end)(struct tile_sink *sink, const unsigned char *sums, size_t length,
-                struct error *err);
-};
-
 /* The work of the stages. All but the last two members come in, prepared for the plan, and stay
  * the caller's. */
 struct stages {
@@ -65,9 +54,9 @@ struct stages {
     const struct check_scene *check_scene; /* NULL: no check */
     struct check_map *map;                 /* NULL: none is wanted */
     struct renderer *renderer;             /* with GL_BUFFERS; NULL: only the reference draws */
-    struct tile_sink *sink;                /* NULL: no samples are stored */
-    const int *tiles;                      /* the numbers of those to be drawn */
-    int n_tiles;
+    struct stack_writer *stack;            /* NULL: no samples are stored */
+    int first_row;                         /* of the picture that the stack has, in its pixels */
+    int first_tile, n_tiles;               /* those to be drawn: whole rows */
     struct progress_line *progress; /* NULL: none */
     double full_scale;
     bool clips; /* a vertex is brighter than full_scale */

@@ -93,6 +93,19 @@ void totals_add(struct check_totals *picture, struct check_totals *tile)
         }
 }
 
+void sums_add(struct tile_sums *picture, struct tile_sums *tile)
+{
+    picture->odd.clipped += tile->odd.clipped;
+    picture->odd.undefined += tile->odd.undefined;
+    picture->light.points_lit += tile->light.points_lit;
+    picture->light.specular_vertices += tile->light.specular_vertices;
+    picture->light.power_functions += tile->light.power_functions;
+    tile->odd = (struct odd_samples){0, 0};
+    tile->light = (struct light_work){.points_lit = 0};
+    if (tile->totals.scene)
+        totals_add(&picture->totals, &tile->totals);
+}
+
 /* ---- the mean residual ---- */
 
 double mean_residual(const struct check_samples *samples)

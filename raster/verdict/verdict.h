@@ -132,7 +132,7 @@ double mean_residual(const struct check_samples *samples);
 /* True if roundings cannot leave so large a mean. */
 bool is_biased(const struct check_verdict *verdict);
 
-/* ---- sums.c: the sums of a tile as bytes, which another process adds up ---- */
+/* ---- sums over a tile ---- */
 
 struct tile_sums {
     struct check_totals totals; /* open; scene NULL: there is no check */
@@ -141,9 +141,5 @@ struct tile_sums {
 };
 /* Adds a tile's sums to the picture's, and sets them to 0 for the next tile. */
 void sums_add(struct tile_sums *picture, struct tile_sums *tile);
-/* The caller frees *out. The same sums give the same bytes. */
-bool sums_pack(struct tile_sums *sums, unsigned char **out, size_t *length, struct error *err);
-/* Reads sums into *out, whose sums are 0. Returns false where these bytes are no such sums. */
-bool sums_unpack(const unsigned char *bytes, size_t length, struct tile_sums *out);
 
 #endif

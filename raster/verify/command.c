@@ -5,7 +5,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/process/process.h"
 #include "raster/verify/verify.h"
 
 /* ---- the runs ---- */
@@ -19,8 +18,6 @@ static bool run_all(const struct options *options, struct verification *of, stru
     for (int i = 0; i < n; i++) {
         struct verify_driver *driver = &of->drivers[i / of->n_scenes];
         struct verify_result *result = &of->results[i];
-        if (is_interrupted())
-            return error_system(err, "interrupted; nothing was written");
         if (!verify_run(options, driver, &of->scenes[i % of->n_scenes], result, err))
             return false;
         if (result->outcome != VERIFY_FAILED) {

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "data/invocation/invocation.h"
-#include "data/pack/pack.h"
 #include "data/tiff/tiff.h"
 #include "data/scene/scene.h"
 #include "raster/view/view.h"
@@ -105,8 +104,7 @@ static bool view_scene(struct options *options, int kind, struct scene *scene, s
                                                     [DESCRIPTION_KIND] = write_description};
     const struct plan_options plan_options = {
         .store_raster = true, .exchangeable = kind != PICTURE_KIND, .threads = options->threads};
-    return scene_read_options(options, scene, err) && scene_spared(options->output, scene, err) &&
-           scene_spared(options->json, scene, err) && output_can_open(options->json, err) &&
+    return scene_read_options(options, scene, err) && output_can_open(options->json, err) &&
            plan_make(scene, NULL, &plan_options, plan, err) &&
            refine_options(options, plan, &report->refined, err) &&
            write[kind](options, plan, report, err) &&
@@ -190,8 +188,7 @@ static bool view_stack(struct options *options, bool alone, struct error *err)
     if (options->budget && !option_number("--budget", options->budget, 1, 1e6, &budget_mb, err))
         return false;
     const struct stack_page_options page = {1e6 * budget_mb, alone};
-    const bool done = image_spared(options->json, options->operand, err) &&
-                      output_can_open(options->json, err) &&
+    const bool done = output_can_open(options->json, err) &&
                       stack_page_write(options->operand, options->output, &page, &result,
                                        &options->outputs, err) &&
                       (!options->json || write_stack_json(options, &result, err));
@@ -230,7 +227,7 @@ bool command_view(struct options *options, struct error *err)
     if (options->budget)
         return error_usage(err, "--budget is for pages of stacks; %s is a scene",
                            options_scene(options));
-    char *marked = operand ? pack_marked_name(operand) : NULL;
+    char *marked = operand ? marked_name(operand) : NULL;
     if (operand && !marked)
         return error_memory(err);
     options->operand = marked;

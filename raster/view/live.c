@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/pack/pack.h"
 #include "data/text/text.h"
 #include "raster/bounds/bounds.h"
 #include "raster/driver/driver.h"
@@ -91,7 +90,7 @@ static bool is_in_options(const struct options *options, const char *path)
     return false;
 }
 
-static bool add_file(const struct live_page *live, const struct packed_file *file,
+static bool add_file(const struct live_page *live, const struct page_file *file,
                      struct json *json, struct printed *bytes, struct error *err)
 {
     const size_t before = bytes->length;
@@ -110,13 +109,13 @@ static bool add_files(const struct live_page *live, struct json *json, struct pr
                       struct error *err)
 {
     const struct scene *scene = live->scene;
-    struct packing packing = {.files = NULL};
+    struct page_files files = {.list = NULL};
     json_open(json, "files", '[');
-    bool done = packing_make(scene, &packing, err);
-    for (int i = 0; done && i < packing.n_files; i++)
-        done = add_file(live, &packing.files[i], json, bytes, err);
+    bool done = page_files_make(scene, &files, err);
+    for (int i = 0; done && i < files.n; i++)
+        done = add_file(live, &files.list[i], json, bytes, err);
     json_close(json, ']');
-    packing_free(&packing);
+    page_files_free(&files);
     return done;
 }
 

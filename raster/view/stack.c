@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "data/invocation/invocation.h"
-#include "data/process/process.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
 #include "raster/view/view.h"
@@ -68,8 +67,6 @@ static bool read_pages(struct shown_stack *of, struct stack_rows *room, float *o
     for (int y = 0; y < of->height; y++) {
         const int first = y * of->factor, left = image->height - first,
                   rows = left < of->factor ? left : of->factor;
-        if (is_interrupted())
-            return error_system(err, "interrupted; nothing was written");
         for (int page = 0; page < image->n_pages; page++) {
             if (!image_read(image, page, first, rows, room->rows, err))
                 return false;
@@ -321,7 +318,7 @@ bool stack_page_write(const char *stack, const char *path, const struct stack_pa
     struct stack_page page = {.page = {.kind = PAGE_LIVE, .put_data = put_stack}};
     char *bytes = NULL;
     *out = (struct stack_result){.bytes = 0};
-    bool done = image_spared(path, stack, err) && cube_open(stack, &shown.cube, err);
+    bool done = cube_open(stack, &shown.cube, err);
     if (done) {
         shown.counts = !shown.cube.image.envi && !image_is_float(&shown.cube.image);
         find_size(&shown, options->budget_bytes);

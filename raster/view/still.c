@@ -7,7 +7,6 @@
 
 #include "data/colour/colour.h"
 #include "data/pages/pages.h"
-#include "data/process/process.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/threads/threads.h"
@@ -72,8 +71,6 @@ static bool sum_tile(struct still *still, const struct tile *tile, struct error 
     for (int band = 0; band < n_bands; band += BANDS_PER_PASS) {
         const int end = band + BANDS_PER_PASS < n_bands ? band + BANDS_PER_PASS : n_bands;
         struct adding adding = {still, tile, band, end, COUNTER};
-        if (is_interrupted())
-            return error_system(err, "interrupted; nothing was written");
         if (!plan_load_textures(&still->plan, band, err))
             return false;
         threads_each(still->plan.options.threads, tile->n_chunks, add_bands, &adding);

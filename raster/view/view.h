@@ -7,6 +7,8 @@
 #define VIEW_H
 
 #include "data/base/base.h"
+#include "data/index/index.h"
+#include "data/inputs/inputs.h"
 #include "data/options/options.h"
 #include "raster/notes/notes.h"
 #include "raster/plan/plan.h"
@@ -19,7 +21,7 @@ struct viewer_result {
     int n_objects, n_lights, n_illuminants, n_detectors; /* a live page finds the last two */
 };
 /* Writes a page that holds this program and all files of the scene, to the options' output. The
- * scene was read under pack_marked_name. Makes the notes on the scene. On failure no file has been
+ * scene was read under marked_name. Makes the notes on the scene. On failure no file has been
  * created or changed. The caller frees *notes, here and below, also after a failure. */
 bool live_write(const struct plan *plan, struct options *options, struct viewer_result *out,
                 struct notes *notes, struct error *err);
@@ -85,6 +87,29 @@ struct planes {
     float *values;          /* [plane][position] */
     double *place[2]; /* of each position in its spectral texture, in texels; NULL: there is none */
 };
+
+/* ---- files.c: the files of a scene, as seen from its folder ---- */
+
+/* A file that is not built in. */
+struct page_file {
+    char *name; /* relative to the scene's folder, without "." and ".."; owned */
+    const char *path;
+};
+struct page_files {
+    struct page_file *list; /* the first one is the scene's; owned */
+    int n;
+    struct index places;  /* in the list, by name */
+    struct inputs inputs; /* own the paths of files that are no texts of the scene */
+    char *above;          /* how the paths of files in that folder begin: "" or "scenes/"; owned */
+};
+/* Returns the scene's name with a mark, so that the paths of all files that the scene names by
+ * relative names begin in another way than a path from / on. Read the scene under this name.
+ * Allocated; NULL: no memory. */
+char *marked_name(const char *scene);
+/* Lists the texts of a scene and the files that it names. The scene must outlive *out. Refuses a
+ * file outside of the scene's folder. The caller frees *out, also after a failure. */
+bool page_files_make(const struct scene *scene, struct page_files *out, struct error *err);
+void page_files_free(struct page_files *files);
 
 /* Refuses pictures and scenes that are too large for a page: more than LARGEST_PAGE pixels, or
  * LARGEST_SAMPLE instances. */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The files of a scene, with names relative to the scene's folder. */
+/* The files of a scene, as its live page holds them: with names relative to the scene's folder. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/pack/pack.h"
+#include "raster/view/view.h"
 
 /* Removes "." and "FOLDER/.." from a relative path, in place. Returns false if it leaves its
  * folder, or is not relative. */
@@ -32,10 +32,10 @@ static bool simplify(char *path)
 }
 
 /* Finds the name of a file below the scene's folder; allocated. */
-static char *name_below(const struct packing *packing, const char *path, struct error *err)
+static char *name_below(const struct page_files *files, const char *path, struct error *err)
 {
-    const size_t above = strlen(packing->above);
-    const bool below = strncmp(path, packing->above, above) == 0;
+    const size_t above = strlen(files->above);
+    const bool below = strncmp(path, files->above, above) == 0;
     char *name = strdup(below ? path + above : path);
     if (!name)
         error_memory(err);
@@ -55,38 +55,38 @@ static bool is_same_file(const char *known, const char *path, struct error *err)
 {
     bool same;
     return file_is_same(known, path, &same, err) &&
-           (same || error_usage(err, "%s and %s are two files, and one in the archive; rename one",
+           (same || error_usage(err, "%s and %s are two files, and one in the page; rename one",
                                 known, path));
 }
 
 /* Adds a file, unless its name is there already. */
-static bool add(struct packing *packing, const char *path, struct error *err)
+static bool add(struct page_files *files, const char *path, struct error *err)
 {
     if (path_is_builtin(path))
         return true;
-    struct packed_file file = {name_below(packing, path, err), path};
+    struct page_file file = {name_below(files, path, err), path};
     if (!file.name)
         return false;
     const size_t length = strlen(file.name);
-    const int place = index_find(&packing->places, file.name, length);
-    if (place < 0 && array_add(&packing->files, &packing->n_files, &file, sizeof file, err))
-        return index_add(&packing->places, file.name, length, packing->n_files - 1, err);
+    const int place = index_find(&files->places, file.name, length);
+    if (place < 0 && array_add(&files->list, &files->n, &file, sizeof file, err))
+        return index_add(&files->places, file.name, length, files->n - 1, err);
     free(file.name);
-    return place >= 0 && is_same_file(packing->files[place].path, path, err);
+    return place >= 0 && is_same_file(files->list[place].path, path, err);
 }
 
-void packing_free(struct packing *packing)
+void page_files_free(struct page_files *files)
 {
-    for (int i = 0; i < packing->n_files; i++)
-        free(packing->files[i].name);
-    free(packing->files);
-    free(packing->above);
-    index_free(&packing->places);
-    inputs_free(&packing->inputs);
-    *packing = (struct packing){.files = NULL};
+    for (int i = 0; i < files->n; i++)
+        free(files->list[i].name);
+    free(files->list);
+    free(files->above);
+    index_free(&files->places);
+    inputs_free(&files->inputs);
+    *files = (struct page_files){.list = NULL};
 }
 
-char *pack_marked_name(const char *scene)
+char *marked_name(const char *scene)
 {
     const char *base = path_name(scene);
     const size_t length = strlen(scene) + sizeof "./";
@@ -97,10 +97,10 @@ char *pack_marked_name(const char *scene)
     return name;
 }
 
-bool packing_make(const struct scene *scene, struct packing *out, struct error *err)
+bool page_files_make(const struct scene *scene, struct page_files *out, struct error *err)
 {
     const char *path = scene->files[0].path;
-    *out = (struct packing){.above = strdup(path_is_builtin(path) ? "" : path)};
+    *out = (struct page_files){.above = strdup(path_is_builtin(path) ? "" : path)};
     bool done = out->above || error_memory(err);
     if (done) /* a built-in scene has no folder: its options name files from the working folder */
         out->above[path_name(out->above) - out->above] = '\0';

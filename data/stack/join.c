@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral join: the stacks of parts become the stack of the whole picture. Each part has whole rows
+ * of pixels, and its record says which. All else in the records must be the same. Parts are opened
+ * one after the other, so that their number has no limit. */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/stack/stack.h"
+
+enum { COPIED_BYTES = 1 << 22 };
+
+struct joined {
+    struct cube first; /* part; it stays open */
+    char *record;      /* of all parts, as make_common makes it; owned */
+    struct stack_verdict sums;
+    bool has_sums; /* the parts' lines have numbers */
+    struct stack_writer writer;
+    struct envi_layout layout; /* of the part that is being copied */
+    unsigned char *has; /* of each row of the picture: a part had it; owned */
+    char *bytes;        /* COPIED_BYTES; owned */
+};
+
+/* ---- records ---- */
+
+/* Returns a part's record without what is its own, allocated; NULL: no memory. */
+static char *make_common(const struct record *record)
+{
+    struct record common = *record;
+    common.rows.n = 0;
+    common.object_map = NULL;
+    return record_text(&common);
+}
+
+/* Refuses a record that differs from that of the first part. Names the first line that does. */
+static bool check_common(const struct joined *joined, const struct cube *part, struct error *err)
+{
+    char *common = make_common(&part->record);
+    const char *a = joined->record, *b = common;
+    if (!common)
+        return error_memory(err);
+    while (*a && strncmp(a, b, strcspn(a, "\n") + 1) == 0) {
+        a += strcspn(a, "\n") + 1;
+        b += strcspn(b, "\n") + 1;
+    }
+    const bool same = *a == *b && !*a;
+    if (!same)
+        error_usage(err, "%s is a part of another render than %s: it records '%.*s', not '%.*s'",
+                    part->image.path, joined->first.image.path, (int)strcspn(b, "\n"), b,
+                    (int)strcspn(a, "\n"), a);
+    free(common);
+    return same;
+}
+
+/* ---- verdicts ---- */
+
+/* Adds up the verdicts of parts. Those without numbers must be the same. */
+static bool add_verdict(struct joined *joined, const struct cube *part, struct error *err)
+{
+    struct stack_verdict own, *sums = &joined->sums;
+    const struct image *first = &joined->first.image;
+    const bool counts = stack_verdict_read(part->image.verdict, &own);
+    if (counts != joined->has_sums || (!counts && strcmp(part->image.verdict, first->verdict) != 0))
+        return error_usage(err, "%s: its verdict is '%s', but that of %s is '%s'",
+                           part->image.path, part->image.verdict, first->path, first->verdict);
+    if (!counts)
+        return true;
+    if (strcmp(own.word, "differs") == 0 || !sums->word[0])
+        memcpy(sums->word, own.word, sizeof sums->word);
+    sums->samples += own.samples;
+    sums->exact += own.exact;
+    sums->within_1 += own.within_1;
+    sums->largest = own.largest > sums->largest ? own.largest : sums->largest;
+    sums->unexplained += own.unexplained;
+    sums->pixels += own.pixels;
+    sums->unchecked += own.unchecked;
+    sums->objects += own.objects;
+    return true;
+}
+
+/* Concludes from the sums as a check of the whole picture does, by the recorded options. Each part
+ * agrees on average by itself. */
+static bool conclude(struct joined *joined, const struct options *options, struct error *err)
+{
+    const struct record *record = &joined->first.record;
+    const struct option_rules rules = {"render", options->table, RECORDED, 0};
+    struct options recorded;
+    struct stack_verdict *sums = &joined->sums;
+    double most;
+    const bool done = options_read(&rules, record->options, record->n_options, &recorded, err) &&
+                      options_unchecked(&recorded, &most, err);
+    options_free(&recorded);
+    if (done && strcmp(sums->word, "differs") != 0)
+        snprintf(sums->word, sizeof sums->word, "%s",
+                 (double)sums->unchecked > most * (double)sums->objects ? "not verified"
+                                                                        : "agreed");
+    return done;
+}
+
+/* ---- rows ---- */
+
+/* Makes the options of the whole stack, as the first part describes it. */
+static struct stack_options whole_options(const struct joined *joined, const char *provenance,
+                                          const char *const *labels)
+{
+    const struct cube *part = &joined->first;
+    return (struct stack_options){.width = part->image.width,
+                                  .height = (int)part->record.rows.value[2],
+                                  .n_wavelengths = part->image.n_pages,
+                                  .wavelengths_nm = part->image.wavelengths_nm,
+                                  .full_scale = strtod(part->record.full_scale, NULL),
+                                  .bits = 8 * envi_type_bytes(joined->layout.type),
+                                  .scene = part->record.scene,
+                                  .provenance = provenance,
+                                  .map_bytes = part->record.map_bytes,
+                                  .labels = part->components ? labels : NULL};
+}
+
+/* Lays out the whole stack. The lines of its scale and of its object map are stack_open's. */
+static bool open_whole(struct joined *joined, const char *path, struct error *err)
+{
+    const struct cube *part = &joined->first;
+    const size_t n = (size_t)part->image.n_pages;
+    page_name *text = calloc(n, sizeof *text);
+    const char **names = calloc(n, sizeof *names);
+    struct record whole = part->record;
+    whole.rows.n = 0;
+    whole.full_scale = whole.scale = whole.object_map = NULL;
+    char *provenance = record_text(&whole);
+    joined->has = calloc((size_t)part->record.rows.value[2], 1);
+    joined->bytes = malloc(COPIED_BYTES);
+    bool done = (text && names && provenance && joined->has && joined->bytes) || error_memory(err);
+    done = done && names_make(part, text, names, err);
+    const struct stack_options options = whole_options(joined, provenance, names);
+    done = done && stack_open(&joined->writer, path, &options, err);
+    free(provenance);
+    free(names);
+    free(text);
+    return done;
+}
+
+/* Marks the rows of a part. Refuses rows that another part had. */
+static bool mark_rows(struct joined *joined, const struct cube *part, struct error *err)
+{
+    const int first = (int)part->record.rows.value[0];
+    for (int y = first; y < first + part->image.height; y++)
+        if (joined->has[y]++)
+            return error_usage(err, "%s: its row %d is in an earlier part, too", part->image.path,
+                               y);
+    return true;
+}
+
+/* Copies a page of a part, some rows at a time. The object map is the page after the last one. */
+static bool copy_page(struct joined *joined, const struct cube *part, int page, uint64_t from,
+                      size_t row_bytes, struct error *err)
+{
+    const struct image *image = &part->image;
+    const int most = row_bytes < COPIED_BYTES ? (int)(COPIED_BYTES / row_bytes) : 1,
+              first = (int)part->record.rows.value[0];
+    for (int y = 0; y < image->height; y += most) {
+        const int rows = image->height - y < most ? image->height - y : most;
+        const struct stack_rectangle to = {page, 0, first + y, image->width, rows};
+        if (!image_read_bytes(image, from + (uint64_t)y * row_bytes, (size_t)rows * row_bytes,
+                              joined->bytes, err) ||
+            !stack_write(&joined->writer, &to, joined->bytes, err))
+            return false;
+    }
+    return true;
+}
+
+static bool copy_rows(struct joined *joined, const struct cube *part, struct error *err)
+{
+    const struct image *image = &part->image;
+    const size_t row_bytes =
+        (size_t)image->width * (size_t)envi_type_bytes(joined->layout.type);
+    uint64_t from = joined->layout.offset;
+    for (int page = 0; page < image->n_pages; page++, from += row_bytes * (uint64_t)image->height)
+        if (!copy_page(joined, part, page, from, row_bytes, err))
+            return false;
+    return part->record.map_bytes == 0 ||
+           copy_page(joined, part, image->n_pages, part->record.map_offset,
+                     (size_t)image->width * (size_t)part->record.map_bytes, err);
+}
+
+/* ---- parts ---- */
+
+static bool open_part(const char *path, struct cube *out, struct error *err)
+{
+    return cube_open(path, out, err) &&
+           (out->record.rows.n > 0 ||
+            error_usage(err, "%s is no part of a picture; expected stacks of render --part", path));
+}
+
+static bool add_part(struct joined *joined, const struct cube *part, struct error *err)
+{
+    return image_describe(&part->image, &joined->layout, err) &&
+           check_common(joined, part, err) && mark_rows(joined, part, err) &&
+           add_verdict(joined, part, err) && copy_rows(joined, part, err);
+}
+
+static bool join_first(struct joined *joined, const struct options *options, struct error *err)
+{
+    struct cube *first = &joined->first;
+    if (!open_part(options->operand, first, err))
+        return false;
+    joined->record = make_common(&first->record);
+    joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
+    joined->sums = (struct stack_verdict){.samples = 0};
+    return (joined->record || error_memory(err)) &&
+           image_describe(&first->image, &joined->layout, err) &&
+           open_whole(joined, options->output, err) && add_part(joined, first, err);
+}
+
+/* Refuses a picture that lacks rows. */
+static bool check_rows(const struct joined *joined, struct error *err)
+{
+    const int height = (int)joined->first.record.rows.value[2];
+    int first = 0, end;
+    while (first < height && joined->has[first])
+        first++;
+    for (end = first; end < height && !joined->has[end];)
+        end++;
+    return first == height ||
+           error_usage(err, "rows %d to %d of the picture are missing; expected the parts with them",
+                       first, end - 1);
+}
+
+/* Fails where the verdict does not agree, unless the stack is kept. */
+static bool judge(const struct stack_verdict *sums, bool kept, struct error *err)
+{
+    const bool good = !sums->word[0] || strcmp(sums->word, "agreed") == 0;
+    return good || error_different(err,
+                                   "the joined picture is '%s': %" PRIu64 " of %" PRIu64
+                                   " pixels unexplained, %" PRIu64 " of %" PRIu64
+                                   " object pixels not checked; %s",
+                                   sums->word, sums->unexplained, sums->pixels, sums->unchecked,
+                                   sums->objects,
+                                   kept ? "the stack was kept"
+                                        : "no stack was written (--keep stores it anyway)");
+}
+
+static bool finish(struct joined *joined, struct options *options, struct error *err)
+{
+    char line[STACK_VERDICT];
+    struct error disagreement = {.status = EXIT_AGREED};
+    if (!check_rows(joined, err) || (joined->has_sums && !conclude(joined, options, err)))
+        return false;
+    snprintf(line, sizeof line, "%s", joined->first.image.verdict);
+    if (joined->has_sums)
+        stack_verdict_text(&joined->sums, line);
+    const bool agreed = judge(&joined->sums, options->keep, &disagreement);
+    bool done = stack_finish(&joined->writer, line, err);
+    if (done && (agreed || options->keep))
+        done = options->envi ? stack_commit_envi(&joined->writer, options->output,
+                                                 &options->outputs, err)
+                             : stack_commit(&joined->writer, &options->outputs, err);
+    if (done && !agreed)
+        *err = disagreement;
+    return done && agreed;
+}
+
+static bool report(const struct options *options, const struct joined *joined, struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    if (!options->quiet)
+        print(&printed, "stack             %s, of %d parts\nverdict           %s\n",
+              options->output, options->n_operands,
+              joined->has_sums ? joined->sums.word : joined->first.image.verdict);
+    return printed_show(&printed, options_table(options, options->output), err);
+}
+
+bool command_join(struct options *options, struct error *err)
+{
+    struct joined joined = {.record = NULL};
+    if (!options->output || !options->operand)
+        return error_usage(err, "join takes -o STACK and the stacks of parts");
+    bool done = join_first(&joined, options, err);
+    for (int i = 1; done && i < options->n_operands; i++) {
+        struct cube part = {.components = false};
+        done = open_part(options->operands[i], &part, err) && add_part(&joined, &part, err);
+        cube_close(&part);
+    }
+    done = done && finish(&joined, options, err) && report(options, &joined, err);
+    stack_discard(&joined.writer);
+    cube_close(&joined.first);
+    free(joined.record);
+    free(joined.has);
+    free(joined.bytes);
+    return done;
+}
