@@ -434,12 +434,6 @@ static bool keep_lines(struct record *record, struct error *err)
            record->scene_sha256 != NULL && record->renderer != NULL;
 }
 
-bool record_parse(const char *text, struct record *out, struct error *err)
-{
-    *out = (struct record){.text = strdup(text)};
-    return out->text ? keep_lines(out, err) : error_memory(err);
-}
-
 /* Reads "OFFSET BYTES_PER_PIXEL". Returns true for a record without a map. */
 static bool read_map(struct record *record)
 {

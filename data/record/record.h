@@ -74,9 +74,6 @@ bool record_find_change(const struct record *record, const struct scene *scene,
 /* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
  * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record);
-/* Reads such a text, among lines of other keys. Returns false where it is no record, or memory runs
- * out. The caller frees the record, also after a failure. */
-bool record_parse(const char *text, struct record *out, struct error *err);
 /* Reads the record in the description of a stack's first page. Refuses an image without a record,
  * or with a record that contradicts itself. */
 bool record_read(const struct image *image, struct record *out, struct error *err);

@@ -46,8 +46,6 @@ bool image_open(const char *path, struct place from, struct image *out, struct e
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
 /* Returns whether all samples are grey floats of a TIFF file. */
 bool image_is_float(const struct image *image);
-/* Refuses an output that would replace a file of the input: of a cube, its header or its data. */
-bool image_spared(const char *output, const char *input, struct error *err);
 void image_close(struct image *image);
 
 /* ---- decode.c: samples ---- */

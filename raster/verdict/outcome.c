@@ -74,7 +74,7 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
     totals->varying[shown] += varying;
 }
 
-void totals_add(struct check_totals *picture, struct check_totals *tile)
+static void totals_add(struct check_totals *picture, struct check_totals *tile)
 {
     verdict_add(&picture->verdict, &tile->verdict);
     tile->verdict = nothing;

@@ -119,7 +119,6 @@ double checked_counts(const struct plan *plan);
 /* Adds a pixel of an object to the totals. An infinite floor: it has no bound. */
 void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
                  const struct mean_bound *mean);
-void totals_add(struct check_totals *picture, struct check_totals *tile); /* see sums_add */
 /* Completes the verdict of the picture when all tiles are added. */
 void totals_finish(struct check_totals *totals);
 
