@@ -91,6 +91,7 @@ bool file_was_read(const char *path); /* also under another name of the file */
 /* For a process that reads in place of another: the files noted so far; and one more. */
 const struct file_identity *files_read(int *n);
 bool files_read_add(const struct file_identity *file, struct error *err);
+void files_read_forget(void); /* for tests, which write and read one file again and again */
 
 /* ---- file.c: bytes of an open file ---- */
 

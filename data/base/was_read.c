@@ -3,6 +3,7 @@
  * opens a file need not know which outputs follow, nor the other way round: so the list is kept by
  * the process, and not passed along. */
 #include <pthread.h>
+#include <stdlib.h>
 #include <sys/stat.h>
 
 #include "data/base/base.h"
@@ -34,6 +35,13 @@ const struct file_identity *files_read(int *n)
 {
     *n = were_read.n;
     return were_read.list;
+}
+
+void files_read_forget(void)
+{
+    free(were_read.list);
+    were_read.list = NULL;
+    were_read.n = 0;
 }
 
 bool file_was_read(const char *path)

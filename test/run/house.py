@@ -68,6 +68,7 @@ REASONS = (
 
 # Functions that only their own file and tests use, each with the reason why a test needs it by itself.
 FOR_TESTS = {
+    "files_read_forget": "a test writes and reads the same file several times",
     "program_file": "a system without a link to the running program is simulated",
     "configuration_entry": "the name and the words of a configuration are compared with their text",
 }

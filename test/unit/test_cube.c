@@ -33,6 +33,7 @@ static bool render_sampled(const char *name, const char *size, enum kept kept, c
                                    .check = kept == CHECKED_GL};
     struct render_output output = {.path = path};
     struct render_result result;
+    files_read_forget();
     bool done = scene_read(name, &scene, err) &&
                 (size == NULL || scene_set_size(&scene, size, err)) &&
                 (sampling == NULL || (sampling_read("--sampling", sampling, &method, err) &&

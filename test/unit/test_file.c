@@ -57,6 +57,7 @@ static bool holds(const char *path, const char *string)
     size_t length;
     bool same = file_read(path, nowhere, &bytes, &length, &err) && length == strlen(string) &&
                 strcmp(bytes, string) == 0;
+    files_read_forget(); /* a look is no input */
     free(bytes);
     return same;
 }
@@ -266,64 +267,50 @@ static void check_devices(void)
     CHECK(count_entries() == before, "copies leave no temporary file");
 }
 
-/* ---- what killed processes left ---- */
+/* ---- inputs ---- */
 
-/* Starts a process that locks a file or folder, and makes it if it is to be a file. Returns its PID
- * when it has the lock. */
-static pid_t hold(const char *path, int flags)
+static bool reads(const char *path)
 {
-    int ends[2];
-    char byte;
-    if (pipe(ends) != 0)
-        return -1;
-    fflush(stdout);
-    const pid_t child = fork();
-    if (child == 0) {
-        flock(open(path, flags, 0600), LOCK_EX);
-        close(ends[1]);
-        pause();
-    }
-    close(ends[1]);
-    read(ends[0], &byte, 1); /* ends when the child has its lock */
-    close(ends[0]);
-    return child;
-}
-
-static void end(pid_t child)
-{
-    kill(child, SIGKILL);
-    waitpid(child, NULL, 0);
-}
-
-/* A temporary name is .NAME.PID.N.tmp: see data/output/temporary.c. */
-static void check_abandoned(void)
-{
-    static const char *const kept[] = {".swept.7.x.tmp", ".swept7.0.tmp",   ".other.7.0.tmp",
-                                       "swept.7.0.tmp",  ".swept.tmp.7",    ".swept.tmp",
-                                       ".swept.7.tmp",   ".swept.7.0.1.tmp"};
-    enum { KEPT = sizeof kept / sizeof kept[0] };
-    char path[PATH_SIZE], left[PATH_SIZE], held[PATH_SIZE], other[PATH_SIZE];
     struct error err = {0};
-    temporary("swept", path);
-    put(path, "old", 3);
-    put(temporary(".swept.7.0.tmp", left), "left", 4);
-    for (int i = 0; i < KEPT; i++)
-        put(temporary(kept[i], other), "kept", 4);
-    const pid_t holder = hold(temporary(".swept.8.0.tmp", held), O_RDWR | O_CREAT);
-    CHECK(file_write(path, "new", 3, NULL, &err) && holds(path, "new"), "an output is replaced");
-    CHECK(access(left, F_OK) != 0, "a temporary file that nobody holds is removed");
-    CHECK(access(held, F_OK) == 0, "that of a living process stays");
-    int n = 0;
-    for (int i = 0; i < KEPT; i++)
-        n += holds(temporary(kept[i], other), "kept");
-    CHECK(n == KEPT, "files of other names stay");
-    end(holder);
-    CHECK(file_write(path, "newer", 5, NULL, &err) && access(held, F_OK) != 0,
-          "when the process has ended, its file is removed, too");
-    for (int i = 0; i < KEPT; i++)
-        unlink(temporary(kept[i], other));
-    unlink(path);
+    char *bytes;
+    size_t length;
+    const bool done = file_read(path, nowhere, &bytes, &length, &err);
+    free(bytes);
+    return done;
 }
+
+/* A file that this process has read is never replaced, whatever its name, and whenever it was read. */
+static void check_inputs(void)
+{
+    char input[PATH_SIZE], link_name[PATH_SIZE], other[PATH_SIZE];
+    struct error err = {0};
+    struct outputs outputs = {.n = 0};
+    put(temporary("input", input), "kept", 4);
+    link(input, temporary("hard", link_name));
+    symlink("input", temporary("soft", other));
+    CHECK(reads(input), "an input is read");
+    CHECK(write_status(input) == EXIT_INPUT, "an output does not replace an input");
+    CHECK(write_status(link_name) == EXIT_INPUT, "nor under the name of a hard link");
+    CHECK(write_status(other) == EXIT_INPUT, "nor under the name of a symbolic link");
+    unlink(link_name);
+    unlink(other);
+    put(temporary("late", link_name), "kept", 4);
+    CHECK(file_write(temporary("first", other), "new", 3, &outputs, &err) &&
+              file_write(link_name, "new", 3, &outputs, &err) && reads(link_name),
+          "an input is read after its output was written, but before it has its name");
+    CHECK(!outputs_commit(&outputs, &err) && err.status == EXIT_INPUT && holds(link_name, "kept"),
+          "it is not replaced");
+    CHECK(access(other, F_OK) != 0, "no other output of the command appears then");
+    err = (struct error){0};
+    CHECK(file_write(other, "one", 3, &outputs, &err) &&
+              file_write(other, "two", 3, &outputs, &err) && !outputs_commit(&outputs, &err) &&
+              err.status == EXIT_INPUT && access(other, F_OK) != 0,
+          "two outputs of one name are refused, and neither appears");
+    unlink(input);
+    unlink(link_name);
+}
+
+/* ---- folders ---- */
 
 static void check_folders(void)
 {
@@ -339,12 +326,15 @@ static void check_folders(void)
     folder_close(&other);
     CHECK(access(file, F_OK) != 0 && count_entries() == before + 1,
           "a folder goes with all that is in it");
-    close(own.lock); /* as if its process had been killed */
+    const int copy = dup(dirfd(own.entries)); /* as if its process had been killed */
+    flock(copy, LOCK_UN);
+    close(copy);
     snprintf(file, sizeof file, "%s/file", own.path);
     put(file, "x", 1);
     CHECK(folder_open(&other, &err) && access(own.path, F_OK) != 0,
           "the next one removes the folder of one that was killed");
     folder_close(&other);
+    folder_close(&own);
     CHECK(count_entries() == before, "no folder is left");
     unsetenv("TMPDIR");
 }
@@ -468,7 +458,7 @@ int main(void)
     check_replacement();
     check_refusals();
     check_devices();
-    check_abandoned();
+    check_inputs();
     check_folders();
     check_full();
     check_digest();

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A job in a process of its own returns its result or its failure. Whatever ends the work of a
- * guarded command, the user gets an exit status that the work itself gave, or 3 and one line. */
+/* A job in a process of its own returns its result or its failure. Whatever ends a guarded process,
+ * the user gets an exit status that the command itself gave, or 3 and one line, and no file is left
+ * that the guard knows. */
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,39 +59,29 @@ static void jobs(void)
     CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal");
 }
 
-/* Writes to the pipe to show that nothing ended the process early. */
-static bool lingers(void *context, void *out, struct error *err)
+/* What a job has read, its parent has read: no output may replace it. */
+static bool reads(void *context, void *out, struct error *err)
 {
-    const int *to = context;
+    const struct place nowhere = {NULL, 0, 0};
+    char *bytes;
+    size_t length;
     (void)out;
-    (void)err;
-    return sleep(1) == 0 && write(*to, "x", 1) == 1;
+    const bool done = file_read(context, nowhere, &bytes, &length, err);
+    free(bytes);
+    return done;
 }
 
-static void interruption(void)
+static void reading(void)
 {
     struct error err = {.status = EXIT_AGREED};
-    int ends[2];
-    char byte;
-    sigset_t set, before;
-    sigemptyset(&set);
-    sigaddset(&set, SIGTERM);
-    sigprocmask(SIG_BLOCK, &set, &before);
-    CHECK(pipe(ends) == 0 && !is_interrupted(), "no signal waits at first");
-    raise(SIGTERM);
-    CHECK(is_interrupted(), "a blocked signal waits");
-    CHECK(!process_run(lingers, &ends[1], NULL, 0, &err) && err.status == EXIT_SYSTEM,
-          "a waiting signal ends a process");
-    CHECK(strstr(err.text, "interrupted") != NULL,
-          "the message says that the process was interrupted");
-    close(ends[1]);
-    CHECK(read(ends[0], &byte, 1) == 0, "the interrupted process is gone");
-    close(ends[0]);
-    signal(SIGTERM, SIG_IGN); /* drops the waiting signal */
-    raise(SIGTERM);
-    CHECK(!is_interrupted(), "an ignored signal does not count");
-    sigprocmask(SIG_SETMASK, &before, NULL);
-    signal(SIGTERM, SIG_DFL);
+    char path[4096];
+    snprintf(path, sizeof path, "%s/read", test_folder());
+    FILE *file = fopen(path, "w");
+    fclose(file);
+    CHECK(!file_was_read(path), "a file that nobody opened was not read");
+    CHECK(process_run(reads, path, NULL, 0, &err), "a job reads a file");
+    CHECK(file_was_read(path), "the file counts as read by the process that waited for the job");
+    unlink(path);
 }
 
 /* ---- programs ---- */
@@ -104,8 +95,6 @@ static int play(const char *part)
             continue;
         return printf("nobody reads this\n") > 0 && getchar() == EOF ? EXIT_AGREED : EXIT_DIFFERENT;
     }
-    if (strcmp(part, "lingers") == 0)
-        rest(5000);
     if (strcmp(part, "dies") == 0)
         raise(SIGKILL);
     fprintf(stderr, "a library says something\nerror: seven is no colour\n");
@@ -139,107 +128,108 @@ static void programs(void)
     CHECK_TEXT(program_file("/bin/sh", "spectral"), "/bin/sh", "a link to a program is used");
 }
 
-static void interrupted_program(void)
+/* ---- ends ---- */
+
+static const char *doomed; /* a file that must not outlive its process */
+
+static void succeeds(void)
 {
-    struct run_seconds seconds = {0, 0};
-    struct error err;
-    sigset_t set, before;
-    sigemptyset(&set);
-    sigaddset(&set, SIGTERM);
-    sigprocmask(SIG_BLOCK, &set, &before);
-    raise(SIGTERM);
-    CHECK(!run_program("lingers", &seconds, &err) && err.status == EXIT_SYSTEM && seconds.wall < 5,
-          "a waiting signal ends a program");
-    CHECK(strstr(err.text, "interrupted") != NULL, "the message says that it was interrupted");
-    signal(SIGTERM, SIG_IGN); /* drops the waiting signal */
-    sigprocmask(SIG_SETMASK, &before, NULL);
-    signal(SIGTERM, SIG_DFL);
+    guard_exit(EXIT_AGREED);
 }
 
-/* ---- works ---- */
-
-static int succeeds(void *of)
+static void differs(void)
 {
-    (void)of;
-    return EXIT_AGREED;
+    guard_exit(EXIT_DIFFERENT);
 }
 
-static int differs(void *of)
+static void exits(void) /* as a library may do */
 {
-    (void)of;
-    return EXIT_DIFFERENT;
-}
-
-static int exits(void *of) /* as a library may do */
-{
-    (void)of;
     exit(1);
 }
 
-static int exits_well(void *of)
+static void exits_well(void)
 {
-    (void)of;
     exit(0);
 }
 
-static int aborts(void *of)
+static void aborts(void)
 {
-    (void)of;
     abort();
 }
 
-static int is_killed(void *of)
+static void crashes(void)
 {
-    (void)of;
-    return raise(SIGKILL);
+    raise(SIGSEGV);
 }
 
-static int looks(void *of)
+static int sink(int depth)
 {
-    (void)of;
-    for (int i = 0; i < 1000 && !is_interrupted(); i++)
-        rest(10);
-    return EXIT_SYSTEM;
+    volatile char room[1 << 16];
+    room[0] = (char)depth;
+    return depth < 0 ? 0 : sink(depth + 1) + room[0];
 }
 
-static int never_looks(void *of)
+static void overflows(void)
 {
-    (void)of;
+    sink(0);
+}
+
+static void works_on(void)
+{
     for (int i = 0; i < 10; i++)
         sleep(1);
-    return EXIT_AGREED;
 }
 
-static int is_short(void *of)
+/* A signal waits until the end, which comes in a moment. */
+static void holds(void)
 {
-    (void)of;
+    guard_hold();
     rest(300);
-    return EXIT_AGREED;
+    if (!is_interrupted())
+        return;
+    FILE *file = fopen(doomed, "a");
+    fprintf(file, "all of it");
+    fclose(file);
+    guard_forget(doomed);
+    guard_release();
 }
 
-/* How a guarded work ended: the status of waitpid, lines on standard error, and seconds. */
+static void is_short(void)
+{
+    rest(300);
+    guard_exit(EXIT_AGREED);
+}
+
+/* How a guarded process ended: the status of waitpid, lines on standard error, and seconds. */
 struct end {
     int status, lines;
     double seconds;
+    bool left; /* the file is still there */
 };
 
 /* Runs a work under guard in a process of its own. Sends it a signal 50 ms later; 0: none. */
-static struct end run(int (*work)(void *of), int number)
+static struct end run(void (*work)(void), int number)
 {
     struct end end = {0};
-    FILE *messages = tmpfile();
+    FILE *messages = tmpfile(), *file = fopen(doomed, "w");
     const double start = clock_seconds();
+    fclose(file);
     fflush(stdout);
     const pid_t child = fork();
     if (child == 0) {
         dup2(fileno(messages), STDERR_FILENO);
-        _exit(guard_run(work, NULL));
+        guard_begin();
+        guard_remove(doomed);
+        work();
+        _exit(99);
     }
     rest(50);
     if (number > 0)
         kill(child, number);
     waitpid(child, &end.status, 0);
     end.seconds = clock_seconds() - start;
+    end.left = access(doomed, F_OK) == 0;
+    unlink(doomed);
     rewind(messages);
     for (int c; (c = getc(messages)) != EOF;)
         end.lines += c == '\n';
@@ -247,20 +237,22 @@ static struct end run(int (*work)(void *of), int number)
     return end;
 }
 
-static bool ends_with(int (*work)(void *of), int status, int lines)
+static bool ends_with(void (*work)(void), int status, int lines)
 {
     const struct end end = run(work, 0);
-    return WIFEXITED(end.status) && WEXITSTATUS(end.status) == status && end.lines == lines;
+    return WIFEXITED(end.status) && WEXITSTATUS(end.status) == status && end.lines == lines &&
+           end.left == (lines == 0);
 }
 
 static void ends(void)
 {
-    CHECK(ends_with(succeeds, 0, 0), "work that succeeds gives 0");
-    CHECK(ends_with(differs, 1, 0), "work that finds a difference gives 1");
-    CHECK(ends_with(exits, 3, 1), "a library that exits with 1 gives 3 and a line");
+    CHECK(ends_with(succeeds, 0, 0), "a command that succeeds gives 0");
+    CHECK(ends_with(differs, 1, 0), "a command that finds a difference gives 1");
+    CHECK(ends_with(exits, 3, 1), "a library that exits with 1 gives 3 and a line; no file is left");
     CHECK(ends_with(exits_well, 3, 1), "a library that exits with 0 gives 3 and a line");
     CHECK(ends_with(aborts, 3, 1), "a library that aborts gives 3 and a line");
-    CHECK(ends_with(is_killed, 3, 1), "work that the system kills gives 3 and a line");
+    CHECK(ends_with(crashes, 3, 1), "a crash gives 3 and a line");
+    CHECK(ends_with(overflows, 3, 1), "an overflow of the stack gives 3 and a line");
 }
 
 static void signals(void)
@@ -269,22 +261,37 @@ static void signals(void)
     for (int i = 0; i < 3; i++) {
         const char *name = strsignal(numbers[i]);
         signal(numbers[i], SIG_DFL); /* shells ignore SIGINT in background jobs */
-        struct end end = run(looks, numbers[i]);
-        CHECK(WIFSIGNALED(end.status) && WTERMSIG(end.status) == numbers[i] && end.lines == 0,
-              "%s ends work that looks for it, without a message", name);
-        end = run(never_looks, numbers[i]);
-        CHECK(WIFSIGNALED(end.status) && WTERMSIG(end.status) == numbers[i] && end.seconds < 5,
-              "%s ends work that never looks for it, in %.3f s", name, end.seconds);
+        struct end end = run(works_on, numbers[i]);
+        CHECK(WIFSIGNALED(end.status) && WTERMSIG(end.status) == numbers[i] && end.lines == 0 &&
+                  !end.left && end.seconds < 5,
+              "%s ends the process without a message in %.3f s, and no file is left", name,
+              end.seconds);
+        end = run(holds, numbers[i]);
+        CHECK(WIFSIGNALED(end.status) && WTERMSIG(end.status) == numbers[i] && end.left,
+              "%s waits until outputs have their names, and then ends the process", name);
         signal(numbers[i], SIG_IGN);
         end = run(is_short, numbers[i]);
         CHECK(WIFEXITED(end.status) && WEXITSTATUS(end.status) == 0,
-              "%s does not end work that ignores it", name);
+              "%s does not end a process that ignores it", name);
         signal(numbers[i], SIG_DFL);
     }
 }
 
+static bool lingers(void *context, void *out, struct error *err)
+{
+    (void)context, (void)out, (void)err;
+    works_on();
+    return true;
+}
+
+static void waits_for_job(void)
+{
+    struct error err = {.status = EXIT_AGREED};
+    process_run(lingers, NULL, NULL, 0, &err);
+}
+
 /* The pipe ends when the last process that holds it has ended. */
-static void orphan(void)
+static void orphan(int number)
 {
     int ends[2];
     char byte;
@@ -292,27 +299,33 @@ static void orphan(void)
     fflush(stdout);
     const double start = clock_seconds();
     const pid_t child = fork();
-    if (child == 0)
-        _exit(guard_run(never_looks, NULL));
+    if (child == 0) {
+        guard_begin();
+        waits_for_job();
+        _exit(99);
+    }
     rest(50);
-    kill(child, SIGKILL);
+    kill(child, number);
     waitpid(child, NULL, 0);
     close(ends[1]);
     CHECK(read(ends[0], &byte, 1) == 0 && clock_seconds() - start < 5,
-          "where the watching process is killed, the work ends with it");
+          "where a process ends by %s, the job that it waits for ends with it", strsignal(number));
     close(ends[0]);
 }
 
 int main(int argc, char **argv)
 {
+    char path[4096];
     if (argc > 1)
         return play(argv[1]);
+    snprintf(path, sizeof path, "%s/doomed", test_folder());
+    doomed = path;
     jobs();
-    interruption();
+    reading();
     programs();
-    interrupted_program();
     ends();
     signals();
-    orphan();
+    orphan(SIGKILL);
+    orphan(SIGTERM);
     return test_end();
 }

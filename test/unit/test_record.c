@@ -33,6 +33,7 @@ static bool written(const char *path, const struct record *record, struct image 
                                     .labels = record->components ? &label : NULL,
                                     .scene = "full_scale: 50 of a name",
                                     .provenance = text};
+    files_read_forget();
     bool done = text && stack_open(&writer, path, &options, err) &&
                 stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 1, 1}, &count, err) &&
                 stack_finish(&writer, "a verdict", err) && stack_commit(&writer, NULL, err) &&

@@ -483,6 +483,7 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
     struct stack_writer writer;
     struct error err = {0};
     const char *path = "stack_damaged.tif";
+    files_read_forget();
     FILE *old = fopen(path, "w");
     if (!CHECK(old != NULL && fputs("old", old) >= 0 && fclose(old) == 0, "an old file exists"))
         return;

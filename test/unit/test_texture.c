@@ -35,6 +35,7 @@ static bool write_stack(int n_pages, float times)
                                           .bits = 32};
     struct stack_writer writer;
     struct error err = {0};
+    files_read_forget();
     bool good = stack_open(&writer, path, &options, &err);
     for (int page = 0; good && page < n_pages; page++)
         for (int i = 0; good && i < PIXELS; i++) {
