@@ -36,12 +36,15 @@ static bool read_files(int from, int n, struct error *err)
     return done;
 }
 
-static bool send(int to, const struct reply *reply, const void *out, size_t size)
+/* Sends a result, and the files that were read since there were `before`. */
+static bool send(int to, struct reply *reply, int before, const void *out, size_t size)
 {
-    int n;
-    const struct file_identity *files = files_read(&n);
+    const struct file_identity *files = files_read(&reply->n_read);
+    reply->n_read -= before;
     return write_all(to, reply, sizeof *reply) &&
-           write_all(to, files, (size_t)n * sizeof *files) && write_all(to, out, size);
+           (reply->n_read == 0 ||
+            write_all(to, files + before, (size_t)reply->n_read * sizeof *files)) &&
+           write_all(to, out, size);
 }
 
 /* Reads the job's result, and waits until its process ends. */
@@ -75,12 +78,13 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
     const pid_t parent = getpid(), child = fork();
     if (child == 0) {
         struct reply reply = {.done = false};
+        int before;
+        files_read(&before);
         close(ends[0]);
         if (!guard_child(parent))
             _exit(EXIT_SYSTEM);
         reply.done = job(context, out, &reply.err);
-        files_read(&reply.n_read);
-        _exit(!send(ends[1], &reply, out, size));
+        _exit(!send(ends[1], &reply, before, out, size));
     }
     guard_follow(child > 0 ? child : 0);
     close(ends[1]);

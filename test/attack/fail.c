@@ -546,12 +546,23 @@ static void filter_calls(void)
 
 /* ---- start ---- */
 
-/* The crash happens again when the handler returns, and then ends the process. */
+static struct sigaction own_crash; /* of the program, which finds no other */
+
+static int next_sigaction(int number, const struct sigaction *new, struct sigaction *old)
+{
+    int (*next)(int, const struct sigaction *, struct sigaction *);
+    void *symbol = dlsym(RTLD_NEXT, "sigaction");
+    memcpy(&next, &symbol, sizeof next);
+    return next(number, new, old);
+}
+
+/* Then the program's own handler ends the process; without one, the crash happens again. */
 static void on_crash(int number)
 {
-    (void)number;
     counts = false;
     print_trace(report->crash);
+    if (own_crash.sa_handler != SIG_DFL)
+        own_crash.sa_handler(number);
 }
 
 static void watch_crashes(void)
@@ -559,7 +570,24 @@ static void watch_crashes(void)
     static const int crashes[] = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL};
     const struct sigaction on = {.sa_handler = on_crash, .sa_flags = (int)SA_RESETHAND};
     for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
-        sigaction(crashes[i], &on, NULL);
+        next_sigaction(crashes[i], &on, NULL);
+}
+
+static bool is_crash(int number)
+{
+    return number == SIGSEGV || number == SIGBUS || number == SIGABRT || number == SIGFPE ||
+           number == SIGILL;
+}
+
+int sigaction(int number, const struct sigaction *new, struct sigaction *old)
+{
+    if (!report || !is_crash(number))
+        return next_sigaction(number, new, old);
+    if (old)
+        *old = own_crash;
+    if (new)
+        own_crash = *new;
+    return 0;
 }
 
 static int kind_named(const char *name)

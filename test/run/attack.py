@@ -39,10 +39,9 @@ MOST = {"own": (10 ** 6, 60), "own+": (150, 20), "gl": (200, 12), "start": (100,
 QUOTA = errno.EDQUOT
 OTHER_ERRORS = {"open": (5, 12), "write": (5, QUOTA), "pwrite": (5, QUOTA), "fsync": (28,), "ftruncate": (28,), "rename": (28,),
                 "link": (5,), "mmap": (11,), "fork": (12,)} if FULL else {}
-# Where these fail, an earlier output of the command may have got its name, or the program cannot know how the work ended.
-NAMING = "rename", "link", "wait"
-# A file that cannot be removed stays. Work that cannot be waited for may have printed its message before it was ended.
-ALLOWED = {"unlink": {"file left"}, "wait": {"not one line"}}
+# Where these fail, an earlier output of the command may have got its name.
+NAMING = "rename", "link"
+ALLOWED = {"unlink": {"file left"}}  # a file that cannot be removed stays
 COLUMNS = ("tried", "right result", "exit 3", "wrong status", "crash", "wrong bytes", "output changed", "file left",
            "not one line", "hangs", "input changed")
 
@@ -131,16 +130,6 @@ def is_seen(form, run):
         run.status == 1 and "error: the pictures differ at" in run.stderr and unchanged
 
 
-def leaves_only_until_next_run(place, form, run, expected):
-    """Work that is ended leaves the folder of cost, and files that have temporary names. The next run removes them."""
-    ends = ["cannot wait for the work"] + ["the work was ended by signal"] * form.nameless
-    if not any(end in run.stderr for end in ends):
-        return False
-    place.start(form).communicate()
-    left = os.listdir(place.path("tmp"))
-    return not left and {name: normal(form, name, data) for name, data in place.outputs().items()} == expected[3]
-
-
 def attempt(place_queue, form, attack, older, expected, longest):
     place = place_queue.get()
     try:
@@ -151,8 +140,6 @@ def attempt(place_queue, form, attack, older, expected, longest):
             found = set()
         if not FAMILIES[attack.family][1] and run.status == 3 and expected[0] != 3:
             found = found | {"wrong status"}
-        if found == {"file left"} and leaves_only_until_next_run(place, form, run, expected):
-            found = set()
         # pictures would fill the memory
         return run._replace(stdout=None, files=None), found
     finally:
