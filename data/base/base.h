@@ -29,6 +29,8 @@ void print_text(struct printed *to, const char *text);
 /* Prints "NAME  VALUE" in a line of its own, without the value's unprintable characters. */
 void print_fact(struct printed *to, const char *name, const char *value);
 void print_bytes(struct printed *to, const void *bytes, size_t length);
+/* Prints a blank and the word as a shell reads it: between quotes, unless it needs none. */
+void print_shell(struct printed *to, const char *word);
 /* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
  * already. Its length stays. */
 char *printed_end(struct printed *printed);
@@ -117,8 +119,12 @@ bool file_is_regular(const char *path, bool *out, struct error *err);
 bool file_is_same(const char *a, const char *b, bool *out, struct error *err);
 bool file_is_missing(const char *path); /* no file has the name, which is not "builtin:..." */
 /* format.c: finds the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text": they
- * have no NUL; "": another one, or no such file. Fails only where the system does. */
+ * have no NUL; "": another one, or no such file; "ENVI": an ENVI header, or raw samples with a
+ * header beside them. Fails only where the system does. */
 bool file_format(const char *path, const char **out, struct error *err);
+/* Returns the name of the raw samples of such a header, otherwise the path itself; allocated. NULL:
+ * no memory. */
+char *envi_data(const char *path);
 
 /* ---- progress.c: time, progress and memory of this process ---- */
 

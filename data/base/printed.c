@@ -45,6 +45,19 @@ void print_text(struct printed *to, const char *text)
     print_bytes(to, text, strlen(text));
 }
 
+void print_shell(struct printed *to, const char *word)
+{
+    const bool plain = word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                         "0123456789%+,-./:=@_")] == '\0';
+    print_text(to, plain ? " " : " '");
+    for (; *word; word++)
+        if (*word == '\'')
+            print_text(to, "'\\''");
+        else
+            print_bytes(to, word, 1);
+    print_text(to, plain ? "" : "'");
+}
+
 void print(struct printed *to, const char *format, ...)
 {
     va_list arguments;

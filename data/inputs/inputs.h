@@ -12,9 +12,8 @@ struct inputs {
     int n;
 };
 /* Lists the files that the scene's text and its options name, as far as the picture needs them: a
- * material that no object uses is not read. Of a cube it lists header and data. detector: a file or
- * a built-in name; NULL: the scene is not sampled for one. The caller frees *out, also after a
- * failure. */
+ * material that no object uses is not read. detector: a file or a built-in name; NULL: the scene is
+ * not sampled for one. The caller frees *out, also after a failure. */
 bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
                  struct error *err);
 /* Lists those of them that are there. A plan refuses a missing file that it needs, so that the

@@ -53,7 +53,7 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
                err,
                "%s: %s; expected a stack of grey pages, one page or one GDAL band a"
                " wavelength, that record increasing wavelengths as OME-XML, GDAL_METADATA or page"
-               " names such as \"305 nm\", or an ENVI cube whose header lists them",
+               " names such as \"305 nm\"",
                path, image->coloured ? "its pages are RGB" : image->no_wavelengths);
 }
 

@@ -79,14 +79,8 @@ static bool open_pages(const char *path, struct place from, struct texture *out,
     else if (out->spectral && out->image.wavelengths_nm == NULL)
         error_at(err, from,
                  "%s: %s; expected a stack of this program, or pages that record increasing"
-                 " wavelengths as OME-XML, GDAL_METADATA or page names such as \"305 nm\", or an"
-                 " ENVI cube whose header lists them",
+                 " wavelengths as OME-XML, GDAL_METADATA or page names such as \"305 nm\"",
                  path, out->image.no_wavelengths);
-    else if (!out->spectral && out->image.envi)
-        error_at(err, from,
-                 "%s: is an ENVI cube, whose samples may have any scale; expected a TIFF file for a"
-                 " texture; a cube is a spectral-texture",
-                 path);
     else if (!out->spectral && out->image.n_pages > 1)
         error_at(err, from,
                  "%s: it has %d pages; expected one page for a texture; a stack of pages with"

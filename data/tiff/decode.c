@@ -281,7 +281,7 @@ static bool bands_keep(struct stored_rows of, uint32_t y, uint32_t n, struct err
     return false;
 }
 
-bool tiff_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
+bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
 {
     const struct kept_bands *kept = &image->file->kept;
     const uint32_t first = (uint32_t)y, n = (uint32_t)rows;

@@ -75,7 +75,7 @@ static toff_t source_seek(thandle_t handle, toff_t offset, int whence)
 
 static int source_close(thandle_t handle)
 {
-    (void)handle; /* tiff_close closes the descriptor */
+    (void)handle; /* image_close closes the descriptor */
     return 0;
 }
 

@@ -69,20 +69,16 @@ object plane 8 8 material grey
                 "usemtl red\nf 1 2 3 4\nusemtl other\nf 4 3 5 6\n",
     "roof.map": "red mtl roof.mtl\n* material cloth\n",
     "roof.mtl": "newmtl red\nKd 0.6 0.2 0.1\n",
-    "cube.hdr": f"ENVI\nsamples = {WIDTH}\nlines = {HEIGHT}\nbands = 4\nheader offset = 0\nfile type = ENVI Standard\n"
-                "data type = 4\ninterleave = bil\nbyte order = 0\nwavelength units = Nanometers\n"
-                "wavelength = {400, 500, 600, 700}\n",
 }
 
 
 def make_inputs(folder):
-    """Scenes with all kinds of files, a grey picture, a foreign stack, an ENVI cube; stacks of the program itself."""
+    """Scenes with all kinds of files, a grey picture, a foreign stack; stacks of the program itself."""
     os.makedirs(folder)
     pixels = np.random.default_rng(1).random((len(NM), HEIGHT, WIDTH)).astype(np.float32)
     for name, text in TEXTS.items():
         with open(os.path.join(folder, name), "w") as out:
             out.write(text)
-    pixels.transpose(1, 0, 2).tofile(os.path.join(folder, "cube.img"))
     tifffile.imwrite(os.path.join(folder, "grey.tif"), (pixels[0] * 255).astype(np.uint8), photometric="minisblack")
     with tifffile.TiffWriter(os.path.join(folder, "foreign.tif")) as out:
         for page, nm in zip(pixels, NM):
@@ -135,15 +131,14 @@ FORMS = [
     form("develop, TIFF", "develop in/basis.tif -o out/a.tif --exposure auto --bits 16", "a.tif"),
     form("develop, XYZ", "develop in/other.tif --xyz -o out/a.tif -q", "a.tif"),
     form("develop, foreign", "develop in/foreign.tif --white d65 -o out/a.png", "a.png"),
-    form("develop, ENVI", "develop in/cube.hdr --white d65 -o - -q"),
+    form("develop to standard output", "develop in/foreign.tif --white d65 -o - -q"),
     form("probe", "probe in/stack.tif 3 3 4 2"),
     form("probe, CSV", "probe in/other.tif 3 3 --csv -o out/a.csv", "a.csv"),
     form("probe, plot", "probe in/stack.tif 3 3 --svg -o out/a.svg", "a.svg"),
     form("probe, scene", "probe in/glow.scene 3 3"),
     form("probe, foreign", "probe in/foreign.tif 3 3 --white d65 --json -"),
-    form("probe, ENVI", "probe in/cube.hdr 3 3 2 2 --white d65"),
     form("compare", "compare in/stack.tif in/other.tif --map out/map.tif --json out/a.json", "map.tif", "a.json"),
-    form("compare, foreign", "compare in/foreign.tif in/cube.hdr --white d65 --map out/map.png", "map.png"),
+    form("compare, foreign", "compare in/foreign.tif in/foreign.tif --white d65 --map out/map.png", "map.png"),
     form("cost", "cost in/tiny.scene --gl osmesa -q -j 1 --json out/cost.json --csv out/cost.csv --svg out/cost.svg",
          "cost.json", "cost.csv", "cost.svg", slow=True, uses_gl=True),
     form("view", "view in/plain.scene -o out/a.html", "a.html"),

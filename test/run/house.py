@@ -28,7 +28,7 @@ sys.dont_write_bytecode = True
 from tap import check, done
 
 ROOMS = """
-    data/base data/threads data/index data/digest data/process data/output data/maths data/text data/names data/options data/spectra data/colour data/polygon data/mesh data/shape data/envi data/tiff
+    data/base data/threads data/index data/digest data/process data/output data/maths data/text data/names data/options data/spectra data/colour data/polygon data/mesh data/shape data/tiff
     data/texture data/pages data/material data/scene data/terms data/method data/sampling data/choice data/inputs data/invocation data/pack
     data/record data/stack data/unfinished data/chart data/develop data/compare data/probe data/catalogue
     raster/reference raster/driver raster/plan raster/deal raster/accuracy raster/refine raster/passes raster/forecast raster/bounds raster/setup
