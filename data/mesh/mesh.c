@@ -68,8 +68,7 @@ void mesh_free(struct mesh *mesh)
 
 struct builder {
     struct obj obj;
-    struct vector *ring; /* a face */
-    struct cutter cutter;
+    struct cutter *cutter;   /* its ring is a face */
     int32_t *order, *starts; /* corners sorted by point; where each point's begin, and the end */
     /* Vertices form chains, which end with -1. A point has as many chains as it has corners: the
      * hash of the other indices decides which of them a vertex is in. */
@@ -83,28 +82,22 @@ struct builder {
 static bool builder_allocate(struct builder *b, struct error *err)
 {
     const size_t n_points = (size_t)b->obj.list[OBJ_POINT].n, n_corners = (size_t)b->obj.n_corners;
-    int longest = 0;
-    for (int i = 0; i < b->obj.n_faces; i++)
-        longest = b->obj.faces[i].n > longest ? b->obj.faces[i].n : longest;
-    b->ring = calloc((size_t)longest, sizeof *b->ring);
+    b->cutter = calloc(1, sizeof *b->cutter);
     b->order = calloc(n_corners, sizeof *b->order);
     b->starts = calloc(n_points + 1, sizeof *b->starts);
     b->first_vertex = calloc(n_corners, sizeof *b->first_vertex);
     b->seed = (uintptr_t)b->first_vertex;
     b->links = calloc(n_corners, sizeof *b->links);
-    if (b->ring && b->order && b->starts && b->first_vertex && b->links)
-        return cutter_open(&b->cutter, longest, err);
-    return error_memory(err);
+    return (b->cutter && b->order && b->starts && b->first_vertex && b->links) || error_memory(err);
 }
 
 static void builder_free(struct builder *b)
 {
-    free(b->ring);
+    free(b->cutter);
     free(b->order);
     free(b->starts);
     free(b->first_vertex);
     free(b->links);
-    cutter_free(&b->cutter);
     obj_free(&b->obj);
 }
 
@@ -112,7 +105,7 @@ static void builder_free(struct builder *b)
 static void gather_ring(struct builder *b, const struct obj_face *face)
 {
     for (int i = 0; i < face->n; i++)
-        b->ring[i] = obj_point(&b->obj, face->first + i);
+        b->cutter->ring[i] = obj_point(&b->obj, face->first + i);
 }
 
 /* ---- the cube ---- */
@@ -142,12 +135,12 @@ static void unitize_points(struct builder *b)
 static void measure_face(struct builder *b, const struct obj_face *face)
 {
     gather_ring(b, face);
-    const struct vector normal = polygon_normal(b->ring, face->n);
+    const struct vector normal = polygon_normal(b->cutter->ring, face->n);
     const bool flat = vector_dot(normal, normal) == 0;
     for (int i = 0; i < face->n; i++) {
         struct obj_corner *corner = &b->obj.corners[face->first + i];
         corner->normal = normal;
-        corner->angle = flat ? 0 : polygon_angle(b->ring, face->n, i, normal);
+        corner->angle = flat ? 0 : polygon_angle(b->cutter->ring, face->n, i, normal);
     }
 }
 
@@ -243,14 +236,14 @@ static bool add_face(struct builder *b, const struct obj_face *face, struct mesh
                      struct error *err)
 {
     gather_ring(b, face);
-    cutter_run(&b->cutter, b->ring, face->n);
-    for (int i = 0; i < b->cutter.n_triangles; i++) {
+    cutter_run(b->cutter, face->n);
+    for (int i = 0; i < b->cutter->n_triangles; i++) {
         int32_t *vertices = mesh->triangles[mesh->n_triangles];
         if (mesh->part)
             mesh->part[mesh->n_triangles] = face->name;
         mesh->n_triangles++;
         for (int k = 0; k < 3; k++) {
-            vertices[k] = find_vertex(b, face->first + b->cutter.triangles[i][k], mesh, err);
+            vertices[k] = find_vertex(b, face->first + b->cutter->triangles[i][k], mesh, err);
             if (vertices[k] < 0)
                 return false;
         }
@@ -291,7 +284,7 @@ static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
 bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
                struct mesh *out, struct error *err)
 {
-    struct builder builder = {.ring = NULL};
+    struct builder builder = {.cutter = NULL};
     bool good = obj_read(path, from, &builder.obj, err) && builder_allocate(&builder, err);
     *out = (struct mesh){.place = from};
     if (good && unitize)

@@ -183,6 +183,10 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
     }
     if (n < 3)
         return error_at(err, text_place(text), "expected a corner: a face has at least 3");
+    if (n > LONGEST_FACE)
+        return error_at(err, opening.place,
+                        "a face of %d corners; expected at most %d: cut it into several faces", n,
+                        LONGEST_FACE);
     return end_face(obj, first, err);
 }
 
