@@ -123,7 +123,7 @@ bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error
 {
     char sha256[65];
     for (int i = 0; i < inputs->n; i++) {
-        if (!digest_file(inputs->path[i], sha256, err))
+        if (!digest_was_read(inputs->path[i], sha256) && !digest_file(inputs->path[i], sha256, err))
             return false;
         print(to, "%s %s%c", sha256, inputs->path[i], '\0');
     }

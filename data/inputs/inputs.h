@@ -21,7 +21,7 @@ bool inputs_list(const struct scene *scene, const char *detector, struct inputs 
 bool inputs_find(const struct scene *scene, const char *detector, struct inputs *out,
                  struct error *err);
 void inputs_free(struct inputs *inputs);
-/* Prints "SHA-256 PATH" and a NUL for each file. Reads all of these files. */
+/* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
 bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);
 
 #endif

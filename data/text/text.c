@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "data/digest/digest.h"
 #include "data/text/text.h"
 
 enum {
@@ -65,25 +66,33 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     return false;
 }
 
-bool text_open_large(struct text *out, const char *path, struct place from, struct error *err)
+static bool open_file(struct text *out, const char *path, struct place from, size_t longest,
+                      struct error *err)
 {
     char *bytes;
     size_t length;
     *out = (struct text){0};
-    return file_read(path, from, &bytes, &length, err) && start(out, path, bytes, SIZE_MAX, err);
+    if (!file_read(path, from, &bytes, &length, err) || !start(out, path, bytes, longest, err))
+        return false;
+    if (digest_note(path, bytes, length, err))
+        return true;
+    text_free(out);
+    return false;
+}
+
+bool text_open_large(struct text *out, const char *path, struct place from, struct error *err)
+{
+    return open_file(out, path, from, SIZE_MAX, err);
 }
 
 /* Refuses a long regular file before it is read. */
 bool text_open(struct text *out, const char *path, struct place from, struct error *err)
 {
     struct stat status;
-    char *bytes;
-    size_t length;
     *out = (struct text){0};
     if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > (off_t)longest_text)
         return refuse_length(path, (size_t)status.st_size, err);
-    return file_read(path, from, &bytes, &length, err) &&
-           start(out, path, bytes, longest_text, err);
+    return open_file(out, path, from, longest_text, err);
 }
 
 bool text_open_input(struct text *out, const char *name, struct error *err)

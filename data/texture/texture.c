@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "data/digest/digest.h"
 #include "data/names/names.h"
 #include "data/texture/texture.h"
 
@@ -87,7 +88,8 @@ static bool open_pages(const char *path, struct place from, struct texture *out,
                  " wavelengths is a spectral-texture",
                  path, out->image.n_pages);
     else
-        return planes_fit(out, path, from, err) && find_extremes(out, err);
+        return planes_fit(out, path, from, err) && find_extremes(out, err) &&
+               digest_note_open(path, out->image.file->descriptor, err);
     return false;
 }
 
