@@ -34,6 +34,7 @@ void print_shell(struct printed *to, const char *word);
 /* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
  * already. Its length stays. */
 char *printed_end(struct printed *printed);
+char *printed_take(struct printed *printed, struct error *err); /* NULL: memory_lacks */
 /* Writes the whole text, without unprintable characters, to a descriptor, and frees it. It is no
  * failure if the reader of a pipe has gone, or standard error takes nothing. */
 bool printed_show(struct printed *printed, int to, struct error *err);
@@ -96,6 +97,17 @@ bool write_all(int descriptor, const void *bytes, size_t length);
 bool write_at(int descriptor, const void *bytes, size_t length, uint64_t offset);
 
 /* ---- memory.c: the memory that a command may take ---- */
+
+/* "out of memory: 1.2 MiB for WHAT", as the format names it. Sets EXIT_SYSTEM. */
+bool memory_lacks(struct error *err, double bytes, const char *format, ...) PRINTF_LIKE(3, 4);
+/* Stores an array of n zeroed items in a pointer, which `array` points to. The format names what
+ * it is for: "the texels of %s". A failure stores NULL. */
+bool memory_make(void *array, size_t n, size_t size, struct error *err, const char *format, ...)
+    PRINTF_LIKE(5, 6);
+#define MAKE_ARRAY(array, n, ...) memory_make(&(array), n, sizeof *(array), __VA_ARGS__)
+/* Gives an array room for n items, which may move it. Returns false, and changes nothing, where
+ * memory lacks. */
+bool memory_resize(void *array, size_t n, size_t size);
 
 /* Limits this process and those that it starts to so many bytes more than it has now. */
 void memory_limit(uint64_t bytes);

@@ -50,6 +50,51 @@ static uint64_t left_bytes(void)
     return used < (uint64_t)limit.rlim_cur ? (uint64_t)limit.rlim_cur - used : 0;
 }
 
+/* ---- arrays ---- */
+
+static bool lack(struct error *err, double bytes, const char *format, va_list arguments)
+{
+    const bool large = bytes >= MiB / 10;
+    char what[512], figure[40] = ""; /* a library does not say how much */
+    vsnprintf(what, sizeof what, format, arguments);
+    if (bytes > 0)
+        snprintf(figure, sizeof figure, large ? ": %.1f MiB" : ": %.0f bytes",
+                 large ? bytes / MiB : bytes);
+    errno = 0;
+    return error_system(err, "out of memory%s for %s; --memory sets the limit", figure, what);
+}
+
+bool memory_lacks(struct error *err, double bytes, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    lack(err, bytes, format, arguments);
+    va_end(arguments);
+    return false;
+}
+
+/* All pointers to objects have one representation, by POSIX. */
+bool memory_make(void *array, size_t n, size_t size, struct error *err, const char *format, ...)
+{
+    void *items = calloc(n > 0 ? n : 1, size);
+    va_list arguments;
+    memcpy(array, &items, sizeof items);
+    va_start(arguments, format);
+    const bool done = items || lack(err, (double)n * (double)size, format, arguments);
+    va_end(arguments);
+    return done;
+}
+
+bool memory_resize(void *array, size_t n, size_t size)
+{
+    void *items;
+    memcpy(&items, array, sizeof items);
+    items = n <= SIZE_MAX / size ? realloc(items, (n > 0 ? n : 1) * size) : NULL;
+    if (items)
+        memcpy(array, &items, sizeof items);
+    return items != NULL;
+}
+
 bool memory_suffices(double bytes, struct place place, struct error *err, const char *format, ...)
 {
     const double left = (double)left_bytes();

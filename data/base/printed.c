@@ -100,11 +100,19 @@ char *printed_end(struct printed *printed)
     return NULL;
 }
 
-bool printed_show(struct printed *printed, int to, struct error *err)
+char *printed_take(struct printed *printed, struct error *err)
 {
     char *text = printed_end(printed);
     if (!text)
-        return error_memory(err);
+        memory_lacks(err, 2 * (double)printed->length + 1, "a text");
+    return text;
+}
+
+bool printed_show(struct printed *printed, int to, struct error *err)
+{
+    char *text = printed_take(printed, err);
+    if (!text)
+        return false;
     hide_unprintable(text, "\n");
     const bool done = write_all(to, text, strlen(text)) || errno == EPIPE || to == STDERR_FILENO ||
                       error_system(err, "cannot write to standard output");

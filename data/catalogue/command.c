@@ -90,10 +90,10 @@ static int compare_names(const void *a, const void *b)
 
 static bool print_list(const struct list *list, struct printed *to, struct error *err)
 {
-    char(*names)[BUILTIN_NAME] = calloc(builtin_file_count, sizeof *names);
+    char(*names)[BUILTIN_NAME];
     size_t n = 0;
-    if (!names)
-        return error_memory(err);
+    if (!MAKE_ARRAY(names, builtin_file_count, err, "the names of built-in files"))
+        return false;
     print(to, "%s\n", list->name);
     for (size_t i = 0; i < builtin_file_count && !list->print; i++)
         n += holds(list, &builtin_files[i], names[n]);

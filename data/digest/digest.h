@@ -15,7 +15,7 @@ void digest_start(struct digest *out);
 void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 bool digest_file(const char *path, char out[65], struct error *err);
-/* The same of an open file, whose path messages name. */
+/* Reads an open file for it; messages name the path. */
 bool digest_descriptor(const char *path, int descriptor, char out[65], struct error *err);
 
 /* ---- was_read.c: digests of the files that this process has read ---- */

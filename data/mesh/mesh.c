@@ -11,31 +11,21 @@
 
 /* ---- the mesh itself ---- */
 
-/* Returns NULL if there would be more items than an int32_t counts, or than fit into memory. */
-static void *resize(void *items, int have, size_t more, size_t size)
+/* Fails if there would be more items than an int32_t counts, or than fit into memory. */
+static bool reserve(void *items, int have, size_t more, size_t size, struct error *err)
 {
-    const size_t n = (size_t)have + more;
-    if (more > (size_t)(INT32_MAX - have) || n > SIZE_MAX / size)
-        return NULL;
-    return realloc(items, (n > 0 ? n : 1) * size);
+    return (more <= (size_t)(INT32_MAX - have) &&
+            memory_resize(items, (size_t)have + more, size)) ||
+           memory_lacks(err, ((double)have + (double)more) * (double)size, "a mesh");
 }
 
 bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err)
 {
-    void *more = resize(mesh->vertices, mesh->n_vertices, n_vertices, sizeof *mesh->vertices);
-    if (!more)
-        return error_memory(err);
-    mesh->vertices = more;
-    if (mesh->parametric) {
-        more = resize(mesh->parameters, mesh->n_vertices, n_vertices, sizeof *mesh->parameters);
-        if (!more)
-            return error_memory(err);
-        mesh->parameters = more;
-    }
-    more = resize(mesh->triangles, mesh->n_triangles, n_triangles, sizeof *mesh->triangles);
-    if (!more)
-        return error_memory(err);
-    mesh->triangles = more;
+    if (!reserve(&mesh->vertices, mesh->n_vertices, n_vertices, sizeof *mesh->vertices, err) ||
+        (mesh->parametric && !reserve(&mesh->parameters, mesh->n_vertices, n_vertices,
+                                      sizeof *mesh->parameters, err)) ||
+        !reserve(&mesh->triangles, mesh->n_triangles, n_triangles, sizeof *mesh->triangles, err))
+        return false;
     mesh->n_parts += mesh->n_parts == 0; /* a mesh that nobody divides is one part */
     return true;
 }
@@ -82,13 +72,13 @@ struct builder {
 static bool builder_allocate(struct builder *b, struct error *err)
 {
     const size_t n_points = (size_t)b->obj.list[OBJ_POINT].n, n_corners = (size_t)b->obj.n_corners;
-    b->cutter = calloc(1, sizeof *b->cutter);
-    b->order = calloc(n_corners, sizeof *b->order);
-    b->starts = calloc(n_points + 1, sizeof *b->starts);
-    b->first_vertex = calloc(n_corners, sizeof *b->first_vertex);
+    const bool done = MAKE_ARRAY(b->cutter, 1, err, "a face") &&
+                      MAKE_ARRAY(b->order, n_corners, err, "the corners of a mesh") &&
+                      MAKE_ARRAY(b->starts, n_points + 1, err, "the points of a mesh") &&
+                      MAKE_ARRAY(b->first_vertex, n_corners, err, "the vertices of a mesh") &&
+                      MAKE_ARRAY(b->links, n_corners, err, "the vertices of a mesh");
     b->seed = (uintptr_t)b->first_vertex;
-    b->links = calloc(n_corners, sizeof *b->links);
-    return (b->cutter && b->order && b->starts && b->first_vertex && b->links) || error_memory(err);
+    return done;
 }
 
 static void builder_free(struct builder *b)
@@ -256,9 +246,8 @@ static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struc
 {
     if (obj->n_names == 1 && obj->names[0][0] == '\0')
         return true;
-    mesh->part = calloc(n_triangles, sizeof *mesh->part);
-    if (!mesh->part)
-        return error_memory(err);
+    if (!MAKE_ARRAY(mesh->part, n_triangles, err, "the parts of a mesh"))
+        return false;
     mesh->part_names = obj->names;
     mesh->n_parts = obj->n_names;
     obj->names = NULL;

@@ -135,12 +135,12 @@ static bool find_name(struct obj *obj, struct error *err)
     if (obj->name >= 0)
         return true;
     obj->name = obj->n_names;
-    char *name = word_copy(material);
+    char *name = word_copy(material, err);
     if (name && index_add(&obj->places, material->start, material->length, obj->n_names, err) &&
         array_add(&obj->names, &obj->n_names, &name, sizeof name, err))
         return true;
     free(name);
-    return error_memory(err);
+    return false;
 }
 
 /* Ends the face that began at `first`. Drops it if it is only a point or an edge. */

@@ -75,20 +75,18 @@ bool sampling_makes_components(const struct sampling_method *method)
 
 double *sampling_numbers(size_t count, struct error *err)
 {
-    double *numbers = calloc(count, sizeof *numbers);
-    if (!numbers)
-        error_memory(err);
+    double *numbers;
+    MAKE_ARRAY(numbers, count, err, "%zu numbers of a sampling", count);
     return numbers;
 }
 
 bool sampling_room(struct sampling *out, int n, bool segments, struct error *err)
 {
     out->pages.n = n;
-    out->segment_nm = segments ? calloc((size_t)n, sizeof *out->segment_nm) : NULL;
     out->pages.wavelength_nm = sampling_numbers((size_t)n, err);
     out->weights = sampling_numbers(3 * (size_t)n, err);
-    return (out->pages.wavelength_nm && out->weights && (out->segment_nm || !segments)) ||
-           error_memory(err);
+    return out->pages.wavelength_nm && out->weights &&
+           (!segments || MAKE_ARRAY(out->segment_nm, (size_t)n, err, "%d segments", n));
 }
 
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,

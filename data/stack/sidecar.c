@@ -120,9 +120,7 @@ static char *header_make(const char *stack, struct error *err)
         put_layout(&printed, &cube.image, &raw);
         put_bands(&printed, &cube, &sampling);
         put_scale(&printed, &cube, raw.bits);
-        header = printed_end(&printed);
-        if (!header)
-            error_memory(err);
+        header = printed_take(&printed, err);
     }
     cube_close(&cube);
     return header;
@@ -139,6 +137,11 @@ char *sidecar_name(const char *stack)
     return name;
 }
 
+static bool lacks_name(const char *stack, struct error *err)
+{
+    return memory_lacks(err, (double)strlen(stack), "the name of the header of %s", stack);
+}
+
 bool sidecar_can_open(const char *stack, struct error *err)
 {
     if (!stack || output_is_stream(stack))
@@ -147,7 +150,7 @@ bool sidecar_can_open(const char *stack, struct error *err)
                            " file, not %s",
                            stack ? stack : "/dev/null");
     char *name = sidecar_name(stack);
-    const bool can = name ? output_can_open(name, err) : error_memory(err);
+    const bool can = name ? output_can_open(name, err) : lacks_name(stack, err);
     free(name);
     return can;
 }
@@ -158,7 +161,7 @@ bool stack_commit_envi(struct stack_writer *writer, const char *path, struct out
     struct output output = {.path = NULL};
     char *name = sidecar_name(path);
     char *header = name ? header_make(writer->pages.output.temporary, err) : NULL;
-    bool done = name || error_memory(err);
+    bool done = name || lacks_name(path, err);
     done = done && header && output_open(&output, name, err);
     errno = 0;
     if (done && !write_all(output.descriptor, header, strlen(header)))
@@ -188,7 +191,7 @@ bool command_envi(struct options *options, struct error *err)
         return error_usage(err, "envi takes a STACK; see spectral envi --help");
     char *beside = sidecar_name(stack);
     if (!beside)
-        return error_memory(err);
+        return lacks_name(stack, err);
     const char *path = options->output ? options->output : beside;
     const bool done = scene_refuse(stack, err) && image_spared(path, stack, err) &&
                       write_header(stack, path, &options->outputs, err);

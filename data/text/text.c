@@ -51,10 +51,11 @@ static bool check_lengths(const struct text *text, size_t longest, struct error 
 static bool start(struct text *text, const char *name, char *bytes, size_t longest,
                   struct error *err)
 {
-    *text = (struct text){.path = strdup(name), .bytes = bytes, .separators = ""};
-    if (text->path == NULL || bytes == NULL) {
+    *text = (struct text){.bytes = bytes, .separators = ""};
+    if (!string_copy(name, &text->path, err) ||
+        (bytes == NULL && !memory_lacks(err, 0, "the text of %s", name))) {
         text_free(text);
-        return error_memory(err);
+        return false;
     }
     text->length = strlen(bytes);
     /* Spreadsheets begin UTF-8 files with a byte order mark. It is not part of the first word. */
@@ -264,9 +265,12 @@ bool word_is(const struct word *word, const char *literal)
     return !word->quoted && word_equals(word, literal);
 }
 
-char *word_copy(const struct word *word)
+char *word_copy(const struct word *word, struct error *err)
 {
-    return strndup(word->start, word->length);
+    char *copy = strndup(word->start, word->length);
+    if (!copy)
+        memory_lacks(err, (double)word->length, "a word");
+    return copy;
 }
 
 /* ---- numbers ---- */

@@ -34,9 +34,8 @@ static bool plane_read(struct texture *texture, int page, float *plane, struct e
 
 static bool plane_allocate(struct texture *texture, int i, struct error *err)
 {
-    if (texture->plane[i] == NULL)
-        texture->plane[i] = malloc(plane_size(texture) * sizeof(float));
-    return texture->plane[i] != NULL || error_memory(err);
+    return texture->plane[i] != NULL || MAKE_ARRAY(texture->plane[i], plane_size(texture), err,
+                                                   "the texels of %s", texture->image.path);
 }
 
 /* A spectral texture loads three planes, with room for one more page, for the reference and for
@@ -96,9 +95,8 @@ static bool open_pages(const char *path, struct place from, struct texture *out,
 bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
 {
     *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
-    out->reading = malloc(sizeof *out->reading);
-    if (out->reading == NULL)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
+        return false;
     pthread_mutex_init(out->reading, NULL);
     if (!open_pages(path, from, out, err)) {
         texture_free(out);
@@ -132,8 +130,8 @@ bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
                   float *const planes[TEXTURE_PLANES], struct error *err)
 {
     assert(n <= TEXTURE_PLANES);
-    float *other = malloc(plane_size(texture) * sizeof *other);
-    bool good = other != NULL || error_memory(err);
+    float *other;
+    bool good = MAKE_ARRAY(other, plane_size(texture), err, "texels of %s", texture->image.path);
     pthread_mutex_lock(texture->reading);
     for (int i = 0; good && i < n; i++)
         good = plane_load(texture, wavelengths_nm[i], planes[i], other, err);

@@ -8,7 +8,7 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/output/output.h"
+#include "data/text/text.h"
 #include "data/tiff/tiff.h"
 
 /* ---- the layout of a page ---- */
@@ -242,8 +242,8 @@ static void check_wavelength(struct image *image)
 static bool directory_add(struct image *image, struct error *err)
 {
     const int n_bands = count_bands(image);
-    const char **items = calloc((size_t)n_bands * ITEMS, sizeof *items);
-    bool good = items != NULL || error_memory(err);
+    const char **items;
+    bool good = MAKE_ARRAY(items, (size_t)n_bands * ITEMS, err, "the bands of %s", image->path);
     if (good)
         metadata_items(image->file->tiff, n_bands, items);
     for (int band = 0; good && band < n_bands; band++) {
@@ -353,7 +353,7 @@ static bool refuse_foreign(const struct image *image, struct error *err)
     char *data = is_cube ? envi_data(path) : strdup(path);
     char *names = data ? names_of_conversion(data) : NULL;
     if (!names)
-        error_memory(err);
+        memory_lacks(err, (double)strlen(path), "the name of %s", path);
     else if (is_cube && !file_format(data, &format, err))
         ;
     else if (strcmp(format, "TIFF") == 0)
@@ -374,10 +374,9 @@ static bool refuse_foreign(const struct image *image, struct error *err)
 
 static bool open_file(struct image *image, const char *path, struct place from, struct error *err)
 {
-    image->path = strdup(path);
-    image->file = calloc(1, sizeof *image->file);
-    if (image->path == NULL || image->file == NULL)
-        return error_memory(err);
+    if (!string_copy(path, &image->path, err) ||
+        !MAKE_ARRAY(image->file, 1, err, "the pages of %s", path))
+        return false;
     image->file->from = from;
     image->file->descriptor = -1;
     return refuse_foreign(image, err) && source_open(image, err) && pages_read(image, err);

@@ -125,7 +125,7 @@ bool source_open(struct image *image, struct error *err)
         return false;
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     if (options == NULL)
-        return error_memory(err);
+        return memory_lacks(err, 0, "libtiff, which reads %s", image->path);
     TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
     TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, file);
     TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, file);
@@ -145,6 +145,6 @@ bool source_is_sound(const struct image *image, struct error *err)
         file->cause = ENOMEM;
     errno = file->cause;
     return file->cause == 0 ||
-           (file->cause == ENOMEM ? error_memory(err)
+           (file->cause == ENOMEM ? memory_lacks(err, 0, "libtiff, which reads %s", image->path)
                                   : error_system(err, "cannot read %s", image->path));
 }

@@ -11,7 +11,7 @@
 
 static bool add_word(struct batch_line *line, const struct word *word, struct error *err)
 {
-    char *copy = word_copy(word);
+    char *copy = word_copy(word, err);
     if (!copy)
         return error_memory(err);
     if (array_add(&line->words, &line->n_words, &copy, sizeof copy, err))

@@ -566,8 +566,9 @@ static void check_reserve(void)
     CHECK(mesh_reserve(&mesh, 1000, 1000, &err) && mesh.vertices[0].s == 0.5 &&
               mesh.n_vertices == 1,
           "its vertices and triangles stay");
-    CHECK(!mesh_reserve(&mesh, SIZE_MAX, 0, &err) && err.status == EXIT_SYSTEM,
-          "more vertices than a number can count are refused as out of memory");
+    CHECK(!mesh_reserve(&mesh, INT32_MAX, 0, &err) && err.status == EXIT_SYSTEM &&
+              strstr(err.text, " MiB for a mesh; --memory sets the limit"),
+          "more vertices than a number can count are refused as out of memory: %s", err.text);
     mesh_free(&mesh);
     CHECK(!mesh.vertices && mesh.n_vertices == 0, "a freed mesh is empty");
     mesh_free(&mesh);
