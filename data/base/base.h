@@ -98,13 +98,15 @@ bool write_at(int descriptor, const void *bytes, size_t length, uint64_t offset)
 
 /* ---- memory.c: the memory that a command may take ---- */
 
-/* "out of memory: 1.2 MiB for WHAT", as the format names it. Sets EXIT_SYSTEM. */
+/* "out of memory: 1.2 MiB for WHAT", as the format names it: "the texels of %s". 0 bytes: a library
+ * does not say how many. Sets EXIT_SYSTEM. */
 bool memory_lacks(struct error *err, double bytes, const char *format, ...) PRINTF_LIKE(3, 4);
-/* Stores an array of n zeroed items in a pointer, which `array` points to. The format names what
- * it is for: "the texels of %s". A failure stores NULL. */
-bool memory_make(void *array, size_t n, size_t size, struct error *err, const char *format, ...)
-    PRINTF_LIKE(5, 6);
-#define MAKE_ARRAY(array, n, ...) memory_make(&(array), n, sizeof *(array), __VA_ARGS__)
+/* Stores an array of n zeroed items in a pointer, which `array` points to. Stores NULL, and returns
+ * false, where memory lacks; the macro then says what for. It evaluates n twice. */
+bool memory_make(void *array, size_t n, size_t size);
+#define MAKE_ARRAY(array, n, err, ...)                                                             \
+    (memory_make(&(array), n, sizeof *(array)) ||                                                  \
+     memory_lacks(err, (double)(n) * (double)sizeof *(array), __VA_ARGS__))
 /* Gives an array room for n items, which may move it. Returns false, and changes nothing, where
  * memory lacks. */
 bool memory_resize(void *array, size_t n, size_t size);

@@ -52,11 +52,14 @@ static uint64_t left_bytes(void)
 
 /* ---- arrays ---- */
 
-static bool lack(struct error *err, double bytes, const char *format, va_list arguments)
+bool memory_lacks(struct error *err, double bytes, const char *format, ...)
 {
     const bool large = bytes >= MiB / 10;
-    char what[512], figure[40] = ""; /* a library does not say how much */
+    char what[512], figure[40] = "";
+    va_list arguments;
+    va_start(arguments, format);
     vsnprintf(what, sizeof what, format, arguments);
+    va_end(arguments);
     if (bytes > 0)
         snprintf(figure, sizeof figure, large ? ": %.1f MiB" : ": %.0f bytes",
                  large ? bytes / MiB : bytes);
@@ -64,25 +67,12 @@ static bool lack(struct error *err, double bytes, const char *format, va_list ar
     return error_system(err, "out of memory%s for %s; --memory sets the limit", figure, what);
 }
 
-bool memory_lacks(struct error *err, double bytes, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    lack(err, bytes, format, arguments);
-    va_end(arguments);
-    return false;
-}
-
 /* All pointers to objects have one representation, by POSIX. */
-bool memory_make(void *array, size_t n, size_t size, struct error *err, const char *format, ...)
+bool memory_make(void *array, size_t n, size_t size)
 {
     void *items = calloc(n > 0 ? n : 1, size);
-    va_list arguments;
     memcpy(array, &items, sizeof items);
-    va_start(arguments, format);
-    const bool done = items || lack(err, (double)n * (double)size, format, arguments);
-    va_end(arguments);
-    return done;
+    return items != NULL;
 }
 
 bool memory_resize(void *array, size_t n, size_t size)

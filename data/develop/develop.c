@@ -36,8 +36,8 @@ static bool prepare_chunk(struct development *of, struct error *err)
     of->threads = threads_count(of->options->threads);
     return MAKE_ARRAY(of->radiance, BATCH * of->n_pixels, err, "rows of %s", image->path) &&
            MAKE_ARRAY(of->sums, 3 * of->n_pixels, err, "rows of the picture") &&
-           memory_make(&of->samples, 3 * of->n_pixels, sample_bytes(of->options), err,
-                       "rows of the picture");
+           (memory_make(&of->samples, 3 * of->n_pixels, sample_bytes(of->options)) ||
+            memory_lacks(err, 12 * (double)of->n_pixels, "rows of the picture"));
 }
 
 /* A batch of pages that is added to a chunk. */

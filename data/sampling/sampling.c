@@ -76,8 +76,7 @@ bool sampling_makes_components(const struct sampling_method *method)
 double *sampling_numbers(size_t count, struct error *err)
 {
     double *numbers;
-    MAKE_ARRAY(numbers, count, err, "%zu numbers of a sampling", count);
-    return numbers;
+    return MAKE_ARRAY(numbers, count, err, "%zu numbers of a sampling", count) ? numbers : NULL;
 }
 
 bool sampling_room(struct sampling *out, int n, bool segments, struct error *err)

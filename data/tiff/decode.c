@@ -230,10 +230,9 @@ static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
                          of->image->file->from, err, "%s: a block of its page %d", of->image->path,
                          of->page + 1))
         return false;
-    if (bytes >= (double)PTRDIFF_MAX)
-        return memory_lacks(err, bytes, "rows of %s", of->image->path);
-    return memory_make(&of->samples, layout->n_planes * rows, layout->row_bytes, err, "rows of %s",
-                       of->image->path) &&
+    return ((bytes < (double)PTRDIFF_MAX &&
+             memory_make(&of->samples, layout->n_planes * rows, layout->row_bytes)) ||
+            memory_lacks(err, bytes, "rows of %s", of->image->path)) &&
            (!layout->tiled ||
             MAKE_ARRAY(of->tile, layout->block_bytes, err, "a tile of %s", of->image->path));
 }
@@ -275,7 +274,8 @@ static bool bands_keep(struct stored_rows of, uint32_t y, uint32_t n, struct err
         return true;
     free(kept->samples);
     *kept = (struct kept_bands){y, n, of.page, of.page + (int)bands, bytes, NULL};
-    if (memory_make(&kept->samples, bands, bytes, err, "bands of %s", of.image->path) &&
+    if ((memory_make(&kept->samples, bands, bytes) ||
+         memory_lacks(err, (double)bands * (double)bytes, "bands of %s", of.image->path)) &&
         page_read(&of, y, n, NULL, err))
         return true;
     free(kept->samples);

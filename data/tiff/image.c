@@ -55,7 +55,8 @@ static bool blocks_find(const struct image *image, int page, struct sample_layou
 {
     TIFF *tiff = image->file->tiff;
     const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
-    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE && bytes > (double)image->bytes)
+    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE &&
+        bytes > (double)image->file->bytes)
         return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
                             bytes);
     out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
@@ -85,7 +86,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     if (out->tiled || short_tag(tiff, TIFFTAG_COMPRESSION) != COMPRESSION_NONE ||
         short_tag(tiff, TIFFTAG_FILLORDER) != FILLORDER_MSB2LSB)
         return true;
-    for (uint32_t strip = 0; strip < n && end <= image->bytes; strip++) {
+    for (uint32_t strip = 0; strip < n && end <= image->file->bytes; strip++) {
         const uint32_t left = out->height - strip % per_plane * out->block_height;
         const uint32_t rows = left < out->block_height ? left : out->block_height;
         const uint64_t bytes = (uint64_t)rows * out->row_bytes;
@@ -95,7 +96,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     }
     out->rows_offset = first;
     out->block_height = fitting < 1 ? 1 : fitting < out->height ? (uint32_t)fitting : out->height;
-    return end <= image->bytes ||
+    return end <= image->file->bytes ||
            image_refuse(image, page, err, "its pixels end beyond the end of the file");
 }
 

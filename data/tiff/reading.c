@@ -110,8 +110,7 @@ static bool source_find(struct image *image, struct error *err)
         return false;
     if (!file->builtin && fstat(file->descriptor, &status) != 0)
         return error_cause(err, file->from, errno, "cannot read %s", image->path);
-    image->bytes = file->builtin ? file->builtin->length : (uint64_t)status.st_size;
-    file->bytes = image->bytes;
+    file->bytes = file->builtin ? file->builtin->length : (uint64_t)status.st_size;
     return true;
 }
 

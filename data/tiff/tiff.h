@@ -18,7 +18,6 @@ enum { TAG_VERDICT = 65111 };           /* of a stack of this program: the verdi
 struct image {
     char *path; /* owned */
     int width, height, n_pages;
-    uint64_t bytes;           /* of the file */
     bool coloured;            /* some page is RGB */
     double *wavelengths_nm;   /* of each page, increasing; NULL: some page has none; owned */
     char no_wavelengths[128]; /* why they are NULL: "page 2 records no wavelength" */
