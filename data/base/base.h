@@ -29,9 +29,12 @@ void print_text(struct printed *to, const char *text);
 /* Prints "NAME  VALUE" in a line of its own, without the value's unprintable characters. */
 void print_fact(struct printed *to, const char *name, const char *value);
 void print_bytes(struct printed *to, const void *bytes, size_t length);
+/* Prints a blank and the word as a shell reads it: between quotes, unless it needs none. */
+void print_shell(struct printed *to, const char *word);
 /* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
  * already. Its length stays. */
 char *printed_end(struct printed *printed);
+char *printed_take(struct printed *printed, struct error *err); /* NULL: memory_lacks */
 /* Writes the whole text, without unprintable characters, to a descriptor, and frees it. It is no
  * failure if the reader of a pipe has gone, or standard error takes nothing. */
 bool printed_show(struct printed *printed, int to, struct error *err);
@@ -109,6 +112,19 @@ bool write_at(int descriptor, const void *bytes, size_t length, uint64_t offset)
 
 /* ---- memory.c: the memory that a command may take ---- */
 
+/* "out of memory: 1.2 MiB for WHAT", as the format names it: "the texels of %s". 0 bytes: a library
+ * does not say how many. Sets EXIT_SYSTEM. */
+bool memory_lacks(struct error *err, double bytes, const char *format, ...) PRINTF_LIKE(3, 4);
+/* Stores an array of n zeroed items in a pointer, which `array` points to. Stores NULL, and returns
+ * false, where memory lacks; the macro then says what for. It evaluates n twice. */
+bool memory_make(void *array, size_t n, size_t size);
+#define MAKE_ARRAY(array, n, err, ...)                                                             \
+    (memory_make(&(array), n, sizeof *(array)) ||                                                  \
+     memory_lacks(err, (double)(n) * (double)sizeof *(array), __VA_ARGS__))
+/* Gives an array room for n items, which may move it. Returns false, and changes nothing, where
+ * memory lacks. */
+bool memory_resize(void *array, size_t n, size_t size);
+
 /* Limits this process and those that it starts to so many bytes more than it has now. */
 void memory_limit(uint64_t bytes);
 /* Refuses what would need more memory than the limit leaves, before it is tried. The format names
@@ -131,8 +147,12 @@ bool file_is_regular(const char *path, bool *out, struct error *err);
 bool file_is_same(const char *a, const char *b, bool *out, struct error *err);
 bool file_is_missing(const char *path); /* no file has the name, which is not "builtin:..." */
 /* format.c: finds the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text": they
- * have no NUL; "": another one, or no such file. Fails only where the system does. */
+ * have no NUL; "": another one, or no such file; "ENVI": an ENVI header, or raw samples with a
+ * header beside them. Fails only where the system does. */
 bool file_format(const char *path, const char **out, struct error *err);
+/* Returns the name of the raw samples of such a header, otherwise the path itself; allocated. NULL:
+ * no memory. */
+char *envi_data(const char *path);
 
 /* ---- progress.c: time, progress and memory of this process ---- */
 

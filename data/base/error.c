@@ -127,20 +127,14 @@ bool error_unread(struct error *err)
     return false;
 }
 
-/* An array is full when its count is a power of two. It then doubles. All pointers to objects have
- * one representation, by POSIX. */
+/* An array is full when its count is a power of two. It then doubles. */
 bool array_add(void *array, int *count, const void *item, size_t size, struct error *err)
 {
     const size_t n = (size_t)*count, room = n > 0 ? 2 * n : 1;
     char *items;
+    if (*count > INT_MAX / 2 || ((n & (n - 1)) == 0 && !memory_resize(array, room, size)))
+        return memory_lacks(err, (double)room * (double)size, "a list of %zu items", room);
     memcpy(&items, array, sizeof items);
-    if (*count > INT_MAX / 2 || room > SIZE_MAX / size)
-        return error_memory(err);
-    if ((n & (n - 1)) == 0)
-        items = realloc(items, room * size);
-    if (!items)
-        return error_memory(err);
-    memcpy(array, &items, sizeof items);
     if (item)
         memcpy(items + n * size, item, size);
     else

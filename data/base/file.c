@@ -98,10 +98,9 @@ static bool refuse_reading(struct error *err, const struct reading *of, const ch
 static bool read_open(struct reading *of, int descriptor, size_t capacity, struct error *err)
 {
     for (ssize_t got = 1; got != 0;) {
-        char *zero, *more = realloc(of->bytes, capacity);
-        if (more == NULL)
-            return error_memory(err);
-        of->bytes = more;
+        if (!memory_resize(&of->bytes, capacity, 1))
+            return memory_lacks(err, (double)capacity, "the text of %s", of->path);
+        char *zero, *more = of->bytes;
         UNTIL_DONE(got, read(descriptor, more + of->length, capacity - 1 - of->length));
         if (got < 0)
             return fail_read(err, of->from, of->path);
@@ -141,9 +140,8 @@ static bool read_builtin(struct reading *of, struct error *err)
     const struct builtin_file *file = builtin_find(of->path);
     if (file == NULL)
         return refuse_reading(err, of, "there is no such built-in file");
-    of->bytes = calloc(file->length + 1, 1);
-    if (of->bytes == NULL)
-        return error_memory(err);
+    if (!MAKE_ARRAY(of->bytes, file->length + 1, err, "the text of %s", of->path))
+        return false;
     memcpy(of->bytes, file->bytes, file->length);
     of->length = file->length;
     return true;

@@ -50,6 +50,41 @@ static uint64_t left_bytes(void)
     return used < (uint64_t)limit.rlim_cur ? (uint64_t)limit.rlim_cur - used : 0;
 }
 
+/* ---- arrays ---- */
+
+bool memory_lacks(struct error *err, double bytes, const char *format, ...)
+{
+    const bool large = bytes >= MiB / 10;
+    char what[512], figure[40] = "";
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(what, sizeof what, format, arguments);
+    va_end(arguments);
+    if (bytes > 0)
+        snprintf(figure, sizeof figure, large ? ": %.1f MiB" : ": %.0f bytes",
+                 large ? bytes / MiB : bytes);
+    errno = 0;
+    return error_system(err, "out of memory%s for %s; --memory sets the limit", figure, what);
+}
+
+/* All pointers to objects have one representation, by POSIX. */
+bool memory_make(void *array, size_t n, size_t size)
+{
+    void *items = calloc(n > 0 ? n : 1, size);
+    memcpy(array, &items, sizeof items);
+    return items != NULL;
+}
+
+bool memory_resize(void *array, size_t n, size_t size)
+{
+    void *items;
+    memcpy(&items, array, sizeof items);
+    items = n <= SIZE_MAX / size ? realloc(items, (n > 0 ? n : 1) * size) : NULL;
+    if (items)
+        memcpy(array, &items, sizeof items);
+    return items != NULL;
+}
+
 bool memory_suffices(double bytes, struct place place, struct error *err, const char *format, ...)
 {
     const double left = (double)left_bytes();

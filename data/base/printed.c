@@ -45,6 +45,19 @@ void print_text(struct printed *to, const char *text)
     print_bytes(to, text, strlen(text));
 }
 
+void print_shell(struct printed *to, const char *word)
+{
+    const bool plain = word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                         "0123456789%+,-./:=@_")] == '\0';
+    print_text(to, plain ? " " : " '");
+    for (; *word; word++)
+        if (*word == '\'')
+            print_text(to, "'\\''");
+        else
+            print_bytes(to, word, 1);
+    print_text(to, plain ? "" : "'");
+}
+
 void print(struct printed *to, const char *format, ...)
 {
     va_list arguments;
@@ -87,11 +100,19 @@ char *printed_end(struct printed *printed)
     return NULL;
 }
 
-bool printed_show(struct printed *printed, int to, struct error *err)
+char *printed_take(struct printed *printed, struct error *err)
 {
     char *text = printed_end(printed);
     if (!text)
-        return error_memory(err);
+        memory_lacks(err, 2 * (double)printed->length + 1, "a text");
+    return text;
+}
+
+bool printed_show(struct printed *printed, int to, struct error *err)
+{
+    char *text = printed_take(printed, err);
+    if (!text)
+        return false;
     hide_unprintable(text, "\n");
     const bool done = write_all(to, text, strlen(text)) || errno == EPIPE || to == STDERR_FILENO ||
                       error_system(err, "cannot write to standard output");

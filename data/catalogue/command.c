@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral list: the names that scenes and options can use. spectral show: a built-in file. */
+#include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,23 +65,18 @@ static bool holds(const struct list *list, const struct builtin_file *file, char
              table_is_detector(file) == (strcmp(list->name, "detectors") == 0)));
 }
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 /* Orders names as a reader does: numbers in them by their value, so that f2 comes before f10. */
 static int compare_names(const void *a, const void *b)
 {
     const char *one = a, *other = b;
     for (; *one && *other; one++, other++) {
         char *end, *other_end;
-        const long difference = is_digit(*one) && is_digit(*other)
+        const long difference = isdigit((unsigned char)*one) && isdigit((unsigned char)*other)
                                     ? strtol(one, &end, 10) - strtol(other, &other_end, 10)
                                     : (unsigned char)*one - (unsigned char)*other;
         if (difference != 0)
             return difference < 0 ? -1 : 1;
-        if (is_digit(*one)) {
+        if (isdigit((unsigned char)*one)) {
             one = end - 1;
             other = other_end - 1;
         }
@@ -90,10 +86,10 @@ static int compare_names(const void *a, const void *b)
 
 static bool print_list(const struct list *list, struct printed *to, struct error *err)
 {
-    char(*names)[BUILTIN_NAME] = calloc(builtin_file_count, sizeof *names);
+    char(*names)[BUILTIN_NAME];
     size_t n = 0;
-    if (!names)
-        return error_memory(err);
+    if (!MAKE_ARRAY(names, builtin_file_count, err, "the names of built-in files"))
+        return false;
     print(to, "%s\n", list->name);
     for (size_t i = 0; i < builtin_file_count && !list->print; i++)
         n += holds(list, &builtin_files[i], names[n]);

@@ -59,9 +59,8 @@ struct distribution {
 
 static bool distribution_open(struct distribution *out, struct error *err)
 {
-    out->count = calloc(N_BINS, sizeof *out->count);
-    out->largest = calloc(N_BINS, sizeof *out->largest);
-    return (out->count && out->largest) || error_memory(err);
+    return MAKE_ARRAY(out->count, N_BINS, err, "a distribution of differences") &&
+           MAKE_ARRAY(out->largest, N_BINS, err, "a distribution of differences");
 }
 
 static void distribution_add(struct distribution *to, struct pixel_difference *difference,
@@ -342,10 +341,8 @@ static bool prepare_colour(struct comparer *comparer, struct error *err)
     const struct compare_options *options = comparer->options;
     const struct white_request white = {options->white, options->tolerance.unit >= TOLERANCE_CIE76};
     struct comparison *out = comparer->out;
-    out->observer = strdup(options->observer);
-    const bool done =
-        out->observer ? sight_make(&comparer->a.cube, out->observer, &white, &comparer->sight, err)
-                      : error_memory(err);
+    const bool done = string_copy(options->observer, &out->observer, err) &&
+                      sight_make(&comparer->a.cube, out->observer, &white, &comparer->sight, err);
     out->has_white = comparer->sight.has_white;
     return done;
 }
@@ -361,18 +358,15 @@ static bool prepare_chunk(struct comparer *comparer, struct error *err)
     const size_t n = (size_t)comparer->out->n, rows = (size_t)comparer->a.most,
                  pixels = comparer->a.stride;
     comparer->threads = threads_count(comparer->options->threads);
-    comparer->spectra = calloc(2 * n * rows, sizeof *comparer->spectra);
-    comparer->bands = calloc(n * rows, sizeof *comparer->bands);
-    comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);
-    comparer->measures = calloc(pixels, sizeof *comparer->measures);
-    comparer->map = calloc(pixels, sizeof *comparer->map);
-    comparer->colours = calloc(pixels, sizeof *comparer->colours);
     for (int i = 0; i < PIXEL_MEASURES; i++)
         if (!distribution_open(&comparer->distributions[i], err))
             return false;
-    return (comparer->spectra && comparer->bands && comparer->largest_a && comparer->measures &&
-            comparer->map && comparer->colours) ||
-           error_memory(err);
+    return MAKE_ARRAY(comparer->spectra, 2 * n * rows, err, "rows of two stacks") &&
+           MAKE_ARRAY(comparer->bands, n * rows, err, "sums of rows") &&
+           MAKE_ARRAY(comparer->largest_a, rows, err, "sums of rows") &&
+           MAKE_ARRAY(comparer->measures, pixels, err, "differences of rows") &&
+           MAKE_ARRAY(comparer->map, pixels, err, "rows of the map") &&
+           MAKE_ARRAY(comparer->colours, pixels, err, "colours of rows");
 }
 
 static bool prepare(struct comparer *comparer, struct error *err)
@@ -384,10 +378,9 @@ static bool prepare(struct comparer *comparer, struct error *err)
                                .width = image->width,
                                .height = image->height,
                                .components = comparer->a.cube.components};
-    out->wavelengths_nm = calloc(n, sizeof *out->wavelengths_nm);
-    out->bands = calloc(n, sizeof *out->bands);
-    if (!out->wavelengths_nm || !out->bands)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->wavelengths_nm, n, err, "the bands of %s", image->path) ||
+        !MAKE_ARRAY(out->bands, n, err, "the bands of %s", image->path))
+        return false;
     memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
     return check_samplings(&comparer->a.cube, &comparer->b.cube, err) &&
            check_sizes(image, &comparer->b.cube.image, err) && prepare_colour(comparer, err) &&
@@ -404,8 +397,8 @@ static enum map_measure map_measure(const struct comparer *comparer)
                                         : MAP_RADIANCE;
 }
 
-/* Returns the description of the map, allocated; NULL: no memory. */
-static char *map_description(const struct comparison *comparison)
+/* Returns the description of the map, allocated. NULL: no memory. */
+static char *map_description(const struct comparison *comparison, struct error *err)
 {
     struct printed printed = {.text = NULL};
     print_text(&printed, "How two spectral stacks differ");
@@ -413,7 +406,7 @@ static char *map_description(const struct comparison *comparison)
         print_text(&printed, ". ");
         print_colours(comparison->map, &printed);
     }
-    return printed_end(&printed);
+    return printed_take(&printed, err);
 }
 
 static bool open_map(struct comparer *comparer, struct error *err)
@@ -422,9 +415,9 @@ static bool open_map(struct comparer *comparer, struct error *err)
     out->map = map_measure(comparer);
     if (!comparer->options->map)
         return true;
-    char *description = map_description(out);
+    char *description = map_description(out, err);
     if (!description)
-        return error_memory(err);
+        return false;
     const struct picture_options options = {
         .width = out->width,
         .height = out->height,

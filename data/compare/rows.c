@@ -14,8 +14,8 @@ bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *e
     const size_t n = fitting < 1 ? 1 : fitting < height ? fitting : height;
     rows->most = (int)n;
     rows->stride = n * width;
-    rows->samples = calloc(n_pages * rows->stride, sizeof *rows->samples);
-    return rows->samples || error_memory(err);
+    return MAKE_ARRAY(rows->samples, n_pages * rows->stride, err, "rows of %s",
+                      rows->cube.image.path);
 }
 
 bool rows_read(struct stack_rows *rows, int first, struct error *err)

@@ -66,7 +66,7 @@ _spectral_add_usage() {
         NAME) _spectral_add "$(_spectral_names)" ;;
         KIND) _spectral_add "$("$program" list 2>/dev/null | sed -n '/^[a-z]/p')" ;;
         SCENE) _spectral_add "$(_spectral_names scenes)"; _spectral_add_files .scene .list ;;
-        *STACK* | *.tif) _spectral_add_files .tif .tiff .hdr ;;
+        *STACK* | *.tif) _spectral_add_files .tif .tiff ;;
         *.png) _spectral_add_files .png .tif ;;
         *.html) _spectral_add_files .html .png ;;
         LIST | *FILE*) _spectral_add_files '' ;;

@@ -48,7 +48,7 @@ function __spectral_usage --argument-names program usage word
                 __spectral_names $program scenes
                 __spectral_files "$word" .scene .list
             case '*STACK*' '*.tif'
-                __spectral_files "$word" .tif .tiff .hdr
+                __spectral_files "$word" .tif .tiff
             case '*.png'
                 __spectral_files "$word" .png .tif
             case '*.html'

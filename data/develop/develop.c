@@ -33,10 +33,10 @@ static bool prepare_chunk(struct development *of, struct error *err)
     of->rows = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->n_pixels = (size_t)of->rows * (size_t)image->width;
     of->threads = threads_count(of->options->threads);
-    of->radiance = calloc(BATCH * of->n_pixels, sizeof *of->radiance);
-    of->sums = calloc(3 * of->n_pixels, sizeof *of->sums);
-    of->samples = calloc(3 * of->n_pixels, sample_bytes(of->options));
-    return (of->radiance != NULL && of->sums != NULL && of->samples != NULL) || error_memory(err);
+    return MAKE_ARRAY(of->radiance, BATCH * of->n_pixels, err, "rows of %s", image->path) &&
+           MAKE_ARRAY(of->sums, 3 * of->n_pixels, err, "rows of the picture") &&
+           (memory_make(&of->samples, 3 * of->n_pixels, sample_bytes(of->options)) ||
+            memory_lacks(err, 12 * (double)of->n_pixels, "rows of the picture"));
 }
 
 /* A batch of pages that is added to a chunk. */
@@ -271,7 +271,7 @@ static bool open_picture(const struct development *of, const char *path, struct 
     unsigned char profile[LARGEST_PROFILE];
     char *text = description(of);
     if (text == NULL)
-        return error_memory(err);
+        return memory_lacks(err, 1024, "the description of the picture");
     const struct picture_options options = {
         .width = of->result->width,
         .height = of->result->height,

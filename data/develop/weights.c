@@ -45,10 +45,12 @@ static void fold_sampling(const struct image *image, const struct sampling *samp
 static bool fold_detector(struct development *of, const struct fine_detector *fine,
                           struct error *err)
 {
-    of->of_white = calloc(3 * (size_t)of->cube.image.n_pages, sizeof *of->of_white);
-    for (int j = 0; of->of_white && j < fine->n; j++)
+    const size_t n = 3 * (size_t)of->cube.image.n_pages;
+    if (!MAKE_ARRAY(of->of_white, n, err, "the weights of %s", of->cube.image.path))
+        return false;
+    for (int j = 0; j < fine->n; j++)
         add_weight(&of->cube.image, fine->nm[j], fine->weights + j, fine->n, 1, of->of_white);
-    return of->of_white || error_memory(err);
+    return true;
 }
 
 /* Refuses a stack that was sampled, or a method that needs more than its spectra. */
@@ -80,12 +82,11 @@ static bool white_finely(const struct development *of, struct fine_spectra *out,
 {
     const struct image *image = &of->cube.image;
     struct error ignored = {0};
-    double *white = calloc((size_t)image->n_pages, sizeof *white);
-    out->lights = calloc((size_t)out->n_nm, sizeof *out->lights);
-    out->products = calloc((size_t)out->n_nm, sizeof *out->products);
+    double *white;
     const bool needed = of->options->sampling->kind == SAMPLING_ADAPTIVE;
-    const bool done =
-        (white != NULL && out->lights != NULL && out->products != NULL) || error_memory(err);
+    const bool done = MAKE_ARRAY(white, (size_t)image->n_pages, err, "a white") &&
+                      MAKE_ARRAY(out->lights, (size_t)out->n_nm, err, "a white") &&
+                      MAKE_ARRAY(out->products, (size_t)out->n_nm, err, "a white");
     const bool found =
         done && cube_white(&of->cube, of->options->white, white, needed ? err : &ignored);
     if (found) {
@@ -109,9 +110,9 @@ static bool describe_sampling(const struct sampling *sampling, struct develop_re
 {
     struct printed printed = {.text = NULL};
     sampling_print(sampling, &printed);
-    char *text = printed_end(&printed);
+    char *text = printed_take(&printed, err);
     if (!text)
-        return error_memory(err);
+        return false;
     snprintf(result->sampling, sizeof result->sampling, "%.*s", (int)strcspn(text, "\n"), text);
     free(text);
     return true;
@@ -265,9 +266,9 @@ static bool channel_weights(struct development *of, struct error *err)
 
 bool develop_weights(struct development *of, struct error *err)
 {
-    of->weights = calloc(3 * (size_t)of->cube.image.n_pages, sizeof *of->weights);
-    if (!of->weights)
-        return error_memory(err);
+    const size_t n = 3 * (size_t)of->cube.image.n_pages;
+    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", of->cube.image.path))
+        return false;
     if (!detector_read(of->options->detector, &of->detector, err))
         return false;
     begin_result(of);

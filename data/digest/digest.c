@@ -103,30 +103,32 @@ void digest_end(struct digest *digest, char out[65])
         snprintf(out + 8 * i, 9, "%08lx", (unsigned long)digest->hash[i]);
 }
 
-static bool digest_open(int file, struct digest *digest)
+bool digest_descriptor(const char *path, int descriptor, char out[65], struct error *err)
 {
     unsigned char buffer[1024 * BLOCK];
+    struct digest digest;
     ssize_t got;
     uint64_t at = 0;
-    while ((got = read_at(file, buffer, sizeof buffer, at)) > 0) {
-        digest_add(digest, buffer, (size_t)got);
+    out[0] = '\0';
+    digest_start(&digest);
+    while ((got = read_at(descriptor, buffer, sizeof buffer, at)) > 0) {
+        digest_add(&digest, buffer, (size_t)got);
         at += (uint64_t)got;
     }
-    return got == 0;
+    if (got < 0)
+        return error_system(err, "cannot read %s", path);
+    digest_end(&digest, out);
+    return true;
 }
 
 bool digest_file(const char *path, char out[65], struct error *err)
 {
-    struct digest digest;
     int file;
     out[0] = '\0';
-    digest_start(&digest);
     UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
-    const bool done =
-        (file >= 0 && digest_open(file, &digest)) || error_system(err, "cannot read %s", path);
-    if (file >= 0)
-        close(file);
-    if (done)
-        digest_end(&digest, out);
+    if (file < 0)
+        return error_system(err, "cannot read %s", path);
+    const bool done = digest_descriptor(path, file, out, err);
+    close(file);
     return done;
 }

@@ -60,9 +60,9 @@ static bool grow_slots(struct index *index, struct error *err)
 {
     const struct index before = *index;
     const size_t n = before.n_slots > 0 ? 2 * before.n_slots : 16;
-    struct index_slot *slots = calloc(n, sizeof *slots);
-    if (slots == NULL)
-        return error_memory(err);
+    struct index_slot *slots;
+    if (!MAKE_ARRAY(slots, n, err, "the places of %zu names", n / 2))
+        return false;
     if (before.n_slots == 0)
         index->seed = hash_bits((uint64_t)(uintptr_t)slots ^ hash_bits((uint64_t)(uintptr_t)index));
     index->slots = slots;
@@ -79,10 +79,8 @@ static bool grow_slots(struct index *index, struct error *err)
 static bool grow_keys(struct index *index, size_t length, struct error *err)
 {
     const size_t room = 2 * (index->length + length) + 64;
-    char *keys = realloc(index->keys, room);
-    if (keys == NULL)
-        return error_memory(err);
-    index->keys = keys;
+    if (!memory_resize(&index->keys, room, 1))
+        return memory_lacks(err, (double)room, "%zu names", index->n_keys);
     index->room = room;
     return true;
 }

@@ -6,7 +6,6 @@
 
 #include "data/digest/digest.h"
 #include "data/inputs/inputs.h"
-#include "data/tiff/tiff.h"
 
 /* ---- finding ---- */
 
@@ -22,21 +21,6 @@ static bool add(struct inputs *to, const char *path, struct error *err)
         return true;
     free(copy);
     return false;
-}
-
-/* Adds a picture: a TIFF file, or both files of a cube. A missing one is refused by its reader, at
- * the place that names it. */
-static bool add_picture(struct inputs *to, const char *path, struct place from, struct error *err)
-{
-    char header[ENVI_PATH], data[ENVI_PATH];
-    enum image_kind kind;
-    if (!path || path_is_builtin(path))
-        return true;
-    if (!image_kind(path, &kind, err))
-        return false;
-    if (kind != IMAGE_ENVI)
-        return add(to, path, err);
-    return envi_files(path, from, header, data, err) && add(to, header, err) && add(to, data, err);
 }
 
 static bool add_spectra(struct inputs *to, const struct material *material, struct error *err)
@@ -56,11 +40,9 @@ static bool add_material(struct inputs *to, const struct material *material, str
 {
     return material->diffuse.kind == SPECTRUM_NONE ||
            (add(to, material->path, err) && add_spectra(to, material, err) &&
-            add(to, material->donaldson, err) &&
-            add_picture(to, material->texture, material->texture_place, err) &&
-            add_picture(to, material->spectral_texture, material->spectral_texture_place, err) &&
-            (!material->partner ||
-             add_picture(to, material->partner->texture, material->partner->texture_place, err)));
+            add(to, material->donaldson, err) && add(to, material->texture, err) &&
+            add(to, material->spectral_texture, err) &&
+            (!material->partner || add(to, material->partner->texture, err)));
 }
 
 static bool add_detector(struct inputs *to, const char *name, struct error *err)
@@ -141,7 +123,7 @@ bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error
 {
     char sha256[65];
     for (int i = 0; i < inputs->n; i++) {
-        if (!digest_file(inputs->path[i], sha256, err))
+        if (!digest_was_read(inputs->path[i], sha256) && !digest_file(inputs->path[i], sha256, err))
             return false;
         print(to, "%s %s%c", sha256, inputs->path[i], '\0');
     }

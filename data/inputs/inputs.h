@@ -12,9 +12,8 @@ struct inputs {
     int n;
 };
 /* Lists the files that the scene's text and its options name, as far as the picture needs them: a
- * material that no object uses is not read. Of a cube it lists header and data. detector: a file or
- * a built-in name; NULL: the scene is not sampled for one. The caller frees *out, also after a
- * failure. */
+ * material that no object uses is not read. detector: a file or a built-in name; NULL: the scene is
+ * not sampled for one. The caller frees *out, also after a failure. */
 bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
                  struct error *err);
 /* Lists those of them that are there. A plan refuses a missing file that it needs, so that the
@@ -22,7 +21,7 @@ bool inputs_list(const struct scene *scene, const char *detector, struct inputs 
 bool inputs_find(const struct scene *scene, const char *detector, struct inputs *out,
                  struct error *err);
 void inputs_free(struct inputs *inputs);
-/* Prints "SHA-256 PATH" and a NUL for each file. Reads all of these files. */
+/* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
 bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);
 
 #endif

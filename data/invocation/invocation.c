@@ -5,7 +5,6 @@
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
 #include "data/method/method.h"
-#include "data/tiff/tiff.h"
 
 /* Refuses a stack or a picture where a scene is expected. */
 static bool refuse_picture(const char *scene, struct error *err)
@@ -36,10 +35,9 @@ bool scene_read_options(const struct options *options, struct scene *out, struct
 bool scene_refuse(const char *stack, struct error *err)
 {
     const char *format;
-    enum image_kind kind;
-    if (!file_format(stack, &format, err) || !image_kind(stack, &kind, err))
+    if (!file_format(stack, &format, err))
         return false;
-    const bool is_text = strcmp(format, "text") == 0 && kind == IMAGE_NONE;
+    const bool is_text = strcmp(format, "text") == 0;
     return (!is_text && (!file_is_missing(stack) || scene_is_missing(stack))) ||
            error_usage(err, "%s is %s, not a stack; spectral render %s writes the stack of a scene",
                        stack, is_text ? "a text file" : "a scene", stack);

@@ -60,10 +60,7 @@ static struct material *partner_of(struct material *material, struct place place
 {
     if (material->partner)
         return material->partner;
-    material->partner = calloc(1, sizeof *material->partner);
-    if (!material->partner)
-        error_memory(err);
-    else
+    if (MAKE_ARRAY(material->partner, 1, err, "a metameric partner"))
         material->partner->place = material->partner_place = place;
     return material->partner;
 }
@@ -165,7 +162,8 @@ bool material_read(const char *path, struct place from, struct material *out, st
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
     out->name = output_name(path, "");
-    done = out->name ? read_lines(&text, out, err) && complete_file(out, err) : error_memory(err);
+    done = (out->name || memory_lacks(err, (double)strlen(path), "the name of %s", path)) &&
+           read_lines(&text, out, err) && complete_file(out, err);
     text.path = NULL;
     text_free(&text);
     if (!done)
@@ -262,8 +260,8 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
     case BLOCK_EMISSION:
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:
-        out->partner_name = word_copy(&word);
-        return out->partner_name || error_memory(err);
+        out->partner_name = word_copy(&word, err);
+        return out->partner_name != NULL;
     case BLOCK_END:
         break;
     }

@@ -173,10 +173,8 @@ bool mtl_read(const struct mtl *mtl, struct place from, const struct word *name,
     *out = (struct material){0};
     if (found < 0)
         return refuse_missing(mtl, from, name, err);
-    out->name = word_copy(name);
-    if (!out->name)
-        return error_memory(err);
-    return string_copy(mtl->text.path, &out->path, err) &&
+    out->name = word_copy(name, err);
+    return out->name && string_copy(mtl->text.path, &out->path, err) &&
            read_entry(&mtl->entries[found], out->path, &entry, err) &&
            make_material(&entry, out, err);
 }

@@ -11,31 +11,21 @@
 
 /* ---- the mesh itself ---- */
 
-/* Returns NULL if there would be more items than an int32_t counts, or than fit into memory. */
-static void *resize(void *items, int have, size_t more, size_t size)
+/* Fails if there would be more items than an int32_t counts, or than fit into memory. */
+static bool reserve(void *items, int have, size_t more, size_t size, struct error *err)
 {
-    const size_t n = (size_t)have + more;
-    if (more > (size_t)(INT32_MAX - have) || n > SIZE_MAX / size)
-        return NULL;
-    return realloc(items, (n > 0 ? n : 1) * size);
+    return (more <= (size_t)(INT32_MAX - have) &&
+            memory_resize(items, (size_t)have + more, size)) ||
+           memory_lacks(err, ((double)have + (double)more) * (double)size, "a mesh");
 }
 
 bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err)
 {
-    void *more = resize(mesh->vertices, mesh->n_vertices, n_vertices, sizeof *mesh->vertices);
-    if (!more)
-        return error_memory(err);
-    mesh->vertices = more;
-    if (mesh->parametric) {
-        more = resize(mesh->parameters, mesh->n_vertices, n_vertices, sizeof *mesh->parameters);
-        if (!more)
-            return error_memory(err);
-        mesh->parameters = more;
-    }
-    more = resize(mesh->triangles, mesh->n_triangles, n_triangles, sizeof *mesh->triangles);
-    if (!more)
-        return error_memory(err);
-    mesh->triangles = more;
+    if (!reserve(&mesh->vertices, mesh->n_vertices, n_vertices, sizeof *mesh->vertices, err) ||
+        (mesh->parametric && !reserve(&mesh->parameters, mesh->n_vertices, n_vertices,
+                                      sizeof *mesh->parameters, err)) ||
+        !reserve(&mesh->triangles, mesh->n_triangles, n_triangles, sizeof *mesh->triangles, err))
+        return false;
     mesh->n_parts += mesh->n_parts == 0; /* a mesh that nobody divides is one part */
     return true;
 }
@@ -68,8 +58,7 @@ void mesh_free(struct mesh *mesh)
 
 struct builder {
     struct obj obj;
-    struct vector *ring; /* a face */
-    struct cutter cutter;
+    struct cutter *cutter;   /* its ring is a face */
     int32_t *order, *starts; /* corners sorted by point; where each point's begin, and the end */
     /* Vertices form chains, which end with -1. A point has as many chains as it has corners: the
      * hash of the other indices decides which of them a vertex is in. */
@@ -83,28 +72,22 @@ struct builder {
 static bool builder_allocate(struct builder *b, struct error *err)
 {
     const size_t n_points = (size_t)b->obj.list[OBJ_POINT].n, n_corners = (size_t)b->obj.n_corners;
-    int longest = 0;
-    for (int i = 0; i < b->obj.n_faces; i++)
-        longest = b->obj.faces[i].n > longest ? b->obj.faces[i].n : longest;
-    b->ring = calloc((size_t)longest, sizeof *b->ring);
-    b->order = calloc(n_corners, sizeof *b->order);
-    b->starts = calloc(n_points + 1, sizeof *b->starts);
-    b->first_vertex = calloc(n_corners, sizeof *b->first_vertex);
+    const bool done = MAKE_ARRAY(b->cutter, 1, err, "a face") &&
+                      MAKE_ARRAY(b->order, n_corners, err, "the corners of a mesh") &&
+                      MAKE_ARRAY(b->starts, n_points + 1, err, "the points of a mesh") &&
+                      MAKE_ARRAY(b->first_vertex, n_corners, err, "the vertices of a mesh") &&
+                      MAKE_ARRAY(b->links, n_corners, err, "the vertices of a mesh");
     b->seed = (uintptr_t)b->first_vertex;
-    b->links = calloc(n_corners, sizeof *b->links);
-    if (b->ring && b->order && b->starts && b->first_vertex && b->links)
-        return cutter_open(&b->cutter, longest, err);
-    return error_memory(err);
+    return done;
 }
 
 static void builder_free(struct builder *b)
 {
-    free(b->ring);
+    free(b->cutter);
     free(b->order);
     free(b->starts);
     free(b->first_vertex);
     free(b->links);
-    cutter_free(&b->cutter);
     obj_free(&b->obj);
 }
 
@@ -112,7 +95,7 @@ static void builder_free(struct builder *b)
 static void gather_ring(struct builder *b, const struct obj_face *face)
 {
     for (int i = 0; i < face->n; i++)
-        b->ring[i] = obj_point(&b->obj, face->first + i);
+        b->cutter->ring[i] = obj_point(&b->obj, face->first + i);
 }
 
 /* ---- the cube ---- */
@@ -142,12 +125,12 @@ static void unitize_points(struct builder *b)
 static void measure_face(struct builder *b, const struct obj_face *face)
 {
     gather_ring(b, face);
-    const struct vector normal = polygon_normal(b->ring, face->n);
+    const struct vector normal = polygon_normal(b->cutter->ring, face->n);
     const bool flat = vector_dot(normal, normal) == 0;
     for (int i = 0; i < face->n; i++) {
         struct obj_corner *corner = &b->obj.corners[face->first + i];
         corner->normal = normal;
-        corner->angle = flat ? 0 : polygon_angle(b->ring, face->n, i, normal);
+        corner->angle = flat ? 0 : polygon_angle(b->cutter->ring, face->n, i, normal);
     }
 }
 
@@ -243,14 +226,14 @@ static bool add_face(struct builder *b, const struct obj_face *face, struct mesh
                      struct error *err)
 {
     gather_ring(b, face);
-    cutter_run(&b->cutter, b->ring, face->n);
-    for (int i = 0; i < b->cutter.n_triangles; i++) {
+    cutter_run(b->cutter, face->n);
+    for (int i = 0; i < b->cutter->n_triangles; i++) {
         int32_t *vertices = mesh->triangles[mesh->n_triangles];
         if (mesh->part)
             mesh->part[mesh->n_triangles] = face->name;
         mesh->n_triangles++;
         for (int k = 0; k < 3; k++) {
-            vertices[k] = find_vertex(b, face->first + b->cutter.triangles[i][k], mesh, err);
+            vertices[k] = find_vertex(b, face->first + b->cutter->triangles[i][k], mesh, err);
             if (vertices[k] < 0)
                 return false;
         }
@@ -263,9 +246,8 @@ static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struc
 {
     if (obj->n_names == 1 && obj->names[0][0] == '\0')
         return true;
-    mesh->part = calloc(n_triangles, sizeof *mesh->part);
-    if (!mesh->part)
-        return error_memory(err);
+    if (!MAKE_ARRAY(mesh->part, n_triangles, err, "the parts of a mesh"))
+        return false;
     mesh->part_names = obj->names;
     mesh->n_parts = obj->n_names;
     obj->names = NULL;
@@ -291,7 +273,7 @@ static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
 bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
                struct mesh *out, struct error *err)
 {
-    struct builder builder = {.ring = NULL};
+    struct builder builder = {.cutter = NULL};
     bool good = obj_read(path, from, &builder.obj, err) && builder_allocate(&builder, err);
     *out = (struct mesh){.place = from};
     if (good && unitize)

@@ -105,10 +105,9 @@ static bool crowd_make(const struct meeting *meeting, struct crowd *out, struct 
     *out = (struct crowd){.n_groups = 1};
     while (out->n_groups < meeting->n / GROUP + 1)
         out->n_groups *= 2;
-    out->sorted = malloc((size_t)meeting->n * sizeof *out->sorted);
-    out->nodes = malloc(2 * (size_t)out->n_groups * sizeof *out->nodes);
-    if (!out->sorted || !out->nodes)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->sorted, (size_t)meeting->n, err, "the normals of a point") ||
+        !MAKE_ARRAY(out->nodes, 2 * (size_t)out->n_groups, err, "the normals of a point"))
+        return false;
     for (int i = 0; i < meeting->n; i++)
         if (corner_at(meeting, i)->angle > 0)
             out->sorted[out->n++] =

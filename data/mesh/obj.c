@@ -135,12 +135,12 @@ static bool find_name(struct obj *obj, struct error *err)
     if (obj->name >= 0)
         return true;
     obj->name = obj->n_names;
-    char *name = word_copy(material);
+    char *name = word_copy(material, err);
     if (name && index_add(&obj->places, material->start, material->length, obj->n_names, err) &&
         array_add(&obj->names, &obj->n_names, &name, sizeof name, err))
         return true;
     free(name);
-    return error_memory(err);
+    return false;
 }
 
 /* Ends the face that began at `first`. Drops it if it is only a point or an edge. */
@@ -183,6 +183,10 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
     }
     if (n < 3)
         return error_at(err, text_place(text), "expected a corner: a face has at least 3");
+    if (n > LONGEST_FACE)
+        return error_at(err, opening.place,
+                        "a face of %d corners; expected at most %d: cut it into several faces", n,
+                        LONGEST_FACE);
     return end_face(obj, first, err);
 }
 

@@ -131,16 +131,13 @@ static void cut_triangle(const int32_t triangle[3], const int64_t *edges, int n_
 bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
 {
     const size_t n = (size_t)from->n_triangles;
-    int64_t *edges;
+    int64_t *edges = NULL;
     *out = (struct mesh){.parametric = from->parametric};
     if (!mesh_reserve(out, (size_t)from->n_vertices + 2 * n, 3 * n, err))
         return false;
-    out->part = calloc(3 * n + 1, sizeof *out->part);
-    edges = malloc((2 * n + 1) * sizeof *edges);
-    if (!out->part || !edges) {
-        free(edges);
-        return error_memory(err);
-    }
+    if (!MAKE_ARRAY(out->part, 3 * n, err, "the parts of a cut mesh") ||
+        !MAKE_ARRAY(edges, 2 * n, err, "the edges of a cut mesh"))
+        return false;
     out->n_parts = 2;
     out->n_vertices = from->n_vertices;
     memcpy(out->vertices, from->vertices, (size_t)from->n_vertices * sizeof *out->vertices);
@@ -186,18 +183,17 @@ static void sort_triangles(const struct mesh *mesh, struct division *division)
 /* Makes the division of the mesh, which owns it. */
 static bool divide(struct mesh *mesh, struct error *err)
 {
-    struct division *division = mesh->division = calloc(1, sizeof *division);
-    if (!division)
-        return error_memory(err);
-    division->number = malloc(((size_t)mesh->n_vertices + 1) * sizeof *division->number);
-    if (mesh->part) {
-        division->triangles = malloc(((size_t)mesh->n_triangles + 1) * sizeof *division->triangles);
-        division->first = calloc((size_t)mesh->n_parts + 1, sizeof *division->first);
-    }
-    if (!division->number || (mesh->part && (!division->triangles || !division->first))) {
+    static const char what[] = "the parts of a mesh";
+    struct division *division;
+    if (!MAKE_ARRAY(mesh->division, 1, err, what))
+        return false;
+    division = mesh->division;
+    if (!MAKE_ARRAY(division->number, (size_t)mesh->n_vertices, err, what) ||
+        (mesh->part && (!MAKE_ARRAY(division->triangles, (size_t)mesh->n_triangles, err, what) ||
+                        !MAKE_ARRAY(division->first, (size_t)mesh->n_parts + 1, err, what)))) {
         division_free(division);
         mesh->division = NULL;
-        return error_memory(err);
+        return false;
     }
     for (int i = 0; i < mesh->n_vertices; i++)
         division->number[i] = -1;
@@ -282,9 +278,9 @@ bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err)
     if (!from->division && !divide(from, err))
         return false;
     const struct triangle_list list = list_part(from, part);
-    int32_t *used = malloc((3 * (size_t)list.n + 1) * sizeof *used);
-    if (!used)
-        return error_memory(err);
+    int32_t *used;
+    if (!MAKE_ARRAY(used, 3 * (size_t)list.n, err, "the vertices of a part of a mesh"))
+        return false;
     const int n_used = number_vertices(from, &list, used);
     const bool good = mesh_reserve(out, (size_t)n_used, (size_t)list.n, err);
     if (good)

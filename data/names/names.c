@@ -63,8 +63,8 @@ static char *file_name(const struct word *word, struct error *err)
     char *name = NULL;
     if (word->length == 0)
         error_at(err, word->place, "a file name must not be empty");
-    else if (!(name = word_copy(word)))
-        error_memory(err);
+    else
+        name = word_copy(word, err);
     return name;
 }
 
@@ -73,7 +73,7 @@ bool word_path(const struct word *word, char **out, struct error *err)
     char *name = file_name(word, err);
     *out = name ? file_relative(word->place.path, name) : NULL;
     free(name);
-    return *out || error_memory(err);
+    return *out || memory_lacks(err, (double)word->length, "the name of a file");
 }
 
 bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err)
@@ -87,7 +87,7 @@ bool word_file(const struct word *word, enum file_kind kind, char **out, struct 
         *out = path_of(other_case, NULL, name);
     }
     free(name);
-    return *out || error_memory(err);
+    return *out || memory_lacks(err, (double)word->length, "the name of a file");
 }
 
 /* Returns the end of a path that has as many folders as a name, without the ending of its kind. */

@@ -113,9 +113,9 @@ static bool record_option(struct options *options, const char *name, const char 
     size_t length = strlen(name) + (value ? strlen(value) : 0) + sizeof "=";
     if (options->n_recorded == MAX_RECORDED)
         return error_usage(err, "%s: more than %d options of the picture", name, MAX_RECORDED);
-    char *word = malloc(length);
-    if (!word)
-        return error_memory(err);
+    char *word;
+    if (!MAKE_ARRAY(word, length, err, "the option %s", name))
+        return false;
     snprintf(word, length, "%s%s%s", name, value ? "=" : "", value ? value : "");
     options->recorded[options->n_recorded++] = word;
     return true;
@@ -288,7 +288,8 @@ bool options_name_output(struct options *options, const char *path, const char *
         return true;
     options->output = options->named_output =
         output_name(strcmp(path, "-") == 0 ? "scene" : path, ending);
-    return options->output ? check_outputs(options, err) : error_memory(err);
+    return options->output ? check_outputs(options, err)
+                           : memory_lacks(err, (double)strlen(path), "the name of the output");
 }
 
 /* A tile, with the program's and OpenGL's own memory, takes at most 300 MiB: the tests measure it.

@@ -132,7 +132,7 @@ static TIFF *open_tiff(struct client *client, const char *mode)
     errno = 0;
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     if (options == NULL) {
-        error_memory(client->err);
+        memory_lacks(client->err, 0, "libtiff, which writes %s", client->pages->output.path);
         return NULL;
     }
     TIFFOpenOptionsSetErrorHandlerExtR(options, client_message, client);
@@ -152,7 +152,7 @@ static bool close_tiff(TIFF *tiff, const struct client *client, bool good)
     if (tiff != NULL)
         TIFFClose(tiff);
     if (errno == ENOMEM && !client->failed)
-        return error_memory(client->err);
+        return memory_lacks(client->err, 0, "libtiff, which writes %s", client->pages->output.path);
     errno = 0;
     return (good && !client->failed) ||
            error_system(client->err, "%s: the written file is not complete",

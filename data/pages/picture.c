@@ -74,8 +74,8 @@ static bool write_planes(const struct picture_writer *writer, const float *sampl
 {
     const uint64_t row_bytes = pages_row_bytes(&writer->pages);
     const size_t n = (size_t)rows * (size_t)writer->options.width;
-    float *plane = malloc(n * sizeof *plane);
-    bool done = plane != NULL || error_memory(err);
+    float *plane;
+    bool done = MAKE_ARRAY(plane, n, err, "rows of the picture");
     for (int channel = 0; done && channel < 3; channel++) {
         for (size_t i = 0; i < n; i++)
             plane[i] = samples[3 * i + (size_t)channel];
@@ -108,10 +108,9 @@ static bool extend_strip(struct picture_writer *writer, int end, size_t row_byte
         strip->first = writer->row;
     if (end <= strip->end)
         return true;
-    char *samples = realloc(strip->samples, (size_t)(end - strip->first) * row_bytes);
-    if (!samples)
-        return error_memory(err);
-    strip->samples = samples;
+    const size_t n = (size_t)(end - strip->first);
+    if (!memory_resize(&strip->samples, n, row_bytes))
+        return memory_lacks(err, (double)n * (double)row_bytes, "rows of the picture");
     strip->end = end;
     return true;
 }

@@ -90,14 +90,14 @@ static bool put_profile(struct png *png, const struct picture_options *options, 
 {
     static const char name[] = "display"; /* with its NUL */
     uLongf length = compressBound((uLong)options->profile_length);
-    unsigned char *chunk = malloc(sizeof name + 1 + length);
-    if (!chunk)
-        return error_memory(err);
+    unsigned char *chunk;
+    if (!MAKE_ARRAY(chunk, sizeof name + 1 + length, err, "the profile of a PNG file"))
+        return false;
     memcpy(chunk, name, sizeof name);
     chunk[sizeof name] = 0; /* deflate */
     const bool done = (compress2(chunk + sizeof name + 1, &length, options->profile,
                                  (uLong)options->profile_length, Z_BEST_COMPRESSION) == Z_OK ||
-                       error_memory(err)) &&
+                       memory_lacks(err, (double)length, "the profile of a PNG file")) &&
                       put_chunk(png, "iCCP", chunk, sizeof name + 1 + length, err);
     free(chunk);
     return done;
@@ -107,9 +107,9 @@ static bool put_profile(struct png *png, const struct picture_options *options, 
 static bool put_text(struct png *png, const char *keyword, const char *text, struct error *err)
 {
     const size_t before = strlen(keyword) + 1, length = strlen(text);
-    char *chunk = malloc(before + length);
-    if (!chunk)
-        return error_memory(err);
+    char *chunk;
+    if (!MAKE_ARRAY(chunk, before + length, err, "a text in a PNG file"))
+        return false;
     memcpy(chunk, keyword, before);
     memcpy(chunk + before, text, length);
     const bool done = put_chunk(png, "tEXt", chunk, before + length, err);
@@ -260,9 +260,8 @@ bool png_write(struct png *png, const void *samples, int rows, struct error *err
 static bool allocate_rows(struct png *png, struct error *err)
 {
     const size_t n = png->row_bytes, pixel = png->pixel_bytes;
-    png->rows = calloc(4 * n + 2 * pixel + 2, 1);
-    if (!png->rows)
-        return error_memory(err);
+    if (!MAKE_ARRAY(png->rows, 4 * n + 2 * pixel + 2, err, "rows of a PNG file"))
+        return false;
     png->row = png->rows + pixel;
     png->above = png->row + n + pixel;
     png->best = png->above + n;
@@ -273,16 +272,18 @@ static bool allocate_rows(struct png *png, struct error *err)
 bool png_open(struct png **out, const char *path, const struct picture_options *options,
               struct error *err)
 {
-    struct png *png = *out = calloc(1, sizeof *png);
-    if (!png)
-        return error_memory(err);
+    struct png *png;
+    if (!MAKE_ARRAY(*out, 1, err, "a PNG file"))
+        return false;
+    png = *out;
     png->pixel_bytes = (size_t)CHANNELS * (options->samples == PICTURE_16 ? 2 : 1);
     png->row_bytes = png->pixel_bytes * (size_t)options->width;
     png->deflating = deflateInit(&png->stream, LEVEL) == Z_OK;
     png->stream.next_out = png->packed;
     png->stream.avail_out = sizeof png->packed;
-    if ((png->deflating || error_memory(err)) && allocate_rows(png, err) &&
-        output_open(&png->output, path, err) && put_head(png, options, err))
+    if ((png->deflating || memory_lacks(err, 0, "zlib, which writes %s", path)) &&
+        allocate_rows(png, err) && output_open(&png->output, path, err) &&
+        put_head(png, options, err))
         return true;
     png_free(png);
     *out = NULL;

@@ -19,9 +19,8 @@ bool probe_colour(struct probe *probe, const struct cube *cube, const struct pro
 {
     const struct white_request white = {options->white, false};
     struct sight sight = {.weights = NULL};
-    probe->observer = strdup(options->observer);
-    const bool done = probe->observer ? sight_make(cube, probe->observer, &white, &sight, err)
-                                      : error_memory(err);
+    const bool done = string_copy(options->observer, &probe->observer, err) &&
+                      sight_make(cube, probe->observer, &white, &sight, err);
     if (done) {
         detector_response(sight.weights, probe->mean, probe->n, probe->xyz);
         memcpy(probe->white, sight.white, sizeof probe->white);
@@ -36,13 +35,10 @@ bool probe_colour(struct probe *probe, const struct cube *cube, const struct pro
 bool probe_open(struct probe *out, const char *source, const struct probe_options *options,
                 int width, int height, struct error *err)
 {
-    *out = (struct probe){.source = strdup(source),
-                          .x = options->x,
-                          .y = options->y,
-                          .width = options->width,
-                          .height = options->height};
-    if (!out->source)
-        return error_memory(err);
+    *out = (struct probe){
+        .x = options->x, .y = options->y, .width = options->width, .height = options->height};
+    if (!string_copy(source, &out->source, err))
+        return false;
     return (out->width >= 1 && out->height >= 1 && out->x >= 0 && out->y >= 0 &&
             out->x <= width - out->width && out->y <= height - out->height) ||
            error_usage(
@@ -55,11 +51,10 @@ bool probe_open(struct probe *out, const char *source, const struct probe_option
 bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err)
 {
     probe->n = n;
-    probe->wavelengths_nm = calloc((size_t)n, sizeof *probe->wavelengths_nm);
-    probe->mean = calloc((size_t)n, sizeof *probe->mean);
-    probe->spread = calloc((size_t)n, sizeof *probe->spread);
-    if (!probe->wavelengths_nm || !probe->mean || !probe->spread)
-        return error_memory(err);
+    if (!MAKE_ARRAY(probe->wavelengths_nm, (size_t)n, err, "a spectrum of %d bands", n) ||
+        !MAKE_ARRAY(probe->mean, (size_t)n, err, "a spectrum of %d bands", n) ||
+        !MAKE_ARRAY(probe->spread, (size_t)n, err, "a spectrum of %d bands", n))
+        return false;
     memcpy(probe->wavelengths_nm, wavelengths_nm, (size_t)n * sizeof *wavelengths_nm);
     return true;
 }
@@ -110,8 +105,8 @@ static bool read_bands(struct cube *cube, struct probe *probe, struct error *err
 {
     const int width = cube->image.width, fitting = CHUNK_SAMPLES / width;
     const int rows = fitting < 1 ? 1 : fitting < probe->height ? fitting : probe->height;
-    float *samples = calloc((size_t)rows * (size_t)width, sizeof *samples);
-    bool done = samples || error_memory(err);
+    float *samples;
+    bool done = MAKE_ARRAY(samples, (size_t)rows * (size_t)width, err, "rows of %s", probe->source);
     for (int page = 0; done && page < probe->n; page++)
         done = read_band(cube, page, rows, samples, probe, err);
     free(samples);
@@ -135,13 +130,14 @@ static bool find_number(const struct cube *cube, const struct probe *probe, int 
 
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
-    int number = -1, *row = calloc((size_t)probe->width, sizeof *row);
-    bool done = (row || error_memory(err)) && find_number(cube, probe, row, &number, err);
+    int number = -1, *row;
+    bool done = MAKE_ARRAY(row, (size_t)probe->width, err, "a row of %s", probe->source) &&
+                find_number(cube, probe, row, &number, err);
     free(row);
     if (!done || number < 0)
         return done;
-    probe->object = strdup(number > 0 ? cube->record.objects.text[number - 1] : "background");
-    return probe->object || error_memory(err);
+    return string_copy(number > 0 ? cube->record.objects.text[number - 1] : "background",
+                       &probe->object, err);
 }
 
 bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,

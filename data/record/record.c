@@ -110,8 +110,8 @@ static bool record_texts(const struct scene *scene, const struct sampling *sampl
     struct printed printed = {.text = NULL};
     bool done = inputs_digest(inputs, &printed, err);
     put_sources(&printed, scene, sampling);
-    out->text = printed_end(&printed);
-    done = done && (out->text || error_memory(err));
+    out->text = printed_take(&printed, err);
+    done = done && out->text;
     const char *at = out->text;
     done = done && add_texts(&out->files, &at, inputs->n, err) &&
            add_texts(&out->lights, &at, scene->n_lights, err) &&
@@ -122,9 +122,8 @@ static bool record_texts(const struct scene *scene, const struct sampling *sampl
 
 static bool add_numbers(struct numbers *out, const double *numbers, int n, struct error *err)
 {
-    out->value = calloc((size_t)n, sizeof *out->value);
-    if (!out->value)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->value, (size_t)n, err, "%d numbers of a record", n))
+        return false;
     out->n = n;
     memcpy(out->value, numbers, (size_t)n * sizeof *numbers);
     return true;
@@ -135,9 +134,9 @@ static bool record_white(const struct scene *scene, const struct sampling *sampl
                          struct record *out, struct error *err)
 {
     const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
-    double *white = calloc((size_t)pages.n, sizeof *white);
-    if (!white)
-        return error_memory(err);
+    double *white;
+    if (!MAKE_ARRAY(white, (size_t)pages.n, err, "a white"))
+        return false;
     const double illumination = scene_white(scene, &pages, white);
     const bool done =
         !(illumination > 0) || (add_numbers(&out->white, white, pages.n, err) &&
@@ -152,9 +151,9 @@ static bool record_white_response(const struct scene *scene, const struct sampli
 {
     const struct fine_detector *fine = &sampling->fine;
     const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
-    double *white = calloc((size_t)fine->n, sizeof *white), response[3];
-    if (!white)
-        return error_memory(err);
+    double *white, response[3];
+    if (!MAKE_ARRAY(white, (size_t)fine->n, err, "a white"))
+        return false;
     const double illumination = scene_white(scene, &pages, white);
     detector_response(fine->weights, white, fine->n, response);
     free(white);
@@ -242,9 +241,9 @@ bool record_find_change(const struct record *record, const struct scene *scene,
     struct printed printed = {.text = NULL};
     const int n = record->files.n;
     bool done = inputs_find(scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
-    char *text = printed_end(&printed);
+    char *text = printed_take(&printed, err);
     const char *now = text;
-    done = done && (text || error_memory(err));
+    done = done && text;
     change[0] = '\0';
     for (int i = 0; done && change[0] == '\0' && (i < n || i < inputs.n); i++) {
         const char *recorded = i < n ? record->files.text[i] : NULL;
@@ -346,7 +345,7 @@ static char *description_text(const char *xml, struct error *err)
     if (text != NULL)
         unescape(text);
     else
-        error_memory(err);
+        memory_lacks(err, (double)(to - from), "a record");
     return text;
 }
 

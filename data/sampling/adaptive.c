@@ -95,12 +95,10 @@ static bool find_peaks(struct adaptive *a, struct error *err)
 {
     struct sampling *out = a->sampling;
     const int n = a->spectra->n_nm;
-    bool *summit = calloc((size_t)n, sizeof *summit);
+    bool *summit;
     out->peak_nm = sampling_numbers((size_t)n, err);
-    if (!summit || !out->peak_nm) {
-        free(summit);
-        return error_memory(err);
-    }
+    if (!out->peak_nm || !MAKE_ARRAY(summit, (size_t)n, err, "the peaks of the spectra"))
+        return false;
     for (int i = 0; i < a->spectra->n_lights; i++)
         cut_at_peaks(a, spectrum_row(a, i), summit);
     for (int j = 0; j < n; j++)
@@ -322,10 +320,9 @@ static bool make_room(struct adaptive *a, struct error *err)
 {
     const size_t n_nm = (size_t)a->spectra->n_nm, count = (size_t)a->n_spectra;
     a->scale = sampling_numbers(count + n_nm + 1, err);
-    a->cut = calloc(n_nm + 1, sizeof *a->cut);
-    a->segments = calloc(2 * n_nm, sizeof *a->segments);
-    if (!a->scale || !a->cut || !a->segments)
-        return error_memory(err);
+    if (!a->scale || !MAKE_ARRAY(a->cut, n_nm + 1, err, "the segments of a sampling") ||
+        !MAKE_ARRAY(a->segments, 2 * n_nm, err, "the segments of a sampling"))
+        return false;
     a->seen = a->scale + count;
     a->best = a->segments + n_nm;
     return true;

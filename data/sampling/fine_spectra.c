@@ -48,8 +48,7 @@ static bool make_terms(const struct scene *scene, struct fine_scene *out, struct
     int n;
     if (!materials_shown(scene, &materials, &n, err))
         return false;
-    out->materials = calloc((size_t)n + 1, sizeof *out->materials);
-    bool done = out->materials || error_memory(err);
+    bool done = MAKE_ARRAY(out->materials, (size_t)n, err, "the spectra of %d materials", n);
     for (; done && out->n < n; out->n++)
         done = material_terms_make(&out->illumination, materials[out->n], &out->materials[out->n],
                                    err);

@@ -75,20 +75,17 @@ bool sampling_makes_components(const struct sampling_method *method)
 
 double *sampling_numbers(size_t count, struct error *err)
 {
-    double *numbers = calloc(count, sizeof *numbers);
-    if (!numbers)
-        error_memory(err);
-    return numbers;
+    double *numbers;
+    return MAKE_ARRAY(numbers, count, err, "%zu numbers of a sampling", count) ? numbers : NULL;
 }
 
 bool sampling_room(struct sampling *out, int n, bool segments, struct error *err)
 {
     out->pages.n = n;
-    out->segment_nm = segments ? calloc((size_t)n, sizeof *out->segment_nm) : NULL;
     out->pages.wavelength_nm = sampling_numbers((size_t)n, err);
     out->weights = sampling_numbers(3 * (size_t)n, err);
-    return (out->pages.wavelength_nm && out->weights && (out->segment_nm || !segments)) ||
-           error_memory(err);
+    return out->pages.wavelength_nm && out->weights &&
+           (!segments || MAKE_ARRAY(out->segment_nm, (size_t)n, err, "%d segments", n));
 }
 
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,
@@ -323,6 +320,20 @@ void sampling_label(const struct sampling *sampling, int page, char out[24])
         snprintf(out, 24, "%s", kind->labels[page]);
     else if (kind->components)
         snprintf(out, 24, "component %d", page + 1);
+}
+
+const char **sampling_labels(const struct sampling *sampling, int n, struct error *err)
+{
+    typedef char label_text[24];
+    const char **labels = calloc((size_t)n, sizeof *labels + sizeof(label_text));
+    label_text *text = (label_text *)(labels + n);
+    if (!labels)
+        error_memory(err);
+    for (int i = 0; labels && i < n; i++) {
+        sampling_label(sampling, i, text[i]);
+        labels[i] = text[i];
+    }
+    return labels;
 }
 
 /* Prints how many weights are negative, and the least one in parts of its channel's sum. Channels

@@ -52,11 +52,10 @@ bool definition_read(struct scene_reader *reader, struct error *err)
     struct word word;
     if (text_expect(reader->text, &word, "a name for the material", err) &&
         check_name(reader, &word, err) && read_content(reader->text, &material, err)) {
-        material.name = word_copy(&word);
-        if (!material.name)
-            error_memory(err);
-        else if (index_add(&reader->named, word.start, word.length, scene->n_materials, err) &&
-                 array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
+        material.name = word_copy(&word, err);
+        if (material.name &&
+            index_add(&reader->named, word.start, word.length, scene->n_materials, err) &&
+            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
             return true;
     }
     material_free(&material);
@@ -214,9 +213,9 @@ static bool use_entry(struct scene_reader *reader, const struct word *entry,
         return false;
     const int mtl = find_mtl(reader, path, file->place, err);
     free(path);
-    char *key = mtl >= 0 ? malloc(sizeof mtl + entry->length) : NULL;
-    if (!key)
-        return error_memory(err);
+    char *key;
+    if (mtl < 0 || !MAKE_ARRAY(key, sizeof mtl + entry->length, err, "an entry of an MTL file"))
+        return false;
     memcpy(key, &mtl, sizeof mtl);
     memcpy(key + sizeof mtl, entry->start, entry->length);
     *out = index_find(&reader->entries, key, sizeof mtl + entry->length);
@@ -263,14 +262,14 @@ static bool read_assignment(struct scene_reader *reader, struct map *map, struct
     assignment.place = name.place;
     if (!use_assigned(reader, &map->text, &name, &assignment.material, err))
         return false;
-    assignment.name = word_copy(&name);
+    assignment.name = word_copy(&name, err);
     if (assignment.name &&
         index_add(&map->names, name.start, name.length, object->n_assignments, err) &&
         array_add(&object->assignments, &object->n_assignments, &assignment, sizeof assignment,
                   err))
         return true;
     free(assignment.name);
-    return error_memory(err);
+    return false;
 }
 
 static bool map_read(struct scene_reader *reader, const struct word *file, struct object *object,

@@ -98,10 +98,9 @@ static bool list_edges(const struct mesh *mesh, const unsigned char *marks, stru
     size_t most = 0;
     for (int i = 0; i < mesh->n_triangles; i++)
         most += (size_t)((marks[i] & 1) + (marks[i] >> 1 & 1) + (marks[i] >> 2 & 1));
-    *out = (struct halved){.edges = malloc((most + 1) * sizeof *out->edges),
-                           .first = mesh->n_vertices};
-    if (!out->edges)
-        return error_memory(err);
+    *out = (struct halved){.first = mesh->n_vertices};
+    if (!MAKE_ARRAY(out->edges, most, err, "the edges of a divided mesh"))
+        return false;
     int n = 0;
     for (int i = 0; i < mesh->n_triangles; i++)
         for (int k = 0; k < 3; k++)
@@ -219,10 +218,9 @@ static bool copy_parts(const struct mesh *from, const int32_t *source, struct me
     out->n_parts = from->n_parts;
     if (!from->part)
         return true;
-    out->part = malloc((size_t)out->n_triangles * sizeof *out->part + 1);
-    out->part_names = calloc((size_t)from->n_parts + 1, sizeof *out->part_names);
-    if (!out->part || !out->part_names)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->part, (size_t)out->n_triangles, err, "the parts of a mesh") ||
+        !MAKE_ARRAY(out->part_names, (size_t)from->n_parts, err, "the parts of a mesh"))
+        return false;
     for (int i = 0; i < out->n_triangles; i++)
         out->part[i] = from->part[source[i]];
     for (int i = 0; i < from->n_parts && from->part_names; i++)
@@ -269,8 +267,7 @@ bool mesh_subdivide(const struct mesh *from, const struct patches *patches,
             poles += is_pole(patches, &from->parameters[from->triangles[i][k]]) ? 4 : 0;
     bool done = list_edges(from, marks, &of.halved, err) &&
                 mesh_begin(out, (size_t)from->n_vertices + (size_t)of.halved.n + poles, n, err);
-    of.source = done ? malloc((n + 1) * sizeof *of.source) : NULL;
-    done = done && (of.source || error_memory(err));
+    done = done && MAKE_ARRAY(of.source, n, err, "the triangles of a divided mesh");
     if (done) {
         add_vertices(from, &of);
         for (int i = 0; i < from->n_triangles; i++)

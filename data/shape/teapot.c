@@ -100,12 +100,10 @@ static bool read_lines(struct text *text, struct teapot_patch *out, struct error
 
 struct teapot_patch *teapot_read(struct place from, struct error *err)
 {
-    struct teapot_patch *out = calloc(TEAPOT_PATCHES, sizeof *out);
+    struct teapot_patch *out;
     struct text text;
-    if (!out) {
-        error_memory(err);
+    if (!MAKE_ARRAY(out, TEAPOT_PATCHES, err, "the teapot"))
         return NULL;
-    }
     bool good = text_open(&text, "builtin:models/teapot.txt", from, err);
     if (good) {
         good = read_lines(&text, out, err);

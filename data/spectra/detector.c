@@ -52,8 +52,8 @@ static bool check_sensitivity(const struct spectrum *s, int column, bool is_y, s
 /* The places are in a file that is closed at the end: their path becomes the detector's name. */
 bool detector_read(const char *name, struct detector *out, struct error *err)
 {
-    *out = (struct detector){.name = strdup(name)};
-    bool done = out->name != NULL || error_memory(err);
+    *out = (struct detector){.name = NULL};
+    bool done = string_copy(name, &out->name, err);
     done = done && spectra_read(name, out->sensitivity, &out->observer, err);
     for (int channel = 0; channel < 3; channel++) {
         struct spectrum *s = &out->sensitivity[channel];

@@ -267,8 +267,8 @@ bool spectrum_read(const struct word *word, double lowest, double highest, struc
     if (done) {
         out->factor = columns.factor;
         out->place = word->place;
-        out->name = word_copy(word);
-        done = out->name != NULL ? check_peak(out, highest, err) : error_memory(err);
+        out->name = word_copy(word, err);
+        done = out->name != NULL && check_peak(out, highest, err);
     }
     if (!done)
         spectrum_free(out);

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral info: how a stack was made. */
-#include <ctype.h>
-#include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -37,20 +34,15 @@ static void print_scene(const struct record *record, struct printed *to)
     }
 }
 
-static void print_size(const struct image *image, struct printed *to)
+static void print_pages(const struct image *image, const struct record *record, struct printed *to)
 {
+    if (record->map_bytes > 0)
+        print(to, "objects           %d\n", record->objects.n);
     print(to, "pages             %d of %d x %d pixels\n", image->n_pages, image->width,
           image->height);
     if (image->wavelengths_nm)
         print(to, "wavelengths       %.10g to %.10g nm\n", image->wavelengths_nm[0],
               image->wavelengths_nm[image->n_pages - 1]);
-}
-
-static void print_pages(const struct image *image, const struct record *record, struct printed *to)
-{
-    if (record->map_bytes > 0)
-        print(to, "objects           %d\n", record->objects.n);
-    print_size(image, to);
     if (record->components)
         print(to, "components        of %.10g to %.10g nm\n", record->range_nm.value[0] + 0.5,
               record->range_nm.value[1] - 0.5);
@@ -87,38 +79,9 @@ static void info_json(const struct image *image, const struct record *record, st
     json_count(json, "pages", (uint64_t)image->n_pages);
     json_numbers(json, "wavelengths_nm", image->wavelengths_nm, image->n_pages);
     json_numbers(json, "white", record->white.n > 0 ? record->white.value : NULL, record->white.n);
-    json_number(json, "radiance_of_full_count", image->envi ? (double)NAN : image->scale);
+    json_number(json, "radiance_of_full_count", image->scale);
     json_string(json, "verdict", image->verdict);
     json_close(json, '}');
-}
-
-/* Prints what the header of an ENVI cube states. */
-static void print_cube(const struct image *image, struct printed *to)
-{
-    const struct envi_header *header = &image->envi->header;
-    const struct envi_layout *layout = &header->layout;
-    bool alike = true;
-    for (int i = 1; i < header->n; i++)
-        alike =
-            alike && header->gain[i] == header->gain[0] && header->offset[i] == header->offset[0];
-    print_fact(to, "ENVI cube", image->envi->path);
-    print_fact(to, "description", header->description);
-    print(to, "samples           %s, %s, %s, from byte %" PRIu64 "\n", envi_type_name(layout->type),
-          envi_interleave_name(layout->interleave),
-          layout->big_endian ? "big-endian" : "little-endian", layout->offset);
-    print_size(image, to);
-    if (header->n < layout->bands)
-        print(to, "bad bands         %d of %d, left out\n", layout->bands - header->n,
-              layout->bands);
-    if (!alike)
-        print(to, "scale             radiance = sample x gain + offset, each band its own\n");
-    else if (header->offset[0] != 0)
-        print(to, "scale             radiance = sample x %.10g + %.10g\n", header->gain[0],
-              header->offset[0]);
-    else
-        print(to, "scale             radiance = sample x %.10g\n", header->gain[0]);
-    if (header->has_ignored)
-        print(to, "ignored           %.10g, read as 0\n", header->ignored);
 }
 
 bool command_info(struct options *options, struct error *err)
@@ -132,12 +95,10 @@ bool command_info(struct options *options, struct error *err)
         return error_usage(err, "info takes a STACK; see spectral info --help");
     bool done = scene_refuse(options->operand, err) &&
                 image_open(options->operand, nowhere, &image, err) &&
-                (image.envi || record_read(&image, &record, err));
+                record_read(&image, &record, err);
     if (done && options->json) {
         info_json(&image, &record, &json);
         done = json_write(&json, options->json, &options->outputs, err);
-    } else if (done && image.envi) {
-        print_cube(&image, &table);
     } else if (done) {
         print_scene(&record, &table);
         print_pages(&image, &record, &table);

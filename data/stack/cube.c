@@ -19,17 +19,19 @@ static bool map_is_whole(const struct cube *cube)
     const struct record *record = &cube->record;
     const uint64_t pixels = (uint64_t)cube->image.width * (uint64_t)cube->image.height;
     const uint64_t bytes = pixels * (uint64_t)record->map_bytes;
-    return record->objects.n > 0 && bytes <= cube->image.bytes &&
-           record->map_offset == cube->image.bytes - bytes;
+    return record->objects.n > 0 && bytes <= cube->image.file->bytes &&
+           record->map_offset == cube->image.file->bytes - bytes;
 }
 
 /* Numbers the pages of components, which have no wavelengths. */
 static bool number_pages(struct image *image, struct error *err)
 {
-    image->wavelengths_nm = calloc((size_t)image->n_pages, sizeof *image->wavelengths_nm);
-    for (int i = 0; image->wavelengths_nm != NULL && i < image->n_pages; i++)
+    const size_t n = (size_t)image->n_pages;
+    if (!MAKE_ARRAY(image->wavelengths_nm, n, err, "the pages of %s", image->path))
+        return false;
+    for (int i = 0; i < image->n_pages; i++)
         image->wavelengths_nm[i] = i + 1;
-    return image->wavelengths_nm != NULL || error_memory(err);
+    return true;
 }
 
 static bool open_cube(const char *path, struct cube *out, struct error *err)
@@ -53,7 +55,7 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
                err,
                "%s: %s; expected a stack of grey pages, one page or one GDAL band a"
                " wavelength, that record increasing wavelengths as OME-XML, GDAL_METADATA or page"
-               " names such as \"305 nm\", or an ENVI cube whose header lists them",
+               " names such as \"305 nm\"",
                path, image->coloured ? "its pages are RGB" : image->no_wavelengths);
 }
 
@@ -264,9 +266,10 @@ static bool white_of_pages(const struct cube *cube, const struct white_request *
                            const double *weights, bool *found, double out[3], struct error *err)
 {
     struct error ignored = {.status = EXIT_AGREED};
-    double *radiance = calloc((size_t)cube->image.n_pages, sizeof *radiance);
-    if (radiance == NULL)
-        return error_memory(err);
+    double *radiance;
+    if (!MAKE_ARRAY(radiance, (size_t)cube->image.n_pages, err, "the white of %s",
+                    cube->image.path))
+        return false;
     const bool needed = request->needed || request->spectrum != NULL;
     *found = cube_white(cube, request->spectrum, radiance, needed ? err : &ignored);
     if (*found)
@@ -294,9 +297,9 @@ bool sight_make(const struct cube *cube, const char *observer, const struct whit
                 struct sight *out, struct error *err)
 {
     struct detector detector = {.name = NULL};
-    out->weights = calloc(3 * (size_t)cube->image.n_pages, sizeof *out->weights);
-    if (!out->weights)
-        return error_memory(err);
+    const size_t n = 3 * (size_t)cube->image.n_pages;
+    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path))
+        return false;
     const bool done =
         observer_read(observer, &detector, err) &&
         cube_weights(cube, &detector, out->weights, err) &&

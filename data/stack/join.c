@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/method/method.h"
 #include "data/stack/stack.h"
 
 enum { COPIED_BYTES = 1 << 22 };
@@ -16,7 +17,7 @@ struct joined {
     struct stack_verdict sums;
     bool has_sums; /* the parts' lines have numbers */
     struct stack_writer writer;
-    struct envi_layout layout; /* of the part that is being copied */
+    struct raw_samples raw; /* of the part that is being copied */
     unsigned char *has; /* of each row of the picture: a part had it; owned */
     char *bytes;        /* COPIED_BYTES; owned */
 };
@@ -109,33 +110,33 @@ static struct stack_options whole_options(const struct joined *joined, const cha
                                   .n_wavelengths = part->image.n_pages,
                                   .wavelengths_nm = part->image.wavelengths_nm,
                                   .full_scale = strtod(part->record.full_scale, NULL),
-                                  .bits = 8 * envi_type_bytes(joined->layout.type),
+                                  .bits = joined->raw.bits,
                                   .scene = part->record.scene,
                                   .provenance = provenance,
                                   .map_bytes = part->record.map_bytes,
-                                  .labels = part->components ? labels : NULL};
+                                  .labels = labels};
 }
 
 /* Lays out the whole stack. The lines of its scale and of its object map are stack_open's. */
 static bool open_whole(struct joined *joined, const char *path, struct error *err)
 {
     const struct cube *part = &joined->first;
-    const size_t n = (size_t)part->image.n_pages;
-    page_name *text = calloc(n, sizeof *text);
-    const char **names = calloc(n, sizeof *names);
+    struct sampling sampling = {.detector = NULL};
+    const char **labels = NULL;
     struct record whole = part->record;
     whole.rows.n = 0;
     whole.full_scale = whole.scale = whole.object_map = NULL;
     char *provenance = record_text(&whole);
     joined->has = calloc((size_t)part->record.rows.value[2], 1);
     joined->bytes = malloc(COPIED_BYTES);
-    bool done = (text && names && provenance && joined->has && joined->bytes) || error_memory(err);
-    done = done && names_make(part, text, names, err);
-    const struct stack_options options = whole_options(joined, provenance, names);
+    bool done = (provenance && joined->has && joined->bytes) || error_memory(err);
+    if (done && part->components)
+        done = sampling_read(part->image.path, part->record.sampling, &sampling.method, err) &&
+               (labels = sampling_labels(&sampling, part->image.n_pages, err));
+    const struct stack_options options = whole_options(joined, provenance, labels);
     done = done && stack_open(&joined->writer, path, &options, err);
     free(provenance);
-    free(names);
-    free(text);
+    free(labels);
     return done;
 }
 
@@ -171,9 +172,8 @@ static bool copy_page(struct joined *joined, const struct cube *part, int page, 
 static bool copy_rows(struct joined *joined, const struct cube *part, struct error *err)
 {
     const struct image *image = &part->image;
-    const size_t row_bytes =
-        (size_t)image->width * (size_t)envi_type_bytes(joined->layout.type);
-    uint64_t from = joined->layout.offset;
+    const size_t row_bytes = (size_t)image->width * (size_t)joined->raw.bits / 8;
+    uint64_t from = joined->raw.offset;
     for (int page = 0; page < image->n_pages; page++, from += row_bytes * (uint64_t)image->height)
         if (!copy_page(joined, part, page, from, row_bytes, err))
             return false;
@@ -193,7 +193,7 @@ static bool open_part(const char *path, struct cube *out, struct error *err)
 
 static bool add_part(struct joined *joined, const struct cube *part, struct error *err)
 {
-    return image_describe(&part->image, &joined->layout, err) &&
+    return image_describe(&part->image, &joined->raw, err) &&
            check_common(joined, part, err) && mark_rows(joined, part, err) &&
            add_verdict(joined, part, err) && copy_rows(joined, part, err);
 }
@@ -207,7 +207,7 @@ static bool join_first(struct joined *joined, const struct options *options, str
     joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
     joined->sums = (struct stack_verdict){.samples = 0};
     return (joined->record || error_memory(err)) &&
-           image_describe(&first->image, &joined->layout, err) &&
+           image_describe(&first->image, &joined->raw, err) &&
            open_whole(joined, options->output, err) && add_part(joined, first, err);
 }
 

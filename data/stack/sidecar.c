@@ -1,33 +1,83 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes the ENVI header of a stack. The pages of a stack lie raw and without gaps, so that ENVI,
  * SPy, GDAL and MATLAB can map the TIFF file itself: the header says where its samples begin. */
+#include <ctype.h>
 #include <errno.h>
-#include <math.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "data/invocation/invocation.h"
 #include "data/method/method.h"
 #include "data/stack/stack.h"
-#include "data/text/text.h"
 
 /* ---- the header ---- */
 
-bool names_make(const struct cube *cube, page_name *text, const char **names, struct error *err)
+/* Ends a value of a list, and begins a new line behind each eighth. */
+static void put_comma(struct printed *to, int i, int n)
 {
-    const struct image *image = &cube->image;
-    struct sampling sampling = {.detector = NULL};
-    if (cube->components &&
-        !sampling_read(image->path, cube->record.sampling, &sampling.method, err))
-        return false;
-    for (int page = 0; page < image->n_pages; page++) {
-        names[page] = text[page];
-        if (cube->components)
-            sampling_label(&sampling, page, text[page]);
-        else
-            snprintf(text[page], sizeof text[page], PAGE_LABEL, image->wavelengths_nm[page]);
+    print_text(to, i == n - 1 ? "}\n" : i % 8 == 7 ? ",\n " : ", ");
+}
+
+/* Braces and control characters would end the value. */
+static void put_description(struct printed *to, const struct cube *cube)
+{
+    const struct record *record = &cube->record;
+    print_text(to, "ENVI\ndescription = {");
+    const size_t start = to->length;
+    if (record->program)
+        print(to, "%s, rendered by %s, %s; %s, full_scale = %s; %s", record->scene,
+              record->renderer, record->program, record->scale, record->full_scale,
+              cube->image.verdict);
+    else
+        print_text(to, path_name(cube->image.path));
+    for (size_t i = start; i < to->length; i++) {
+        char *c = &to->text[i];
+        *c = *c == '{' ? '(' : *c == '}' ? ')' : iscntrl((unsigned char)*c) ? '?' : *c;
     }
-    return true;
+    print_text(to, "}\n");
+}
+
+/* ENVI's numbers of the types: 1 and 12 of 8 and 16 bits, unsigned, 4 of 32-bit floats. */
+static void put_layout(struct printed *to, const struct image *image, const struct raw_samples *raw)
+{
+    print(to,
+          "samples = %d\nlines = %d\nbands = %d\nheader offset = %" PRIu64 "\n"
+          "file type = ENVI Standard\ndata type = %d\ninterleave = %s\nbyte order = %d\n",
+          image->width, image->height, image->n_pages, raw->offset,
+          raw->bits == 8    ? 1
+          : raw->bits == 16 ? 12
+                            : 4,
+          raw->by_pixels ? "bip" : "bsq", raw->big_endian);
+}
+
+/* Prints the labels of pages, by which the tags name them as well, and their wavelengths. */
+static void put_bands(struct printed *to, const struct cube *cube, const struct sampling *sampling)
+{
+    const double *nm = cube->image.wavelengths_nm;
+    const int n = cube->image.n_pages;
+    char label[24];
+    print_text(to, "band names = {\n ");
+    for (int i = 0; i < n; i++) {
+        snprintf(label, sizeof label, PAGE_LABEL, nm[i]);
+        if (cube->components)
+            sampling_label(sampling, i, label);
+        print_text(to, label);
+        put_comma(to, i, n);
+    }
+    if (cube->components)
+        return;
+    print_text(to, "wavelength units = Nanometers\nwavelength = {\n ");
+    for (int i = 0; i < n; i++) {
+        print(to, "%.10g", nm[i]);
+        put_comma(to, i, n);
+    }
+    if (n > 1)
+        print_text(to, "fwhm = {\n ");
+    for (int i = 0; i < n && n > 1; i++) {
+        print(to, "%.10g", page_width_nm(nm, n, i));
+        put_comma(to, i, n);
+    }
 }
 
 /* Returns whether each page is lit by 1 all in all: then a radiance of 1 is a reflectance of 1. */
@@ -39,62 +89,38 @@ static bool is_lit_by_one(const struct record *record)
     return one;
 }
 
-/* Returns the description, allocated; NULL: no memory. */
-static char *describe(const struct cube *cube)
+/* Prints how samples become radiances: radiance = gain x sample. */
+static void put_scale(struct printed *to, const struct cube *cube, int bits)
 {
-    const struct record *record = &cube->record;
-    const char *slash = strrchr(cube->image.path, '/');
-    struct printed printed = {.text = NULL};
-    if (record->program)
-        print(&printed, "%s, rendered by %s, %s; %s, full_scale = %s; %s", record->scene,
-              record->renderer, record->program, record->scale, record->full_scale,
-              cube->image.verdict);
-    else
-        print_text(&printed, slash ? slash + 1 : cube->image.path);
-    return printed_end(&printed);
-}
-
-static char *header_of(const struct cube *cube, struct envi_sidecar *sidecar, struct error *err)
-{
-    const struct image *image = &cube->image;
-    const size_t n = (size_t)image->n_pages;
-    page_name *text = calloc(n, sizeof *text);
-    const char **names = calloc(n, sizeof *names);
-    double *fwhm_nm = calloc(n, sizeof *fwhm_nm);
-    char *description = describe(cube), *header = NULL;
-    if (!text || !names || !fwhm_nm || !description)
-        error_memory(err);
-    else if (names_make(cube, text, names, err)) {
-        for (int page = 0; page < image->n_pages; page++)
-            fwhm_nm[page] = page_width_nm(image->wavelengths_nm, image->n_pages, page);
-        sidecar->description = description;
-        sidecar->names = names;
-        sidecar->wavelengths_nm = cube->components ? NULL : image->wavelengths_nm;
-        sidecar->fwhm_nm = cube->components || n == 1 ? NULL : fwhm_nm;
-        header = envi_header_text(sidecar);
-        if (!header)
-            error_memory(err);
+    const int n = cube->image.n_pages;
+    const double gain = bits == 32 ? 1 : cube->image.scale / (bits == 8 ? 255 : 65535);
+    if (gain != 1)
+        print_text(to, "data gain values = {\n ");
+    for (int i = 0; i < n && gain != 1; i++) {
+        print(to, "%.17g", gain);
+        put_comma(to, i, n);
     }
-    free(description);
-    free(fwhm_nm);
-    free(names);
-    free(text);
-    return header;
+    if (is_lit_by_one(&cube->record))
+        print(to, "reflectance scale factor = %.17g\n", 1 / gain);
 }
 
 /* Returns the header of the stack in a file, allocated; NULL: it cannot be described. */
 static char *header_make(const char *stack, struct error *err)
 {
-    struct envi_sidecar sidecar = {.gain = 1};
+    struct sampling sampling = {.detector = NULL};
+    struct printed printed = {.text = NULL};
+    struct raw_samples raw;
     struct cube cube;
     char *header = NULL;
     if (!cube_open(stack, &cube, err))
         return NULL;
-    if (image_describe(&cube.image, &sidecar.layout, err)) {
-        if (sidecar.layout.type != ENVI_FLOAT)
-            sidecar.gain = cube.image.scale / (sidecar.layout.type == ENVI_UINT8 ? 255 : 65535);
-        sidecar.is_reflectance = is_lit_by_one(&cube.record);
-        header = header_of(&cube, &sidecar, err);
+    if (image_describe(&cube.image, &raw, err) &&
+        (!cube.components || sampling_read(stack, cube.record.sampling, &sampling.method, err))) {
+        put_description(&printed, &cube);
+        put_layout(&printed, &cube.image, &raw);
+        put_bands(&printed, &cube, &sampling);
+        put_scale(&printed, &cube, raw.bits);
+        header = printed_take(&printed, err);
     }
     cube_close(&cube);
     return header;
@@ -111,6 +137,11 @@ char *sidecar_name(const char *stack)
     return name;
 }
 
+static bool lacks_name(const char *stack, struct error *err)
+{
+    return memory_lacks(err, (double)strlen(stack), "the name of the header of %s", stack);
+}
+
 bool sidecar_can_open(const char *stack, struct error *err)
 {
     if (!stack || output_is_stream(stack))
@@ -119,7 +150,7 @@ bool sidecar_can_open(const char *stack, struct error *err)
                            " file, not %s",
                            stack ? stack : "/dev/null");
     char *name = sidecar_name(stack);
-    const bool can = name ? output_can_open(name, err) : error_memory(err);
+    const bool can = name ? output_can_open(name, err) : lacks_name(stack, err);
     free(name);
     return can;
 }
@@ -130,7 +161,7 @@ bool stack_commit_envi(struct stack_writer *writer, const char *path, struct out
     struct output output = {.path = NULL};
     char *name = sidecar_name(path);
     char *header = name ? header_make(writer->pages.output.temporary, err) : NULL;
-    bool done = name || error_memory(err);
+    bool done = name || lacks_name(path, err);
     done = done && header && output_open(&output, name, err);
     errno = 0;
     if (done && !write_all(output.descriptor, header, strlen(header)))
@@ -160,7 +191,7 @@ bool command_envi(struct options *options, struct error *err)
         return error_usage(err, "envi takes a STACK; see spectral envi --help");
     char *beside = sidecar_name(stack);
     if (!beside)
-        return error_memory(err);
+        return lacks_name(stack, err);
     const char *path = options->output ? options->output : beside;
     const bool done =
         scene_refuse(stack, err) && write_header(stack, path, &options->outputs, err);

@@ -161,8 +161,5 @@ double page_width_nm(const double *wavelengths_nm, int n, int page);
 /* Sets all tags of the current directory but those of its format. It is the page_tags of a
  * stack_writer, to which `stack` points. */
 bool tags_set(struct tiff *tiff, const void *stack, int page, struct error *err);
-/* sidecar.c: the names of pages, as the tags have them. `text` and `names` have room for all. */
-typedef char page_name[40];
-bool names_make(const struct cube *cube, page_name *text, const char **names, struct error *err);
 
 #endif

@@ -228,9 +228,9 @@ static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_writer *wri
     const TIFFField *field = TIFFFieldWithTag(tiff, tag);
     struct printed printed = {.text = NULL};
     put(&printed, writer, page);
-    char *bytes = printed_end(&printed);
+    char *bytes = printed_take(&printed, err);
     if (bytes == NULL)
-        return error_memory(err);
+        return false;
     uint32_t count = (uint32_t)printed.length / (uint32_t)TIFFDataWidth(TIFFFieldDataType(field));
     const bool good = TIFFFieldPassCount(field) ? TIFFSetField(tiff, tag, count, bytes)
                                                 : TIFFSetField(tiff, tag, bytes);

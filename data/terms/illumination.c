@@ -96,11 +96,11 @@ bool illumination_make(const struct scene *scene, const struct spectral_pages *p
                        bool exchangeable, struct illumination *out, struct error *err)
 {
     const size_t n = (size_t)scene->n_lights + 1;
-    struct light_list list = {.to = out, .next = calloc(n, sizeof *list.next)};
+    struct light_list list = {.to = out};
     *out = (struct illumination){.scene = scene, .pages = *pages, .exchangeable = exchangeable};
-    out->lights = calloc(n, sizeof *out->lights);
-    out->first = calloc(n, sizeof *out->first);
-    bool done = (list.next && out->lights && out->first) || error_memory(err);
+    bool done = MAKE_ARRAY(list.next, n, err, "%zu lights", n) &&
+                MAKE_ARRAY(out->lights, n, err, "%zu lights", n) &&
+                MAKE_ARRAY(out->first, n, err, "%zu lights", n);
     for (int i = 0; done && i < scene->n_lights; i++) {
         const struct light *light = &scene->lights[i];
         if (exchangeable || (light->intensity != 0 && !spectrum_is_zero(&light->spectrum)))

@@ -203,10 +203,9 @@ static bool allocate(struct terms_maker *maker, struct error *err)
     const struct spectral_pages *pages = &maker->illumination->pages;
     struct material_terms *out = maker->out;
     size_t most = 1 + 2 * (size_t)maker->illumination->n_first;
-    out->terms = calloc(most, sizeof *out->terms);
-    out->spectra = calloc(most * (size_t)pages->n, sizeof *out->spectra);
-    maker->row = calloc((size_t)product_length(pages), sizeof *maker->row);
-    return (out->terms && out->spectra && maker->row) || error_memory(err);
+    return MAKE_ARRAY(out->terms, most, err, "the terms of a material") &&
+           MAKE_ARRAY(out->spectra, most * (size_t)pages->n, err, "the terms of a material") &&
+           MAKE_ARRAY(maker->row, (size_t)product_length(pages), err, "the terms of a material");
 }
 
 bool material_terms_make(const struct illumination *illumination, const struct material *material,
@@ -260,8 +259,8 @@ static bool add_halves(const struct scene *scene, int index, struct material_lis
 bool materials_shown(const struct scene *scene, const struct material ***out, int *n,
                      struct error *err)
 {
-    struct material_list to = {.list = calloc(2 * (size_t)scene->n_materials + 1, sizeof *to.list)};
-    bool done = to.list || error_memory(err);
+    struct material_list to = {.list = NULL};
+    bool done = MAKE_ARRAY(to.list, 2 * (size_t)scene->n_materials, err, "a list of materials");
     for (int i = 0; done && i < scene->n_objects; i++) {
         const struct object *object = &scene->objects[i];
         if (!object->material_map)

@@ -104,8 +104,9 @@ char *json_end(struct json *json)
 
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)
 {
-    char *text = json_end(json);
-    const bool done = text ? file_write(path, text, strlen(text), outputs, err) : error_memory(err);
+    print(&json->printed, "\n");
+    char *text = printed_take(&json->printed, err);
+    const bool done = text && file_write(path, text, strlen(text), outputs, err);
     free(text);
     return done;
 }

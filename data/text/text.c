@@ -10,6 +10,7 @@
 #include <string.h>
 #include <sys/stat.h>
 
+#include "data/digest/digest.h"
 #include "data/text/text.h"
 
 enum {
@@ -50,10 +51,11 @@ static bool check_lengths(const struct text *text, size_t longest, struct error 
 static bool start(struct text *text, const char *name, char *bytes, size_t longest,
                   struct error *err)
 {
-    *text = (struct text){.path = strdup(name), .bytes = bytes, .separators = ""};
-    if (text->path == NULL || bytes == NULL) {
+    *text = (struct text){.bytes = bytes, .separators = ""};
+    if (!string_copy(name, &text->path, err) ||
+        (bytes == NULL && !memory_lacks(err, 0, "the text of %s", name))) {
         text_free(text);
-        return error_memory(err);
+        return false;
     }
     text->length = strlen(bytes);
     /* Spreadsheets begin UTF-8 files with a byte order mark. It is not part of the first word. */
@@ -65,25 +67,33 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     return false;
 }
 
-bool text_open_large(struct text *out, const char *path, struct place from, struct error *err)
+static bool open_file(struct text *out, const char *path, struct place from, size_t longest,
+                      struct error *err)
 {
     char *bytes;
     size_t length;
     *out = (struct text){0};
-    return file_read(path, from, &bytes, &length, err) && start(out, path, bytes, SIZE_MAX, err);
+    if (!file_read(path, from, &bytes, &length, err) || !start(out, path, bytes, longest, err))
+        return false;
+    if (digest_note(path, bytes, length, err))
+        return true;
+    text_free(out);
+    return false;
+}
+
+bool text_open_large(struct text *out, const char *path, struct place from, struct error *err)
+{
+    return open_file(out, path, from, SIZE_MAX, err);
 }
 
 /* Refuses a long regular file before it is read. */
 bool text_open(struct text *out, const char *path, struct place from, struct error *err)
 {
     struct stat status;
-    char *bytes;
-    size_t length;
     *out = (struct text){0};
     if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > (off_t)longest_text)
         return refuse_length(path, (size_t)status.st_size, err);
-    return file_read(path, from, &bytes, &length, err) &&
-           start(out, path, bytes, longest_text, err);
+    return open_file(out, path, from, longest_text, err);
 }
 
 bool text_open_input(struct text *out, const char *name, struct error *err)
@@ -255,9 +265,12 @@ bool word_is(const struct word *word, const char *literal)
     return !word->quoted && word_equals(word, literal);
 }
 
-char *word_copy(const struct word *word)
+char *word_copy(const struct word *word, struct error *err)
 {
-    return strndup(word->start, word->length);
+    char *copy = strndup(word->start, word->length);
+    if (!copy)
+        memory_lacks(err, (double)word->length, "a word");
+    return copy;
 }
 
 /* ---- numbers ---- */

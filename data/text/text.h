@@ -61,7 +61,7 @@ struct place text_whole(const struct text *text);
 int word_shown(const struct word *word);
 bool word_is(const struct word *word, const char *literal);    /* false for quoted words */
 bool word_equals(const struct word *word, const char *string); /* quoted or not */
-char *word_copy(const struct word *word);                      /* allocated; NULL: no memory */
+char *word_copy(const struct word *word, struct error *err);   /* allocated; NULL: no memory */
 /* Read a whole number or refuse it: 1.5abc, 1e999, nan, inf and 0x10 are errors. `what` names the
  * number in messages. Ranges are inclusive; -HUGE_VAL and HUGE_VAL set no limit. */
 bool word_number(const struct word *word, const char *what, double lowest, double highest,

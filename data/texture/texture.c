@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "data/digest/digest.h"
 #include "data/names/names.h"
 #include "data/texture/texture.h"
 
@@ -33,9 +34,8 @@ static bool plane_read(struct texture *texture, int page, float *plane, struct e
 
 static bool plane_allocate(struct texture *texture, int i, struct error *err)
 {
-    if (texture->plane[i] == NULL)
-        texture->plane[i] = malloc(plane_size(texture) * sizeof(float));
-    return texture->plane[i] != NULL || error_memory(err);
+    return texture->plane[i] != NULL || MAKE_ARRAY(texture->plane[i], plane_size(texture), err,
+                                                   "the texels of %s", texture->image.path);
 }
 
 /* A spectral texture loads three planes, with room for one more page, for the reference and for
@@ -79,30 +79,24 @@ static bool open_pages(const char *path, struct place from, struct texture *out,
     else if (out->spectral && out->image.wavelengths_nm == NULL)
         error_at(err, from,
                  "%s: %s; expected a stack of this program, or pages that record increasing"
-                 " wavelengths as OME-XML, GDAL_METADATA or page names such as \"305 nm\", or an"
-                 " ENVI cube whose header lists them",
+                 " wavelengths as OME-XML, GDAL_METADATA or page names such as \"305 nm\"",
                  path, out->image.no_wavelengths);
-    else if (!out->spectral && out->image.envi)
-        error_at(err, from,
-                 "%s: is an ENVI cube, whose samples may have any scale; expected a TIFF file for a"
-                 " texture; a cube is a spectral-texture",
-                 path);
     else if (!out->spectral && out->image.n_pages > 1)
         error_at(err, from,
                  "%s: it has %d pages; expected one page for a texture; a stack of pages with"
                  " wavelengths is a spectral-texture",
                  path, out->image.n_pages);
     else
-        return planes_fit(out, path, from, err) && find_extremes(out, err);
+        return planes_fit(out, path, from, err) && find_extremes(out, err) &&
+               digest_note_open(path, out->image.file->descriptor, err);
     return false;
 }
 
 bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
 {
     *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
-    out->reading = malloc(sizeof *out->reading);
-    if (out->reading == NULL)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
+        return false;
     pthread_mutex_init(out->reading, NULL);
     if (!open_pages(path, from, out, err)) {
         texture_free(out);
@@ -136,8 +130,8 @@ bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
                   float *const planes[TEXTURE_PLANES], struct error *err)
 {
     assert(n <= TEXTURE_PLANES);
-    float *other = malloc(plane_size(texture) * sizeof *other);
-    bool good = other != NULL || error_memory(err);
+    float *other;
+    bool good = MAKE_ARRAY(other, plane_size(texture), err, "texels of %s", texture->image.path);
     pthread_mutex_lock(texture->reading);
     for (int i = 0; good && i < n; i++)
         good = plane_load(texture, wavelengths_nm[i], planes[i], other, err);

@@ -230,11 +230,11 @@ static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
                          of->image->file->from, err, "%s: a block of its page %d", of->image->path,
                          of->page + 1))
         return false;
-    if (bytes < (double)PTRDIFF_MAX)
-        of->samples = calloc(layout->n_planes * rows, layout->row_bytes);
-    if (layout->tiled)
-        of->tile = calloc(1, layout->block_bytes);
-    return (of->samples != NULL && (of->tile != NULL || !layout->tiled)) || error_memory(err);
+    return ((bytes < (double)PTRDIFF_MAX &&
+             memory_make(&of->samples, layout->n_planes * rows, layout->row_bytes)) ||
+            memory_lacks(err, bytes, "rows of %s", of->image->path)) &&
+           (!layout->tiled ||
+            MAKE_ARRAY(of->tile, layout->block_bytes, err, "a tile of %s", of->image->path));
 }
 
 /* Reads n rows of a page from row y on into `out`, or, if that is NULL, into the kept bands. */
@@ -273,15 +273,17 @@ static bool bands_keep(struct stored_rows of, uint32_t y, uint32_t n, struct err
         y + n <= kept->first_row + kept->n_rows)
         return true;
     free(kept->samples);
-    *kept = (struct kept_bands){y, n, of.page, of.page + (int)bands, bytes, malloc(bands * bytes)};
-    if ((kept->samples != NULL || error_memory(err)) && page_read(&of, y, n, NULL, err))
+    *kept = (struct kept_bands){y, n, of.page, of.page + (int)bands, bytes, NULL};
+    if ((memory_make(&kept->samples, bands, bytes) ||
+         memory_lacks(err, (double)bands * (double)bytes, "bands of %s", of.image->path)) &&
+        page_read(&of, y, n, NULL, err))
         return true;
     free(kept->samples);
     *kept = (struct kept_bands){.samples = NULL};
     return false;
 }
 
-bool tiff_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
+bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
 {
     const struct kept_bands *kept = &image->file->kept;
     const uint32_t first = (uint32_t)y, n = (uint32_t)rows;

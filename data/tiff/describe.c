@@ -21,11 +21,9 @@ static bool page_is_raw(const struct image *image, int page, struct error *err)
                                image->path, page + 1, why);
 }
 
-bool image_describe(const struct image *image, struct envi_layout *out, struct error *err)
+bool image_describe(const struct image *image, struct raw_samples *out, struct error *err)
 {
-    const struct sample_layout *first = image->file ? image->file->pages : NULL;
-    if (!first)
-        return error_usage(err, "%s: is an ENVI cube, which has a header", image->path);
+    const struct sample_layout *first = image->file->pages;
     const bool by_pages = first->n_bands == 1;
     uint64_t expected = first->rows_offset;
     for (int page = 0; page < image->n_pages; page++) {
@@ -39,14 +37,7 @@ bool image_describe(const struct image *image, struct envi_layout *out, struct e
                                image->path, page + 1, layout->rows_offset, expected);
         expected += (uint64_t)layout->row_bytes * layout->height;
     }
-    *out = (struct envi_layout){.samples = image->width,
-                                .lines = image->height,
-                                .bands = image->n_pages,
-                                .offset = first->rows_offset,
-                                .type = first->bits == 8    ? ENVI_UINT8
-                                        : first->bits == 16 ? ENVI_UINT16
-                                                            : ENVI_FLOAT,
-                                .interleave = first->pixel_step > 1 ? ENVI_BIP : ENVI_BSQ,
-                                .big_endian = TIFFIsBigEndian(image->file->tiff) != 0};
+    *out = (struct raw_samples){first->rows_offset, first->bits, first->pixel_step > 1,
+                                TIFFIsBigEndian(image->file->tiff) != 0};
     return true;
 }

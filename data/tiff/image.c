@@ -8,6 +8,7 @@
 #include <tiffio.h>
 #include <unistd.h>
 
+#include "data/text/text.h"
 #include "data/tiff/tiff.h"
 
 /* ---- the layout of a page ---- */
@@ -54,7 +55,8 @@ static bool blocks_find(const struct image *image, int page, struct sample_layou
 {
     TIFF *tiff = image->file->tiff;
     const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
-    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE && bytes > (double)image->bytes)
+    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE &&
+        bytes > (double)image->file->bytes)
         return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
                             bytes);
     out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
@@ -84,7 +86,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     if (out->tiled || short_tag(tiff, TIFFTAG_COMPRESSION) != COMPRESSION_NONE ||
         short_tag(tiff, TIFFTAG_FILLORDER) != FILLORDER_MSB2LSB)
         return true;
-    for (uint32_t strip = 0; strip < n && end <= image->bytes; strip++) {
+    for (uint32_t strip = 0; strip < n && end <= image->file->bytes; strip++) {
         const uint32_t left = out->height - strip % per_plane * out->block_height;
         const uint32_t rows = left < out->block_height ? left : out->block_height;
         const uint64_t bytes = (uint64_t)rows * out->row_bytes;
@@ -94,7 +96,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     }
     out->rows_offset = first;
     out->block_height = fitting < 1 ? 1 : fitting < out->height ? (uint32_t)fitting : out->height;
-    return end <= image->bytes ||
+    return end <= image->file->bytes ||
            image_refuse(image, page, err, "its pixels end beyond the end of the file");
 }
 
@@ -241,8 +243,8 @@ static void check_wavelength(struct image *image)
 static bool directory_add(struct image *image, struct error *err)
 {
     const int n_bands = count_bands(image);
-    const char **items = calloc((size_t)n_bands * ITEMS, sizeof *items);
-    bool good = items != NULL || error_memory(err);
+    const char **items;
+    bool good = MAKE_ARRAY(items, (size_t)n_bands * ITEMS, err, "the bands of %s", image->path);
     if (good)
         metadata_items(image->file->tiff, n_bands, items);
     for (int band = 0; good && band < n_bands; band++) {
@@ -317,39 +319,89 @@ static bool pages_read(struct image *image, struct error *err)
 
 /* ---- the file ---- */
 
-/* Refuses a picture of another format, with the command that converts it. */
-static bool refuse_foreign(const struct image *image, struct error *err)
+bool image_is(const char *path, bool *out, struct error *err)
 {
     const char *format;
-    if (!file_format(image->path, &format, err))
-        return false;
-    char *name = output_name(image->path, ".tif");
-    const bool text = strcmp(format, "text") == 0;
-    const bool good =
-        format[0] == '\0' || strcmp(format, "TIFF") == 0 ||
-        (text ? error_at(err, image->file->from, "%s is a text file; expected TIFF", image->path)
-              : error_at(err, image->file->from,
-                         "%s is a %s file; expected TIFF, as 'convert %s %s' of ImageMagick "
-                         "writes",
-                         image->path, format, image->path, name ? name : "picture.tif"));
-    free(name);
-    return good;
+    const bool done = file_format(path, &format, err);
+    *out = done && (strcmp(format, "TIFF") == 0 || strcmp(format, "ENVI") == 0);
+    return done;
 }
 
-bool tiff_open(struct image *image, struct place from, struct error *err)
+/* Returns the names of the picture and of the TIFF file that it is to become, for a shell. */
+static char *names_of_conversion(const char *path)
 {
-    image->file = calloc(1, sizeof *image->file);
-    if (image->file == NULL)
-        return error_memory(err);
+    struct printed to = {.text = NULL};
+    char *name = output_name(path, ".tif");
+    print_shell(&to, path);
+    print_shell(&to, name ? name : "picture.tif");
+    free(name);
+    return printed_end(&to);
+}
+
+/* Refuses a picture of another format, with the command that converts it. GDAL's options write a
+ * cube's samples of any type, times their gains, as floats. */
+static bool refuse_foreign(const struct image *image, struct error *err)
+{
+    const char *format, *path = image->path;
+    const struct place from = image->file->from;
+    if (!file_format(path, &format, err))
+        return false;
+    if (format[0] == '\0' || strcmp(format, "TIFF") == 0)
+        return true;
+    if (strcmp(format, "text") == 0)
+        return error_at(err, from, "%s is a text file; expected TIFF", path);
+    const bool is_cube = strcmp(format, "ENVI") == 0;
+    char *data = is_cube ? envi_data(path) : strdup(path);
+    char *names = data ? names_of_conversion(data) : NULL;
+    if (!names)
+        memory_lacks(err, (double)strlen(path), "the name of %s", path);
+    else if (is_cube && !file_format(data, &format, err))
+        ;
+    else if (strcmp(format, "TIFF") == 0)
+        error_at(err, from, "%s is the ENVI header of %s; expected the name of that file", path,
+                 data);
+    else if (is_cube)
+        error_at(err, from,
+                 "%s is an ENVI cube; expected TIFF, as GDAL writes by: gdal_translate -unscale"
+                 " -ot Float32%s",
+                 path, names);
+    else
+        error_at(err, from, "%s is a %s file; expected TIFF, as 'convert%s' of ImageMagick writes",
+                 path, format, names);
+    free(data);
+    free(names);
+    return false;
+}
+
+static bool open_file(struct image *image, const char *path, struct place from, struct error *err)
+{
+    if (!string_copy(path, &image->path, err) ||
+        !MAKE_ARRAY(image->file, 1, err, "the pages of %s", path))
+        return false;
     image->file->from = from;
     image->file->descriptor = -1;
     return refuse_foreign(image, err) && source_open(image, err) && pages_read(image, err);
 }
 
-void tiff_close(struct image_file *file)
+bool image_open(const char *path, struct place from, struct image *out, struct error *err)
 {
-    if (file == NULL)
-        return;
+    *out = (struct image){.scale = 1};
+    const bool done = open_file(out, path, from, err);
+    if (!done)
+        image_close(out);
+    return done;
+}
+
+bool image_is_float(const struct image *image)
+{
+    bool done = !image->coloured;
+    for (int i = 0; i < image->n_pages && done; i++)
+        done = image->file->pages[i].bits == 32;
+    return done;
+}
+
+static void close_file(struct image_file *file)
+{
     if (file->tiff != NULL)
         TIFFClose(file->tiff);
     if (file->descriptor >= 0)
@@ -357,4 +409,15 @@ void tiff_close(struct image_file *file)
     free(file->pages);
     free(file->kept.samples);
     free(file);
+}
+
+void image_close(struct image *image)
+{
+    if (image->file != NULL)
+        close_file(image->file);
+    free(image->path);
+    free(image->description);
+    free(image->verdict);
+    free(image->wavelengths_nm);
+    *image = (struct image){0};
 }

@@ -157,10 +157,12 @@ bool metadata_description(struct image *image, struct error *err)
     while (length > 0 && verdict[length - 1] == ' ')
         length--;
     TIFFGetField(file->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
-    file->channels = image->description = strdup(text);
-    image->verdict = strndup(verdict != NULL ? verdict : "", length);
-    if (image->description == NULL || image->verdict == NULL)
-        return error_memory(err);
+    if (!string_copy(text, &image->description, err) ||
+        !MAKE_ARRAY(image->verdict, length + 1, err, "the verdict of %s", image->path))
+        return false;
+    file->channels = image->description;
+    if (length > 0)
+        memcpy(image->verdict, verdict, length);
     return strcmp(image->verdict, STACK_UNFINISHED) != 0 ||
            image_refuse(image, -1, err, "it is not finished: its render goes on, or was killed");
 }

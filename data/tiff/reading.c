@@ -75,7 +75,7 @@ static toff_t source_seek(thandle_t handle, toff_t offset, int whence)
 
 static int source_close(thandle_t handle)
 {
-    (void)handle; /* tiff_close closes the descriptor */
+    (void)handle; /* image_close closes the descriptor */
     return 0;
 }
 
@@ -110,8 +110,7 @@ static bool source_find(struct image *image, struct error *err)
         return false;
     if (!file->builtin && fstat(file->descriptor, &status) != 0)
         return error_cause(err, file->from, errno, "cannot read %s", image->path);
-    image->bytes = file->builtin ? file->builtin->length : (uint64_t)status.st_size;
-    file->bytes = image->bytes;
+    file->bytes = file->builtin ? file->builtin->length : (uint64_t)status.st_size;
     return true;
 }
 
@@ -125,7 +124,7 @@ bool source_open(struct image *image, struct error *err)
         return false;
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     if (options == NULL)
-        return error_memory(err);
+        return memory_lacks(err, 0, "libtiff, which reads %s", image->path);
     TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
     TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, file);
     TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, file);
@@ -145,6 +144,6 @@ bool source_is_sound(const struct image *image, struct error *err)
         file->cause = ENOMEM;
     errno = file->cause;
     return file->cause == 0 ||
-           (file->cause == ENOMEM ? error_memory(err)
+           (file->cause == ENOMEM ? memory_lacks(err, 0, "libtiff, which reads %s", image->path)
                                   : error_system(err, "cannot read %s", image->path));
 }

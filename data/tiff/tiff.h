@@ -1,62 +1,65 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "tiff": pictures in, from TIFF files or ENVI cubes. */
+/* The room "tiff": pictures in, from TIFF files. */
 #ifndef DATA_TIFF_H
 #define DATA_TIFF_H
 
 #include "data/base/base.h"
-#include "data/envi/envi.h"
 #include "spectral.h"
 
 struct tiff; /* libtiff's TIFF */
 
-/* ---- source.c: TIFF files or ENVI cubes ---- */
+/* ---- image.c: pages and their metadata ---- */
 
 enum { TAG_VERDICT = 65111 };           /* of a stack of this program: the verdict of its check */
 #define STACK_UNFINISHED "not finished" /* the verdict of a stack that is not whole yet */
 
 /* A TIFF file of grey or RGB pages of 8 or 16 bits, or of grey pages of 32-bit floats. If its only
- * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. Or an ENVI
- * cube, whose pages are its good bands. */
+ * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. */
 struct image {
     char *path; /* owned */
     int width, height, n_pages;
-    uint64_t bytes;           /* of the TIFF file */
     bool coloured;            /* some page is RGB */
     double *wavelengths_nm;   /* of each page, increasing; NULL: some page has none; owned */
     char no_wavelengths[128]; /* why they are NULL: "page 2 records no wavelength" */
     double scale;      /* radiance of value 1 (count 65535 of 16 bits); 1: the file records none */
     char *description; /* of the first page; "": it has none; owned */
     char *verdict;     /* of stack_finish; "": it has none; owned */
-    struct image_file *file; /* of a TIFF file; owned */
-    struct envi *envi;       /* of an ENVI cube; NULL: a TIFF file; owned */
+    struct image_file *file; /* owned */
 };
-/* Finds whether a file begins as a TIFF file does, or envi_is. Fails only where the system does. */
-enum image_kind { IMAGE_NONE, IMAGE_TIFF, IMAGE_ENVI };
-bool image_kind(const char *path, enum image_kind *out, struct error *err);
+/* Finds whether the file is a TIFF file, or an ENVI cube, which image_open refuses by name. Fails
+ * only where the system does. */
+bool image_is(const char *path, bool *out, struct error *err);
 /* Opens the file (or "builtin:..." file) and reads the metadata of its pages, but no samples.
  * Refuses, at the place `from`: pages without pixels or of different sizes, other samples than the
- * above, bands without wavelengths, a file that is too short, and what envi_open refuses. */
+ * above, bands without wavelengths, a file that is too short. Refuses a file of another format with
+ * the command that converts it. */
 bool image_open(const char *path, struct place from, struct image *out, struct error *err);
 /* Reads rows y .. y + rows - 1 of a page, width values each, the top row first. A value is 0 to 1,
- * or a float sample, times the scale; of a cube, as envi_read. An RGB pixel has the luma
- * 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of its stored values. Refuses a value that is
- * negative or not finite, and a file that ends too early. If the page is uncompressed, only these
+ * or a float sample, times the scale. An RGB pixel has the luma 0.2126 R + 0.7152 G + 0.0722 B
+ * (ITU-R BT.709) of its stored values. Refuses a value that is negative or not finite, and a file
+ * that ends too early. If the page is uncompressed, only these
  * rows are read. If the samples of all bands lie side by side, these rows of up to 256 MB of bands
  * are kept: read the same rows of one page after the other. */
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
-/* Returns whether all samples are grey floats of a TIFF file. */
+/* Returns whether all samples are grey floats. */
 bool image_is_float(const struct image *image);
 void image_close(struct image *image);
 
 /* ---- decode.c: samples ---- */
 
-/* Reads `length` bytes of the TIFF file. Refuses a file that ends before them. */
+/* Reads `length` bytes of the file. Refuses a file that ends before them. */
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err);
 
-/* describe.c. Finds how the samples of all pages lie, as an ENVI header states it. Refuses a cube,
+/* describe.c. Finds how the samples of all pages lie, for a program that knows no TIFF. Refuses
  * colours, grey whose 0 is white, compressed samples, and gaps between pages. */
-bool image_describe(const struct image *image, struct envi_layout *out, struct error *err);
+struct raw_samples {
+    uint64_t offset; /* of the first sample in the file */
+    int bits;        /* 8 or 16: unsigned; 32: float */
+    bool by_pixels;  /* the bands of a pixel lie side by side */
+    bool big_endian;
+};
+bool image_describe(const struct image *image, struct raw_samples *out, struct error *err);
 
 /* ---- Inside this room ---- */
 
@@ -99,11 +102,6 @@ struct image_file {
     bool decoding;     /* a warning then means that samples are lost */
     char message[256]; /* the first of libtiff */
 };
-
-/* image.c and decode.c: image_open, image_read and image_close of a TIFF file. */
-bool tiff_open(struct image *image, struct place from, struct error *err);
-bool tiff_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
-void tiff_close(struct image_file *file); /* NULL is fine */
 
 /* reading.c: opens the file with libtiff. */
 bool source_open(struct image *image, struct error *err);

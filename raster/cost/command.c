@@ -102,20 +102,6 @@ static bool write_files(const struct cost *cost, struct options *options, struct
     return done;
 }
 
-/* Prints a word as a user would type it in a shell. */
-static void print_word(const char *word, struct printed *to)
-{
-    const bool plain = word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                                         "0123456789%+,-./:=@_")] == '\0';
-    print_text(to, plain ? " " : " '");
-    for (; *word; word++)
-        if (*word == '\'')
-            print_text(to, "'\\''");
-        else
-            print(to, "%c", *word);
-    print_text(to, plain ? "" : "'");
-}
-
 static void print_advice(const struct options *options, const char *what,
                          const struct advice *advice, struct printed *to)
 {
@@ -128,11 +114,11 @@ static void print_advice(const struct options *options, const char *what,
               "processor time\n",
               advice->n_rivals, advice->n_rivals > 1 ? "s" : "");
     print_text(to, "  spectral render");
-    print_word(options_scene(options), to);
+    print_shell(to, options_scene(options));
     for (int i = 0; i < options->n_recorded; i++)
-        print_word(options->recorded[i], to);
+        print_shell(to, options->recorded[i]);
     for (int i = 0; i < entry->n_words; i++)
-        print_word(entry->words[i], to);
+        print_shell(to, entry->words[i]);
     print_text(to, "\n");
 }
 

@@ -62,10 +62,10 @@ static bool probe_picture(const struct options *options, const struct probe_opti
 static bool probe_operand(const struct options *options, const struct probe_options *region,
                           struct probe *out, struct error *err)
 {
-    enum image_kind kind;
-    if (!image_kind(options->operand, &kind, err))
+    bool is_stack;
+    if (!image_is(options->operand, &is_stack, err))
         return false;
-    if (kind == IMAGE_NONE)
+    if (!is_stack)
         return probe_picture(options, region, out, err);
     if (options->n_recorded > 0)
         return error_usage(err, "%s is a stack; %s needs a scene", options->operand,

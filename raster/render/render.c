@@ -63,23 +63,6 @@ static char *make_provenance(const struct state *state, struct error *err)
     return text;
 }
 
-/* Returns the labels of the pages of components. One allocation holds the pointers and the text.
- * NULL: no memory. */
-static const char **make_labels(const struct sampling *sampling, struct error *err)
-{
-    typedef char label_text[24];
-    size_t n = (size_t)sampling->pages.n;
-    const char **labels = calloc(n, sizeof *labels + sizeof(label_text));
-    label_text *text = (label_text *)(labels + n);
-    if (!labels)
-        error_memory(err);
-    for (int i = 0; labels && i < sampling->pages.n; i++) {
-        sampling_label(sampling, i, text[i]);
-        labels[i] = text[i];
-    }
-    return labels;
-}
-
 static bool open_stack(struct state *state, const char *path, struct error *err)
 {
     const struct plan *plan = state->stages.plan;
@@ -87,7 +70,7 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
     const struct part_rows *rows = &state->result->rows;
     const bool labelled = sampling && !sampling->spectral;
     char *provenance = make_provenance(state, err);
-    const char **labels = labelled && provenance ? make_labels(sampling, err) : NULL;
+    const char **labels = labelled && provenance ? sampling_labels(sampling, sampling->pages.n, err) : NULL;
     const struct stack_options options = {
         .width = plan->scene->width,
         .height = rows->count > 0 ? rows->count : plan->scene->height,

@@ -218,10 +218,10 @@ bool command_view(struct options *options, struct error *err)
     if (options->gallery && (operand || options->still))
         return error_usage(err, "--gallery is a live page of all built-in scenes; it takes no %s",
                            operand ? "SCENE" : "--still");
-    enum image_kind kind = IMAGE_NONE;
-    if (operand && !output_is_standard(operand) && !image_kind(operand, &kind, err))
+    bool is_stack = false;
+    if (operand && !output_is_standard(operand) && !image_is(operand, &is_stack, err))
         return false;
-    if (kind != IMAGE_NONE)
+    if (is_stack)
         return refuse_for_stack(options, kinds[ending], err) &&
                view_stack(options, kinds[ending] == PLANES_KIND, err);
     if (options->budget)

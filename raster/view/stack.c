@@ -320,7 +320,7 @@ bool stack_page_write(const char *stack, const char *path, const struct stack_pa
     *out = (struct stack_result){.bytes = 0};
     bool done = cube_open(stack, &shown.cube, err);
     if (done) {
-        shown.counts = !shown.cube.image.envi && !image_is_float(&shown.cube.image);
+        shown.counts = !image_is_float(&shown.cube.image);
         find_size(&shown, options->budget_bytes);
         *out = (struct stack_result){.width = shown.cube.image.width,
                                      .height = shown.cube.image.height,

@@ -12,8 +12,8 @@ static const struct fuzz_target targets[] = {
     {"scene", fuzz_scene},   {"list", fuzz_list},     {"material", fuzz_material},
     {"table", fuzz_table},   {"mesh", fuzz_mesh},     {"mtl", fuzz_mtl},
     {"map", fuzz_map},       {"matrix", fuzz_matrix}, {"texture", fuzz_texture},
-    {"record", fuzz_record}, {"stack", fuzz_stack},   {"foreign", fuzz_foreign},
-    {"line", fuzz_line},     {"batch", fuzz_batch},   {"piece", fuzz_piece},
+    {"record", fuzz_record}, {"stack", fuzz_stack},   {"line", fuzz_line},
+    {"batch", fuzz_batch},   {"piece", fuzz_piece},
 };
 
 const struct fuzz_target *fuzz_target(const char *name)

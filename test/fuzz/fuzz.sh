@@ -52,8 +52,7 @@ fuzz_seeds() {
     map) find data/builtin/models test/cases/bad/maps "$made" -name '*.map' ;;
     matrix) find test/cases/bad/matrices "$made" -name '*.csv' ;;
     texture) find data/builtin/textures test/cases/bad/textures "$made" -name '*.tif' ;;
-    stack) find "$made" -name 'stack-*' ;;
-    foreign) find "$made" -name 'foreign-*' ;;
+    stack) find "$made" -name 'stack-*' -o -name 'foreign-*' ;;
     record) find "$made" -name 'record-*' ;;
     line) find "$made" -name 'line-*' ;;
     batch) find "$made" -name 'batch-*' ;;
@@ -71,7 +70,7 @@ fuzz_words() {
     mesh) words=data/mesh/obj.c ;;
     texture) words=data/tiff ;;
     record) words='data/record data/stack/tags.c data/method' ;;
-    stack | foreign) words='data/tiff data/envi data/record data/stack data/method' ;;
+    stack) words='data/tiff data/record data/stack data/method' ;;
     piece) words='data/record raster/parts' ;;
     line | batch) words='spectral.c data/method data/colour data/develop data/compare data/spectra data/scene' ;;
     esac
@@ -127,7 +126,7 @@ run_fuzzer() {
     FUZZ_TARGET=$1
     export FUZZ_TARGET
     shift
-    case $FUZZ_TARGET in texture | stack | foreign | piece) most=16384 ;; *) most=4096 ;; esac
+    case $FUZZ_TARGET in texture | stack | piece) most=16384 ;; *) most=4096 ;; esac
     "$BUILD/fuzz/fuzz" $fuzz_limits -max_len=$most -print_final_stats=1 -artifact_prefix="$BUILD/fuzz/found/$FUZZ_TARGET-" \
         "$@" </dev/null
 }

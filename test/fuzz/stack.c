@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Fuzz targets: pictures in. A stack of this program or of others, an ENVI cube, a texture. */
+/* Fuzz targets: pictures in. A stack of this program or of others, a texture. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -113,20 +113,6 @@ void fuzz_stack(const struct fuzz_input *input)
 {
     char path[FUZZ_PATH];
     fuzz_write(".tif", input->bytes, input->length, path);
-    read_stack(path, input);
-}
-
-/* A TIFF, or an ENVI header and, behind a NUL, the samples. */
-void fuzz_foreign(const struct fuzz_input *input)
-{
-    const char *end = memchr(input->bytes, '\0', input->length);
-    char path[FUZZ_PATH];
-    if (strncmp(input->bytes, "ENVI", 4) != 0 || end == NULL) {
-        fuzz_stack(input);
-        return;
-    }
-    fuzz_write(".hdr", input->bytes, (size_t)(end - input->bytes), path);
-    fuzz_write(".img", end + 1, input->length - (size_t)(end + 1 - input->bytes), path);
     read_stack(path, input);
 }
 

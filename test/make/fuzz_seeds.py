@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Writes inputs for test/fuzz to begin with: the blocks of the pages for users, the records of stacks that lie there, and small
-stacks as other programs write them: all compressions and layouts of GDAL's TIFF driver, and ENVI cubes, each as its header, a NUL, and its samples.
+stacks as other programs write them: all compressions and layouts of GDAL's TIFF driver.
 
     test/make/fuzz_seeds.py FOLDER"""
 import glob
@@ -38,16 +38,6 @@ def page(path, kind, *options):
                                                 list(options))
     for i in range(data.RasterCount):
         data.GetRasterBand(i + 1).WriteArray(samples(kind)[i])
-
-
-def cube(path, kind, interleave, more=""):
-    order = {"bsq": (0, 1, 2), "bil": (1, 0, 2), "bip": (1, 2, 0)}[interleave]
-    number = {"u1": 1, "u2": 12, "f4": 4}[kind]
-    head = (f"ENVI\nsamples = {WIDTH}\nlines = {HEIGHT}\nbands = {BANDS}\nheader offset = 0\ndata type = {number}\n"
-            f"interleave = {interleave}\nbyte order = 0\nwavelength = {{400, 500, 600}}\n"
-            f"wavelength units = Nanometers\n{more}")
-    with open(path, "wb") as file:
-        file.write(head.encode() + b"\0" + samples(kind).transpose(order).tobytes())
 
 
 def blocks(folder):
@@ -92,11 +82,6 @@ def main(folder):
     bands(path("foreign-big.tif"), "u2", "BIGTIFF=YES", "ENDIANNESS=BIG")
     for kind in TYPES:
         bands(path(f"foreign-{kind}.tif"), kind)
-        for interleave in ("bsq", "bil", "bip"):
-            cube(path(f"foreign-{kind}-{interleave}"), kind, interleave)
-    cube(path("foreign-keys"), "u2", "bsq", "fwhm = {10, 10, 10}\nbbl = {1, 0, 1}\ndata ignore value = 0\n"
-         "reflectance scale factor = 10000\ndata gain values = {1, 2, 3}\ndata offset values = {0, 0, 0}\n"
-         "description = {\n a cube}\nband names = {a, b, c}\n")
 
 
 if __name__ == "__main__":

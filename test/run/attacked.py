@@ -128,6 +128,7 @@ FORMS = [
     form("develop, TIFF", "develop in/basis.tif -o out/a.tif --exposure auto --bits 16", "a.tif"),
     form("develop, XYZ", "develop in/other.tif --xyz -o out/a.tif -q", "a.tif"),
     form("develop, foreign", "develop in/foreign.tif --white d65 -o out/a.png", "a.png"),
+    form("develop to standard output", "develop in/foreign.tif --white d65 -o - -q"),
     form("probe", "probe in/stack.tif 3 3 4 2"),
     form("probe, CSV", "probe in/other.tif 3 3 --csv -o out/a.csv", "a.csv"),
     form("probe, plot", "probe in/stack.tif 3 3 --svg -o out/a.svg", "a.svg"),

@@ -114,7 +114,7 @@ def program_words(*words):
     return sorted(word.rstrip(",") for usage in usages for word in usage.split() if word.startswith("-"))
 
 
-STACKS = ["a.tif", "cube.hdr", "folder", "two.tif"]
+STACKS = ["a.tif", "folder", "two.tif"]
 CASES = [
     ("spectral re", ["render"]),
     ("spectral ", program_words()),

@@ -291,6 +291,14 @@ def foreign_stacks():
     own, *curves = table("cie1931")
     expected = 3 * 100 * np.array([np.interp(550, own, curve) for curve in curves]) / (curves[1] * widths(own)).sum()
     is_near(xyz, np.broadcast_to(expected, (2, 2, 3)), "a single wavelength stands for 1 nm")
+    far = foreign("far", [500, 2000000], np.full((2, 2, 2), 3))
+    run = subprocess.run([SPECTRAL, "develop", far.path, "--white", "e", "--sampling", "box:2", "-o", os.path.join(TMP, "far.png")],
+                         capture_output=True, text=True, check=False)
+    check(run.returncode == 2 and "its wavelengths reach 2000000 nm; --sampling goes up to 1000000 nm" in run.stderr,
+          "wavelengths far in the infrared are not sampled", run.stderr)
+    run = subprocess.run([SPECTRAL, "probe", foreign("infrared", [500, 200000], np.full((2, 2, 2), 3)).path, "0", "0", "--white", "e",
+                          "--svg"], capture_output=True, text=True, check=False)
+    check(re.search("wavelength .nm. ×10⁵</text>", run.stdout), "an axis of long wavelengths has a power of ten", run.stderr)
 
 
 # ---- files ----

@@ -42,22 +42,6 @@ def parts(n):
     return "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + joined(n, lambda i: f"usemtl u{i}\nf 1 2 3\n")
 
 
-def polygon(points):
-    return mesh(joined(len(points), lambda i: "v {:.9f} {:.9f} 0\n".format(*points[i])) +
-                "f" + joined(len(points), lambda i: f" {i + 1}") + "\n")
-
-
-def round_about(n, radius, turns=1):
-    angles = [2 * math.pi * turns * i / n for i in range(n)]
-    return [(radius(i) * math.cos(angle), radius(i) * math.sin(angle)) for i, angle in enumerate(angles)]
-
-
-def spiral(n):
-    half, turns = n // 2, max(3, n // 200)
-    outer = round_about(half, lambda i: 0.1 + i / half, turns)
-    return polygon(outer + round_about(half, lambda i: 0.1 + i / half - 0.4 / turns, turns)[::-1])
-
-
 def cone(n):
     """Faces at a point with a crease between them; none has a normal."""
     return mesh("v 0 0 0.2\n" + joined(n, lambda i: "v {:.9f} {:.9f} -3\n".format(
@@ -126,11 +110,6 @@ READERS = {
         parts(n), {"a.map": joined(n, lambda i: f"u{i} mtl a.mtl\n"),
                    "a.mtl": joined(n, lambda i: f"newmtl u{i}\nKd 0.5 0.5 0.5\n")}, "materials a.map")),
     "faces of a mesh": (800, grid),
-    "corners of a comb": (1000, lambda n: polygon(
-        [(i / n, 1 if i % 2 else 0.1) for i in range(n - 2)] + [(1, 0), (0, 0)])),
-    "corners of a star": (4000, lambda n: polygon(round_about(n, lambda i: 0.5 + 0.5 * (i % 2)))),
-    "corners of a spiral": (4000, spiral),
-    "petals that meet at a corner": (1500, lambda n: polygon(round_about(n, lambda i: float(i % 3 > 0)))),
     "faces at the tip of a cone": (400, cone),
     "normals at one point": (1000, apex),
     "rows of a table": (800, lambda n: {

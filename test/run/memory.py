@@ -71,15 +71,6 @@ def textured(texture):
         f"material t {{ diffuse 0.5 texture {os.path.basename(texture)} }}", "object plane 1 1 material t"])
 
 
-def cube(name, samples, lines, bands):
-    with open(path(name + ".hdr"), "w") as out:
-        out.write(f"ENVI\nsamples = {samples}\nlines = {lines}\nbands = {bands}\ndata type = 12\ninterleave = bip\nbyte order = 0\n"
-                  "wavelength units = Nanometers\nwavelength = {" + ", ".join(str(300 + i / 100) for i in range(bands)) + "}\n")
-    with open(path(name + ".img"), "wb") as out:
-        out.truncate(2 * samples * lines * bands)
-    return path(name + ".hdr")
-
-
 def mesh(name, corners):
     with open(path(name), "w") as out:
         for i in range(corners):
@@ -113,7 +104,6 @@ HOSTILE = [
     ("a description of many MB", "info", lambda: tiff("text.tif", 4, 4, {
         270: (2, 80_000_000 * TIMES, 1000), 273: (LONG, 1, 8), 278: (LONG, 1, 4), 279: (LONG, 1, 32)}, bytes(32), 80_002_000 * TIMES)),
     ("a texture of 16,384 x 16,384", "plan", lambda: textured(wide_strip("texture.tif", 16384, 16384))),
-    ("a cube of 262,144 x 4 x 20,000", "develop", lambda: cube("cube", 262144, 4, 20000)),
     ("a sphere of 4096 x 4096", "render", lambda: scene("sphere.scene", ["object sphere 1 4096 4096 material m"])),
     ("a scene of one line", "plan", lambda: scene("line.scene", ["#" + "x" * 70_000_000 * min(TIMES, 3)])),
     (f"{N} objects", "render", lambda: scene("objects.scene", (f"object box 1 1 1 material m translate {i} 0 0" for i in range(N)))),

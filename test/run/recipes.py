@@ -87,7 +87,10 @@ def check_printed(stack, printed):
     spectrum = stack.radiance[:, Y, X]
     check(np.array_equal(python, np.column_stack([stack.nm, spectrum])), "Python: radiance")
     check(np.array_equal(envi, np.column_stack([stack.nm, spectrum])), "SPy, by an ENVI header: radiance")
-    stack.read("stack.tif.hdr")
+    cube = np.array([line.split(",")[:2] for line in printed["ENVI"][3].splitlines()[1:]], float)
+    check(np.array_equal(cube[:, 0], stack.nm) and is_close(cube[:, 1], stack.counts[:, Y, X] / 1000, 2**-22),  # floats of 24 bits
+          "a stack that GDAL makes of SPy's cube: wavelengths and values", cube[:3])
+    stack.read("stack.tif.hdr", "cube.hdr", "cube.img", "cube.tif")
     check(np.array_equal(mapped[0], stack.counts[:, Y, X]), "mapped into memory: counts")
     nearest = np.abs(stack.nm - 556).argmin()
     check(np.array_equal(netcdf[0], [stack.nm[nearest], spectrum[nearest]]), "xarray: page by wavelength")

@@ -80,26 +80,6 @@ name=$(printf '%s/a\001\177.scene' "$tmp")
     grep -aq 'a??[.]scene' "$tmp/named.tif" && grep -q 'a\\u0001\\u007f[.]scene' "$tmp/named.json"
 ok $? "control characters of a name are '?' in the stack, which is XML, and numbers in JSON"
 
-# two pixels by two of two bands; the second band is in the far infrared
-for i in 1 2 3 4; do printf '\001\000\002\000'; done >"$tmp/cube.img"
-cube() { # LINE...
-    {
-        printf '%s\n' ENVI 'samples = 2' 'lines = 2' 'bands = 2' 'data type = 2' 'interleave = bsq' 'byte order = 0' \
-            'wavelength units = Nanometers' "$@"
-    } >"$tmp/cube.hdr"
-    run "$SPECTRAL" info "$tmp/cube.hdr"
-}
-cube 'wavelength = {500, 600}' 'data gain values = {2, 3}' 'data offset values = {0, 1}' 'data ignore value = 4'
-prints '^scale +radiance = sample x gain [+] offset, each band its own$' "info says that each band has a scale"
-prints '^ignored +4, read as 0$' "info prints the value that is ignored"
-cube 'wavelength = {500, 600}' 'data gain values = {2, 2}' 'data offset values = {1, 1}'
-prints '^scale +radiance = sample x 2 [+] 1$' "info prints the scale of all bands"
-cube 'wavelength = {500, 200000}'
-run "$SPECTRAL" probe "$tmp/cube.hdr" 0 0 --white e --svg
-prints 'wavelength .nm. ×10⁵</text>' "an axis of long wavelengths has a power of ten"
-cube 'wavelength = {500, 2000000}'
-refuses 'its wavelengths reach 2000000 nm; --sampling goes up to 1000000 nm' "sampling of a cube of long wavelengths" \
-    "$SPECTRAL" develop "$tmp/cube.hdr" --white e --sampling box:2 -o "$tmp/cube.png"
 name=$tmp/élan.tif
 cp "$tmp/checked.tif" "$name"
 run "$SPECTRAL" develop "$name" -o "$tmp/named.tif" -q

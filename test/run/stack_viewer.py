@@ -42,13 +42,12 @@ def foreign(name="cube", first=400, last=1000, n=200):
     height, width = 40, 60
     y, x = np.mgrid[0:height, 0:width]
     values = np.stack([np.abs(0.3 + 0.2 * np.sin(x / 9 + k / 20) + 0.2 * np.cos(y / 7 - k / 30)) for k in range(n)]).astype(np.float32)
-    cube = gdal.GetDriverByName("ENVI").Create(path_of(name + ".img"), width, height, n, gdal.GDT_Float32, ["INTERLEAVE=BIP"])
-    for band in range(n):
+    cube = gdal.GetDriverByName("GTiff").Create(path_of(name + ".tif"), width, height, n, gdal.GDT_Float32, ["INTERLEAVE=PIXEL"])
+    for band, nm in enumerate(np.linspace(first, last, n)):
         cube.GetRasterBand(band + 1).WriteArray(values[band])
+        cube.GetRasterBand(band + 1).SetMetadata({"wavelength": f"{nm:.3f}", "wavelength_units": "Nanometers"})
     del cube
-    with open(path_of(name + ".hdr"), "a", encoding="ascii") as header:
-        header.write("wavelength units = Nanometers\nwavelength = {" + ", ".join(f"{nm:.3f}" for nm in np.linspace(first, last, n)) + "}\n")
-    return path_of(name + ".hdr"), values
+    return path_of(name + ".tif"), values
 
 
 def view(stack, *options):
@@ -172,8 +171,8 @@ def differences(browser, which):
 
 # ---- a foreign cube ----
 
-def cube(browser, which, header, values):
-    browser.open(view(header))
+def cube(browser, which, stack, values):
+    browser.open(view(stack))
     choose(browser, "stack-view", "band")
     for band in (0, 57, 199):
         slide(browser, "band", band)
@@ -215,8 +214,8 @@ def cube(browser, which, header, values):
 
 def unseen(browser, which):
     """A cube in the infrared, which no built-in detector sees."""
-    header, values = foreign("infrared", 1000, 2500, 20)
-    browser.open(view(header))
+    stack, values = foreign("infrared", 1000, 2500, 20)
+    browser.open(view(stack))
     choose(browser, "stack-view", "band")
     slide(browser, "band", 3)
     expected = srgb(values[3] / values.max())[:, :, None].repeat(3, 2)
@@ -225,18 +224,18 @@ def unseen(browser, which):
     check(np.allclose(browser.evaluate("[...stack_curves()[0].values]"), values[:, 10, 20]), f"{which}: and their spectra")
 
 
-def budgets(browser, which, header, values):
-    page = view(header, "--budget", "1")
+def budgets(browser, which, stack, values):
+    page = view(stack, "--budget", "1")
     browser.open(page)
     factor, width = browser.evaluate("[stack.facts.factor, stack.facts.width]")
-    said = run("view", header, "-o", page, "--budget", "1")
+    said = run("view", stack, "-o", page, "--budget", "1")
     check(factor > 1 and f"means of {factor} x {factor} pixels" in said and "drop" in browser.evaluate("element('about').textContent"),
           f"{which}: a large stack is reduced, and lines say so", factor, said)
     blocks = values[:, :values.shape[1] // factor * factor, :values.shape[2] // factor * factor].astype(float)
     blocks = blocks.reshape(len(values), -1, factor, blocks.shape[2] // factor, factor).mean((2, 4))
     seen = np.array(browser.evaluate("[...stack.pages[77]]")).reshape(-1, width)[:blocks.shape[1], :blocks.shape[2]]
     check(np.allclose(seen, blocks[77], rtol=1e-6), f"{which}: its pixels are means")
-    browser.drop(header, path_of("cube.img"))
+    browser.drop(stack)
     browser.wait("stack.facts.factor === 1")
     seen = np.array(browser.evaluate("[...stack.pages[77]]"), np.float32).reshape(values[77].shape)
     check((seen == values[77]).all(), f"{which}: the whole stack is read where it is dropped onto the page")
@@ -289,7 +288,7 @@ def main():
     deep = rendered("deep.tif", "metamers", "--size", "60x40", "--depth", "32f")
     gauss = rendered("gauss.tif", "colorchecker", "--size", "60x40", "--sampling", "gauss:8")
     other = rendered("other.tif", "fluorescence", "--size", "60x40", "--light", "1=a*0.9")
-    header, values = foreign()
+    stack, values = foreign()
     for which, kind in (("Chromium", Browser), ("Firefox", Firefox)):
         browser = kind(path_of(which))
         browser.size(1400, 1000)
@@ -297,9 +296,9 @@ def main():
             eyes(browser, which, name, stack)
         spectra(browser, which, own)
         differences(browser, which)
-        cube(browser, which, header, values)
+        cube(browser, which, stack, values)
         unseen(browser, which)
-        budgets(browser, which, header, values)
+        budgets(browser, which, stack, values)
         two(browser, which, own, other)
         if kind is Browser:
             check(not browser.complaints and all(one.startswith(("file:", "blob:", "data:")) for one in browser.requests),

@@ -447,9 +447,29 @@ static void check_printed(void)
     CHECK(!printed_end(&printed), "a text that memory has no room for is none, not a part");
 }
 
+/* A message says how much memory lacks, and what for. */
+static void check_memory(void)
+{
+    struct error err = {.status = EXIT_AGREED};
+    double *numbers = &(double){0};
+    int32_t *kept = calloc(1, sizeof *kept), *before = kept;
+    CHECK(!MAKE_ARRAY(numbers, SIZE_MAX / 4, &err, "the texels of %s", "a.tif") && !numbers &&
+              err.status == EXIT_SYSTEM && strncmp(err.text, "error: out of memory: ", 22) == 0 &&
+              strstr(err.text, " MiB for the texels of a.tif; --memory sets the limit"),
+          "what is larger than any memory is named with its size: %s", err.text);
+    err = (struct error){.status = EXIT_AGREED};
+    CHECK(!memory_lacks(&err, 1000, "a name") &&
+              strstr(err.text, "out of memory: 1000 bytes for a name;"),
+          "small needs are in bytes: %s", err.text);
+    CHECK(!memory_resize(&kept, SIZE_MAX / 4, sizeof *kept) && kept == before,
+          "an array that cannot grow stays");
+    free(kept);
+}
+
 int main(void)
 {
     check_arrays();
+    check_memory();
     check_printed();
     check_reads();
     check_pipe();

@@ -20,6 +20,7 @@ static struct text open_string(const char *string)
 static void check_words(void)
 {
     struct text text = open_string("\xEF\xBB\xBFone\ttwo # three\r\n\n\"a # b\" c#d\nlast");
+    struct error err = {0};
     struct word word;
     char *copy;
     CHECK(text_place(&text).line == 0, "before the first line, a place is the whole file");
@@ -34,7 +35,7 @@ static void check_words(void)
     CHECK(text_next_line(&text) && text_word(&text, &word) && word.quoted &&
               !word_is(&word, "a # b"),
           "a quoted word is no statement name");
-    copy = word_copy(&word);
+    copy = word_copy(&word, &err);
     CHECK_TEXT(copy, "a # b", "a quoted word holds blanks and #");
     free(copy);
     CHECK(text_word(&text, &word) && word_is(&word, "c") && word.place.column == 9 &&

@@ -356,7 +356,7 @@ async function save_stack() {
 
 /* Opens files: the first scene or list among them becomes the scene; others become files that a scene can name. */
 async function open_files(list) {
-  const files = {}, cube = [...list].find(({name}) => /[.](tiff?|hdr)$/i.test(name));
+  const files = {}, cube = [...list].find(({name}) => /[.]tiff?$/i.test(name));
   if (cube && (await open_stack_file(cube.name, list) || is_stack())) return;
   const large = [...list].find(({size}) => size > LARGEST_FILE);
   if (large) return show_message(`${large.name} is too large for this page.`);
