@@ -158,7 +158,7 @@ static const struct option known_options[] = {
     {"--envi", "also writes STACK.tif.hdr, as envi does", FOR_RENDER | FOR_JOIN, FLAG(envi)},
     {"--part I/N",
      "draws part I of N into STACK.tif.I-of-N.part; goes on there if it was killed; see join",
-     FOR_RENDER | FOR_PLAN, TEXT(part), .accepts = part_accepts},
+     FOR_RENDER, TEXT(part), .accepts = part_accepts},
     {"--shared", "parts store in one file, STACK.tif.unfinished", FOR_RENDER, FLAG(shared)},
     {"--resume", "goes on with a render that was killed", FOR_RENDER, FLAG(resume)},
     {"--update", "draws nothing if the stack is up to date", FOR_RENDER, FLAG(update)},

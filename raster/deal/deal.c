@@ -45,14 +45,3 @@ bool part_deal(const struct plan *plan, const struct picture_part *part, int **t
             (*tiles)[(*n)++] = tile;
     return true;
 }
-
-double part_share(const struct plan *plan, const int *tiles, int n)
-{
-    const struct rectangle picture = plan_picture(plan);
-    double positions = 0;
-    for (int i = 0; i < n; i++) {
-        const struct rectangle tile = plan_tile(plan, &picture, tiles[i]);
-        positions += (double)tile.width * tile.height;
-    }
-    return positions / ((double)picture.width * picture.height);
-}

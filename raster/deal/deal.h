@@ -19,7 +19,5 @@ bool part_accepts(const char *option, const char *value, struct error *err);
  * *tiles. */
 bool part_deal(const struct plan *plan, const struct picture_part *part, int **tiles, int *n,
                struct error *err);
-/* Returns the share of the picture's positions that these tiles have, 0 to 1. */
-double part_share(const struct plan *plan, const int *tiles, int n);
 
 #endif

@@ -58,32 +58,8 @@ static void json_lights(struct json *json, const struct plan *plan)
     json_close(json, ']');
 }
 
-static void json_forecast(struct json *json, const struct forecast *forecast)
-{
-    static const char *const names[FORECAST_KINDS] = {
-        [FORECAST_CHECKED] = "checked", [FORECAST_REFERENCE] = "reference"};
-    if (forecast->part.count > 0) {
-        json_open(json, "part", '{');
-        json_count(json, "number", (uint64_t)forecast->part.number);
-        json_count(json, "of", (uint64_t)forecast->part.count);
-        json_count(json, "tiles", (uint64_t)forecast->n_tiles);
-        json_close(json, '}');
-    }
-    json_number(json, "disk_bytes", forecast->disk_bytes);
-    json_open(json, "peak_bytes", '{');
-    for (int i = 0; i < FORECAST_KINDS; i++)
-        json_number(json, names[i], forecast->peak_bytes[i]);
-    json_close(json, '}');
-    json_open(json, "seconds", '{');
-    json_number(json, "plan", forecast->planned);
-    for (int i = 0; i < FORECAST_KINDS; i++)
-        json_number(json, names[i], forecast->seconds[i]);
-    json_truth(json, "learnt", forecast->learnt[FORECAST_CHECKED]);
-    json_close(json, '}');
-}
-
-bool plan_json(const struct plan *plan, const struct notes *notes, const struct forecast *forecast,
-               struct json *json, struct error *err)
+bool plan_json(const struct plan *plan, const struct notes *notes, struct json *json,
+               struct error *err)
 {
     const struct scene *scene = plan->scene;
     const bool components = plan->sampling && !plan->sampling->spectral;
@@ -109,7 +85,6 @@ bool plan_json(const struct plan *plan, const struct notes *notes, const struct 
         json_effect(json, &plan->effects[i]);
     json_close(json, ']');
     json_lights(json, plan);
-    json_forecast(json, forecast);
     accuracy_json(plan, notes, json);
     notes_json(notes, json);
     json_close(json, '}');

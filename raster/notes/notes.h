@@ -8,7 +8,6 @@
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
 #include "raster/bounds/bounds.h"
-#include "raster/forecast/forecast.h"
 #include "raster/plan/plan.h"
 #include "raster/refine/refine.h"
 #include "spectral.h"
@@ -44,8 +43,8 @@ void notes_free(struct notes *notes);
 /* Fail only where memory runs out. */
 bool plan_print(const struct plan *plan, struct printed *to, struct error *err);
 /* json.c: begins a text with one JSON object. */
-bool plan_json(const struct plan *plan, const struct notes *notes, const struct forecast *forecast,
-               struct json *json, struct error *err);
+bool plan_json(const struct plan *plan, const struct notes *notes, struct json *json,
+               struct error *err);
 
 /* ---- command.c: spectral plan ---- */
 

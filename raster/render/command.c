@@ -280,8 +280,6 @@ static bool render_planned(const struct options *options, const struct plan *pla
     bool done = render(plan, output, shown ? &line : NULL, &result, err);
     if (done && output->take)
         return output->take(output->taker, plan, &result, err);
-    if (done && !foreign && !output->part && !output->join)
-        forecast_learn(plan, result.seconds.total);
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
     result.seconds.total += before->read + before->plan;

@@ -10,7 +10,6 @@
 #include "data/record/record.h"
 #include "data/stack/stack.h"
 #include "raster/driver/driver.h"
-#include "raster/forecast/forecast.h"
 #include "raster/gl/gl.h"
 #include "raster/notes/notes.h"
 #include "raster/parts/parts.h"
