@@ -19,7 +19,8 @@ static bool note_plan(const struct plan *plan, struct notes *out, struct error *
 
 bool command_plan(struct options *options, struct error *err)
 {
-    const struct plan_options plan_options = {.threads = options->threads};
+    const struct plan_options plan_options = {.threads = options->threads,
+                                              .detector = options->detector};
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct asked_plan asked = {.plan = {.scene = NULL}};

@@ -433,6 +433,8 @@ bool render(const struct plan *plan, const struct render_output *output,
         .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
     *out = (struct render_result){.notes = output->notes};
     bool done = render_all(&state, output, err);
+    if (output->notes && plan->options.check && !output->part && out->check.objects == 0)
+        notes_of_nothing(output->notes);
     part_close(&state.part);
     if (state.stack.sink.write)
         stack_discard(&state.stack.writer); /* keeps a committed stack, and an unfinished one */

@@ -44,7 +44,6 @@ small="--size 40x30 --wavelengths 400:700:50"
         # shellcheck disable=SC2086
         "$SPECTRAL" $command --json "$tmp/report.json" && "$SPECTRAL" $command --json - >"$tmp/printed.json" &&
             /usr/bin/python3 -m json.tool "$tmp/report.json" >/dev/null &&
-            sed -i 's/"plan": [0-9.e-]*, //' "$tmp/report.json" "$tmp/printed.json" && # its own seconds
             cmp -s "$tmp/report.json" "$tmp/printed.json"
         ok $? "${command%% *} writes its results as JSON, into a file and to standard output"
     done
