@@ -6,17 +6,6 @@
 #include "data/invocation/invocation.h"
 #include "raster/notes/notes.h"
 
-/* Makes the notes on a plan. Refuses what lit_make refuses, as a render does. */
-static bool note_plan(const struct plan *plan, struct notes *out, struct error *err)
-{
-    struct lit_scene lit;
-    struct light_work work;
-    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) &&
-                notes_make(&lit, MANY_PIXELS, out, err);
-    lit_free(&lit);
-    return done;
-}
-
 bool command_plan(struct options *options, struct error *err)
 {
     const struct plan_options plan_options = {.threads = options->threads,
@@ -29,7 +18,7 @@ bool command_plan(struct options *options, struct error *err)
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
                 scene_spared(options->json, &scene, err) &&
                 plan_asked(options, &plan_options, &scene, &sampling, &asked, err) &&
-                note_plan(&asked.plan, &notes, err);
+                notes_of_plan(&asked.plan, MANY_PIXELS, &notes, err);
     if (done && options->json) {
         done = plan_json(&asked.plan, &notes, &json, err) &&
                json_write(&json, options->json, &options->outputs, err);

@@ -65,7 +65,6 @@ bool plan_json(const struct plan *plan, const struct notes *notes, struct json *
                struct error *err)
 {
     const struct scene *scene = plan->scene;
-    const bool components = plan->sampling && !plan->sampling->spectral;
     struct left_out_list left_out;
     char *files = NULL;
     int n_files;
@@ -83,7 +82,7 @@ bool plan_json(const struct plan *plan, const struct notes *notes, struct json *
     json_count(json, "positions_per_pixel",
                (uint64_t)scene->positions * (uint64_t)scene->positions);
     json_count(json, "bands", (uint64_t)plan->n_bands);
-    json_numbers(json, "wavelengths_nm", components ? NULL : scene->wavelengths_nm,
+    json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
                  scene->n_wavelengths);
     json_work(json, plan, left_out.drawn_passes);
     json_left_out(json, &left_out);

@@ -31,6 +31,9 @@ enum { SOME_PIXELS = 2048, MANY_PIXELS = 16384 };
  * unless the plan was refined. */
 bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
                 struct error *err);
+/* Makes them on a plan. Refuses what lit_make refuses, as a render does. */
+bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out,
+                   struct error *err);
 /* Leaves one note, on a picture that shows no object. */
 void notes_of_nothing(struct notes *notes);
 /* Prints a line for each note. */

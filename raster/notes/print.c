@@ -73,7 +73,7 @@ static void print_work(const struct plan *plan, const struct left_out_list *left
 static void print_bands(const struct plan *plan, struct printed *to)
 {
     const struct scene *scene = plan->scene;
-    if (plan->sampling && !plan->sampling->spectral)
+    if (has_components(plan))
         print(to, "bands             %d (components)\n", plan->n_bands);
     else
         print(to, "bands             %d (%.10g to %.10g nm)\n", plan->n_bands,

@@ -27,9 +27,20 @@ static const char *unit_of(const struct accuracy_estimate *estimate)
 static void note_refined(const struct refine_result *refined, struct notes *notes)
 {
     const struct accuracy_estimate *reached = estimate_of(notes);
-    if (reached->quantile_95 > refined->wanted.error)
-        note_add(notes, "accuracy", "the error is still %.3g %s, where --accuracy asks for %.3g",
-                 reached->quantile_95, unit_of(reached), refined->wanted.error);
+    if (reached->quantile_95 <= refined->wanted.error)
+        return;
+    if (reached->shading_95 <= refined->wanted.error / 4)
+        note_add(notes, "accuracy",
+                 "the error is still %.3g CIEDE2000, since the wavelengths are too few",
+                 reached->quantile_95);
+    else if (refined->stopped)
+        note_add(notes, "accuracy",
+                 "the error is still %.3g %s, since --max-triangles %ld allows no more",
+                 reached->quantile_95, unit_of(reached), refined->wanted.most_triangles);
+    else
+        note_add(notes, "accuracy",
+                 "the error is still %.3g %s, where triangles are smaller than a pixel",
+                 reached->quantile_95, unit_of(reached));
 }
 
 void note_shading(const struct plan *plan, struct notes *notes)

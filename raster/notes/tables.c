@@ -12,14 +12,6 @@ struct tables {
     char first[NOTE_TEXT / 2];
 };
 
-/* A table: "diffuse", and the material's name, or "light", and the table's. Outside of it the end
- * value holds, or it is 0. */
-struct table_use {
-    const char *what, *owner;
-    const struct spectrum *table;
-    bool holds;
-};
-
 static int count_outside(const struct spectral_pages *pages, const struct spectrum *table)
 {
     int outside = 0;
@@ -30,48 +22,49 @@ static int count_outside(const struct spectral_pages *pages, const struct spectr
 
 /* Returns true if the picture reaches beyond an end of the table by more than the table's step
  * there. A table that ends near 0, and is 0 beyond, misses nothing. */
-static bool ends_early(const struct spectral_pages *pages, const struct table_use *use)
+static bool ends_early(const struct spectral_pages *pages, const struct spectrum *table, bool holds)
 {
-    const struct spectrum *table = use->table;
     const double *at = table->wavelength_nm;
     const int last = table->count - 1, second = last > 0, before = last - second;
     const double low_nm = at[0] - pages_looked_at_nm(pages, 0),
                  high_nm = pages_looked_at_nm(pages, pages_looked_at(pages) - 1) - at[last];
     double seen = 0;
-    for (int i = 0; !use->holds && i <= last; i++)
+    for (int i = 0; !holds && i <= last; i++)
         seen = fmax(seen, 0.01 * table->value[i]);
-    return (low_nm > at[second] - at[0] && (use->holds || table->value[0] > seen)) ||
-           (high_nm > at[last] - at[before] && (use->holds || table->value[last] > seen));
+    return (low_nm > at[second] - at[0] && (holds || table->value[0] > seen)) ||
+           (high_nm > at[last] - at[before] && (holds || table->value[last] > seen));
 }
 
-static void look_at(struct tables *tables, const struct table_use *use)
+/* what, owner: "diffuse", and the material's name, or "light", and the table's. Outside of the
+ * table its end value holds, or it is 0. */
+static void look_at(struct tables *tables, const char *what, const char *owner,
+                    const struct spectrum *table, bool holds)
 {
     const struct spectral_pages *pages = &tables->plan->illumination.pages;
-    const struct spectrum *table = use->table;
     const int outside = table->kind == SPECTRUM_SAMPLED ? count_outside(pages, table) : 0;
     char rest[160];
     if (outside == 0)
         return;
     snprintf(rest, sizeof rest, "%d of %d wavelengths outside %g..%g nm, %s there", outside,
              pages_looked_at(pages), table->wavelength_nm[0],
-             table->wavelength_nm[table->count - 1], use->holds ? "the end value holds" : "0");
+             table->wavelength_nm[table->count - 1], holds ? "the end value holds" : "0");
     if (tables->to)
-        print(tables->to, "extrapolated      %s %s: %s\n", use->what, use->owner, rest);
-    if (ends_early(pages, use) && tables->n++ == 0)
-        snprintf(tables->first, sizeof tables->first, "%s %.200s: %s", use->what, use->owner, rest);
+        print(tables->to, "extrapolated      %s %s: %s\n", what, owner, rest);
+    if (ends_early(pages, table, holds) && tables->n++ == 0)
+        snprintf(tables->first, sizeof tables->first, "%s %.200s: %s", what, owner, rest);
 }
 
 static void look_at_material(struct tables *tables, const struct shaded_material *shaded)
 {
     const struct material *material = shaded->material;
     const char *name = material->name;
-    look_at(tables, &(struct table_use){"diffuse", name, &material->diffuse, true});
+    look_at(tables, "diffuse", name, &material->diffuse, true);
     if (has_term(shaded, TERM_SPECULAR))
-        look_at(tables, &(struct table_use){"specular", name, &material->specular, true});
+        look_at(tables, "specular", name, &material->specular, true);
     if (shaded->made.fluoresces && material->excitation.kind != SPECTRUM_NONE)
-        look_at(tables, &(struct table_use){"emission", name, &material->emission, false});
+        look_at(tables, "emission", name, &material->emission, false);
     if (shaded->made.emits)
-        look_at(tables, &(struct table_use){"emission", name, &material->glow, false});
+        look_at(tables, "emission", name, &material->glow, false);
 }
 
 static void look_at_texture(struct tables *tables, const struct texture *texture)
@@ -80,14 +73,14 @@ static void look_at_texture(struct tables *tables, const struct texture *texture
     const struct spectrum pages = {
         .kind = SPECTRUM_SAMPLED, .count = image->n_pages, .wavelength_nm = image->wavelengths_nm};
     if (texture->spectral)
-        look_at(tables, &(struct table_use){"texture", image->path, &pages, true});
+        look_at(tables, "texture", image->path, &pages, true);
 }
 
 static void look_at_light(struct tables *tables, const char *what, const struct spectrum *spectrum,
                           double intensity)
 {
     if (intensity != 0)
-        look_at(tables, &(struct table_use){what, spectrum->name, spectrum, false});
+        look_at(tables, what, spectrum->name, spectrum, false);
 }
 
 static void look_at_all(struct tables *tables)
