@@ -66,7 +66,7 @@ sanitize_commands() {
     clean $program batch "$out/list" --json "$out/batch.json"
     clean $program batch "$out/list" # it is up to date
     large='patches --size 3000x1300 --wavelengths 500,600'
-    clean $program plan $large --part 1/2
+    clean $program plan $large
     for way in '' --shared; do
         rm -f "$out"/parts.tif*
         for part in 1/2 2/2 2/2; do

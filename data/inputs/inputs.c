@@ -111,6 +111,17 @@ bool inputs_find(const struct scene *scene, const char *detector, struct inputs 
     return done;
 }
 
+bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,
+                struct error *err)
+{
+    bool done = inputs_find(scene, detector, out, err), regular;
+    for (int i = 0; done && i < scene->n_texts; i++)
+        done = file_is_regular(scene->files[i].path, &regular, err) &&
+               (!regular || add(out, scene->files[i].path, err));
+    sort(out);
+    return done;
+}
+
 void inputs_free(struct inputs *inputs)
 {
     for (int i = 0; i < inputs->n; i++)

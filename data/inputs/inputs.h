@@ -20,6 +20,9 @@ bool inputs_list(const struct scene *scene, const char *detector, struct inputs 
  * picture does not depend on the others. */
 bool inputs_find(const struct scene *scene, const char *detector, struct inputs *out,
                  struct error *err);
+/* Lists these and the files of the scene's text, unless that came from a pipe. */
+bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,
+                struct error *err);
 void inputs_free(struct inputs *inputs);
 /* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
 bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);

@@ -21,8 +21,9 @@ static const char temporary_prefix[] = "spectral.", kept_prefix[] = ".spectral-u
 /* Opens a folder of this user. Follows no link. Returns -1: there is none. */
 static int open_own(int parent, const char *name)
 {
-    const int folder = openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     struct stat status;
+    int folder;
+    UNTIL_DONE(folder, openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
     if (folder >= 0 && fstat(folder, &status) == 0 && status.st_uid == geteuid())
         return folder;
     if (folder >= 0)
@@ -50,10 +51,13 @@ static DIR *lock_folder(int parent, const char *name)
 {
     const int folder = open_own(parent, name);
     DIR *entries = folder >= 0 ? fdopendir(folder) : NULL;
+    int locked = 0;
     if (folder >= 0 && !entries)
         close(folder);
+    if (entries)
+        UNTIL_DONE(locked, flock(folder, LOCK_EX | LOCK_NB));
     /* a file system without locks is swept by nobody */
-    if (entries && flock(folder, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    if (locked != 0 && errno == EWOULDBLOCK) {
         closedir(entries);
         entries = NULL;
     }

@@ -74,8 +74,6 @@ const struct surface_bounds *bounds_of(const struct lit_scene *lit,
                                        const struct screen_triangle *screen);
 /* False where nothing of a surface can be in the rectangle. */
 bool surface_reaches(const struct surface_bounds *surface, const struct rectangle *at);
-/* True if any term of the instance belongs to this light. */
-bool reflects(const struct instance *instance, const struct eye_light *light);
 /* The distance of the upper 3x3 from the rigid matrix that OpenGL takes it for; 0: for none. */
 double distance_from_rigid(const struct matrix *m);
 /* Adds a vertex's bounds to the surface's errors; e_eye bounds its place in eye space. They are

@@ -283,14 +283,6 @@ static void add_light(const struct eye_light *light, int index, const struct ver
 }
 
 /* True if any term belongs to this light's spectrum. */
-bool reflects(const struct instance *instance, const struct eye_light *light)
-{
-    for (int t = 0; t < instance->n_terms; t++)
-        if (instance->terms[t].light == light->first)
-            return true;
-    return false;
-}
-
 float *group_weights(const struct surface *surface, const struct surface_bounds *bounds, int group)
 {
     size_t n_weights = surface_attributes(surface, surface->instance->n_vertices, 0);

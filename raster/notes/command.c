@@ -6,28 +6,18 @@
 #include "data/invocation/invocation.h"
 #include "raster/notes/notes.h"
 
-/* Makes the notes on a plan. Refuses what lit_make refuses, as a render does. */
-static bool note_plan(const struct plan *plan, struct notes *out, struct error *err)
-{
-    struct lit_scene lit;
-    struct light_work work;
-    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) &&
-                notes_make(&lit, MANY_PIXELS, out, err);
-    lit_free(&lit);
-    return done;
-}
-
 bool command_plan(struct options *options, struct error *err)
 {
-    const struct plan_options plan_options = {.threads = options->threads};
+    const struct plan_options plan_options = {.threads = options->threads,
+                                              .detector = options->detector};
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct asked_plan asked = {.plan = {.scene = NULL}};
     struct notes notes = {.refined = options->accuracy ? &asked.refined : NULL};
     struct json json;
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
-                plan_asked(options, &plan_options, &scene, &sampling, &asked, err);
-    done = done && note_plan(&asked.plan, &notes, err);
+                plan_asked(options, &plan_options, &scene, &sampling, &asked, err) &&
+                notes_of_plan(&asked.plan, MANY_PIXELS, &notes, err);
     if (done && options->json) {
         done = plan_json(&asked.plan, &notes, &json, err) &&
                json_write(&json, options->json, &options->outputs, err);

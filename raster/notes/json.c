@@ -1,5 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The plan as JSON. */
+#include <stdlib.h>
+#include <string.h>
+
 #include "raster/notes/notes.h"
 
 static void json_effect(struct json *json, const struct plan_effect *effect)
@@ -13,20 +16,11 @@ static void json_effect(struct json *json, const struct plan_effect *effect)
 
 static void json_work(struct json *json, const struct plan *plan, int passes)
 {
-    const struct rectangle picture = plan_picture(plan);
-    const int tiles = plan_tiles(plan, &picture);
+    struct plan_count counts[PLAN_COUNTS];
+    count_work(plan, passes, counts);
     json_open(json, "work", '{');
-    json_count(json, "objects", (uint64_t)plan->scene->n_objects);
-    json_count(json, "instances", (uint64_t)plan->n_instances);
-    json_count(json, "vertices", (uint64_t)plan->n_vertices);
-    json_count(json, "triangles", (uint64_t)plan->n_triangles);
-    json_count(json, "materials", (uint64_t)plan->n_materials);
-    json_count(json, "terms", (uint64_t)plan->work.terms);
-    json_count(json, "excitation_integrals", (uint64_t)plan->work.excitation_integrals);
-    json_count(json, "tiles", (uint64_t)tiles);
-    json_count(json, "passes", (uint64_t)passes * (uint64_t)tiles);
-    json_count(json, "tile_bytes", (uint64_t)plan->tile_bytes);
-    json_count(json, "file_bytes", plan->file_bytes);
+    for (int i = 0; i < PLAN_COUNTS; i++)
+        json_count(json, counts[i].name, counts[i].n);
     json_close(json, '}');
 }
 
@@ -46,26 +40,38 @@ static void json_left_out(struct json *json, const struct left_out_list *left_ou
 
 static void json_lights(struct json *json, const struct plan *plan)
 {
+    int shining = 0;
     json_open(json, "lights", '[');
     for (int i = 0; i < plan->scene->n_lights; i++) {
         const struct light *light = &plan->scene->lights[i];
         json_open(json, NULL, '{');
         json_string(json, "spectrum", light->spectrum.name);
         json_number(json, "intensity", light->intensity);
-        json_string(json, "off", why_off(plan, light));
+        json_string(json, "off", why_off(plan, light, &shining));
         json_close(json, '}');
     }
     json_close(json, ']');
 }
 
-bool plan_json(const struct plan *plan, const struct notes *notes,
-               struct json *json, struct error *err)
+static void json_files(struct json *json, const char *files, int n)
+{
+    json_open(json, "files", '[');
+    for (; n > 0; n--, files += strlen(files) + 1)
+        json_string(json, NULL, files);
+    json_close(json, ']');
+}
+
+bool plan_json(const struct plan *plan, const struct notes *notes, struct json *json,
+               struct error *err)
 {
     const struct scene *scene = plan->scene;
-    const bool components = plan->sampling && !plan->sampling->spectral;
     struct left_out_list left_out;
-    if (!left_out_make(plan, &left_out, err))
+    char *files = NULL;
+    int n_files;
+    if (!left_out_make(plan, &left_out, err) || !plan_files(plan, &files, &n_files, err)) {
+        free(files);
         return false;
+    }
     json_begin(json);
     json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
@@ -76,7 +82,7 @@ bool plan_json(const struct plan *plan, const struct notes *notes,
     json_count(json, "positions_per_pixel",
                (uint64_t)scene->positions * (uint64_t)scene->positions);
     json_count(json, "bands", (uint64_t)plan->n_bands);
-    json_numbers(json, "wavelengths_nm", components ? NULL : scene->wavelengths_nm,
+    json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
                  scene->n_wavelengths);
     json_work(json, plan, left_out.drawn_passes);
     json_left_out(json, &left_out);
@@ -87,6 +93,8 @@ bool plan_json(const struct plan *plan, const struct notes *notes,
     json_lights(json, plan);
     accuracy_json(plan, notes, json);
     notes_json(notes, json);
+    json_files(json, files, n_files);
     json_close(json, '}');
+    free(files);
     return true;
 }

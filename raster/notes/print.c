@@ -2,23 +2,16 @@
 /* Prints the plan in words: each effect with the reason why it is simulated or not, each light, and
  * each value that is guessed, not measured. */
 #include <stdlib.h>
+#include <string.h>
 
+#include "data/inputs/inputs.h"
 #include "raster/notes/notes.h"
 
-/* The sources keep the order of the scene's lights. */
-static int compare_sources(const void *a, const void *b)
-{
-    const struct light *p = *(const struct light *const *)a, *q = *(const struct light *const *)b;
-    return (p > q) - (p < q);
-}
-
-const char *why_off(const struct plan *plan, const struct light *light)
+const char *why_off(const struct plan *plan, const struct light *light, int *shining)
 {
     const struct spectral_pages *pages = &plan->illumination.pages;
-    const struct light **found = bsearch(&light, plan->sources, (size_t)plan->n_lights,
-                                         sizeof *plan->sources, compare_sources);
-    if (found)
-        return plan->is_idle[found - plan->sources] ? "it reaches no object in view" : NULL;
+    if (*shining < plan->n_lights && plan->sources[*shining] == light)
+        return plan->is_idle[(*shining)++] ? "it reaches no object in view" : NULL;
     return light->intensity == 0                  ? "intensity 0"
            : !pages_show(pages, &light->spectrum) ? "spectrum 0 at every wavelength shown"
                                                   : "no material reflects it";
@@ -26,81 +19,61 @@ const char *why_off(const struct plan *plan, const struct light *light)
 
 static void print_lights(const struct plan *plan, struct printed *to)
 {
+    int shining = 0;
     for (int i = 0; i < plan->scene->n_lights; i++) {
         const struct light *light = &plan->scene->lights[i];
-        const char *off = why_off(plan, light);
+        const char *off = why_off(plan, light, &shining);
         print(to, "light %-11d %s%s (%s, intensity %.6g)\n", i + 1, off ? "off: " : "on",
               off ? off : "", light->spectrum.name, light->intensity);
     }
 }
 
-static void print_texture(const struct plan *plan, const struct texture *texture,
-                          struct printed *to)
+static void print_guesses(const struct plan *plan, struct printed *to)
 {
-    const struct image *image = &texture->image;
-    print(to, "texture           %s: %d x %d texels, %d pages, %s%s\n", image->path, image->width,
-          image->height, image->n_pages, texture->linear ? "linear" : "nearest",
-          texture->spectral && plan->sampling ? ", at the wavelength of each page" : "");
-}
-
-static void print_extrapolation(const struct plan *plan, const struct table_use *use,
-                                struct printed *to)
-{
-    const struct spectrum *table = &use->table;
-    const int outside = table_outside(plan, use);
-    if (outside > 0)
-        print(to, "extrapolated      %s %s: %d of %d wavelengths outside %g..%g nm, %s there\n",
-              use->what, use->owner, outside, pages_looked_at(&plan->illumination.pages),
-              table->wavelength_nm[0], table->wavelength_nm[table->count - 1], use->ends);
-}
-
-static bool print_guesses(const struct plan *plan, struct printed *to, struct error *err)
-{
-    int n;
-    struct table_use *tables = tables_list(plan, &n, err);
-    if (!tables)
-        return false;
-    for (int i = 0; i < n; i++)
-        print_extrapolation(plan, &tables[i], to);
-    free(tables);
+    tables_print(plan, to);
     for (int i = 0; i < plan->n_materials; i++) {
         const struct material *material = plan->materials[i].material;
         if (material->from_rgb)
             print(to, "not measured      %s: RGB of %s, spread over three bands\n", material->name,
                   material->path);
     }
-    return true;
+}
+
+void count_work(const struct plan *plan, int passes, struct plan_count out[PLAN_COUNTS])
+{
+    const struct rectangle picture = plan_picture(plan);
+    const uint64_t tiles = (uint64_t)plan_tiles(plan, &picture);
+    const struct plan_count counts[PLAN_COUNTS] = {
+        {"objects", (uint64_t)plan->scene->n_objects},
+        {"instances", (uint64_t)plan->n_instances},
+        {"vertices", (uint64_t)plan->n_vertices},
+        {"triangles", (uint64_t)plan->n_triangles},
+        {"materials", (uint64_t)plan->n_materials},
+        {"terms", (uint64_t)plan->work.terms},
+        {"excitation_integrals", (uint64_t)plan->work.excitation_integrals},
+        {"tiles", tiles},
+        {"passes", (uint64_t)passes * tiles},
+        {"tile_bytes", (uint64_t)plan->tile_bytes},
+        {"file_bytes", plan->file_bytes}};
+    memcpy(out, counts, sizeof counts);
 }
 
 static void print_work(const struct plan *plan, const struct left_out_list *left_out,
                        struct printed *to)
 {
-    const struct scene *scene = plan->scene;
-    const struct rectangle picture = plan_picture(plan);
-    const int passes = left_out->drawn_passes;
-    int most = 0;
-    for (int i = 0; i < plan->n_materials; i++)
-        most = plan->materials[i].n_terms > most ? plan->materials[i].n_terms : most;
-    print(to, "objects           %d (%d instances, %ld vertices, %ld triangles)\n",
-          scene->n_objects, plan->n_instances, plan->n_vertices, plan->n_triangles);
-    print(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_materials,
-          plan->work.terms, most);
-    print(to, "excitation        %ld integrals\n", plan->work.excitation_integrals);
-    print(to, "tiles             %d of %d x %d pixels\n", plan_tiles(plan, &picture),
-          plan->tile_width, plan->tile_height);
-    print(to, "passes            %ld (%d a tile, %d bands and %d lights each)\n",
-          (long)passes * plan_tiles(plan, &picture), passes, BANDS_PER_PASS, LIGHTS_PER_PASS);
+    struct plan_count counts[PLAN_COUNTS];
+    count_work(plan, left_out->drawn_passes, counts);
+    for (int i = 0; i < PLAN_COUNTS; i++)
+        print(to, "%-17s %llu\n", counts[i].name, (unsigned long long)counts[i].n);
     for (int i = 0; i < left_out->n; i++)
         print(to, "left out          %ld of %ld %s (%s)\n", left_out->list[i].n,
               left_out->list[i].of, left_out->list[i].what, left_out->list[i].reason);
-    print(to, "memory            %.1f MiB for a tile\n", (double)plan->tile_bytes / 1048576);
-    print(to, "file              %llu bytes of pixels\n", (unsigned long long)plan->file_bytes);
 }
 
 static void print_bands(const struct plan *plan, struct printed *to)
 {
     const struct scene *scene = plan->scene;
-    if (plan->sampling && !plan->sampling->spectral)
+    if (has_components(plan))
         print(to, "bands             %d (components)\n", plan->n_bands);
     else
         print(to, "bands             %d (%.10g to %.10g nm)\n", plan->n_bands,
@@ -109,6 +82,29 @@ static void print_bands(const struct plan *plan, struct printed *to)
         print(to, "sampling          ");
         sampling_print(plan->sampling, to);
     }
+}
+
+bool plan_files(const struct plan *plan, char **text, int *n, struct error *err)
+{
+    struct inputs inputs;
+    struct printed printed = {.text = NULL};
+    const bool done = inputs_all(plan->scene, plan->options.detector, &inputs, err) &&
+                      inputs_digest(&inputs, &printed, err);
+    *n = inputs.n;
+    inputs_free(&inputs);
+    *text = printed_end(&printed);
+    return done && (*text || error_memory(err));
+}
+
+static bool print_files(const struct plan *plan, struct printed *to, struct error *err)
+{
+    char *text;
+    int n;
+    const bool done = plan_files(plan, &text, &n, err);
+    for (const char *at = text; done && n-- > 0; at += strlen(at) + 1)
+        print(to, "file              %s\n", at);
+    free(text);
+    return done;
 }
 
 bool plan_print(const struct plan *plan, struct printed *to, struct error *err)
@@ -128,7 +124,6 @@ bool plan_print(const struct plan *plan, struct printed *to, struct error *err)
         print(to, "%-17s %s (%s)\n", plan->effects[i].name, plan->effects[i].used ? "yes" : "no",
               plan->effects[i].reason);
     print_lights(plan, to);
-    for (int i = 0; i < plan->n_textures; i++)
-        print_texture(plan, &plan->textures[i], to);
-    return print_guesses(plan, to, err);
+    print_guesses(plan, to);
+    return print_files(plan, to, err);
 }

@@ -24,35 +24,33 @@ static const char *unit_of(const struct accuracy_estimate *estimate)
 /* ---- notes ---- */
 
 /* Adds a note on a refinement that did not reach the wanted error. */
-static bool note_refined(const struct refine_result *refined, struct notes *notes,
-                         struct error *err)
+static void note_refined(const struct refine_result *refined, struct notes *notes)
 {
     const struct accuracy_estimate *reached = estimate_of(notes);
     if (reached->quantile_95 <= refined->wanted.error)
-        return true;
+        return;
     if (reached->shading_95 <= refined->wanted.error / 4)
-        return note_add(notes, "accuracy", err,
-                        "the error is still %.3g CIEDE2000, since the wavelengths are too few; "
-                        "without --sampling and --wavelengths, --accuracy chooses them",
-                        reached->quantile_95);
-    if (refined->stopped)
-        return note_add(notes, "accuracy", err,
-                        "the error is still %.3g %s, since --max-triangles %ld allows no more",
-                        reached->quantile_95, unit_of(reached), refined->wanted.most_triangles);
-    return note_add(notes, "accuracy", err,
-                    "the error is still %.3g %s, where triangles are smaller than a pixel; "
-                    "a larger --size shows finer ones",
-                    reached->quantile_95, unit_of(reached));
+        note_add(notes, "accuracy",
+                 "the error is still %.3g CIEDE2000, since the wavelengths are too few",
+                 reached->quantile_95);
+    else if (refined->stopped)
+        note_add(notes, "accuracy",
+                 "the error is still %.3g %s, since --max-triangles %ld allows no more",
+                 reached->quantile_95, unit_of(reached), refined->wanted.most_triangles);
+    else
+        note_add(notes, "accuracy",
+                 "the error is still %.3g %s, where triangles are smaller than a pixel",
+                 reached->quantile_95, unit_of(reached));
 }
 
-bool note_shading(const struct plan *plan, struct notes *notes, struct error *err)
+void note_shading(const struct plan *plan, struct notes *notes)
 {
     const struct accuracy_estimate *shading = &notes->shading;
     const struct accuracy_object *worst = NULL;
     char name[256];
     int n = 0;
     if (notes->refined)
-        return note_refined(notes->refined, notes, err);
+        note_refined(notes->refined, notes);
     for (int i = 0; i < shading->n_objects; i++) {
         const struct accuracy_object *object = &shading->objects[i];
         if (!(object->quantile_95 > just_seen) || object->points < FEWEST_POINTS)
@@ -61,12 +59,12 @@ bool note_shading(const struct plan *plan, struct notes *notes, struct error *er
         n++;
     }
     if (!worst)
-        return true;
+        return;
     object_text(plan, worst->surface, name, sizeof name);
-    return note_add(notes, "shading", err,
-                    "the shading of %s%s is off by up to %.2g CIEDE2000 at 95 %% of its pixels: "
-                    "light is computed at the corners of triangles only; add --accuracy 1",
-                    name, n > 1 ? ", the worst of several objects," : "", worst->quantile_95);
+    note_add(notes, "shading",
+             "the shading of %s%s is off by up to %.2g CIEDE2000 at 95 %% of its pixels "
+             "(see --accuracy)",
+             name, n > 1 ? ", the worst of several objects," : "", worst->quantile_95);
 }
 
 /* ---- in words ---- */

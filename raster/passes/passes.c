@@ -6,19 +6,12 @@
 
 #include "raster/passes/passes.h"
 
-/* Returns the product of a term in channel c of a pass; 0 where there is no such band. */
+/* Returns the product of a term in channel c of a pass; 0 where there is no such band, and in the
+ * pass DARK. */
 static double product(const struct plan *plan, const double *row, int pass, int c)
 {
     const int band = pass * BANDS_PER_PASS + c;
-    return band < plan->n_bands ? row[band] : 0;
-}
-
-static bool term_is_dark(const struct plan *plan, const double *row, int pass)
-{
-    for (int c = 0; c < BANDS_PER_PASS; c++)
-        if (product(plan, row, pass, c) != 0)
-            return false;
-    return true;
+    return band >= 0 && band < plan->n_bands ? row[band] : 0;
 }
 
 static bool term_is_same(const struct plan *plan, const double *row, int a, int b)
@@ -44,23 +37,13 @@ static const double *row_of(const struct shown *of, const struct shaded_material
     return shaded->made.spectra + (size_t)term * (size_t)of->plan->n_bands;
 }
 
-static bool is_dark(const struct shown *of, int pass)
-{
-    for (int m = 0; m < of->plan->n_materials; m++)
-        for (int t = 0; t < of->plan->materials[m].n_terms; t++) {
-            const double *row = row_of(of, &of->plan->materials[m], t);
-            if (row && !term_is_dark(of->plan, row, pass))
-                return false;
-        }
-    return true;
-}
-
-/* Returns whether two passes show the same. A spectral texture may differ between them. */
+/* Returns whether two passes show the same; b may be DARK. A spectral texture may differ between
+ * passes. */
 static bool is_same(const struct shown *of, int a, int b)
 {
     for (int m = 0; m < of->plan->n_materials; m++) {
         const struct shaded_material *shaded = &of->plan->materials[m];
-        if (shaded->shown && texture_is_drawn(of->plan, shaded->texture) &&
+        if (b != DARK && shaded->shown && texture_is_drawn(of->plan, shaded->texture) &&
             shaded->texture->spectral)
             return false;
         for (int t = 0; t < shaded->n_terms; t++) {
@@ -80,7 +63,7 @@ static void find_frames(const struct shown *of, struct passes *out)
             of->reaches[of->plan->lights[i].first] = true;
     for (int pass = 0; pass < of->plan->n_passes; pass++) {
         out->frame[pass] = DARK;
-        if (!complete && is_dark(of, pass)) {
+        if (!complete && is_same(of, pass, DARK)) {
             out->n_dark++;
             continue;
         }

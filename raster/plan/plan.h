@@ -113,8 +113,7 @@ struct rectangle plan_tile(const struct plan *plan, const struct rectangle *regi
 bool has_components(const struct plan *plan); /* bands are not single wavelengths */
 void band_name(const struct plan *plan, int band, char out[BAND_NAME]); /* "450 nm", or a label */
 double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */
-/* A surface's name, its material's; -1: "background". object_text also writes its object's place.
- */
+/* A surface's name, its material's; -1: "background". object_text adds its object's place. */
 const char *object_name(const struct plan *plan, int surface);
 void object_text(const struct plan *plan, int surface, char *out, size_t capacity);
 int buffer_steps(const struct plan *plan); /* of a channel, from 0 to full scale; 0: floats */
@@ -128,6 +127,7 @@ bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any
 
 /* The reference lights its vertices: it is in view, or one may be brighter than full scale. */
 bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed);
+bool reflects(const struct instance *instance, const struct eye_light *light); /* by some term */
 /* A group of lights has one that is not idle, or is the first: OpenGL draws it. */
 bool group_is_drawn(const struct plan *plan, int group);
 /* The value of all texels, where a product with it is exact in single precision; otherwise -1. */

@@ -131,8 +131,7 @@ static bool reaches_vertex(const struct eye_light *light, const struct lit_verte
     return two_sided || vertex->may_be_any || !(cosine < -cosine_error);
 }
 
-/* Returns whether the instance has a term of the light's spectrum. */
-static bool reflects_light(const struct instance *instance, const struct eye_light *light)
+bool reflects(const struct instance *instance, const struct eye_light *light)
 {
     for (int t = 0; t < instance->n_terms; t++)
         if (instance->terms[t].light == light->first)
@@ -143,7 +142,7 @@ static bool reflects_light(const struct instance *instance, const struct eye_lig
 static bool reaches_instance(const struct eye_light *light, const struct instance *instance)
 {
     struct cofactors cofactors;
-    if (!reflects_light(instance, light))
+    if (!reflects(instance, light))
         return false;
     matrix_cofactors(&instance->model_view, &cofactors);
     for (int i = 0; i < instance->n_vertices; i++) {

@@ -7,10 +7,11 @@
 
 /* Normal and direction are each transformed and normalised in double precision, with less than 16
  * roundings of their components, and multiplied. */
-static const double noise_cosine = NOISE_ROUNDINGS * DOUBLE_ROUNDOFF;
+static const double noise_cosine = 64 * DOUBLE_ROUNDOFF;
 
-double light_cosine(const struct surface *surface, int vertex, int side,
-                    const struct eye_light *light)
+/* Returns the cosine between the normal of a vertex, on a side, and the direction of a light. */
+static double light_cosine(const struct surface *surface, int vertex, int side,
+                           const struct eye_light *light)
 {
     const struct instance *instance = surface->instance;
     const struct vertex *point = &instance->vertices[vertex];

@@ -25,12 +25,6 @@ bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, stru
 
 /* ---- noise.c ---- */
 
-/* A cosine of so many roundings is noise. */
-enum { NOISE_ROUNDINGS = 64 };
-/* Returns the cosine between the normal of a vertex, on a side, and the direction of a light. */
-double light_cosine(const struct surface *surface, int vertex, int side,
-                    const struct eye_light *light);
-
 /* Returns the index of a light, if the radiance of weights `at` of a surface (a vertex and a side)
  * comes only from lights that graze it, so that it is rounding noise; otherwise -1. */
 int noisy_light(const struct lit_scene *lit, int surface, size_t at);

@@ -269,6 +269,8 @@ bool render(const struct plan *plan, const struct render_output *output,
         .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
     *out = (struct render_result){.notes = output->notes};
     bool done = render_all(&state, output, err);
+    if (output->notes && plan->options.check && output->part.count == 0 && out->check.objects == 0)
+        notes_of_nothing(output->notes);
     if (state.stages.stack)
         stack_discard(&state.stack); /* keeps a committed stack */
     if (state.fit.plan)

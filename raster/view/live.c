@@ -159,21 +159,11 @@ static bool put_live(struct page *page, struct error *err)
 
 /* ---- the page ---- */
 
-static bool make_notes(const struct plan *plan, struct notes *notes, struct error *err)
-{
-    struct lit_scene lit = {.plan = plan};
-    struct light_work work;
-    const bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) &&
-                      notes_make(&lit, SOME_PIXELS, notes, err);
-    lit_free(&lit);
-    return done;
-}
-
 bool live_write(const struct plan *plan, struct options *options, struct viewer_result *out,
                 struct notes *notes, struct error *err)
 {
     struct live_page live = {{.kind = PAGE_LIVE, .put_data = put_live}, options, plan->scene};
     *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
-    return page_allows(plan, err) && make_notes(plan, notes, err) &&
+    return page_allows(plan, err) && notes_of_plan(plan, SOME_PIXELS, notes, err) &&
            page_write(&live.page, options->output, &out->bytes, &options->outputs, err);
 }

@@ -44,7 +44,6 @@ small="--size 40x30 --wavelengths 400:700:50"
         # shellcheck disable=SC2086
         "$SPECTRAL" $command --json "$tmp/report.json" && "$SPECTRAL" $command --json - >"$tmp/printed.json" &&
             /usr/bin/python3 -m json.tool "$tmp/report.json" >/dev/null &&
-            sed -i 's/"plan": [0-9.e-]*, //' "$tmp/report.json" "$tmp/printed.json" && # its own seconds
             cmp -s "$tmp/report.json" "$tmp/printed.json"
         ok $? "${command%% *} writes its results as JSON, into a file and to standard output"
     done
@@ -75,7 +74,7 @@ small="--size 40x30 --wavelengths 400:700:50"
     exits 2 "an unknown list is bad usage" "$SPECTRAL" list lamps
     exits 0 "plan works without a picture" "$SPECTRAL" plan patches $small
     prints '^bands +7 ' "plan prints the number of bands"
-    prints '^passes +3 ' "plan prints the number of passes"
+    prints '^passes +3$' "plan prints the number of passes"
     prints '^specular +no \(no lit material has gloss\)' "plan prints why an effect is not simulated"
     exits 0 "plan leaves out a light of intensity 0" \
         "$SPECTRAL" plan patches $small --light '1=d65*0'

@@ -64,7 +64,6 @@ FUNCTION_PARAMETERS = 6
 # Name of the size, figure allowed, reason in a sentence. The name is "FILE lines", "FILE code", "ROOM code",
 # "FILE:FUNCTION lines" or "FILE:FUNCTION parameters".
 REASONS = (
-    ("data/base/base.h lines", 175, "every room prints, reads files and takes memory"),
 )
 
 # Functions that only their own file and tests use, each with the reason why a test needs it by itself.

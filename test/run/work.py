@@ -229,7 +229,7 @@ def reasons():
                  "bispectral no (no material has a Donaldson matrix)", "spot no (no light is a spot)",
                  "texture no (no lit material has a texture)", "emission no (no material emits)",
                  "metamer no (no material has a partner)", "flat no (shading is smooth)",
-                 "excitation 0 integrals", "materials 2 (3 terms, at most 2 in one)",
+                 "excitation_integrals 0", "materials 2", "terms 3",
                  "light 1 on (d65, intensity 1)", "light 2 off: intensity 0 (d65, intensity 0)",
                  "light 3 off: spectrum 0 at every wavelength shown (0, intensity 1)",
                  "light 4 off: spectrum 0 at every wavelength shown (gaussian:300,1, intensity 2)"):
