@@ -29,6 +29,10 @@ void print_text(struct printed *to, const char *text);
 /* Prints "NAME  VALUE" in a line of its own, without the value's unprintable characters. */
 void print_fact(struct printed *to, const char *name, const char *value);
 void print_bytes(struct printed *to, const void *bytes, size_t length);
+/* Prints a word of a command as a shell reads it back: in quotes, where a character needs them. */
+void print_shell_word(struct printed *to, const char *word);
+/* Prints a text for XML, with '?' for bytes and characters that XML excludes; NULL: nothing. */
+void print_xml(struct printed *to, const char *text);
 /* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
  * already. Its length stays. */
 char *printed_end(struct printed *printed);

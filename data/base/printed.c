@@ -75,6 +75,43 @@ void print_fact(struct printed *to, const char *name, const char *value)
     print_text(to, "\n");
 }
 
+void print_shell_word(struct printed *to, const char *word)
+{
+    static const char plain[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
+                                "%+,-./:=@_";
+    if (word[0] != '\0' && word[strspn(word, plain)] == '\0') {
+        print_text(to, word);
+        return;
+    }
+    print_text(to, "'");
+    for (; *word != '\0'; word++)
+        if (*word == '\'')
+            print_text(to, "'\\''");
+        else
+            print_bytes(to, word, 1);
+    print_text(to, "'");
+}
+
+/* XML 1.0, production 2, excludes control characters, surrogates, U+FFFE and U+FFFF. */
+void print_xml(struct printed *to, const char *text)
+{
+    static const char *const entities['>' + 1] = {
+        ['&'] = "&amp;", ['<'] = "&lt;", ['>'] = "&gt;", ['"'] = "&quot;"};
+    const unsigned char *at = (const unsigned char *)(text ? text : "");
+    while (*at != '\0') {
+        const int length = utf8_length(at);
+        const bool is_control = *at == 0x7f || (*at < ' ' && *at != '\n' && *at != '\t');
+        const bool is_last = *at == 0xef && at[1] == 0xbf && at[2] >= 0xbe;
+        if (*at <= '>' && entities[*at])
+            print_text(to, entities[*at]);
+        else if (length == 0 || is_control || is_last)
+            print_text(to, "?");
+        else
+            print_bytes(to, at, (size_t)length);
+        at += length > 0 ? length : 1;
+    }
+}
+
 char *printed_end(struct printed *printed)
 {
     print_bytes(printed, "", 0);

@@ -102,20 +102,6 @@ static bool write_files(const struct cost *cost, struct options *options, struct
     return done;
 }
 
-/* Prints a word as a user would type it in a shell. */
-static void print_word(const char *word, struct printed *to)
-{
-    const bool plain = word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                                         "0123456789%+,-./:=@_")] == '\0';
-    print_text(to, plain ? " " : " '");
-    for (; *word; word++)
-        if (*word == '\'')
-            print_text(to, "'\\''");
-        else
-            print(to, "%c", *word);
-    print_text(to, plain ? "" : "'");
-}
-
 static void print_advice(const struct options *options, const char *what,
                          const struct advice *advice, struct printed *to)
 {
@@ -127,12 +113,13 @@ static void print_advice(const struct options *options, const char *what,
               "  as good within noise: %d other%s, whose seconds overlap; this one takes the least "
               "processor time\n",
               advice->n_rivals, advice->n_rivals > 1 ? "s" : "");
-    print_text(to, "  spectral render");
-    print_word(options_scene(options), to);
-    for (int i = 0; i < options->n_recorded; i++)
-        print_word(options->recorded[i], to);
-    for (int i = 0; i < entry->n_words; i++)
-        print_word(entry->words[i], to);
+    print_text(to, "  spectral render ");
+    print_shell_word(to, options_scene(options));
+    for (int i = 0; i < options->n_recorded + entry->n_words; i++) {
+        print_text(to, " ");
+        print_shell_word(to, i < options->n_recorded ? options->recorded[i]
+                                                     : entry->words[i - options->n_recorded]);
+    }
     print_text(to, "\n");
 }
 
