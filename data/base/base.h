@@ -72,7 +72,7 @@ bool builtin_name(const struct builtin_file *file, const char *folder, const cha
 /* Reads a whole file, or a "builtin:..." file. *bytes is allocated, with a NUL behind its *length
  * bytes. Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a
  * NUL byte. The message names `from`, the place that names the file; its path is NULL when the
- * command line names it. */
+ * command line names it. Waits for a pipe only then. */
 bool file_read(const char *path, struct place from, char **bytes, size_t *length,
                struct error *err);
 /* Reads standard input likewise, to its end. Messages call it `name`. */

@@ -252,6 +252,11 @@ ok $? "the file keeps its bytes"
 sed 's/sphere 1/shpere 1/' "$input/a.scene" >"$input/bad.scene"
 from bad.scene 2 "a bad scene from standard input is refused" "$program" plan -
 says '^<stdin>:5:8: error: ' "the message names the place"
+mkfifo "$input/pipe"
+echo 'include pipe' >"$input/names.scene"
+from a.scene 2 "a pipe that a scene names is refused, and not waited for" timeout 20 "$program" plan names.scene
+says '^names.scene:1:9: error: cannot read pipe: it is no regular file' "the message says so"
+from a.scene 0 "a pipe that the shell opened is read" sh -c "sed 's/gold.txt/metals\/gold/' | timeout 20 '$program' plan /dev/stdin"
 exits 2 "an empty standard input is refused" "$SPECTRAL" plan -
 says '^<stdin>: error: the file is empty' "the message says so"
 "$SPECTRAL" plan - 2>"$tmp/err" <&-
