@@ -2,7 +2,6 @@
 /* A folder for files that nobody keeps. It holds a lock as long as its process lives: a later
  * process removes the folders of those that were killed. */
 #define _GNU_SOURCE /* flock */
-#include <dirent.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,31 +17,25 @@
 static const char temporary_prefix[] = "spectral.", kept_prefix[] = ".spectral-unfinished.",
                   pattern[] = "XXXXXX";
 
-/* Opens a folder of this user. Follows no link. Returns -1 where there is none. */
-static int open_own(int parent, const char *name)
+/* Opens a folder of this user. Follows no link. Returns NULL where there is none. */
+static DIR *open_own(int parent, const char *name)
 {
     const int folder = openat(parent, name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
     struct stat status;
+    DIR *entries = NULL;
     if (folder >= 0 && fstat(folder, &status) == 0 && status.st_uid == geteuid())
-        return folder;
-    if (folder >= 0)
+        entries = fdopendir(folder);
+    if (folder >= 0 && !entries)
         close(folder);
-    return -1;
+    return entries;
 }
 
-/* Removes the files in a folder, which holds no folders. */
-static void empty(int folder)
+/* Removes the files in a folder, which holds no folders. Needs no memory. */
+static void empty(DIR *entries)
 {
-    const int copy = dup(folder);
-    DIR *entries = copy >= 0 ? fdopendir(copy) : NULL;
-    if (!entries) {
-        if (copy >= 0)
-            close(copy);
-        return;
-    }
+    rewinddir(entries);
     for (const struct dirent *entry; (entry = readdir(entries));)
-        unlinkat(folder, entry->d_name, 0);
-    closedir(entries);
+        unlinkat(dirfd(entries), entry->d_name, 0);
 }
 
 static bool is_ours(const char *name, const char *prefix)
@@ -60,14 +53,14 @@ static void sweep(const char *parent, const char *prefix)
     for (const struct dirent *entry; (entry = readdir(entries));) {
         if (!is_ours(entry->d_name, prefix))
             continue;
-        const int folder = open_own(dirfd(entries), entry->d_name);
-        if (folder < 0)
+        DIR *folder = open_own(dirfd(entries), entry->d_name);
+        if (!folder)
             continue;
-        if (flock(folder, LOCK_EX | LOCK_NB) == 0) {
+        if (flock(dirfd(folder), LOCK_EX | LOCK_NB) == 0) {
             empty(folder);
             unlinkat(dirfd(entries), entry->d_name, AT_REMOVEDIR);
         }
-        close(folder);
+        closedir(folder);
     }
     closedir(entries);
 }
@@ -83,9 +76,10 @@ static bool make(const char *parent, const char *prefix, struct folder *out)
         if (!mkdtemp(path))
             return false;
         memcpy(out->path, path, sizeof path);
-        out->lock = open_own(AT_FDCWD, path);
-        if (out->lock >= 0 && (flock(out->lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
-            fstat(out->lock, &status) == 0 && status.st_nlink > 0)
+        out->entries = open_own(AT_FDCWD, path);
+        const int lock = out->entries ? dirfd(out->entries) : -1;
+        if (lock >= 0 && (flock(lock, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) &&
+            fstat(lock, &status) == 0 && status.st_nlink > 0)
             return true;
         folder_close(out);
     }
@@ -95,7 +89,7 @@ static bool make(const char *parent, const char *prefix, struct folder *out)
 bool folder_open(struct folder *out, struct error *err)
 {
     const char *given = getenv("TMPDIR"), *parent = given && given[0] ? given : "/tmp";
-    *out = (struct folder){.lock = -1};
+    *out = (struct folder){.entries = NULL};
     sweep(parent, temporary_prefix);
     if (!make(parent, temporary_prefix, out)) {
         error_system(err, "cannot make a temporary folder in %s", parent);
@@ -119,7 +113,7 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
 {
     char parent[sizeof out->path];
     const struct place place = {path, 0, 0};
-    *out = (struct folder){.lock = -1};
+    *out = (struct folder){.entries = NULL};
     if (!file_is_missing(path))
         return error_at(err, place, "this folder exists already; expected a new name");
     find_parent(path, parent);
@@ -139,8 +133,8 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err)
     char parent[sizeof folder->path];
     const mode_t mask = umask(0);
     umask(mask);
-    if (fchmod(folder->lock, 0777 & ~mask) != 0 || fsync(folder->lock) != 0 ||
-        rename(folder->path, path) != 0)
+    const int lock = dirfd(folder->entries);
+    if (fchmod(lock, 0777 & ~mask) != 0 || fsync(lock) != 0 || rename(folder->path, path) != 0)
         return error_cause(err, place, errno, "cannot make the folder");
     folder->path[0] = '\0';
     find_parent(path, parent);
@@ -154,11 +148,11 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err)
 
 void folder_close(struct folder *folder)
 {
-    if (folder->path[0] && rmdir(folder->path) != 0 && folder->lock >= 0) {
-        empty(folder->lock);
+    if (folder->path[0] && rmdir(folder->path) != 0 && folder->entries) {
+        empty(folder->entries);
         rmdir(folder->path);
     }
-    if (folder->lock >= 0)
-        close(folder->lock);
-    *folder = (struct folder){.lock = -1};
+    if (folder->entries)
+        closedir(folder->entries);
+    *folder = (struct folder){.entries = NULL};
 }

@@ -4,6 +4,8 @@
 #ifndef OUTPUT_H
 #define OUTPUT_H
 
+#include <dirent.h>
+
 #include "data/base/base.h"
 
 /* ---- output.c: files that appear whole or not at all ---- */
@@ -83,7 +85,7 @@ bool output_spares(const char *output, const char *input, struct error *err);
 
 struct folder {
     char path[4096]; /* Linux takes no longer one; "": there is none */
-    int lock;        /* -1: there is none */
+    DIR *entries; /* holds the lock; open, as listing a folder needs memory; NULL: there is none */
 };
 /* Makes a folder in TMPDIR, or /tmp. Removes those of processes that were killed. */
 bool folder_open(struct folder *out, struct error *err);

@@ -4,7 +4,6 @@
  * sees whether the file's process still lives. */
 #define _GNU_SOURCE /* O_TMPFILE */
 #include <ctype.h>
-#include <dirent.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>

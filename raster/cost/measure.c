@@ -49,14 +49,6 @@ static bool open_folder(struct measurement *measurement, struct error *err)
     return true;
 }
 
-/* Removes the two files by their names, since listing a folder needs memory. */
-static void close_folder(struct measurement *measurement)
-{
-    unlink(measurement->stack);
-    unlink(measurement->summary);
-    folder_close(&measurement->folder);
-}
-
 /* ---- jobs for processes of their own ---- */
 
 struct task {
@@ -433,10 +425,10 @@ static bool measure(struct measurement *measurement, struct error *err)
 
 bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {.options = options, .folder = {.lock = -1}, .cost = out};
+    struct measurement measurement = {.options = options, .cost = out};
     measurement.shown = progress_start(&measurement.line, options->quiet || options->quick);
     *out = (struct cost){.quick = options->quick, .scouting = options->quick, .floor = floor};
     const bool done = measure(&measurement, err);
-    close_folder(&measurement);
+    folder_close(&measurement.folder);
     return done;
 }

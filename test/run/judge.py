@@ -21,6 +21,7 @@ import tifffile
 sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, bail_out, check, done, write
 
+FAIL = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
 DRAW = os.path.join(TMP, "draw")
 DRAWN = os.path.join(TMP, "drawn")
 SIZE = (90, 60)
@@ -285,6 +286,14 @@ def whole_or_not():
         process.send_signal(signal.SIGINT)
         check(process.wait() == -signal.SIGINT and "new" not in os.listdir(folder), f"an interruption after {wait} s makes no folder",
               process.returncode, os.listdir(folder))
+    statuses, left = set(), set()
+    for allocation in (*range(500, 1000, 20), 9000):
+        result = subprocess.run([SPECTRAL, "export", "patches", "-o", os.path.join(folder, "new")], check=False, stderr=subprocess.PIPE,
+                                env={**os.environ, "FAIL": f"own:{allocation}+", "LD_PRELOAD": FAIL})
+        statuses.add(result.returncode)
+        left |= set(os.listdir(folder)) - {*own, "new"}
+        shutil.rmtree(os.path.join(folder, "new"), ignore_errors=True)
+    check(statuses == {0, 3} and not left, "without memory, it leaves no folder", statuses, left)
     run("export", "patches", "-o", os.path.join(folder, "new"))
     check(sorted(os.listdir(folder)) == sorted((*own, "new")),
           "the next export removes what an interrupted one has left, and no other folder",

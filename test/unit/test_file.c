@@ -346,7 +346,7 @@ static void check_folders(void)
     folder_close(&other);
     CHECK(access(file, F_OK) != 0 && count_entries() == before + 1,
           "a folder goes with all that is in it");
-    close(own.lock); /* as if its process had been killed */
+    closedir(own.entries); /* as if its process had been killed */
     snprintf(file, sizeof file, "%s/file", own.path);
     put(file, "x", 1);
     CHECK(folder_open(&other, &err) && access(own.path, F_OK) != 0,
