@@ -150,7 +150,7 @@ run_tests() {
     if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT|REPLAY|ratios[.]py'; then
         build_tests
     fi
-    if chosen_need 'from attacked'; then
+    if chosen_need 'from attacked|FAIL_LIBRARY'; then
         mkdir -p "$BUILD/test"
         build_preloaded test/attack/fail.c "$FAIL_LIBRARY"
     fi

@@ -31,6 +31,8 @@ void print_fact(struct printed *to, const char *name, const char *value);
 void print_bytes(struct printed *to, const void *bytes, size_t length);
 /* Prints a blank and the word as a shell reads it: between quotes, unless it needs none. */
 void print_shell(struct printed *to, const char *word);
+/* Prints a text for XML, with '?' for bytes and characters that XML excludes; NULL: nothing. */
+void print_xml(struct printed *to, const char *text);
 /* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
  * already. Its length stays. */
 char *printed_end(struct printed *printed);
@@ -71,7 +73,7 @@ bool builtin_name(const struct builtin_file *file, const char *folder, const cha
 /* Reads a whole file, or a "builtin:..." file. *bytes is allocated, with a NUL behind its *length
  * bytes. Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a
  * NUL byte. The message names `from`, the place that names the file; its path is NULL when the
- * command line names it. */
+ * command line names it. Waits for a pipe only then. */
 bool file_read(const char *path, struct place from, char **bytes, size_t *length,
                struct error *err);
 /* Reads standard input likewise, to its end. Messages call it `name`. */

@@ -121,16 +121,18 @@ static bool read_open(struct reading *of, int descriptor, size_t capacity, struc
 static bool read_path(struct reading *of, struct error *err)
 {
     struct stat status;
-    const int descriptor = open_readable(of->path, of->from, 0, &status, err);
+    const bool named = of->from.path != NULL;
+    const int descriptor = open_readable(of->path, of->from, named ? O_NONBLOCK : 0, &status, err);
     if (descriptor < 0)
         return false;
     const off_t size = S_ISREG(status.st_mode) ? status.st_size : 0;
     /* One byte is for the NUL, and one for the read that finds the end. */
-    const bool done = size > (off_t)longest_read
-                          ? refuse_reading(err, of, "it is too long for a text file")
-                      : !memory_suffices((double)size, of->from, err, "the text of %s", of->path)
-                          ? false
-                          : read_open(of, descriptor, size > 0 ? (size_t)size + 2 : 1 << 16, err);
+    const bool done =
+        named && !S_ISREG(status.st_mode) ? refuse_reading(err, of, "it is no regular file")
+        : size > (off_t)longest_read ? refuse_reading(err, of, "it is too long for a text file")
+        : !memory_suffices((double)size, of->from, err, "the text of %s", of->path)
+            ? false
+            : read_open(of, descriptor, size > 0 ? (size_t)size + 2 : 1 << 16, err);
     close(descriptor);
     return done;
 }

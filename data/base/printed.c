@@ -47,7 +47,7 @@ void print_text(struct printed *to, const char *text)
 
 void print_shell(struct printed *to, const char *word)
 {
-    const bool plain = word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+    const bool plain = *word && word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
                                          "0123456789%+,-./:=@_")] == '\0';
     print_text(to, plain ? " " : " '");
     for (; *word; word++)
@@ -86,6 +86,26 @@ void print_fact(struct printed *to, const char *name, const char *value)
     hide_unprintable(to->text + start, "");
     to->length = start + strlen(to->text + start);
     print_text(to, "\n");
+}
+
+/* XML 1.0, production 2, excludes control characters, surrogates, U+FFFE and U+FFFF. */
+void print_xml(struct printed *to, const char *text)
+{
+    static const char *const entities['>' + 1] = {
+        ['&'] = "&amp;", ['<'] = "&lt;", ['>'] = "&gt;", ['"'] = "&quot;"};
+    const unsigned char *at = (const unsigned char *)(text ? text : "");
+    while (*at != '\0') {
+        const int length = utf8_length(at);
+        const bool is_control = *at == 0x7f || (*at < ' ' && *at != '\n' && *at != '\t');
+        const bool is_last = *at == 0xef && at[1] == 0xbf && at[2] >= 0xbe;
+        if (*at <= '>' && entities[*at])
+            print_text(to, entities[*at]);
+        else if (length == 0 || is_control || is_last)
+            print_text(to, "?");
+        else
+            print_bytes(to, at, (size_t)length);
+        at += length > 0 ? length : 1;
+    }
 }
 
 char *printed_end(struct printed *printed)

@@ -23,14 +23,13 @@ void chart_text(struct printed *to, const char *text, int most)
     for (; *at != '\0' && most > 0; most--) {
         const int length = utf8_length(at);
         const bool last = most == 1 && at[length > 0 ? length : 1] != '\0';
+        char one[5] = "";
         if (last)
             print_text(to, "…");
         else if (printable_length(at) == 0)
             print_text(to, "\xef\xbf\xbd");
-        else if (strchr("&<>\"", *at))
-            print(to, "&#%d;", *at);
         else
-            print_bytes(to, at, (size_t)length);
+            print_xml(to, memcpy(one, at, (size_t)length));
         at += length > 0 ? length : 1;
     }
 }

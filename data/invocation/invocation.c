@@ -39,8 +39,8 @@ bool scene_refuse(const char *stack, struct error *err)
         return false;
     const bool is_text = strcmp(format, "text") == 0;
     return (!is_text && (!file_is_missing(stack) || scene_is_missing(stack))) ||
-           error_usage(err, "%s is %s, not a stack; spectral render %s writes the stack of a scene",
-                       stack, is_text ? "a text file" : "a scene", stack);
+           error_usage(err, "%s is %s, not a stack; spectral render writes the stack of a scene",
+                       stack, is_text ? "a text file" : "a scene");
 }
 
 bool gives_wavelengths(const struct options *options)

@@ -79,8 +79,7 @@ struct options {
     char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each RECORDED option, its first name; owned */
     int n_operands, n_changes, n_recorded;
     char *named_output; /* of options_name_output; owned */
-    const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file, *junit, *baseline,
-        *reduce;
+    const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file, *junit;
     const char *renderer, *buffer, *depth, *bits, *gl, *driver; /* one of their choices */
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
     const char *tolerance, *budget, *unchecked, *accuracy, *part;
@@ -88,7 +87,7 @@ struct options {
     int threads, runs, memory_mib, max_triangles;
     struct outputs outputs; /* complete; they appear when the command has ended well */
     bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick,
-        measure, update_baseline, still, gallery;
+        measure, still, gallery;
 };
 
 /* The options and operands that a command allows. */

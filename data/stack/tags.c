@@ -56,30 +56,12 @@ static void page_label(const struct stack_options *options, int page, char out[T
         snprintf(out, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
 }
 
-/* Writes '?' for bytes that XML excludes (control characters, no UTF-8), and nothing for NULL. */
-static void put_escaped(struct printed *stream, const char *text)
-{
-    static const char *const entities['>' + 1] = {
-        ['&'] = "&amp;", ['<'] = "&lt;", ['>'] = "&gt;", ['"'] = "&quot;"};
-    const unsigned char *at = (const unsigned char *)(text == NULL ? "" : text);
-    while (*at != '\0') {
-        int length = utf8_length(at);
-        if (*at <= '>' && entities[*at] != NULL)
-            print_text(stream, entities[*at]);
-        else if (length == 0 || *at == 0x7f || (*at < ' ' && *at != '\n' && *at != '\t'))
-            print_text(stream, "?");
-        else
-            print_bytes(stream, at, (size_t)length);
-        at += length > 0 ? length : 1;
-    }
-}
-
 static void put_channel(struct printed *stream, const struct stack_options *options, int page)
 {
     char label[TEXT_SIZE];
     page_label(options, page, label);
     print(stream, "<Channel ID=\"Channel:0:%d\" Name=\"", page);
-    put_escaped(stream, label);
+    print_xml(stream, label);
     print_text(stream, "\" SamplesPerPixel=\"1\"");
     if (options->labels == NULL)
         print(stream, " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"",
@@ -105,9 +87,9 @@ static void put_description(struct printed *stream, const struct stack_writer *w
                        " xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\""
                        " xsi:schemaLocation=\"" OME_SCHEMA " " OME_SCHEMA "/ome.xsd\">\n"
                        "<Image ID=\"Image:0\" Name=\"");
-    put_escaped(stream, options->scene);
+    print_xml(stream, options->scene);
     print(stream, "\"><Description>%s", scale);
-    put_escaped(stream, options->provenance);
+    print_xml(stream, options->provenance);
     if (options->map_bytes > 0)
         print(stream, "object_map: %" PRIu64 " %d\n",
               pages_offset(&writer->pages, options->n_wavelengths), options->map_bytes);
@@ -163,7 +145,7 @@ static void put_gdal(struct printed *stream, const struct stack_writer *writer, 
     if (options->labels == NULL)
         put_gdal_wavelength(stream, options, page);
     print_text(stream, "<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">");
-    put_escaped(stream, label);
+    print_xml(stream, label);
     print(stream,
           "</Item>\n<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
           "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n",

@@ -434,7 +434,7 @@ static bool measure(struct measurement *measurement, struct error *err)
 
 bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {.options = options, .folder = {.entries = NULL}, .cost = out};
+    struct measurement measurement = {.options = options, .cost = out};
     measurement.shown = progress_start(&measurement.line, options->quiet || options->quick);
     *out = (struct cost){.quick = options->quick, .scouting = options->quick, .floor = floor};
     const bool done = measure(&measurement, err);

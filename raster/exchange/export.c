@@ -21,17 +21,13 @@ static bool write_file(void *of, const char *name, const void *bytes, size_t len
     return file_write(path, bytes, length, NULL, err);
 }
 
-static bool write_files(const struct plan *plan, struct folder *folder, struct error *err)
+static bool find_scale(const struct plan *plan, double *out, struct error *err)
 {
-    const struct file_taker taker = {write_file, folder};
     struct lit_scene lit = {.plan = NULL};
     struct light_work work = {.vertices_lit = 0};
-    char id[DIGEST_TEXT];
-    double full_scale;
     bool clips;
     const bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) &&
-                      find_full_scale(&lit, &full_scale, &clips, err) &&
-                      scene_describe(plan, full_scale, &taker, id, err);
+                      find_full_scale(&lit, out, &clips, err);
     lit_free(&lit);
     return done;
 }
@@ -39,8 +35,14 @@ static bool write_files(const struct plan *plan, struct folder *folder, struct e
 bool export_plan(const struct plan *plan, const char *path, struct error *err)
 {
     struct folder folder;
+    const struct file_taker taker = {write_file, &folder};
+    char id[DIGEST_TEXT];
+    double full_scale;
+    if (!find_scale(plan, &full_scale, err))
+        return false;
     guard_hold();
-    const bool done = folder_open_beside(path, &folder, err) && write_files(plan, &folder, err) &&
+    const bool done = folder_open_beside(path, &folder, err) &&
+                      scene_describe(plan, full_scale, &taker, id, err) &&
                       folder_keep(&folder, path, err);
     folder_close(&folder);
     guard_release();

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The files that another program wrote. */
 #include <errno.h>
-#include <fcntl.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -58,7 +57,7 @@ bool drawn_read_words(const char *path, struct drawn_words *out, struct error *e
     struct place given[DRAWN_WORDS] = {{NULL, 0, 0}};
     struct text text;
     *out = (struct drawn_words){.place = {path, 0, 0}};
-    if (!text_open(&text, path, (struct place){NULL, 0, 0}, err))
+    if (!text_open(&text, path, out->place, err))
         return false;
     bool done = true;
     while (done && text_next_line(&text))
@@ -78,7 +77,7 @@ static bool read_whole(const char *path, int descriptor, size_t length, void *ou
     struct stat status;
     if (fstat(descriptor, &status) != 0)
         return error_cause(err, place, errno, "cannot read");
-    if (!S_ISREG(status.st_mode) || (uint64_t)status.st_size != length)
+    if ((uint64_t)status.st_size != length)
         return error_at(err, place, "expected a file of %zu bytes, found %lld", length,
                         (long long)status.st_size);
     errno = 0;
@@ -90,13 +89,13 @@ bool drawn_read_file(const char *folder, const char *name, size_t length, void *
                      struct error *err)
 {
     char path[4096 + FILE_NAME];
+    const struct builtin_file *builtin;
+    int descriptor;
     snprintf(path, sizeof path, "%.4095s/%s", folder, name);
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
-    if (found)
-        *found = descriptor >= 0 || errno != ENOENT;
-    if (descriptor < 0)
-        return (found && !*found) ||
-               error_cause(err, (struct place){path, 0, 0}, errno, "cannot open the pixels");
+    if (found && !(*found = !file_is_missing(path)))
+        return true;
+    if (!file_open(path, (struct place){path, 0, 0}, &descriptor, &builtin, err))
+        return false;
     const bool done = read_whole(path, descriptor, length, out, err);
     close(descriptor);
     return done;

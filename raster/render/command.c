@@ -28,13 +28,12 @@ static const char *asks_check(const struct options *options)
 }
 
 /* Refuses the name of a stack that ends like that of a picture. */
-static bool check_stack_name(const struct options *options, const char *path, struct error *err)
+static bool check_stack_name(const char *path, struct error *err)
 {
     return !path || !picture_is_png(path) ||
            error_at(err, (struct place){path, 0, 0},
-                    "render writes a stack, which is a TIFF; expected .tif (for a picture type: "
-                    "spectral view %s -o %s)",
-                    options_scene(options), path);
+                    "render writes a stack, which is a TIFF; expected .tif (spectral view writes "
+                    "pictures)");
 }
 
 /* Refuses such an option beside --no-check, and a map of an unknown format. */
@@ -44,7 +43,7 @@ static bool check_asked(const struct options *options, const struct render_outpu
     const char *checks = options->no_check ? asks_check(options) : NULL;
     if (checks)
         return error_usage(err, "%s needs the check that --no-check leaves out", checks);
-    return check_stack_name(options, output->path, err) &&
+    return check_stack_name(output->path, err) &&
            (!output->check_map || picture_accepts(output->check_map, err));
 }
 
@@ -125,9 +124,11 @@ static bool print_header(const char *stack, bool written, struct printed *to, st
     const bool done = header ? written || file_is_regular(header, &older, err) : error_memory(err);
     if (done && written)
         print(to, "header            %s\n", header);
-    else if (older)
-        print(to, "header            %s is of an older stack; spectral envi %s renews it\n", header,
-              stack);
+    else if (older) {
+        print(to, "header            %s is of an older stack; spectral envi", header);
+        print_shell(to, stack);
+        print_text(to, " renews it\n");
+    }
     free(header);
     return done;
 }

@@ -255,6 +255,15 @@ static void json_failure(struct json *json, const struct plan *plan,
         band_name(plan, first->band, page);
     json_string(json, "page", has_band ? page : NULL);
     json_string(json, "object", object_name(plan, first->surface));
+    if (first->kind == FAILURE_TRIANGLE) { /* numbers as spectral export has them; 0: background */
+        json_count(json, "shown_instance", (uint64_t)first->shown.surface + 1);
+        json_number(json, "shown_triangle",
+                    first->shown.surface < 0 ? no_figure : (double)first->shown.triangle);
+    } else {
+        json_number(json, "found", first->seen);
+        json_number(json, "expected", first->expected);
+        json_number(json, "bound", first->bound);
+    }
     json_close(json, '}');
 }
 

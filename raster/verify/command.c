@@ -3,7 +3,6 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "raster/verify/verify.h"
 
@@ -44,29 +43,11 @@ static bool write_junit(const struct verification *of, struct options *options, 
     return done;
 }
 
-static bool write_baseline(const struct verification *of, struct options *options,
-                           struct error *err)
-{
-    struct printed printed = {.text = NULL};
-    baseline_print(of, &printed);
-    char *text = printed_end(&printed);
-    const bool done =
-        text ? file_write(options->baseline, text, strlen(text), &options->outputs, err)
-             : error_memory(err);
-    free(text);
-    return done;
-}
-
-static bool write_files(const struct verification *of, struct options *options, struct error *err)
+static bool write_json(const struct verification *of, struct options *options, struct error *err)
 {
     struct json json;
-    if (options->json) {
-        verify_json(of, &json);
-        if (!json_write(&json, options->json, &options->outputs, err))
-            return false;
-    }
-    return (!options->junit || write_junit(of, options, err)) &&
-           (!options->update_baseline || write_baseline(of, options, err));
+    verify_json(of, &json);
+    return json_write(&json, options->json, &options->outputs, err);
 }
 
 /* A driver that draws some scenes and fails at others differs from what it should do. */
@@ -97,43 +78,23 @@ static bool conclude(const struct verification *of, struct error *err)
 static bool report(const struct verification *of, struct options *options, struct error *err)
 {
     struct printed table = {.text = NULL};
-    int differences = 0;
-    const bool compares = options->baseline && !options->update_baseline;
-    if (!options->quiet)
+    if (!options->quiet) {
         verify_print(of, &table);
-    bool done = !compares || baseline_compare(of, options->baseline, &table, &differences, err);
-    if (!options->quiet)
         verify_print_failures(of, options, &table);
-    if (done && options->reduce)
-        done = verify_reduce(of, options, &table, err);
-    done = printed_show(&table,
-                        options_table(options, options->junit ? options->junit : options->baseline),
-                        err) &&
-           done && write_files(of, options, err);
-    if (!done || options->update_baseline)
-        return done;
-    if (!compares)
-        return conclude(of, err);
-    return differences == 0 || error_different(err,
-                                               "%d results are not as in %s (--update-baseline "
-                                               "takes them)",
-                                               differences, options->baseline);
+    }
+    return printed_show(&table, options_table(options, options->junit), err) &&
+           (!options->json || write_json(of, options, err)) &&
+           (!options->junit || write_junit(of, options, err)) && conclude(of, err);
 }
 
 /* ---- the command ---- */
 
 static bool check_options(const struct options *options, struct error *err)
 {
-    if (options->update_baseline && !options->baseline)
-        return error_usage(err, "--update-baseline needs --baseline FILE");
     if (options->renderer && strcmp(options->renderer, "raster") == 0)
         return error_usage(err,
                            "the reference needs no verification; --renderer is that of OpenGL");
-    if (options->reduce && !file_is_missing(options->reduce))
-        return error_usage(err, "--reduce makes the folder %.200s, which exists already",
-                           options->reduce);
-    return output_can_open(options->json, err) && output_can_open(options->junit, err) &&
-           (!options->update_baseline || output_can_open(options->baseline, err));
+    return output_can_open(options->json, err) && output_can_open(options->junit, err);
 }
 
 bool command_verify(struct options *options, struct error *err)

@@ -52,7 +52,8 @@ static void put_first(struct options *options, struct option_change change)
     options->n_changes++;
 }
 
-void verify_place(struct options *options, const struct verify_scene *scene)
+/* Puts a scene in the place of the operands, with the changes that come before the user's. */
+static void place_scene(struct options *options, const struct verify_scene *scene)
 {
     options->operand = options->operands[0] = scene->path;
     options->n_operands = 1;
@@ -73,7 +74,7 @@ static bool judge(void *context, void *out, struct error *err)
     options.renderer = task->driver->renderer[0] ? task->driver->renderer : NULL;
     options.json = options.output = NULL;
     options.quiet = true;
-    verify_place(&options, task->scene);
+    place_scene(&options, task->scene);
     const bool done = render_with_options(&options, &output, NULL, err);
     ((struct verify_result *)out)->seconds = clock_seconds() - start;
     return done;

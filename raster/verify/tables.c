@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The results as a table, as JSON and as JUnit's XML. */
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,16 +10,33 @@
 
 enum { MANY = 10 }; /* more scenes than a person named */
 
+/* Returns a part in percent. NaN: there is no whole. */
 static double percent(uint64_t part, uint64_t whole)
 {
-    return whole ? 100 * (double)part / (double)whole : 100;
+    return whole ? 100 * (double)part / (double)whole : (double)NAN;
+}
+
+/* Returns the floor that a part of the object pixels do not exceed. NaN: there are none. */
+static double floor_of(const struct check_verdict *check, double part)
+{
+    return check->floor.n ? floor_quantile(&check->floor, part) : (double)NAN;
+}
+
+static void print_floor(struct printed *to, double floor)
+{
+    if (isnan(floor))
+        print(to, " %9s", "-");
+    else
+        print(to, " %9.3g", floor);
 }
 
 /* Cuts a share down, so that only a whole one is printed as 100. */
 static void print_share(struct printed *to, uint64_t part, uint64_t whole)
 {
-    const double value = percent(part, whole);
-    print(to, " %6.2f", part < whole && value > 99.99 ? 99.99 : value);
+    if (whole == 0)
+        print(to, " %6s", "-");
+    else
+        print(to, " %6.2f", part < whole ? fmin(percent(part, whole), 99.99) : 100.0);
 }
 
 static void print_result(const char *name, const struct verify_result *result, struct printed *to)
@@ -26,8 +44,8 @@ static void print_result(const char *name, const struct verify_result *result, s
     const struct check_verdict *check = &result->check;
     print(to, "  %-28s %-13s", name, verify_words[result->outcome]);
     if (result->outcome != VERIFY_FAILED) {
-        print(to, " %9.3g %9.3g", floor_quantile(&check->floor, 0.5),
-              floor_quantile(&check->floor, 0.999));
+        print_floor(to, floor_of(check, 0.5));
+        print_floor(to, floor_of(check, 0.999));
         for (int i = 0; i < FLOOR_LEVELS; i++)
             print_share(to, check->floor.within[i], check->objects);
         print(to, " %9llu %8.2f", (unsigned long long)check->pixels, result->seconds);
@@ -97,21 +115,14 @@ void verify_print(const struct verification *of, struct printed *to)
                    "checked within so many counts of 65535\n");
 }
 
-static bool begins_with(const char *word, const char *const *list)
+/* Prints the options of the command line but those of the driver. */
+static void print_options(const struct options *options, struct printed *to)
 {
-    while (*list && strncmp(word, *list, strlen(*list)) != 0)
-        list++;
-    return *list;
-}
-
-void verify_print_options(const struct options *options, bool scene, struct printed *to)
-{
-    static const char *const other[] = {"--buffer=", "--strict", "--unchecked=", NULL};
-    static const char *const driver[] = {"--gl=", "--renderer=", NULL};
     for (int i = 0; i < options->n_recorded; i++) {
         const char *word = options->recorded[i];
-        if (begins_with(word, other) || (scene && !begins_with(word, driver)))
-            print(to, " '%s'", word);
+        if (strncmp(word, "--gl=", 5) == 0 || strncmp(word, "--renderer=", 11) == 0)
+            continue;
+        print_shell(to, word);
     }
 }
 
@@ -128,10 +139,12 @@ void verify_print_failures(const struct verification *of, const struct options *
                 print_text(to, "\nto repeat what failed:\n");
             any = true;
             driver_options(&of->drivers[d], by);
-            print(to, "  spectral render %s -o /dev/null%s", of->scenes[s].path, by);
+            print_text(to, "  spectral render");
+            print_shell(to, of->scenes[s].path);
+            print(to, " -o /dev/null%s", by);
             if (of->scenes[s].is_large)
                 print(to, " --wavelengths %s --size %s", usual_wavelengths, usual_size);
-            verify_print_options(options, true, to);
+            print_options(options, to);
             print_text(to, "\n");
         }
 }
@@ -141,6 +154,7 @@ void verify_print_failures(const struct verification *of, const struct options *
 static void json_result(const char *name, const struct verify_result *result, struct json *json)
 {
     const struct check_verdict *check = &result->check;
+    const double ratio = check->samples.worst_ratio; /* -1: there is none */
     json_open(json, NULL, '{');
     json_string(json, "scene", name);
     json_string(json, "verdict", verify_words[result->outcome]);
@@ -154,9 +168,9 @@ static void json_result(const char *name, const struct verify_result *result, st
         json_count(json, "unexplained_pixels", check->unexplained);
         json_count(json, "unchecked_pixels", check->unchecked);
         json_number(json, "max_counts", check->samples.largest);
-        json_number(json, "worst_error_over_bound", check->samples.worst_ratio);
-        json_number(json, "floor_median", floor_quantile(&check->floor, 0.5));
-        json_number(json, "floor_99_9", floor_quantile(&check->floor, 0.999));
+        json_number(json, "worst_error_over_bound", ratio < 0 ? (double)NAN : ratio);
+        json_number(json, "floor_median", floor_of(check, 0.5));
+        json_number(json, "floor_99_9", floor_of(check, 0.999));
         json_number(json, "checked_within_1", percent(check->floor.within[0], check->objects));
         json_number(json, "checked_within_8", percent(check->floor.within[1], check->objects));
         json_number(json, "checked_within_256", percent(check->floor.within[2], check->objects));
@@ -193,28 +207,11 @@ void verify_json(const struct verification *of, struct json *json)
 
 /* ---- JUnit ---- */
 
-/* Prints a text between quotation marks of XML. XML has no control characters but a few. */
-static void print_quoted(struct printed *to, const char *text)
+/* Prints an attribute of XML. */
+static void print_attribute(struct printed *to, const char *name, const char *value)
 {
-    print_text(to, "\"");
-    for (; *text; text++)
-        switch (*text) {
-        case '"':
-            print_text(to, "&quot;");
-            break;
-        case '&':
-            print_text(to, "&amp;");
-            break;
-        case '<':
-            print_text(to, "&lt;");
-            break;
-        case '>':
-            print_text(to, "&gt;");
-            break;
-        default:
-            print(to, "%c", (unsigned char)*text < ' ' ? '?' : *text);
-            break;
-        }
+    print(to, " %s=\"", name);
+    print_xml(to, value);
     print_text(to, "\"");
 }
 
@@ -222,19 +219,17 @@ static void print_case(const struct verify_driver *by, const char *scene,
                        const struct verify_result *result, struct printed *to)
 {
     const bool failed = result->outcome == VERIFY_FAILED;
-    print_text(to, "    <testcase name=");
-    print_quoted(to, scene);
-    print_text(to, " classname=");
-    print_quoted(to, by->names.renderer[0] ? by->names.renderer : by->library);
+    print_text(to, "    <testcase");
+    print_attribute(to, "name", scene);
+    print_attribute(to, "classname", by->names.renderer[0] ? by->names.renderer : by->library);
     print(to, " time=\"%.3f\"", result->seconds);
     if (result->outcome == VERIFY_AGREED) {
         print_text(to, "/>\n");
         return;
     }
-    print(to, ">\n      <%s type=", failed ? "error" : "failure");
-    print_quoted(to, verify_words[result->outcome]);
-    print_text(to, " message=");
-    print_quoted(to, result->text);
+    print(to, ">\n      <%s", failed ? "error" : "failure");
+    print_attribute(to, "type", verify_words[result->outcome]);
+    print_attribute(to, "message", result->text);
     print_text(to, "/>\n    </testcase>\n");
 }
 
@@ -257,8 +252,8 @@ static void print_suite(const struct verification *of, int driver, struct printe
     double seconds = 0;
     driver_options(by, options);
     count_failures(of, driver, &failures, &errors, &seconds);
-    print_text(to, "  <testsuite name=");
-    print_quoted(to, options + 1);
+    print_text(to, "  <testsuite");
+    print_attribute(to, "name", options + 1);
     print(to, " tests=\"%d\" failures=\"%d\" errors=\"%d\" time=\"%.3f\">\n    <properties>\n",
           of->n_scenes, failures, errors, seconds);
     const char *const properties[][2] = {{"program", PROGRAM},
@@ -267,8 +262,9 @@ static void print_suite(const struct verification *of, int driver, struct printe
                                          {"gl_version", by->names.version},
                                          {"driver_profile", by->profile}};
     for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
-        print(to, "      <property name=\"%s\" value=", properties[i][0]);
-        print_quoted(to, properties[i][1]);
+        print_text(to, "      <property");
+        print_attribute(to, "name", properties[i][0]);
+        print_attribute(to, "value", properties[i][1]);
         print_text(to, "/>\n");
     }
     print_text(to, "    </properties>\n");

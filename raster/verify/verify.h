@@ -12,7 +12,7 @@
 /* ---- command.c: spectral verify ---- */
 
 /* Judges scenes on drivers, and prints a table. Fails with EXIT_DIFFERENT where a picture differs,
- * or is not verified; with --baseline where a result is not that of the baseline. */
+ * or is not verified. */
 bool command_verify(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
@@ -49,8 +49,6 @@ extern const char usual_size[], usual_wavelengths[];
 /* Draws and judges a scene in a process of its own, which a driver may end. Fails where it is
  * interrupted, or the scene is wrong: every other failure is a result. The options are those of the
  * command. */
-/* Puts a scene in the place of the operands, with the changes that come before the user's. */
-void verify_place(struct options *options, const struct verify_scene *scene);
 bool verify_run(const struct options *options, const struct verify_driver *driver,
                 const struct verify_scene *scene, struct verify_result *out, struct error *err);
 
@@ -71,48 +69,6 @@ const struct verify_result *result_of(const struct verification *of, int driver,
 /* Writes the driver's options: " --gl egl --renderer softpipe". */
 void driver_options(const struct verify_driver *driver, char out[64]);
 
-/* ---- case.c: a scene in its parts ---- */
-
-/* An object, or the part of one that has one material. */
-struct reduced_object {
-    struct mesh mesh; /* owned */
-    int material;     /* of the scene */
-    bool two_sided;
-    char *placement; /* the words that place it; owned; NULL: its vertices are placed */
-};
-/* The kinds of parts that are kept or not. Triangles are those of all objects, in order. */
-enum reduced_kind {
-    REDUCED_BANDS,
-    REDUCED_OBJECTS,
-    REDUCED_LIGHTS,
-    REDUCED_AMBIENTS,
-    REDUCED_TRIANGLES,
-    REDUCED_KINDS
-};
-struct reduced {
-    const struct scene *scene; /* it must outlive this */
-    struct reduced_object *objects;
-    int n_objects, n[REDUCED_KINDS], width, height;
-    bool *kept[REDUCED_KINDS];
-};
-/* Keeps everything. reduced_free accepts what a failure left. */
-bool reduced_open(const struct scene *scene, struct reduced *out, struct error *err);
-void reduced_free(struct reduced *of);
-
-/* ---- write.c ---- */
-
-enum { REDUCED_PATH = 4096 + 128 };
-/* Writes "case.scene", and the meshes and tables that it names, into an existing folder. */
-bool reduced_write(const struct reduced *of, const char *folder, struct error *err);
-
-/* ---- reduce.c ---- */
-
-/* Makes the first failure of all results as small as it stays a failure of the same kind, and
- * writes it into the folder options->reduce, which must not exist. Does nothing where all agree.
- * Prints how small it became. */
-bool verify_reduce(const struct verification *of, const struct options *options, struct printed *to,
-                   struct error *err);
-
 /* ---- tables.c ---- */
 
 void verify_print(const struct verification *of, struct printed *to);
@@ -120,18 +76,7 @@ void verify_print(const struct verification *of, struct printed *to);
 void verify_print_failures(const struct verification *of, const struct options *options,
                            struct printed *to);
 void verify_json(const struct verification *of, struct json *json);
-/* Prints the options of the command line but those of drivers; `scene`: those of the scene, too. */
-void verify_print_options(const struct options *options, bool scene, struct printed *to);
 /* The format that continuous integration reads: a suite is a driver, a case a scene. */
 void verify_junit(const struct verification *of, struct printed *to);
-
-/* ---- baseline.c ---- */
-
-/* Writes the results as a baseline: a line each. */
-void baseline_print(const struct verification *of, struct printed *to);
-/* Compares the results with a baseline file. Prints a line for each that is not as there;
- * *differences: how many. A failure that the baseline does not have is one, too. */
-bool baseline_compare(const struct verification *of, const char *path, struct printed *to,
-                      int *differences, struct error *err);
 
 #endif

@@ -166,7 +166,7 @@ small="--size 40x30 --wavelengths 400:700:50"
     exits 2 "two outputs do not share standard output" "$SPECTRAL" render patches $small -o - --json -
     says 'name the same file' "the message names both options"
     exits 2 "a stack is no PNG" "$SPECTRAL" render patches $small -o "$tmp/none.png"
-    says 'none.png: error: render writes a stack, which is a TIFF; .*: spectral view patches -o .*/none.png' \
+    says 'none.png: error: render writes a stack, which is a TIFF; .*spectral view writes pictures' \
         "the message has the command for a picture"
     absent "$tmp/none.png" "a stack is no PNG"
     exits 2 "a map of another format is refused" "$SPECTRAL" render patches $small -o "$tmp/none" --check-map "$tmp/map.gif"
@@ -251,6 +251,11 @@ ok $? "the file keeps its bytes"
 sed 's/sphere 1/shpere 1/' "$input/a.scene" >"$input/bad.scene"
 from bad.scene 2 "a bad scene from standard input is refused" "$program" plan -
 says '^<stdin>:5:8: error: ' "the message names the place"
+mkfifo "$input/pipe"
+echo 'include pipe' >"$input/names.scene"
+from a.scene 2 "a pipe that a scene names is refused, and not waited for" timeout 20 "$program" plan names.scene
+says '^names.scene:1:9: error: cannot read pipe: it is no regular file' "the message says so"
+from a.scene 0 "a pipe that the shell opened is read" sh -c "sed 's/gold.txt/metals\/gold/' | timeout 20 '$program' plan /dev/stdin"
 exits 2 "an empty standard input is refused" "$SPECTRAL" plan -
 says '^<stdin>: error: the file is empty' "the message says so"
 "$SPECTRAL" plan - 2>"$tmp/err" <&-

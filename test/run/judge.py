@@ -21,6 +21,7 @@ import tifffile
 sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, bail_out, check, done, write
 
+FAIL = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
 DRAW = os.path.join(TMP, "draw")
 DRAWN = os.path.join(TMP, "drawn")
 SIZE = (90, 60)
@@ -240,8 +241,23 @@ def refusals(scene):
         refused(f"{name} is too short", rf"{name}: error: expected a file of \d+ bytes, found 100", *words)
         os.remove(os.path.join(DRAWN, name))
         if name[0] == "c":
-            refused(f"{name} is missing", rf"{name}: error: cannot open the pixels: No such file", *words)
+            refused(f"{name} is missing", rf"{name}: error: cannot read .*{name}: No such file", *words)
+            os.mkfifo(os.path.join(DRAWN, name))
+            refused(f"{name} is a pipe", rf"{name}: error: cannot read .*{name}: it is no regular file", *words)
+            os.remove(os.path.join(DRAWN, name))
             shutil.copy(colours(0), colours(3))
+    os.mkfifo(os.path.join(DRAWN, "numbers.bin"))
+    refused("numbers.bin is a pipe", "numbers.bin: it is no regular file", *words)
+    os.remove(os.path.join(DRAWN, "numbers.bin"))
+    os.remove(drawn)
+    os.mkfifo(drawn)
+    refused("drawn.txt is a pipe", "drawn.txt: it is no regular file", *words)
+    os.remove(drawn)
+    with open(drawn, "w") as file:
+        file.write(text)
+    os.symlink("/dev/zero", os.path.join(DRAWN, "depths.bin"))
+    refused("depths.bin is a device", "depths.bin: it is no regular file", *words)
+    os.remove(os.path.join(DRAWN, "depths.bin"))
     refused("no pixels", "needs SCENE and PIXELS", "judge", scene)
     refused("a missing folder", "nosuch", "judge", scene, path("nosuch"), *COMMON)
     refused("no folder to write", "needs -o FOLDER", "export", scene)
@@ -270,6 +286,14 @@ def whole_or_not():
         process.send_signal(signal.SIGINT)
         check(process.wait() == -signal.SIGINT and "new" not in os.listdir(folder), f"an interruption after {wait} s makes no folder",
               process.returncode, os.listdir(folder))
+    statuses, left = set(), set()
+    for allocation in (*range(500, 1000, 20), 9000):
+        result = subprocess.run([SPECTRAL, "export", "patches", "-o", os.path.join(folder, "new")], check=False, stderr=subprocess.PIPE,
+                                env={**os.environ, "FAIL": f"own:{allocation}+", "LD_PRELOAD": FAIL})
+        statuses.add(result.returncode)
+        left |= set(os.listdir(folder)) - {*own, "new"}
+        shutil.rmtree(os.path.join(folder, "new"), ignore_errors=True)
+    check(statuses == {0, 3} and not left, "without memory, it leaves no folder", statuses, left)
     run("export", "patches", "-o", os.path.join(folder, "new"))
     check(sorted(os.listdir(folder)) == sorted((*own, "new")),
           "the next export removes what an interrupted one has left, and no other folder",

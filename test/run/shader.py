@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Checks --renderer gl-shader and es-shader: pictures agree with the reference on both of Mesa's drivers, OpenGL 3.3 core
-and OpenGL ES 3 draw the same bits, four passes are drawn at once, a planted fault is found and reduced, and an OpenGL ES
+and OpenGL ES 3 draw the same bits, four passes are drawn at once, a planted fault is found, and an OpenGL ES
 that cannot read depths is not said to be checked there. FULL: all scenes at 300x200, and 200 random ones. Prints TAP."""
 import json
 import os
@@ -93,17 +93,8 @@ def work():
 def faults():
     fault = {"SPOIL": "diffuse", "LD_PRELOAD": SPOIL}
     for name in ("gl-shader", "es-shader") if FULL else ("es-shader",):
-        folder = os.path.join(TMP, f"case-{name}")
-        subprocess.run(["rm", "-rf", folder], check=True)
-        driver = ("--gl", "egl", "--renderer", name)
-        result = run("verify", "room", *driver, "--reduce", folder, **fault)
-        check(result.returncode == 1 and os.path.exists(f"{folder}/README.txt"), f"{name}: weak light is found, and reduced", result.stderr)
-        text = open(f"{folder}/case.scene").read()
-        triangles = sum(line.startswith("f ") for file in os.listdir(folder) if file.endswith(".obj") for line in open(os.path.join(folder, file)))
-        bands = len(re.search("^wavelengths list (.*)$", text, re.MULTILINE).group(1).split())
-        check(triangles <= 3 and bands <= 2, f"{name}: to {triangles} triangles and {bands} wavelengths")
-        check(run("verify", f"{folder}/case.scene", *driver, **fault).returncode == 1, f"{name}: it is found again in the case")
-        check(run("verify", f"{folder}/case.scene", *driver).returncode == 0, f"{name}: without the fault the case agrees")
+        result = run("verify", "room", "--gl", "egl", "--renderer", name, **fault)
+        check(result.returncode == 1 and "differs" in result.stdout, f"{name}: weak light is found", result.stdout, result.stderr)
 
 
 def limits():

@@ -1,8 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Runs spectral verify: its verdicts are those of render, JUnit's XML is read by a real reader, a baseline parts known
-failures from new ones, planted faults are found on each library and reduced to a case that fails by itself, and a driver
-that crashes does not end the run. With FULL, more faults are reduced. Prints TAP."""
+"""Runs spectral verify: its verdicts are those of render, JUnit's XML is read by real readers, planted faults are found, the
+commands that it prints repeat them, and a driver that crashes does not end the run. Prints TAP."""
 import json
 import os
 import re
@@ -11,10 +10,12 @@ import signal
 import subprocess
 import sys
 import time
+import xml.etree.ElementTree
 
 from junitparser import JUnitXml
 
 sys.dont_write_bytecode = True
+import documents
 from rendered import SPECTRAL, TMP, check, done, write
 
 SPOIL = os.path.abspath(os.environ.get("SPOIL_LIBRARY", "build/test/spoil.so"))
@@ -88,78 +89,48 @@ def failures():
         check(again.returncode == 1 and message in again.stderr and "--strict" in command, f"it repeats the failure: {command}", again.stderr)
 
 
-def baselines():
-    remove("base.txt")
-    words = ("verify", "patches", "hard/mirror", *LLVMPIPE, "--baseline", path("base.txt"))
-    check(run(*words).returncode == 2, "a missing baseline is refused")
-    check(run(*words, "--update-baseline").returncode == 0, "a baseline is written")
-    lines = open(path("base.txt")).read().splitlines()
-    check(len(lines) == 3 and re.fullmatch(r'"OSMesa" "llvmpipe .*" "patches" agreed 0', lines[1]), "it has a line a scene", lines)
-    check(run(*words).returncode == 0, "nothing has changed")
-    result = run(*words, FAULT="5", LD_PRELOAD=FAULTS)
-    check(result.returncode == 1 and "2 results are not as in" in result.stderr and
-          re.search(r"^patches --gl osmesa --renderer llvmpipe: differs, \d+ pixels not explained; in the baseline agreed, 0 pixels$",
-                    result.stdout, re.MULTILINE), "new failures fail", result.stdout, result.stderr)
-    check(run(*words, "--update-baseline", FAULT="5", LD_PRELOAD=FAULTS).returncode == 0, "the failures are taken into the baseline")
-    check(run(*words, FAULT="5", LD_PRELOAD=FAULTS).returncode == 0, "known failures do not fail")
-    result = run(*words)
-    check(result.returncode == 1 and "; in the baseline differs, " in result.stdout, "a failure that is gone is a difference, too", result.stdout)
-    with open(path("base.txt"), "a") as file:
-        file.write('"OSMesa" "llvmpipe" "patches" wrong 0\n')
-    result = run(*words)
-    check(result.returncode == 2 and re.match(re.escape(path("base.txt")) + r":4:31: error: ", result.stderr), "a wrong line is refused at its place",
-          result.stderr)
+def names():
+    """A name may have blanks, quotes, and bytes that are no UTF-8."""
+    scene = os.fsencode(path("it's a \"b\" & <c> ")) + b"\xff\x01.scene"
+    with open(scene, "wb") as file, open("data/builtin/hard/mirror.scene", "rb") as mirror:
+        file.write(mirror.read())
+    result = run("verify", scene, *LLVMPIPE, "--unchecked", "0", "--junit", path("names.xml"), "--quiet", FAULT="5", LD_PRELOAD=FAULTS)
+    case = xml.etree.ElementTree.parse(path("names.xml")).find("testsuite/testcase")
+    check(result.returncode == 1 and case.get("name").endswith("it's a \"b\" & <c> ??.scene"), "XML has a scene's name, if not its strange bytes",
+          case.attrib, result.stderr)
+    os.rename(scene, path("it's a \"b\".scene"))
+    result = run("verify", path("it's a \"b\".scene"), *LLVMPIPE, "--ambient", "d65*0.5", FAULT="5", LD_PRELOAD=FAULTS)
+    command = result.stdout.split("to repeat what failed:\n  spectral ")[1]
+    again = subprocess.run(["sh", "-c", f"{shlex.quote(SPECTRAL)} {command}"], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                           universal_newlines=True, env={**os.environ, "FAULT": "5", "LD_PRELOAD": FAULTS})
+    check(again.returncode == 1 and again.stderr.startswith("error: the pictures differ at "), "a shell repeats the failure of such a scene", command,
+          again.stderr)
 
 
-def size_of(folder):
-    text = open(os.path.join(folder, "case.scene")).read()
-    triangles = sum(line.startswith("f ") for name in os.listdir(folder) if name.endswith(".obj") for line in open(os.path.join(folder, name)))
-    return triangles, len(re.search("^wavelengths list (.*)$", text, re.MULTILINE).group(1).split())
+def nothing_checked():
+    """A scene without objects has no object pixels: there is no floor and no share."""
+    empty = write("empty.scene", "wavelengths 400 700 100\nsize 30 20\nlight d65 1 direction 0 0 1\n")
+    result = run("verify", empty, *LLVMPIPE, "--json", path("empty.json"))
+    with open(path("empty.json")) as file:
+        found = json.load(file)["drivers"][0]["scenes"][0]
+    check(found["verdict"] == "agreed" and found["object_pixels"] == 0 and all(found[key] is None for key in (
+        "worst_error_over_bound", "floor_median", "floor_99_9", "checked_within_1", "checked_within_8", "checked_within_256")),
+        "JSON says null where nothing was checked", found)
+    check(re.search(r"^  \S*empty.scene +agreed +- +- +- +- +- +600 ", result.stdout, re.MULTILINE), "and the table has no figure there", result.stdout)
 
 
-def reduced(name, words, environment):
-    """Reduces a failure. Its case fails again, and agrees without the fault."""
-    folder = path(f"case-{name}")
-    subprocess.run(["rm", "-rf", folder], check=True)
-    result = run("verify", *words, "--reduce", folder, **environment)
-    check(result.returncode == 1 and os.path.exists(f"{folder}/README.txt"), f"{name}: a fault is found, and reduced", result.stdout, result.stderr)
-    triangles, bands = size_of(folder)
-    check(triangles <= 3 and bands <= 2, f"{name}: to {triangles} triangles and {bands} wavelengths")
-    driver = words[words.index("--gl"):]
-    again = run("render", f"{folder}/case.scene", *driver, "-o", "/dev/null", **environment)
-    readme = open(f"{folder}/README.txt").read()
-    message = again.stderr[len("error: "):].split("; no stack")[0]
-    check(again.returncode == 1 and message in readme and "Why no rounding explains it" in readme,
-          f"{name}: the case fails by itself, as its README says", again.stderr, readme)
-    check(run("verify", f"{folder}/case.scene", *driver, **environment).returncode == 1, f"{name}: verify finds it in the case")
-    check(run("render", f"{folder}/case.scene", *driver, "-o", "/dev/null").returncode == 0, f"{name}: without the fault the case agrees")
-    result = run("verify", *words, "--reduce", folder, **environment)
-    check(result.returncode == 2 and "exists already" in result.stderr, f"{name}: an existing folder is refused", result.stderr)
-
-
-def reductions():
-    faults = {"FAULT": "1", "LD_PRELOAD": FAULTS}
-    reduced("triangle", ("colorchecker", *LLVMPIPE), faults)
-    if os.environ.get("FULL"):
-        reduced("band", ("fluorescence", *LLVMPIPE), {**faults, "FAULT": "65"})
-        reduced("lights", ("metals", *LLVMPIPE), {**faults, "FAULT": "52"})
-    for driver in ("llvmpipe", "softpipe") if os.environ.get("FULL") else ("llvmpipe",):
-        reduced(f"egl-{driver}", ("room", "--gl", "egl", "--renderer", driver), {"SPOIL": "diffuse", "LD_PRELOAD": SPOIL})
-    own = write("own.scene", """wavelengths 400 700 100
-size 90 60
-camera perspective 40 eye 0 0 6
-light d65*0.5 1 position 2 2 5 spot 0 0 -1 60 2
-light blackbody:3000 0.5 direction 0 1 1
-ambient gaussian:550,80 0.1
-material m { diffuse 0.6 specular 0.3 gloss 20 texture checks }
-material n { diffuse 0.3 metamer m }
-checker materials.list torus 0.3 0.6 8 12
-object sphere 0.8 12 8 material m two-sided rotate 30 0 1 0 scale 1 -1.2 1 translate -1 0 0
-object mesh chair materials own.map translate 1 0 0
-""")
-    write("own.map", "* material n\n")
-    write("materials.list", "builtin:materials/metals/gold.txt\nbuiltin:materials/metals/copper.txt\n")
-    reduced("own", (own, *LLVMPIPE), {"SPOIL": "diffuse", "LD_PRELOAD": SPOIL})
+def compared():
+    """The recipe of the page finds what has changed, and passes over what has not."""
+    recipe = re.search(r"^verdicts\(\).*?(?=^```$)", documents.read("verification.md"), re.MULTILINE | re.DOTALL).group(0)
+    before, after = recipe.replace("--gl egl", "--gl osmesa --renderer llvmpipe").rsplit("\n", 2)[:2]
+    definition = before.splitlines()[0]
+    fault = f"export FAULT=5 LD_PRELOAD={FAULTS}\n"
+    for name, first, second, status in (("nothing", "", "", 0), ("a new failure", "", fault, 1), ("a known failure", fault, fault, 0),
+                                        ("a failure that is gone", fault, "", 1)):
+        subprocess.run(["sh", "-c", first + before], check=True, cwd=TMP, stderr=subprocess.DEVNULL)
+        result = subprocess.run(["sh", "-c", second + definition + "\n" + after], check=False, cwd=TMP, stdout=subprocess.PIPE,
+                                stderr=subprocess.DEVNULL, universal_newlines=True)
+        check(result.returncode == status and bool(result.stdout) == bool(status), f"diff of two tables finds {name}", result.stdout)
 
 
 def crashes():
@@ -172,8 +143,7 @@ def crashes():
 
 
 def refusals():
-    for words, status, pattern in ((("nosuch",), 2, "no file nosuch"), (("--update-baseline",), 2, "--baseline FILE"),
-                                   (("--renderer", "raster"), 2, "needs no verification"), (("--gl", "egl:60"), 3, "there is no egl:60")):
+    for words, status, pattern in ((("nosuch",), 2, "no file nosuch"), (("--renderer", "raster"), 2, "needs no verification"), (("--gl", "egl:60"), 3, "there is no egl:60")):
         result = run("verify", "patches" if words[0].startswith("-") else "spheres", *words)
         check(result.returncode == status and result.stderr.count("\n") == 1 and re.search(pattern, result.stderr), f"refused: {' '.join(words)}",
               result.stderr)
@@ -190,8 +160,10 @@ def refusals():
 four_drivers()
 everything()
 failures()
-baselines()
-reductions()
+names()
+nothing_checked()
+documents.put_in_path()
+compared()
 crashes()
 refusals()
 done()

@@ -78,6 +78,9 @@ static bool refuses_read(const char *path, const char *with)
 
 static void check_reads(void)
 {
+    struct error err = {0};
+    char *bytes;
+    size_t length;
     char path[PATH_SIZE], folder[PATH_SIZE];
     char large[200001];
     temporary("read", path);
@@ -93,7 +96,11 @@ static void check_reads(void)
     CHECK(refuses_read(path, "byte 3 is NUL"), "a NUL byte is refused and its place named");
     CHECK(truncate(path, (off_t)1 << 40) == 0 && refuses_read(path, "too long"),
           "a terabyte is refused before it is read");
-    CHECK(refuses_read("/dev/zero", "byte 1 is NUL"), "an endless file of zeros ends");
+    CHECK(refuses_read("/dev/zero", "no regular file"),
+          "a device is refused where a file names it");
+    CHECK(!file_read("/dev/zero", (struct place){NULL, 0, 0}, &bytes, &length, &err) &&
+              strstr(err.text, "byte 1 is NUL"),
+          "an endless file of zeros ends");
     CHECK(refuses_read(temporary("none", path), "scene:2:3: error: cannot read"),
           "the message for a missing file names the place that refers to it");
     CHECK(refuses_read(temporary(".", folder), "folder"), "a folder is refused as a file");

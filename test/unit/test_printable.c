@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* No byte of a stranger's file drives the terminal: messages, tables and JSON hold printable
- * characters of valid UTF-8 only. */
+ * characters of valid UTF-8 only; XML has its own characters only, and a shell reads a printed word
+ * back. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,8 +35,48 @@ static const struct {
                   {"U+E0041, a tag", "\xf3\xa0\x81\x81", 0},
                   {"U+10FFFF, no character", "\xf4\x8f\xbf\xbf", 0}};
 
+static void check_xml(void)
+{
+    struct printed printed = {.text = NULL};
+    print_xml(&printed,
+              "<a "
+              "b=\"c\">&"
+              "\t\n\x01\x7f\xff\xc3\xa9\xed\xa0\x80\xef\xbf\xbd\xef\xbf\xbe\xef\xbf\xbf\xe2\x82");
+    print_xml(&printed, NULL);
+    char *text = printed_end(&printed);
+    CHECK_TEXT(text,
+               "&lt;a b=&quot;c&quot;&gt;&amp;\t\n?"
+               "?"
+               "?\xc3\xa9?"
+               "?"
+               "?\xef\xbf\xbd?"
+               "?"
+               "?"
+               "?",
+               "XML has no control characters, no surrogates, and neither U+FFFE nor U+FFFF");
+    free(text);
+}
+
+static void check_shell(void)
+{
+    static const char *const words[][2] = {{"--size=9x6", "--size=9x6"},
+                                           {"", "''"},
+                                           {"a b", "'a b'"},
+                                           {"it's", "'it'\\''s'"},
+                                           {"$HOME*\n\xc3\xa9", "'$HOME*\n\xc3\xa9'"}};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        struct printed printed = {.text = NULL};
+        print_shell(&printed, words[i][0]);
+        char *text = printed_end(&printed);
+        CHECK_TEXT(text + 1, words[i][1], "a shell reads back the word %s", words[i][0]);
+        free(text);
+    }
+}
+
 int main(void)
 {
+    check_xml();
+    check_shell();
     for (size_t i = 0; i < sizeof characters / sizeof characters[0]; i++)
         CHECK(printable_length((const unsigned char *)characters[i].bytes) == characters[i].length,
               "%s has %d printable bytes", characters[i].what, characters[i].length);
