@@ -27,7 +27,8 @@ static bool write_page(struct options *options, const struct plan *plan, struct 
                        struct error *err)
 {
     const struct viewer_result *page = &out->page;
-    if (!(options->still
+    const bool still = options->still || !has_live_pages();
+    if (!(still
               ? viewer_write(plan, options->output, &out->page, &out->notes, &options->outputs, err)
               : live_write(plan, options, &out->page, &out->notes, err)))
         return false;
@@ -35,6 +36,10 @@ static bool write_page(struct options *options, const struct plan *plan, struct 
         print(&out->table,
               "objects           %d\nlights            %d\npage              %s, %.2f MB\n",
               page->n_objects, page->n_lights, options->output, (double)page->bytes / 1e6);
+    if (!options->quiet && still && !options->still)
+        print_text(&out->table,
+                   "kind              still: lights and eye can be changed; ./build.sh "
+                   "live makes a program whose pages can change all of the scene\n");
     return true;
 }
 
@@ -156,10 +161,9 @@ static void print_stack(const struct options *options, const struct stack_result
     print(to, "stack             %d x %d pixels, %d bands\n", result->width, result->height,
           result->n_bands);
     if (result->factor > 1)
-        print(to,
-              "reduced           means of %d x %d pixels, to keep to %g MB (--budget); drop the "
-              "stack onto the page to see all of it\n",
-              result->factor, result->factor, budget_mb);
+        print(to, "reduced           means of %d x %d pixels, to keep to %g MB (--budget)%s\n",
+              result->factor, result->factor, budget_mb,
+              has_live_pages() ? "; drop the stack onto the page to see all of it" : "");
     print(to, "page              %s, %.2f MB\n", options->output, (double)result->bytes / 1e6);
 }
 
@@ -221,6 +225,9 @@ bool command_view(struct options *options, struct error *err)
     if (options->gallery && (operand || options->still))
         return error_usage(err, "--gallery is a live page of all built-in scenes; it takes no %s",
                            operand ? "SCENE" : "--still");
+    if (options->gallery && !has_live_pages())
+        return error_usage(err, "--gallery is a live page, and this program writes still ones; "
+                                "./build.sh live makes one that writes both");
     enum image_kind kind = IMAGE_NONE;
     if (operand && !output_is_standard(operand) && !image_kind(operand, &kind, err))
         return false;

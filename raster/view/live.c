@@ -19,13 +19,24 @@ struct live_page {
 
 /* ---- the program ---- */
 
+static const struct builtin_file *find_module(void)
+{
+    const struct builtin_file *file;
+    struct error missing;
+    int descriptor;
+    file_open(BUILTIN_PREFIX "viewer/spectral.wasm.gz", (struct place){NULL, 0, 0}, &descriptor,
+              &file, &missing);
+    return file;
+}
+
+bool has_live_pages(void)
+{
+    return find_module() != NULL;
+}
+
 bool put_module(struct page *page, struct error *err)
 {
-    static const char name[] = BUILTIN_PREFIX "viewer/spectral.wasm.gz";
-    const struct builtin_file *file;
-    int descriptor;
-    if (!file_open(name, (struct place){NULL, 0, 0}, &descriptor, &file, err))
-        return false;
+    const struct builtin_file *file = find_module();
     size_t length;
     char *text = base64_text(file->bytes, file->length, &length);
     if (!text)

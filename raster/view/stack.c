@@ -303,7 +303,7 @@ static bool put_stack(struct page *page, struct error *err)
         return error_memory(err);
     put_base64(&page->text, "stack", text, length);
     free(text);
-    return put_module(page, err);
+    return page->kind == PAGE_STACK || put_module(page, err);
 }
 
 static bool write_bytes(struct stack_page *page, const char *path, bool alone, size_t *bytes,
@@ -318,7 +318,8 @@ bool stack_page_write(const char *stack, const char *path, const struct stack_pa
                       struct stack_result *out, struct outputs *outputs, struct error *err)
 {
     struct shown_stack shown = {.factor = 0};
-    struct stack_page page = {.page = {.kind = PAGE_LIVE, .put_data = put_stack}};
+    struct stack_page page = {
+        .page = {.kind = has_live_pages() ? PAGE_LIVE : PAGE_STACK, .put_data = put_stack}};
     char *bytes = NULL;
     *out = (struct stack_result){.bytes = 0};
     bool done = image_spared(path, stack, err) && cube_open(stack, &shown.cube, err);

@@ -14,6 +14,10 @@
 
 /* ---- live.c: a page that draws the scene itself ---- */
 
+/* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
+ * writes live pages. */
+bool has_live_pages(void);
+
 struct viewer_result {
     size_t bytes;
     int n_objects, n_lights, n_illuminants, n_detectors; /* a live page finds the last two */
@@ -119,14 +123,14 @@ void put_displays(struct json *json);
 
 /* viewer.c: a page from its parts. The kinds of pages embed it as their first member. */
 struct page {
-    enum { PAGE_STILL, PAGE_LIVE } kind;
+    enum { PAGE_STILL, PAGE_STACK, PAGE_LIVE } kind;
     bool (*put_data)(struct page *page, struct error *err); /* puts the data of this page */
     struct printed text;
 };
 /* Put an element of a page: a text in JSON, or in base64. */
 void put_json(struct printed *to, const char *id, const char *json);
 void put_base64(struct printed *to, const char *id, const char *text, size_t length);
-bool put_module(struct page *page, struct error *err); /* live.c: this program, for browsers */
+bool put_module(struct page *page, struct error *err); /* live.c: if this has_live_pages */
 /* Writes the page. outputs get it: see output_pass. */
 bool page_write(struct page *page, const char *path, size_t *bytes, struct outputs *outputs,
                 struct error *err);
