@@ -18,7 +18,7 @@ static void copy_text(const struct gl_functions *call, GLenum name, char out[128
 
 void contexts_identify(const struct contexts *contexts, struct renderer_names *out)
 {
-    snprintf(out->library, sizeof out->library, "%s", contexts_name(contexts));
+    snprintf(out->library, sizeof out->library, "%s", contexts->name);
     copy_text(&contexts->call, GL_RENDERER, out->renderer);
     copy_text(&contexts->call, GL_VERSION, out->version);
 }
@@ -45,7 +45,7 @@ bool contexts_describe(const struct context_wish *wish, struct context_descripti
     const bool done = contexts_open(wish, &contexts, err) &&
                       canvas_open(contexts, &size, &canvas, err) && canvas_use(canvas, pixel, err);
     if (done) {
-        const struct gl_functions *call = contexts_functions(contexts);
+        const struct gl_functions *call = &contexts->call;
         contexts_identify(contexts, &out->names);
         copy_text(call, GL_VENDOR, out->vendor);
         call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, out->largest_viewport);

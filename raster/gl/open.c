@@ -35,10 +35,10 @@ static bool check_canvas(const struct gl *gl, int needed_bits, struct error *err
             err,
             "%s gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
             "and 8 are needed",
-            contexts_name(gl->contexts), red_bits, depth_bits, stencil_bits, needed_bits);
+            gl->contexts->name, red_bits, depth_bits, stencil_bits, needed_bits);
     return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
-           error_unsupported(err, "%s draws at most %d x %d pixels at once",
-                             contexts_name(gl->contexts), viewport[0], viewport[1]);
+           error_unsupported(err, "%s draws at most %d x %d pixels at once", gl->contexts->name,
+                             viewport[0], viewport[1]);
 }
 
 /* Each type of buffer has a context of its own. One context for both would work, but OSMesa of Mesa
@@ -92,7 +92,7 @@ static bool open_canvas(struct gl *gl, int bits, struct canvas **out, struct err
 /* Draws on the canvas for colours from now on. */
 static bool begin(struct gl *gl, struct error *err)
 {
-    gl->mirrors = contexts_mirrored(gl->contexts);
+    gl->mirrors = gl->contexts->mirrored;
     return gl_draw_into(gl, gl->steps ? NULL : gl->buffers[0], false, err);
 }
 
@@ -116,8 +116,8 @@ static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
     driver_count_threads(&before);
     if (!contexts_open(&wish, &gl->contexts, err))
         return false;
-    gl->call = contexts_functions(gl->contexts);
-    gl->flipped = contexts_flipped(gl->contexts);
+    gl->call = &gl->contexts->call;
+    gl->flipped = gl->contexts->flipped;
     return open_canvas(gl, gl->steps ? plan->options.buffer_bits : 32, &gl->colours, err) &&
            (!gl->steps || !plan->options.check || open_canvas(gl, 32, &gl->numbers, err)) &&
            begin(gl, err) && accept_driver(gl, &before, err);

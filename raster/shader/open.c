@@ -29,8 +29,8 @@ static bool check_viewport(struct shader *shader, struct error *err)
     GLint viewport[2] = {0, 0};
     shader->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
     return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
-           error_unsupported(err, "%s draws at most %d x %d pixels at once",
-                             contexts_name(shader->contexts), viewport[0], viewport[1]);
+           error_unsupported(err, "%s draws at most %d x %d pixels at once", shader->contexts->name,
+                             viewport[0], viewport[1]);
 }
 
 static bool allocate(struct shader *shader, int n_buffers, struct error *err)
@@ -89,8 +89,8 @@ static void set_state(struct shader *shader)
     call->DepthFunc(GL_LESS);
     call->ClearColor(0, 0, 0, 0);
     call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
-    shader->flipped = contexts_flipped(shader->contexts);
-    shader->mirrors = contexts_mirrored(shader->contexts);
+    shader->flipped = shader->contexts->flipped;
+    shader->mirrors = shader->contexts->mirrored;
 }
 
 static bool open_all(struct shader *shader, int n_buffers, struct error *err)
@@ -104,7 +104,7 @@ static bool open_all(struct shader *shader, int n_buffers, struct error *err)
     driver_count_threads(&before);
     if (!contexts_open(&wish, &shader->contexts, err))
         return false;
-    shader->call = contexts_functions(shader->contexts);
+    shader->call = &shader->contexts->call;
     if (!open_canvas(shader, err) || !check_viewport(shader, err) || !open_depths(shader, err))
         return false;
     set_state(shader);
