@@ -64,12 +64,11 @@ bool contexts_have(const struct contexts *contexts, const char *extension);
 
 /* ---- describe.c: what can be used ---- */
 
-/* Finds the names of what draws; a canvas is in use. */
-void contexts_identify(const struct contexts *contexts, struct renderer_names *out);
-/* Refuses another driver than the wanted one, which was chosen before the first canvas. wanted:
- * NULL: any. */
-bool contexts_accept(const struct contexts *contexts, const struct renderer_names *names,
-                     const char *wanted, struct error *err);
+/* Finds the names of what draws; a canvas is in use. Refuses a size that is too large for OpenGL,
+ * and another driver than the wanted one, which was chosen before the first canvas. wanted: NULL:
+ * any. */
+bool contexts_accept(const struct contexts *contexts, const struct rectangle *size,
+                     const char *wanted, struct renderer_names *out, struct error *err);
 struct context_description {
     struct renderer_names names;
     char vendor[128];

@@ -185,7 +185,7 @@ bool live_write(const struct plan *plan, struct options *options, struct viewer_
                 struct notes *notes, struct error *err)
 {
     struct live_page live = {{.kind = PAGE_LIVE, .put_data = put_live}, options, plan->scene};
-    *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
+    *out = (struct viewer_result){.bytes = 0};
     return page_allows(plan, err) && make_notes(plan, notes, err) &&
            page_write(&live.page, options->output, &out->bytes, &options->outputs, err);
 }

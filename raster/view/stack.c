@@ -264,8 +264,7 @@ static char *describe(const struct shown_stack *stack, const char *name, struct 
 
 /* ---- a page, or its data alone ---- */
 
-/* Returns the data: the length of the description in 11 digits and a line's end; the description,
- * filled up with blanks; the samples; the objects. Allocated. */
+/* Returns the data: the head, the samples, the objects. Allocated. */
 static char *stack_bytes(const struct shown_stack *stack, const char *name, size_t *length,
                          struct error *err)
 {
@@ -273,10 +272,7 @@ static char *stack_bytes(const struct shown_stack *stack, const char *name, size
     char *json = describe(stack, name, err);
     if (!json)
         return NULL;
-    const size_t filled = (strlen(json) + 3) / 4 * 4;
-    print(&bytes, "%11zu\n", filled);
-    print_text(&bytes, json);
-    print_bytes(&bytes, "   ", filled - strlen(json));
+    put_head(&bytes, json);
     print_bytes(&bytes, stack->samples, stack->n_bytes);
     if (stack->objects)
         print_bytes(&bytes, stack->objects, stack->n_pixels * sizeof *stack->objects);
