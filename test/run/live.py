@@ -346,6 +346,15 @@ def first_edits(browser, which):
             check(seen == float(value), f"{which}: {control} then shows it", seen)
 
 
+def quick_edits(browser, which):
+    """An ambient light that the scene does not have gets one statement, also from the second edit before the picture comes."""
+    browser.open(view(write("dark.scene", "camera ortho 3\nsize 60 40\nmaterial m { diffuse 0.5 }\nobject sphere 1 material m\n")))
+    browser.evaluate("(() => { for (const intensity of [0.25, 0.5]) edit_light('ambients', 0, {intensity}); })()")
+    settle(browser)
+    found = [one for one in text_of(browser).splitlines() if one.startswith("ambient")]
+    check(len(found) == 1 and found[0].endswith(" 0.5"), f"{which}: two quick edits of an ambient light make one statement", found)
+
+
 SHOWN = ("place-x", "gloss", "extent", "eye-x", "look-y", "size-width", "size-height", "lights-1-intensity", "lights-1-place-x",
          "ambients-1-intensity")
 
@@ -630,7 +639,7 @@ BROWSERS = {"Chromium": Browser, "Firefox": Firefox}
 def main():
     for which, kind in BROWSERS.items():
         browser = kind(path_of(which))
-        for part in (policy, gallery, plot, first_edits, controls, opening, mistakes, hostile, stacks):
+        for part in (policy, gallery, plot, first_edits, quick_edits, controls, opening, mistakes, hostile, stacks):
             if which == "Chromium" or part not in SELDOM or os.environ.get("FULL"):
                 part(browser, which)
         if which == "Chromium":
