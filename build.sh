@@ -10,7 +10,8 @@
 #   bench [quick] [--csv FILE]  measures all ratios that the program has goals for; quick: of small pictures
 #   bench effects          measures the seconds of each effect
 #   bench live             measures a live page in two browsers
-#   wasm                   makes data/builtin/viewer/spectral.wasm, the program in the pages of spectral view
+#   live                   makes build/spectral-live, whose pages hold the program, so that they draw a changed scene
+#   live install PREFIX    installs that one
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program
 #   install PREFIX         copies program, manual, samples, ... below PREFIX (below DESTDIR, where that is set)
@@ -20,9 +21,9 @@
 # BUILD (build; the folder for all that is made). On Debian, root installs the packages that are missing.
 
 # Other scripts have the libraries (data/libraries.sh), the files that are compiled in (data/builtin.sh),
-# install and uninstall (data/install.sh), the program for browsers (data/wasi/wasm.sh), the static program and the release (raster/gl/static.sh), the tests
-# (test/run.sh, test/fuzz/fuzz.sh, test/sanitize.sh, test/coverage.sh). Lists are split on purpose.
-# shellcheck disable=SC1091,SC2015,SC2016,SC2034,SC2046,SC2086,SC2154
+# install and uninstall (data/install.sh), the program in live pages (data/wasi/wasm.sh), the static program and
+# the release (raster/gl/static.sh), the tests (test/run.sh, test/fuzz/fuzz.sh, test/sanitize.sh, test/coverage.sh). Lists are split on purpose.
+# shellcheck disable=SC1091,SC2015,SC2016,SC2030,SC2031,SC2034,SC2046,SC2086,SC2154
 set -eu
 export LC_ALL=C
 called_from=$PWD
@@ -41,11 +42,13 @@ hardened_link='-Wl,-z,relro,-z,now,-z,noexecstack'
 threads=-pthread
 mark=made-by-build.sh # a file in each folder that `clean` may delete
 parts=                # packages that become part of the program, with their versions
+live=                 # -live: the program with live pages
 
 usage() { sed -n '3,/^$/s/^# \{0,1\}//p' build.sh; }
 refuse() { echo "${1:-$(usage)}" >&2; exit 2; }
 . data/libraries.sh
 . data/builtin.sh
+. data/wasi/wasm.sh
 
 # A folder that held other files before is not marked.
 prepare() {
@@ -54,6 +57,7 @@ prepare() {
     mkdir -p "$BUILD"
     [ "$BUILD" != build ] && [ -n "$(ls -A "$BUILD")" ] || : >"$BUILD/$mark"
     need_compiler
+    [ -z "$live" ] || add_module
     make_builtin
 }
 
@@ -137,9 +141,9 @@ build() {
     find_sources
     find_libraries
     harden
-    compile obj "$CFLAGS" $sources "$BUILD/builtin.c"
+    compile obj "$CFLAGS" $sources "$BUILD/$builtin"
     list_commands
-    link spectral $objects
+    link "spectral$live" $objects
 }
 
 # The first picture of a new user: a stack, what a person sees, and a page for the browser.
@@ -165,6 +169,7 @@ clean() {
     rm -rf "$BUILD"
 }
 
+case "$*" in live | 'live install '?*) live=-live && shift ;; esac
 case "${*:-build}" in
 build) build ;;
 run) build; first_minute ;;
@@ -172,7 +177,6 @@ test | 'test '* | bench | 'bench '*) . test/run.sh ;;
 fuzz | 'fuzz '*) . test/fuzz/fuzz.sh; shift; fuzz "$@" ;;
 sanitize) . test/sanitize.sh; sanitize ;;
 coverage) . test/coverage.sh; coverage ;;
-wasm | 'wasm '*) [ $# -le 2 ] || refuse; . data/wasi/wasm.sh; wasm_module ${2:-} ;;
 static) . raster/gl/static.sh; static_program ;;
 dist) . raster/gl/static.sh; dist ;;
 'install '?*) [ $# = 2 ] || refuse; build; . data/install.sh; install_program "$2" ;;

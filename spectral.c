@@ -205,7 +205,7 @@ static const struct option known_options[] = {
      "writes there, HTML or .png; - is standard output (default: SCENE's name + .html)", FOR_VIEW,
      TEXT(output), .writes = true},
     {"--still", "the page draws one geometry, and cannot be edited", FOR_VIEW, FLAG(still)},
-    {"--gallery", "a page of all built-in scenes", FOR_VIEW, FLAG(gallery)},
+    {"--gallery", "a live page of all built-in scenes", FOR_VIEW, FLAG(gallery)},
     {"--budget MB", "samples in the page of a stack, at most (default: 40)", FOR_VIEW,
      TEXT(budget)},
     {.heading = "cost:"},

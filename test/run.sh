@@ -139,8 +139,9 @@ run_tests() {
         shift
     fi
     choose "$@"
+    ! chosen_need '[^A-Z]LIVE[^A-Z]' || (live=-live && build)
     build
-    export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
+    export SPECTRAL="$BUILD/spectral" LIVE="$BUILD/spectral-live" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
         FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay" \
         CALLS_LIBRARY="$BUILD/test/calls.so" LIAR_LIBRARY="$BUILD/test/liar.so" SPOIL_LIBRARY="$BUILD/test/spoil.so"
     need perl $([ -z "$scripts" ] || echo $test_packages)
@@ -197,6 +198,7 @@ run_bench() {
     effects | live | '' | quick | '--csv '?* | 'quick --csv '?*) ;;
     *) refuse ;;
     esac
+    [ "$*" != live ] || (live=-live && build)
     build
     if [ "${1:-}" = effects ]; then
         need python3-tifffile python3-numpy
@@ -205,7 +207,7 @@ run_bench() {
     fi
     if [ "${1:-}" = live ]; then
         need chromium firefox-esr
-        /usr/bin/python3 test/bench/bench_live.py "$BUILD/spectral" "$BUILD/tmp/bench"
+        /usr/bin/python3 test/bench/bench_live.py "$BUILD/spectral-live" "$BUILD/tmp/bench"
         return
     fi
     LIBRARY=$BUILD/test/library.a

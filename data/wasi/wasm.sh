@@ -1,36 +1,38 @@
 # SPDX-License-Identifier: MIT
 # shellcheck shell=sh disable=SC2034,SC2086,SC2154
-# The program as WebAssembly, for the pages of spectral view; build.sh reads this. It is the program without
+# The program as WebAssembly, for live pages; build.sh reads this for `live`. It is the program without
 # OpenGL, without processes and without threads; headers beside this file stand for those that its C library
 # lacks. Equal sources make equal bytes wherever Debian's clang has the same version: the link takes no -O,
 # by which clang would call another optimizer where one is installed.
-wasm_file=data/builtin/viewer/spectral.wasm
 wasm_packages='clang lld llvm wasi-libc libclang-rt-dev-wasm32'
 wasm_emulated='-D_WASI_EMULATED_SIGNAL -D_WASI_EMULATED_GETPID -D_WASI_EMULATED_PROCESS_CLOCKS'
 # 4 MiB of stack below all data, so that an overflow is a trap; at most 2 GiB of memory.
 wasm_link='-Wl,--strip-all,--stack-first,-z,stack-size=4194304,--max-memory=2147483648
   -lwasi-emulated-signal -lwasi-emulated-getpid -lwasi-emulated-process-clocks'
 
-# wasm_build FILE, in a shell of its own, which keeps the settings
+# In a shell of its own, which keeps the settings. The module is $BUILD/wasm/spectral.wasm.
 wasm_build() (
     need $wasm_packages
-    CC='clang --target=wasm32-wasi --sysroot=/usr' CFLAGS='' LDFLAGS='' GL=none BUILD=$BUILD/wasm threads=
+    CC='clang --target=wasm32-wasi --sysroot=/usr' CFLAGS='' LDFLAGS='' GL=none BUILD=$BUILD/wasm threads= live=
     CPPFLAGS="$wasm_emulated -isystem data/wasi -include data/wasi/missing.h"
-    left_out='^data/builtin/(hard|viewer)/'
+    left_out='/(hard|viewer)/'
     prepare
     find_sources
     sources="$(printf '%s\n' $sources | grep -Ev '^data/(process|threads)/') $(echo data/process/no_*.c data/threads/no_*.c)"
     find_libraries
     libraries="$libraries $wasm_link"
-    compile obj '-O2 -ffunction-sections -fdata-sections -Wno-missing-braces' $sources "$BUILD/builtin.c"
+    compile obj '-O2 -ffunction-sections -fdata-sections -Wno-missing-braces' $sources "$BUILD/$builtin"
     link spectral.wasm $objects
-    cp "$BUILD/spectral.wasm" "$1"
 )
 
-# wasm_module [FILE] makes the module of the repository, or a copy for a test.
-wasm_module() {
-    set -- "${1:-$wasm_file}"
-    prepare
-    wasm_build "$1"
-    echo "$1: $(wc -c <"$1") bytes, $(gzip -9nc "$1" | wc -c) compressed"
+# Lets the program that is built next hold the parts of live pages and the module, compressed.
+add_module() {
+    wasm_build
+    module=$BUILD/live/viewer/spectral.wasm.gz
+    if [ ! -f "$module" ] || [ "$BUILD/wasm/spectral.wasm" -nt "$module" ]; then
+        mkdir -p "${module%/*}"
+        gzip -9nc "$BUILD/wasm/spectral.wasm" >"$module.new"
+        mv "$module.new" "$module"
+    fi
+    builtin_folders="data/builtin $BUILD/live" left_out='' builtin=builtin-live.c
 }

@@ -86,31 +86,6 @@ void contexts_close(struct contexts *contexts)
     free(contexts);
 }
 
-const struct gl_functions *contexts_functions(const struct contexts *contexts)
-{
-    return &contexts->call;
-}
-
-const char *contexts_name(const struct contexts *contexts)
-{
-    return contexts->name;
-}
-
-enum gl_way contexts_way(const struct contexts *contexts)
-{
-    return contexts->way;
-}
-
-bool contexts_flipped(const struct contexts *contexts)
-{
-    return contexts->flipped;
-}
-
-bool contexts_mirrored(const struct contexts *contexts)
-{
-    return contexts->mirrored;
-}
-
 bool has_extension(const char *list, const char *name)
 {
     const size_t length = strlen(name);

@@ -18,19 +18,29 @@ struct context_wish {
     int threads;
     enum gl_way way; /* by shaders: EGL only */
 };
-struct contexts;
+/* A library in use. */
+struct contexts {
+    const char *name; /* "OSMesa" or "EGL" */
+    enum gl_way way;
+    struct gl_functions call;
+    bool flipped;  /* the first row that OpenGL draws is the top of the picture */
+    bool mirrored; /* the projection must turn y around for this, so that fronts go round with the
+                      clock; known when a canvas is open */
+    struct canvas *current;
+    /* what the library does for a canvas; by osmesa.c or egl.c */
+    const struct context_kind {
+        bool (*open)(struct canvas *canvas, struct error *err);
+        bool (*use)(struct canvas *canvas, struct error *err);
+        void (*fill)(const struct canvas *canvas);
+        void (*close)(struct canvas *canvas);
+        void (*end)(struct contexts *contexts);
+    } * kind;
+    void *own; /* of osmesa.c or egl.c; owned */
+};
 /* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
  * opens one of them. contexts_close frees *out, also after a failure. */
 bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err);
 void contexts_close(struct contexts *contexts); /* NULL is fine; after all of its canvases */
-const struct gl_functions *contexts_functions(const struct contexts *contexts);
-const char *contexts_name(const struct contexts *contexts); /* "OSMesa" or "EGL" */
-enum gl_way contexts_way(const struct contexts *contexts);
-/* True if the first row that OpenGL draws is the top of the picture. */
-bool contexts_flipped(const struct contexts *contexts);
-/* True if the projection must turn y around for this, so that fronts go round with the clock. Known
- * when a canvas is open. */
-bool contexts_mirrored(const struct contexts *contexts);
 
 /* A context with a buffer of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
  * own, and shares no objects. */
@@ -54,12 +64,11 @@ bool contexts_have(const struct contexts *contexts, const char *extension);
 
 /* ---- describe.c: what can be used ---- */
 
-/* Finds the names of what draws; a canvas is in use. */
-void contexts_identify(const struct contexts *contexts, struct renderer_names *out);
-/* Refuses another driver than the wanted one, which was chosen before the first canvas. wanted:
- * NULL: any. */
-bool contexts_accept(const struct contexts *contexts, const struct renderer_names *names,
-                     const char *wanted, struct error *err);
+/* Finds the names of what draws; a canvas is in use. Refuses a size that is too large for OpenGL,
+ * and another driver than the wanted one, which was chosen before the first canvas. wanted: NULL:
+ * any. */
+bool contexts_accept(const struct contexts *contexts, const struct rectangle *size,
+                     const char *wanted, struct renderer_names *out, struct error *err);
 struct context_description {
     struct renderer_names names;
     char vendor[128];
@@ -75,23 +84,6 @@ bool contexts_devices(int *out, struct error *err);
 
 /* ---- inside this room ---- */
 
-/* A library in use. */
-struct contexts {
-    const char *name;
-    bool flipped, mirrored;
-    enum gl_way way;
-    struct gl_functions call;
-    struct canvas *current;
-    /* what the library does for a canvas; by osmesa.c or egl.c */
-    const struct context_kind {
-        bool (*open)(struct canvas *canvas, struct error *err);
-        bool (*use)(struct canvas *canvas, struct error *err);
-        void (*fill)(const struct canvas *canvas);
-        void (*close)(struct canvas *canvas);
-        void (*end)(struct contexts *contexts);
-    } * kind;
-    void *own; /* of osmesa.c or egl.c; owned */
-};
 struct canvas {
     struct contexts *contexts;
     struct canvas_size size;

@@ -16,23 +16,29 @@ static void copy_text(const struct gl_functions *call, GLenum name, char out[128
     snprintf(out, 128, "%s", (const char *)call->GetString(name));
 }
 
-void contexts_identify(const struct contexts *contexts, struct renderer_names *out)
+static void identify(const struct contexts *contexts, struct renderer_names *out)
 {
-    snprintf(out->library, sizeof out->library, "%s", contexts_name(contexts));
+    snprintf(out->library, sizeof out->library, "%s", contexts->name);
     copy_text(&contexts->call, GL_RENDERER, out->renderer);
     copy_text(&contexts->call, GL_VERSION, out->version);
 }
 
-bool contexts_accept(const struct contexts *contexts, const struct renderer_names *names,
-                     const char *wanted, struct error *err)
+bool contexts_accept(const struct contexts *contexts, const struct rectangle *size,
+                     const char *wanted, struct renderer_names *out, struct error *err)
 {
     static const char *const any[] = {
         [GL_WITHOUT_SHADERS] = "gl", [GL_CORE] = "gl-shader", [GL_ES] = "es-shader"};
-    return !wanted || strncmp(names->renderer, wanted, strlen(wanted)) == 0 ||
+    GLint largest[2] = {0, 0};
+    contexts->call.GetIntegerv(GL_MAX_VIEWPORT_DIMS, largest);
+    if (largest[0] < size->width || largest[1] < size->height)
+        return error_unsupported(err, "%s draws at most %d x %d pixels at once", contexts->name,
+                                 largest[0], largest[1]);
+    identify(contexts, out);
+    return !wanted || strncmp(out->renderer, wanted, strlen(wanted)) == 0 ||
            error_unsupported(err,
                              "this %s draws with %.100s, not with %s; --renderer %s takes any "
                              "driver",
-                             names->library, names->renderer, wanted, any[contexts->way]);
+                             out->library, out->renderer, wanted, any[contexts->way]);
 }
 
 bool contexts_describe(const struct context_wish *wish, struct context_description *out,
@@ -45,8 +51,8 @@ bool contexts_describe(const struct context_wish *wish, struct context_descripti
     const bool done = contexts_open(wish, &contexts, err) &&
                       canvas_open(contexts, &size, &canvas, err) && canvas_use(canvas, pixel, err);
     if (done) {
-        const struct gl_functions *call = contexts_functions(contexts);
-        contexts_identify(contexts, &out->names);
+        const struct gl_functions *call = &contexts->call;
+        identify(contexts, &out->names);
         copy_text(call, GL_VENDOR, out->vendor);
         call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, out->largest_viewport);
         call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &out->largest_texture);

@@ -209,7 +209,7 @@ static void print_picture(struct description *to)
 {
     const struct plan *plan = to->plan;
     const struct rectangle picture = plan_picture(plan);
-    const struct matrix projection = pass_projection(plan, &picture);
+    const struct matrix projection = pass_projection(plan, &picture, false);
     print(&to->scene, "size %d %d\nfull-scale %.17g\nshading %s\nviewer %s\nprojection",
           picture.width, picture.height, to->full_scale,
           plan->view.shading == FLAT ? "flat" : "smooth",

@@ -39,8 +39,7 @@ struct gl {
     float *buffers[MOST_BUFFERS], *part; /* part: of some lights; NULL where one pass has all */
     float *shown;                        /* numbers of triangles; NULL: no check */
     void *steps;      /* the same of uint8_t or uint16_t, where `colours` has steps */
-    uint32_t *depths; /* rows from the bottom: 24 bits of depth, 8 of stencil; NULL: no check */
-    bool flipped, mirrors; /* rows of depths lie from the top; the projection turns y around */
+    uint32_t *depths; /* 24 bits of depth, 8 of stencil; NULL: no check */
     bool is_stale[2]; /* of `colours` and `numbers`: the buffer holds colours of another tile */
     struct canvas *current;
     /* the state of `colours`, which is set only where it changes: */
@@ -60,8 +59,6 @@ struct gl {
 bool gl_draw_into(struct gl *gl, float *floats, bool numbers, struct error *err);
 /* Empties what the current context has drawn of another tile. */
 void gl_clear_stale(struct gl *gl);
-/* Returns false after any error of OpenGL since the last call. */
-bool gl_succeeded(const struct gl *gl, struct error *err);
 
 /* ---- upload.c ---- */
 

@@ -15,20 +15,15 @@ static void draw_batch(void *of, const struct numbered_vertex *corners, int n)
     gl->call->DrawArrays(GL_TRIANGLES, 0, n);
 }
 
-static bool draw_numbers(struct gl *gl, struct error *err)
+static void place(void *of, int instance)
 {
-    for (int i = 0; i < gl->plan->n_instances; i++) {
-        if (!surface_reaches(&gl->lit->bounds[i], &gl->tile))
-            continue;
-        gl_load_matrix(gl, &gl->plan->instances[i].instance.model_view);
-        if (!numbered_draw(gl->lit, i, draw_batch, gl, err))
-            return false;
-    }
-    return true;
+    const struct gl *gl = of;
+    gl_load_matrix(gl, &gl->plan->instances[instance].instance.model_view);
 }
 
 static bool draw_instances(struct gl *gl, struct error *err)
 {
+    const struct numbered_draw by = {place, draw_batch, gl};
     const bool is_smooth = gl->plan->scene->shading != SHADING_FLAT;
     gl_clear_stale(gl);
     gl->call->Disable(GL_LIGHTING);
@@ -39,7 +34,7 @@ static bool draw_instances(struct gl *gl, struct error *err)
     gl->call->BindBuffer(GL_ARRAY_BUFFER, 0);
     gl->call->DisableClientState(GL_NORMAL_ARRAY);
     gl->call->EnableClientState(GL_COLOR_ARRAY);
-    const bool done = draw_numbers(gl, err);
+    const bool done = numbers_draw(gl->lit, &gl->tile, &by, err);
     gl->call->DisableClientState(GL_COLOR_ARRAY);
     gl->call->EnableClientState(GL_NORMAL_ARRAY);
     gl->call->Disable(GL_STENCIL_TEST);
@@ -57,7 +52,7 @@ bool gl_identify(struct renderer *renderer, struct error *err)
     canvas_fill(gl->current);
     gl->call->ReadPixels(0, 0, gl->plan->tile_width, gl->plan->tile_height, GL_DEPTH_STENCIL,
                          GL_UNSIGNED_INT_24_8, gl->depths);
-    if (!gl_succeeded(gl, err))
+    if (!functions_succeeded(gl->call, err))
         return false;
     /* OSMesa fills the buffer once more when another context becomes current */
     return !gl->numbers || gl_draw_into(gl, NULL, false, err);
@@ -66,9 +61,5 @@ bool gl_identify(struct renderer *renderer, struct error *err)
 struct shown gl_shown(const struct renderer *renderer, int x, int y)
 {
     const struct gl *gl = (const struct gl *)renderer;
-    size_t width = (size_t)gl->plan->tile_width,
-           row = (size_t)(gl->flipped ? y : gl->plan->tile_height - 1 - y);
-    const float *number = gl->shown + 4 * ((size_t)y * width + (size_t)x);
-    uint32_t depth = gl->depths[row * width + (size_t)x];
-    return shown_of(gl->plan, number, depth);
+    return shown_at(gl->plan, gl->shown, gl->depths, gl->contexts->flipped, x, y);
 }

@@ -6,7 +6,6 @@
 
 #include "raster/context/context.h"
 #include "raster/gl/gl.h"
-#include "raster/traits/traits.h"
 
 /* ---- the driver ---- */
 
@@ -24,21 +23,15 @@ void gl_library(char *out, size_t capacity)
 
 static bool check_canvas(const struct gl *gl, int needed_bits, struct error *err)
 {
-    const struct plan *plan = gl->plan;
-    GLint red_bits = 0, depth_bits = 0, stencil_bits = 0, viewport[2] = {0, 0};
+    GLint red_bits = 0, depth_bits = 0, stencil_bits = 0;
     gl->call->GetIntegerv(GL_RED_BITS, &red_bits);
     gl->call->GetIntegerv(GL_DEPTH_BITS, &depth_bits);
     gl->call->GetIntegerv(GL_STENCIL_BITS, &stencil_bits);
-    gl->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    if (red_bits != needed_bits || depth_bits < 24 || stencil_bits < 8)
-        return error_unsupported(
-            err,
-            "%s gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
-            "and 8 are needed",
-            contexts_name(gl->contexts), red_bits, depth_bits, stencil_bits, needed_bits);
-    return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
-           error_unsupported(err, "%s draws at most %d x %d pixels at once",
-                             contexts_name(gl->contexts), viewport[0], viewport[1]);
+    return (red_bits == needed_bits && depth_bits >= 24 && stencil_bits >= 8) ||
+           error_unsupported(err,
+                             "%s gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
+                             "and 8 are needed",
+                             gl->contexts->name, red_bits, depth_bits, stencil_bits, needed_bits);
 }
 
 /* Each type of buffer has a context of its own. One context for both would work, but OSMesa of Mesa
@@ -89,22 +82,6 @@ static bool open_canvas(struct gl *gl, int bits, struct canvas **out, struct err
     return canvas_open(gl->contexts, &size, out, err);
 }
 
-/* Draws on the canvas for colours from now on. */
-static bool begin(struct gl *gl, struct error *err)
-{
-    gl->mirrors = contexts_mirrored(gl->contexts);
-    return gl_draw_into(gl, gl->steps ? NULL : gl->buffers[0], false, err);
-}
-
-/* Takes the names of what draws, and refuses another driver than the wanted one. */
-static bool accept_driver(struct gl *gl, const struct driver_threads *before, struct error *err)
-{
-    struct renderer_names *names = &gl->renderer.names;
-    contexts_identify(gl->contexts, names);
-    return contexts_accept(gl->contexts, names, gl->plan->options.gl_driver, err) &&
-           driver_has_threads(names->renderer, before, err);
-}
-
 static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
 {
     const struct plan *plan = gl->plan;
@@ -116,17 +93,11 @@ static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
     driver_count_threads(&before);
     if (!contexts_open(&wish, &gl->contexts, err))
         return false;
-    gl->call = contexts_functions(gl->contexts);
-    gl->flipped = contexts_flipped(gl->contexts);
+    gl->call = &gl->contexts->call;
     return open_canvas(gl, gl->steps ? plan->options.buffer_bits : 32, &gl->colours, err) &&
            (!gl->steps || !plan->options.check || open_canvas(gl, 32, &gl->numbers, err)) &&
-           begin(gl, err) && accept_driver(gl, &before, err);
-}
-
-bool gl_succeeded(const struct gl *gl, struct error *err)
-{
-    GLenum code = gl->call->GetError();
-    return code == GL_NO_ERROR || error_system(err, "OpenGL reports error 0x%04x", code);
+           gl_draw_into(gl, gl->steps ? NULL : gl->buffers[0], false, err) &&
+           opened_accept(&gl->renderer, plan, gl->contexts, &before, err);
 }
 
 static void gl_close(struct renderer *renderer)
@@ -156,21 +127,13 @@ static bool set_states(struct gl *gl, struct error *err)
 {
     gl_set_state(gl);
     if (gl->numbers) {
-        if (!gl_succeeded(gl, err) || !gl_draw_into(gl, gl->shown, true, err))
+        if (!functions_succeeded(gl->call, err) || !gl_draw_into(gl, gl->shown, true, err))
             return false;
         gl_set_state(gl);
-        return gl_succeeded(gl, err) && gl_draw_into(gl, NULL, false, err); /* for uploads */
+        return functions_succeeded(gl->call, err) &&
+               gl_draw_into(gl, NULL, false, err); /* for uploads */
     }
-    return gl_succeeded(gl, err);
-}
-
-/* A driver that is not known is measured first. */
-static bool choose_bounds(struct gl *gl, struct error *err)
-{
-    bool measured;
-    return traits_choose(gl->contexts, gl->renderer.names.renderer, gl->plan->options.check,
-                         &gl->renderer.driver, &measured, err) &&
-           (!measured || begin(gl, err));
+    return functions_succeeded(gl->call, err);
 }
 
 bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
@@ -190,5 +153,5 @@ bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, stru
     gl->plan = plan;
     gl->group = -1;
     gl->gloss = -1;
-    return open_canvases(gl, n_buffers, err) && choose_bounds(gl, err) && set_states(gl, err);
+    return open_canvases(gl, n_buffers, err) && set_states(gl, err);
 }

@@ -28,15 +28,13 @@ void gl_load_matrix(const struct gl *gl, const struct matrix *m)
 void gl_load_view(const struct gl *gl)
 {
     const struct rectangle *tile = &gl->tile;
-    struct matrix projection = pass_projection(gl->plan, tile);
-    for (int i = 0; i < 4 && gl->mirrors; i++)
-        projection.row[1][i] = -projection.row[1][i];
+    const struct matrix projection = pass_projection(gl->plan, tile, gl->contexts->mirrored);
     gl->call->MatrixMode(GL_PROJECTION);
     gl_load_matrix(gl, &projection);
     gl->call->MatrixMode(GL_MODELVIEW);
     /* a smaller tile lies in the first rows of the buffer */
-    gl->call->Viewport(0, gl->flipped ? 0 : gl->plan->tile_height - tile->height, tile->width,
-                       tile->height);
+    gl->call->Viewport(0, gl->contexts->flipped ? 0 : gl->plan->tile_height - tile->height,
+                       tile->width, tile->height);
 }
 
 void gl_aim(struct renderer *renderer, const struct rectangle *tile)
@@ -69,7 +67,7 @@ void gl_set_state(const struct gl *gl)
     gl->call->ClearColor(0, 0, 0, 0);
     if (gl->plan->options.check)
         gl->call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP); /* for gl_identify */
-    if (gl->mirrors)
+    if (gl->contexts->mirrored)
         gl->call->FrontFace(GL_CW);
     gl->call->MatrixMode(GL_MODELVIEW);
     gl->call->EnableClientState(GL_VERTEX_ARRAY);
@@ -160,7 +158,7 @@ static void draw_instance(struct gl *gl, int instance)
     if (gl->two_sided != placed->object->two_sided)
         gl->call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     if (gl->mirrored != placed->instance.mirrored)
-        gl->call->FrontFace(placed->instance.mirrored != gl->mirrors ? GL_CW : GL_CCW);
+        gl->call->FrontFace(placed->instance.mirrored != gl->contexts->mirrored ? GL_CW : GL_CCW);
     gl->two_sided = placed->object->two_sided;
     gl->mirrored = placed->instance.mirrored;
     gl_load_matrix(gl, &placed->instance.model_view);
@@ -228,5 +226,5 @@ bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_
         if (group > 0)
             pass_add(gl->plan, gl->part, sum);
     }
-    return gl_succeeded(gl, err);
+    return functions_succeeded(gl->call, err);
 }

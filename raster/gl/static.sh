@@ -30,10 +30,10 @@ static_program() (
     prepare
     find_static_libraries
     parts=$(versions $static_packages)
-    compile obj-static "$CFLAGS" $sources "$BUILD/builtin.c"
-    link spectral-static.symbols $objects
-    strip -o "$BUILD/spectral-static.new" "$BUILD/spectral-static.symbols"
-    mv "$BUILD/spectral-static.new" "$BUILD/spectral-static"
+    compile obj-static "$CFLAGS" $sources "$BUILD/$builtin"
+    link "spectral-static$live.symbols" $objects
+    strip -o "$BUILD/spectral-static.new" "$BUILD/spectral-static$live.symbols"
+    mv "$BUILD/spectral-static.new" "$BUILD/spectral-static$live"
 )
 
 # licences FOLDER writes the versions and copyrights of all that the static program holds beside this
@@ -52,16 +52,18 @@ licences() {
 }
 
 # The archive is the same bytes wherever it is made of the same versions: its date is the manual page's.
+# It has live pages.
 dist() {
+    live=-live
     static_program
     find_osmesa
     version=$(sed -n 's/^#define SPECTRAL_VERSION "\(.*\)"/\1/p' spectral.h)
     name=spectral-$version-linux-$(uname -m)
     rm -rf "${BUILD:?}/$name"
     mkdir "$BUILD/$name" "$BUILD/$name/data"
-    cp "$BUILD/spectral-static" "$BUILD/$name/spectral"
+    cp "$BUILD/spectral-static-live" "$BUILD/$name/spectral"
     cp README.md LICENSE CHANGELOG.md spectral.1 "$BUILD/$name"
-    for folder in $builtin data/gallery data/completion data/samples data/doc; do
+    for folder in data/builtin data/gallery data/completion data/samples data/doc; do
         [ ! -d "$folder" ] || cp -R "$folder" "$BUILD/$name/data"
     done
     licences "$BUILD/$name/licences"

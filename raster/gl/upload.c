@@ -19,22 +19,15 @@ int gl_bind_mesh(const struct gl *gl, int instance)
 
 /* ---- textures ---- */
 
-/* Texels are of single precision: Mesa filters texels of 8 bits with weights of 8 bits. A spectral
- * texture has no texels yet. */
+/* A spectral texture has no texels yet. */
 static bool upload_texture(const struct gl *gl, const struct texture *texture, GLuint *name,
                            struct error *err)
 {
-    GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST, largest = 0;
-    gl->call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-    if (texture->image.width > largest || texture->image.height > largest)
-        return error_system(err, "%.500s: this OpenGL has textures of at most %d texels a side",
-                            texture->image.path, largest);
+    if (!texture_fits(gl->call, texture, err))
+        return false;
     gl->call->GenTextures(1, name);
     gl->call->BindTexture(GL_TEXTURE_2D, *name);
-    gl->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-    gl->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-    gl->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
-    gl->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    texture_repeats(gl->call, texture);
     if (!texture->spectral)
         gl->call->TexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE32F_ARB, texture->image.width,
                              texture->image.height, 0, GL_LUMINANCE, GL_FLOAT, texture->plane[0]);
@@ -70,27 +63,16 @@ void gl_bind_texture(struct gl *gl, const struct texture *texture)
     gl->texture = drawn;
 }
 
-static bool upload_texture_bands(struct gl *gl, int index, int first_band, struct error *err)
-{
-    struct texture *texture = &gl->plan->textures[index];
-    const int width = texture->image.width, height = texture->image.height;
-    float *texels = calloc((size_t)width * (size_t)height, BANDS_PER_PASS * sizeof *texels);
-    const bool done =
-        texels ? pass_texels(gl->plan, texture, first_band, texels, err) : error_memory(err);
-    gl_bind_texture(gl, texture);
-    if (done)
-        gl->call->TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT,
-                             texels);
-    free(texels);
-    return done;
-}
-
 bool gl_upload_bands(struct gl *gl, int first_band, struct error *err)
 {
-    for (int i = 0; i < gl->plan->n_textures; i++)
-        if (gl->textures[i] && gl->plan->textures[i].spectral &&
-            !upload_texture_bands(gl, i, first_band, err))
+    for (int i = 0; i < gl->plan->n_textures; i++) {
+        struct texture *texture = &gl->plan->textures[i];
+        if (!gl->textures[i] || !texture->spectral)
+            continue;
+        gl_bind_texture(gl, texture);
+        if (!texture_upload_bands(gl->call, gl->plan, texture, first_band, err))
             return false;
+    }
     return true;
 }
 
@@ -99,5 +81,5 @@ bool gl_take_scene(struct renderer *renderer, const struct lit_scene *lit, struc
     struct gl *gl = (struct gl *)renderer;
     gl->lit = lit;
     return vertex_buffers_fill(gl->call, lit, &gl->vertices, err) && upload_textures(gl, err) &&
-           gl_succeeded(gl, err);
+           functions_succeeded(gl->call, err);
 }

@@ -33,3 +33,9 @@ bool functions_find(const struct gl_source *in, enum gl_way way, struct gl_funct
     memcpy(out, found, sizeof found); /* all pointers to functions have one size in POSIX */
     return true;
 }
+
+bool functions_succeeded(const struct gl_functions *call, struct error *err)
+{
+    const GLenum code = call->GetError();
+    return code == GL_NO_ERROR || error_system(err, "OpenGL reports error 0x%04x", code);
+}

@@ -130,6 +130,8 @@ struct gl_source {
 };
 bool functions_find(const struct gl_source *in, enum gl_way way, struct gl_functions *out,
                     struct error *err);
+/* Returns false after any error of OpenGL since the last call. */
+bool functions_succeeded(const struct gl_functions *call, struct error *err);
 
 /* ---- program.c: programs of shaders ---- */
 

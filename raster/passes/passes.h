@@ -46,8 +46,8 @@ bool pass_texels(const struct plan *plan, struct texture *texture, int first_ban
 
 /* ---- tile.c ---- */
 
-/* The projection that makes a tile of the picture fill clip space. */
-struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile);
+/* The projection that makes a tile of the picture fill clip space; mirrored: y is turned around. */
+struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
 /* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour
  * buffer to parts of full scale; adds what one group of lights adds to the others. */
 void pass_convert(const struct plan *plan, const void *steps, float *pixels);

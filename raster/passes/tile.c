@@ -9,12 +9,14 @@ static void aim_row(struct matrix *m, int row, double low, double high)
         m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
 }
 
-struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile)
+struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored)
 {
     const double width = plan->view.width, height = plan->view.height;
     struct matrix out = plan->view.projection;
     aim_row(&out, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
     aim_row(&out, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
+    for (int i = 0; i < 4 && mirrored; i++)
+        out.row[1][i] = -out.row[1][i];
     return out;
 }
 

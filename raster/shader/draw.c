@@ -17,7 +17,8 @@ void shader_aim(struct renderer *renderer, const struct rectangle *tile)
     shader->stale = true;
     shader->batch = -1;
     /* a smaller tile lies in the first rows of the buffer */
-    shader->call->Viewport(0, shader->flipped ? 0 : shader->plan->tile_height - tile->height,
+    shader->call->Viewport(0,
+                           shader->contexts->flipped ? 0 : shader->plan->tile_height - tile->height,
                            tile->width, tile->height);
 }
 
@@ -44,9 +45,8 @@ static void set_normals(const struct shader *shader, int at, const struct matrix
 void shader_place(const struct shader *shader, const struct program *program, int instance)
 {
     const struct instance *placed = &shader->plan->instances[instance].instance;
-    struct matrix projection = pass_projection(shader->plan, &shader->tile);
-    for (int i = 0; i < 4 && shader->mirrors; i++)
-        projection.row[1][i] = -projection.row[1][i];
+    const struct matrix projection =
+        pass_projection(shader->plan, &shader->tile, shader->contexts->mirrored);
     const struct matrix to_clip = matrix_product(projection, placed->model_view);
     set_matrix(shader, program->to_clip, &to_clip);
     if (program->to_eye >= 0)
@@ -60,12 +60,6 @@ void shader_clear(struct shader *shader)
     const GLbitfield colours = shader->stale ? GL_COLOR_BUFFER_BIT : 0;
     shader->call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     shader->stale = false;
-}
-
-bool shader_succeeded(const struct shader *shader, struct error *err)
-{
-    const GLenum code = shader->call->GetError();
-    return code == GL_NO_ERROR || error_system(err, "OpenGL reports error 0x%04x", code);
 }
 
 /* ---- a material ---- */
@@ -141,7 +135,8 @@ static bool draw_instance(struct shader *shader, int instance, int group, struct
     shader_place(shader, program, instance);
     if (effects.texture != UNTEXTURED)
         shader_bind_texture(shader, shader->plan->materials[placed->shaded].texture);
-    shader->call->FrontFace(placed->instance.mirrored != shader->mirrors ? GL_CW : GL_CCW);
+    shader->call->FrontFace(placed->instance.mirrored != shader->contexts->mirrored ? GL_CW
+                                                                                    : GL_CCW);
     const int n = shader_bind_mesh(shader, instance);
     shader->call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
     shader->renderer.work.draw_calls++;
@@ -184,7 +179,7 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
             return false;
         take_pixels(shader, group);
     }
-    return shader_succeeded(shader, err);
+    return functions_succeeded(shader->call, err);
 }
 
 bool shader_expect(struct renderer *renderer, const int *first_bands, int n, struct error *err)

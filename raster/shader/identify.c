@@ -19,18 +19,10 @@ static void draw_corners(void *of, const struct numbered_vertex *corners, int n)
     call->DrawArrays(GL_TRIANGLES, 0, n);
 }
 
-static bool draw_numbers(struct shader *shader, const struct program *program, struct error *err)
+static void place(void *of, int instance)
 {
-    shader->call->DisableVertexAttribArray(COORDINATES);
-    shader->call->BindBuffer(GL_ARRAY_BUFFER, shader->stream);
-    for (int i = 0; i < shader->plan->n_instances; i++) {
-        if (!surface_reaches(&shader->lit->bounds[i], &shader->tile))
-            continue;
-        shader_place(shader, program, i);
-        if (!numbered_draw(shader->lit, i, draw_corners, shader, err))
-            return false;
-    }
-    return true;
+    const struct shader *shader = of;
+    shader_place(shader, &shader->numbers, instance);
 }
 
 /* Lets the first n buffers of colours be drawn. */
@@ -53,25 +45,24 @@ static void read_depths(struct shader *shader)
 bool shader_identify(struct renderer *renderer, struct error *err)
 {
     struct shader *shader = (struct shader *)renderer;
-    const struct program *program = program_use_numbers(shader, err);
-    if (!program)
+    const struct numbered_draw by = {place, draw_corners, shader};
+    if (!program_use_numbers(shader, err))
         return false;
     shader_clear(shader);
     choose_colours(shader, 1);
     shader->call->Enable(GL_STENCIL_TEST);
-    const bool done = draw_numbers(shader, program, err);
+    shader->call->DisableVertexAttribArray(COORDINATES);
+    shader->call->BindBuffer(GL_ARRAY_BUFFER, shader->stream);
+    const bool done = numbers_draw(shader->lit, &shader->tile, &by, err);
     shader->call->Disable(GL_STENCIL_TEST);
     choose_colours(shader, shader->n_passes);
     canvas_read(shader->canvas, 0, shader->shown);
     read_depths(shader);
-    return done && shader_succeeded(shader, err);
+    return done && functions_succeeded(shader->call, err);
 }
 
 struct shown shader_shown(const struct renderer *renderer, int x, int y)
 {
     const struct shader *shader = (const struct shader *)renderer;
-    const size_t width = (size_t)shader->plan->tile_width,
-                 row = (size_t)(shader->flipped ? y : shader->plan->tile_height - 1 - y);
-    return shown_of(shader->plan, shader->shown + 4 * ((size_t)y * width + (size_t)x),
-                    shader->depths ? shader->depths[row * width + (size_t)x] : 0);
+    return shown_at(shader->plan, shader->shown, shader->depths, shader->contexts->flipped, x, y);
 }

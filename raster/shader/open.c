@@ -6,32 +6,8 @@
 
 #include "raster/context/context.h"
 #include "raster/shader/shader.h"
-#include "raster/traits/traits.h"
-
-/* ---- the driver ---- */
-
-/* The bounds of raster/bounds hold for the shaders of a known driver as for its own lighting: the
- * shaders do the same operations, and both measure the same (test/run/traits.py). An unknown driver
- * is measured by shaders first. */
-static bool choose_bounds(struct shader *shader, struct error *err)
-{
-    bool measured;
-    return traits_choose(shader->contexts, shader->renderer.names.renderer,
-                         shader->plan->options.check, &shader->renderer.driver, &measured, err) &&
-           (!measured || canvas_use(shader->canvas, shader->ready[0], err));
-}
 
 /* ---- buffers ---- */
-
-static bool check_viewport(struct shader *shader, struct error *err)
-{
-    const struct plan *plan = shader->plan;
-    GLint viewport[2] = {0, 0};
-    shader->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
-           error_unsupported(err, "%s draws at most %d x %d pixels at once",
-                             contexts_name(shader->contexts), viewport[0], viewport[1]);
-}
 
 static bool allocate(struct shader *shader, int n_buffers, struct error *err)
 {
@@ -89,8 +65,6 @@ static void set_state(struct shader *shader)
     call->DepthFunc(GL_LESS);
     call->ClearColor(0, 0, 0, 0);
     call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
-    shader->flipped = contexts_flipped(shader->contexts);
-    shader->mirrors = contexts_mirrored(shader->contexts);
 }
 
 static bool open_all(struct shader *shader, int n_buffers, struct error *err)
@@ -104,15 +78,12 @@ static bool open_all(struct shader *shader, int n_buffers, struct error *err)
     driver_count_threads(&before);
     if (!contexts_open(&wish, &shader->contexts, err))
         return false;
-    shader->call = contexts_functions(shader->contexts);
-    if (!open_canvas(shader, err) || !check_viewport(shader, err) || !open_depths(shader, err))
+    shader->call = &shader->contexts->call;
+    if (!open_canvas(shader, err) || !open_depths(shader, err))
         return false;
     set_state(shader);
-    contexts_identify(shader->contexts, &shader->renderer.names);
-    return contexts_accept(shader->contexts, &shader->renderer.names, options->gl_driver, err) &&
-           choose_bounds(shader, err) &&
-           driver_has_threads(shader->renderer.names.renderer, &before, err) &&
-           shader_succeeded(shader, err);
+    return opened_accept(&shader->renderer, shader->plan, shader->contexts, &before, err) &&
+           functions_succeeded(shader->call, err);
 }
 
 static void shader_close(struct renderer *renderer)

@@ -63,8 +63,8 @@ struct shader {
     int n_passes;                      /* that are drawn at once */
     /* rows of the tile's width from the top, 4 floats a pixel; owned */
     float *buffers[MOST_PIXEL_BUFFERS], *ready[MOST_PASSES], *part, *shown;
-    uint32_t *depths; /* rows from the bottom unless `flipped`; owned */
-    bool flipped, mirrors, stale;
+    uint32_t *depths; /* NULL: no check, or not to be read; owned */
+    bool stale;
     int *order, n_order; /* the first bands that `draw` gets on each tile; owned */
     int batch, n_batch;  /* in `ready`: from this place of the order on, so many; batch -1: none */
     int n_batches;       /* drawn so far */
@@ -92,7 +92,6 @@ bool shader_draw(struct renderer *renderer, int buffer, int first_band, double f
 void shader_place(const struct shader *shader, const struct program *program, int instance);
 /* Empties what was drawn of another tile, and all depths. */
 void shader_clear(struct shader *shader);
-bool shader_succeeded(const struct shader *shader, struct error *err);
 
 /* ---- identify.c ---- */
 

@@ -42,18 +42,13 @@ void shader_bind_texture(const struct shader *shader, const struct texture *text
         bind_unit(shader, index, k);
 }
 
-/* Texels are of single precision, as those of raster/gl. OpenGL ES filters such texels where an
- * extension allows it. */
+/* OpenGL ES filters floats where an extension allows it. */
 static bool upload_texture(const struct shader *shader, int index, struct error *err)
 {
     const struct gl_functions *call = shader->call;
     const struct texture *texture = &shader->plan->textures[index];
-    const GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST;
-    GLint largest = 0;
-    call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-    if (texture->image.width > largest || texture->image.height > largest)
-        return error_system(err, "%.500s: this OpenGL has textures of at most %d texels a side",
-                            texture->image.path, largest);
+    if (!texture_fits(call, texture, err))
+        return false;
     if (texture->linear && shader->plan->options.gl_way == GL_ES &&
         !contexts_have(shader->contexts, "GL_OES_texture_float_linear"))
         return error_unsupported(err,
@@ -62,10 +57,7 @@ static bool upload_texture(const struct shader *shader, int index, struct error 
     call->GenTextures(MOST_PASSES, shader->textures + index * MOST_PASSES);
     for (int k = 0; k < (texture->spectral ? shader->n_passes : 1); k++) {
         bind_unit(shader, index, k);
-        call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-        call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-        call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
-        call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+        texture_repeats(call, texture);
     }
     if (!texture->spectral)
         call->TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, texture->image.width, texture->image.height, 0,
@@ -76,19 +68,13 @@ static bool upload_texture(const struct shader *shader, int index, struct error 
 static bool upload_bands(const struct shader *shader, int index, const int *first_bands, int n,
                          struct error *err)
 {
-    struct texture *texture = &shader->plan->textures[index];
-    const int width = texture->image.width, height = texture->image.height;
-    float *texels = calloc((size_t)width * (size_t)height, BANDS_PER_PASS * sizeof *texels);
-    bool done = texels || error_memory(err);
-    for (int k = 0; k < n && done; k++) {
-        done = pass_texels(shader->plan, texture, first_bands[k], texels, err);
+    for (int k = 0; k < n; k++) {
         bind_unit(shader, index, k);
-        if (done)
-            shader->call->TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F, width, height, 0, GL_RGB,
-                                     GL_FLOAT, texels);
+        if (!texture_upload_bands(shader->call, shader->plan, &shader->plan->textures[index],
+                                  first_bands[k], err))
+            return false;
     }
-    free(texels);
-    return done;
+    return true;
 }
 
 bool shader_upload_bands(struct shader *shader, const int *first_bands, int n, struct error *err)
@@ -117,5 +103,5 @@ bool shader_take_scene(struct renderer *renderer, const struct lit_scene *lit, s
         if (texture_is_drawn(shader->plan, &shader->plan->textures[i]) &&
             !upload_texture(shader, i, err))
             return false;
-    return shader_succeeded(shader, err);
+    return functions_succeeded(shader->call, err);
 }

@@ -40,11 +40,11 @@ bool target_open(struct contexts *contexts, struct target **out, struct error *e
     if (!canvas_open(contexts, &size, &target->canvas, err) ||
         !canvas_use(target->canvas, target->colours, err))
         return false;
-    target->call = contexts_functions(contexts);
+    target->call = &contexts->call;
     target->contexts = contexts;
-    target->way = contexts_way(contexts);
-    target->flipped = contexts_flipped(contexts);
-    target->mirrors = contexts_mirrored(contexts);
+    target->way = contexts->way;
+    target->flipped = contexts->flipped;
+    target->mirrors = contexts->mirrored;
     target->random = 1;
     if (target->way == GL_ES && !contexts_have(contexts, "GL_NV_read_depth_stencil"))
         return error_unsupported(err, "this OpenGL ES cannot read depths, which measurements need");

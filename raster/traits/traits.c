@@ -28,16 +28,16 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
 }
 
 bool traits_choose(struct contexts *contexts, const char *gl_renderer, bool checks,
-                   struct driver *out, bool *measured, struct error *err)
+                   struct driver *out, struct error *err)
 {
     const struct driver *known = driver_of(gl_renderer);
+    struct canvas *in_use = contexts->current;
     struct traits traits;
     char reason[TRAITS_REASON];
     *out = *known;
-    *measured = known == driver_of(NULL) && checks;
-    if (!*measured)
+    if (known != driver_of(NULL) || !checks)
         return true;
-    return traits_measure(contexts, &traits, err) &&
+    return traits_measure(contexts, &traits, err) && canvas_use(in_use, in_use->pixels, err) &&
            (traits_profile(&traits, out, reason) ||
             error_unsupported(err,
                               "%s cannot be checked: %s; spectral drivers --measure prints more",

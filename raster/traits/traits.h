@@ -41,10 +41,10 @@ struct traits {
 bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err);
 
 /* Finds the profile by which a driver is judged: a known one's, or, where pictures are checked, one
- * that is made of measurements; *measured: then the caller must use its canvas again. Fails with
- * EXIT_SYSTEM, and the reason, where the driver cannot be checked. */
+ * that is made of measurements. A canvas is in use, and stays so. Fails with EXIT_SYSTEM, and the
+ * reason, where the driver cannot be checked. */
 bool traits_choose(struct contexts *contexts, const char *gl_renderer, bool checks,
-                   struct driver *out, bool *measured, struct error *err);
+                   struct driver *out, struct error *err);
 
 /* ---- profile.c ---- */
 

@@ -19,27 +19,35 @@ static void number_triangle(const struct mesh *mesh, int triangle, int placed,
     }
 }
 
-bool numbered_draw(const struct lit_scene *lit, int instance,
-                   void (*draw)(void *of, const struct numbered_vertex *corners, int n), void *of,
-                   struct error *err)
+static void draw_instance(const struct lit_scene *lit, int instance, const struct numbered_draw *by,
+                          struct numbered_vertex batch[3 * BATCH])
 {
     const struct mesh *mesh = &lit->plan->meshes[lit->plan->instances[instance].mesh].mesh;
     const bool *hidden = lit->bounds[instance].hidden;
-    struct numbered_vertex *batch = malloc(3 * BATCH * sizeof *batch);
     int n = 0;
-    if (!batch)
-        return error_memory(err);
+    by->place(by->of, instance);
     for (int i = 0; i < mesh->n_triangles; i++) {
         if (hidden && hidden[i])
             continue;
         number_triangle(mesh, i, instance, batch + 3 * (size_t)n++);
         if (n == BATCH) {
-            draw(of, batch, 3 * n);
+            by->draw(by->of, batch, 3 * n);
             n = 0;
         }
     }
     if (n > 0)
-        draw(of, batch, 3 * n);
+        by->draw(by->of, batch, 3 * n);
+}
+
+bool numbers_draw(const struct lit_scene *lit, const struct rectangle *tile,
+                  const struct numbered_draw *by, struct error *err)
+{
+    struct numbered_vertex *batch = malloc(3 * BATCH * sizeof *batch);
+    if (!batch)
+        return error_memory(err);
+    for (int i = 0; i < lit->plan->n_instances; i++)
+        if (surface_reaches(&lit->bounds[i], tile))
+            draw_instance(lit, i, by, batch);
     free(batch);
     return true;
 }

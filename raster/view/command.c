@@ -15,6 +15,7 @@ enum { PAGE_KIND, PICTURE_KIND, PLANES_KIND, DESCRIPTION_KIND };
 
 /* The figures and notes of a page, or of a picture. */
 struct view_report {
+    const struct plan *plan;
     struct viewer_result page;
     uint64_t out_of_gamut; /* pixels of a picture */
     struct refine_result refined;
@@ -22,51 +23,50 @@ struct view_report {
     struct printed table;
 };
 
-static bool write_page(struct options *options, const struct plan *plan, struct view_report *out,
-                       struct error *err)
+static bool is_still(const struct options *options)
 {
-    const struct viewer_result *page = &out->page;
-    if (!(options->still
-              ? viewer_write(plan, options->output, &out->page, &out->notes, &options->outputs, err)
-              : live_write(plan, options, &out->page, &out->notes, err)))
-        return false;
-    if (!options->quiet)
-        print(&out->table,
-              "objects           %d\nlights            %d\npage              %s, %.2f MB\n",
-              page->n_objects, page->n_lights, options->output, (double)page->bytes / 1e6);
-    return true;
+    return options->still || !has_live_pages();
 }
 
-static bool write_planes(struct options *options, const struct plan *plan, struct view_report *out,
+static bool write_output(struct options *options, int kind, struct view_report *report,
                          struct error *err)
 {
-    (void)out;
-    return weights_write(plan, options->output, &options->outputs, err);
+    const struct plan *plan = report->plan;
+    const char *path = options->output;
+    struct outputs *outputs = &options->outputs;
+    switch (kind) {
+    case PICTURE_KIND:
+        return still_write(plan, path, &report->out_of_gamut, &report->notes, outputs, err);
+    case PLANES_KIND:
+        return weights_write(plan, path, outputs, err);
+    case DESCRIPTION_KIND:
+        return description_write(plan, path, outputs, err);
+    default:
+        return is_still(options)
+                   ? viewer_write(plan, path, &report->page, &report->notes, outputs, err)
+                   : live_write(plan, options, &report->page, &report->notes, err);
+    }
 }
 
-static bool write_description(struct options *options, const struct plan *plan,
-                              struct view_report *out, struct error *err)
+static void print_report(const struct options *options, int kind, struct view_report *report)
 {
-    (void)out;
-    return description_write(plan, options->output, &options->outputs, err);
-}
-
-static bool write_still(struct options *options, const struct plan *plan, struct view_report *out,
-                        struct error *err)
-{
+    const struct plan *plan = report->plan;
     const uint64_t n_pixels = (uint64_t)plan->scene->width * (uint64_t)plan->scene->height;
-    out->page = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
-    if (!still_write(plan, options->output, &out->out_of_gamut, &out->notes, &options->outputs,
-                     err))
-        return false;
-    if (!options->quiet)
-        print(&out->table,
-              "objects           %d\nlights            %d\n"
+    struct printed *to = &report->table;
+    print(to, "objects           %d\nlights            %d\n", plan->n_instances, plan->n_lights);
+    if (kind == PICTURE_KIND)
+        print(to,
               "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
               "picture           %s\n",
-              plan->n_instances, plan->n_lights, out->out_of_gamut, n_pixels,
-              100 * (double)out->out_of_gamut / (double)n_pixels, options->output);
-    return true;
+              report->out_of_gamut, n_pixels, 100 * (double)report->out_of_gamut / (double)n_pixels,
+              options->output);
+    else
+        print(to, "page              %s, %.2f MB\n", options->output,
+              (double)report->page.bytes / 1e6);
+    if (kind == PAGE_KIND && is_still(options) && !options->still)
+        print_text(to, "kind              still: lights and eye can be changed; ./build.sh live "
+                       "makes a program whose pages can change all of the scene\n");
+    notes_print(&report->notes, to);
 }
 
 static bool write_json(struct options *options, const struct view_report *report, int kind,
@@ -77,8 +77,8 @@ static bool write_json(struct options *options, const struct view_report *report
     json_begin(&json);
     json_open(&json, NULL, '{');
     json_string(&json, "scene", options_scene(options));
-    json_count(&json, "objects", (uint64_t)page->n_objects);
-    json_count(&json, "lights", (uint64_t)page->n_lights);
+    json_count(&json, "objects", (uint64_t)report->plan->n_instances);
+    json_count(&json, "lights", (uint64_t)report->plan->n_lights);
     if (kind == PICTURE_KIND)
         json_count(&json, "out_of_gamut_pixels", report->out_of_gamut);
     else
@@ -97,17 +97,12 @@ static bool write_json(struct options *options, const struct view_report *report
 static bool view_scene(struct options *options, int kind, struct scene *scene, struct plan *plan,
                        struct view_report *report, struct error *err)
 {
-    static bool (*const write[])(struct options *, const struct plan *, struct view_report *,
-                                 struct error *) = {[PAGE_KIND] = write_page,
-                                                    [PICTURE_KIND] = write_still,
-                                                    [PLANES_KIND] = write_planes,
-                                                    [DESCRIPTION_KIND] = write_description};
     const struct plan_options plan_options = {
         .store_raster = true, .exchangeable = kind != PICTURE_KIND, .threads = options->threads};
     return scene_read_options(options, scene, err) && output_can_open(options->json, err) &&
            plan_make(scene, NULL, &plan_options, plan, err) &&
            refine_options(options, plan, &report->refined, err) &&
-           write[kind](options, plan, report, err) &&
+           write_output(options, kind, report, err) &&
            (!options->json || write_json(options, report, kind, err));
 }
 
@@ -115,12 +110,12 @@ static bool view(struct options *options, int kind, struct error *err)
 {
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
-    struct view_report report = {.out_of_gamut = 0};
+    struct view_report report = {.plan = &plan};
     if (options->accuracy)
         report.notes.refined = &report.refined;
     bool done = view_scene(options, kind, &scene, &plan, &report, err);
     if (done && !options->quiet && kind < PLANES_KIND)
-        notes_print(&report.notes, &report.table);
+        print_report(options, kind, &report);
     done = printed_show(&report.table, options_table(options, options->output), err) && done;
     notes_free(&report.notes);
     refine_result_free(&report.refined);
@@ -154,10 +149,9 @@ static void print_stack(const struct options *options, const struct stack_result
     print(to, "stack             %d x %d pixels, %d bands\n", result->width, result->height,
           result->n_bands);
     if (result->factor > 1)
-        print(to,
-              "reduced           means of %d x %d pixels, to keep to %g MB (--budget); drop the "
-              "stack onto the page to see all of it\n",
-              result->factor, result->factor, budget_mb);
+        print(to, "reduced           means of %d x %d pixels, to keep to %g MB (--budget)%s\n",
+              result->factor, result->factor, budget_mb,
+              has_live_pages() ? "; drop the stack onto the page to see all of it" : "");
     print(to, "page              %s, %.2f MB\n", options->output, (double)result->bytes / 1e6);
 }
 
@@ -201,14 +195,8 @@ static bool view_stack(struct options *options, bool alone, struct error *err)
 
 bool command_view(struct options *options, struct error *err)
 {
-    enum { HTML, HTM, PNG, PLANES, JSON };
-    static const char *const endings[] = {[HTML] = ".html",     [HTM] = ".htm",   [PNG] = ".png",
-                                          [PLANES] = ".planes", [JSON] = ".json", NULL};
-    static const int kinds[] = {[HTML] = PAGE_KIND,
-                                [HTM] = PAGE_KIND,
-                                [PNG] = PICTURE_KIND,
-                                [PLANES] = PLANES_KIND,
-                                [JSON] = DESCRIPTION_KIND};
+    static const char *const endings[] = {".html", ".htm", ".png", ".planes", ".json", NULL};
+    static const int kinds[] = {PAGE_KIND, PAGE_KIND, PICTURE_KIND, PLANES_KIND, DESCRIPTION_KIND};
     int ending;
     const char *subject = options->gallery ? "gallery" : options_scene(options);
     if (!options_name_output(options, subject, ".html", err) ||
@@ -218,6 +206,9 @@ bool command_view(struct options *options, struct error *err)
     if (options->gallery && (operand || options->still))
         return error_usage(err, "--gallery is a live page of all built-in scenes; it takes no %s",
                            operand ? "SCENE" : "--still");
+    if (options->gallery && !has_live_pages())
+        return error_usage(err, "--gallery is a live page, and this program writes still ones; "
+                                "./build.sh live makes one that writes both");
     bool is_stack = false;
     if (operand && !output_is_standard(operand) && !image_is(operand, &is_stack, err))
         return false;

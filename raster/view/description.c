@@ -144,36 +144,24 @@ static bool put_illuminants(struct describer *describer, struct error *err)
     return done;
 }
 
-/* Begins a light of the scene. Adds its illuminant if that is new. */
-static bool open_light(struct describer *describer, const struct spectrum *spectrum,
-                       double intensity, struct error *err)
+/* Puts a light of the scene: its place and its direction or position, as far as they are given.
+ * Adds its illuminant if that is new. */
+static bool put_light(struct describer *describer, const struct spectrum *spectrum,
+                      const struct place *place, double intensity, const struct light *light,
+                      struct error *err)
 {
-    int illuminant = find_illuminant(describer, spectrum, err);
+    struct json *json = &describer->json;
+    const int illuminant = find_illuminant(describer, spectrum, err);
     if (illuminant < 0)
         return false;
-    json_open(&describer->json, NULL, '{');
-    json_count(&describer->json, "illuminant", (uint64_t)illuminant);
-    json_number(&describer->json, "intensity", intensity);
-    return true;
-}
-
-static bool put_ambient(struct describer *describer, const struct ambient *ambient,
-                        struct error *err)
-{
-    if (!open_light(describer, &ambient->spectrum, ambient->intensity, err))
-        return false;
-    put_place(&describer->json, &ambient->place);
-    json_close(&describer->json, '}');
-    return true;
-}
-
-static bool put_light(struct describer *describer, const struct light *light, struct error *err)
-{
-    if (!open_light(describer, &light->spectrum, light->intensity, err))
-        return false;
-    put_place(&describer->json, &light->place);
-    put_vector(&describer->json, light->directional ? "direction" : "position", light->position);
-    json_close(&describer->json, '}');
+    json_open(json, NULL, '{');
+    json_count(json, "illuminant", (uint64_t)illuminant);
+    json_number(json, "intensity", intensity);
+    if (place)
+        put_place(json, place);
+    if (light)
+        put_vector(json, light->directional ? "direction" : "position", light->position);
+    json_close(json, '}');
     return true;
 }
 
@@ -183,15 +171,18 @@ static bool put_lights(struct describer *describer, struct error *err)
     const struct scene *scene = describer->plan->scene;
     bool done = true;
     json_open(&describer->json, "ambients", '[');
-    for (int i = 0; done && i < scene->n_ambients; i++)
-        done = put_ambient(describer, &scene->ambients[i], err);
-    if (scene->n_ambients == 0 &&
-        (done = open_light(describer, &describer->illuminants[0], 0, err)))
-        json_close(&describer->json, '}');
+    for (int i = 0; done && i < scene->n_ambients; i++) {
+        const struct ambient *of = &scene->ambients[i];
+        done = put_light(describer, &of->spectrum, &of->place, of->intensity, NULL, err);
+    }
+    if (scene->n_ambients == 0)
+        done = put_light(describer, &describer->illuminants[0], NULL, 0, NULL, err);
     json_close(&describer->json, ']');
     json_open(&describer->json, "lights", '[');
-    for (int i = 0; done && i < scene->n_lights; i++)
-        done = put_light(describer, &scene->lights[i], err);
+    for (int i = 0; done && i < scene->n_lights; i++) {
+        const struct light *of = &scene->lights[i];
+        done = put_light(describer, &of->spectrum, &of->place, of->intensity, of, err);
+    }
     json_close(&describer->json, ']');
     return done;
 }

@@ -76,7 +76,7 @@ bool viewer_write(const struct plan *plan, const char *path, struct viewer_resul
 {
     struct planes planes = {.n_positions = 0};
     struct still_page still = {{.kind = PAGE_STILL, .put_data = put_still}, plan, &planes, out};
-    *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
+    *out = (struct viewer_result){.bytes = 0};
     const bool done = planes_rasterize(plan, &planes, notes, err) &&
                       page_write(&still.page, path, &out->bytes, outputs, err);
     planes_free(&planes);
@@ -95,35 +95,40 @@ bool description_write(const struct plan *plan, const char *path, struct outputs
     return done;
 }
 
-static bool write_parts(const struct planes *planes, const char *json, const struct output *out)
+void put_head(struct printed *to, const char *json)
 {
-    char head[128];
-    const size_t n_values = (size_t)(planes->n_weights + planes->n_pages) * planes->n_positions,
-                 filled = (strlen(json) + 3) / 4 * 4;
-    const int length = snprintf(head, sizeof head, "%11zu\n", filled);
-    return write_all(out->descriptor, head, (size_t)length) &&
-           write_all(out->descriptor, json, strlen(json)) &&
-           write_all(out->descriptor, "   ", filled - strlen(json)) &&
-           write_all(out->descriptor, planes->values, n_values * sizeof *planes->values) &&
-           write_all(out->descriptor, planes->surface,
-                     planes->n_positions * sizeof *planes->surface);
+    const size_t length = strlen(json), filled = (length + 3) / 4 * 4;
+    print(to, "%11zu\n%s", filled, json);
+    print_bytes(to, "   ", filled - length);
+}
+
+static bool write_parts(const struct planes *planes, const char *head, size_t length,
+                        const struct output *out, struct error *err)
+{
+    const size_t n_values = (size_t)(planes->n_weights + planes->n_pages) * planes->n_positions;
+    return (write_all(out->descriptor, head, length) &&
+            write_all(out->descriptor, planes->values, n_values * sizeof *planes->values) &&
+            write_all(out->descriptor, planes->surface,
+                      planes->n_positions * sizeof *planes->surface)) ||
+           error_system(err, "cannot write %s", out->path);
 }
 
 static bool write_planes(const struct plan *plan, const struct planes *planes, const char *path,
                          struct outputs *outputs, struct error *err)
 {
     struct output out;
+    struct printed printed = {.text = NULL};
     double *scale = scales_of(planes, false);
     char *json = scale ? planes_json(plan, planes, scale) : NULL;
-    free(scale);
-    if (!json)
-        return error_memory(err);
-    const bool opened = output_open(&out, path, err),
-               done = opened &&
-                      (write_parts(planes, json, &out) ||
-                       error_system(err, "cannot write %s", path)) &&
+    if (json)
+        put_head(&printed, json);
+    char *head = json ? printed_end(&printed) : NULL;
+    const bool opened = head ? output_open(&out, path, err) : error_memory(err),
+               done = opened && write_parts(planes, head, printed.length, &out, err) &&
                       output_sync(&out, err);
+    free(scale);
     free(json);
+    free(head);
     if (done)
         return output_pass(&out, outputs, err);
     if (opened)

@@ -18,13 +18,24 @@ struct live_page {
 
 /* ---- the program ---- */
 
+static const struct builtin_file *find_module(void)
+{
+    const struct builtin_file *file;
+    struct error missing;
+    int descriptor;
+    file_open(BUILTIN_PREFIX "viewer/spectral.wasm.gz", (struct place){NULL, 0, 0}, &descriptor,
+              &file, &missing);
+    return file;
+}
+
+bool has_live_pages(void)
+{
+    return find_module() != NULL;
+}
+
 bool put_module(struct page *page, struct error *err)
 {
-    static const char name[] = BUILTIN_PREFIX "viewer/spectral.wasm.gz";
-    const struct builtin_file *file;
-    int descriptor;
-    if (!file_open(name, (struct place){NULL, 0, 0}, &descriptor, &file, err))
-        return false;
+    const struct builtin_file *file = find_module();
     size_t length;
     char *text = base64_text(file->bytes, file->length, &length);
     if (!text)
@@ -163,7 +174,7 @@ bool live_write(const struct plan *plan, struct options *options, struct viewer_
                 struct notes *notes, struct error *err)
 {
     struct live_page live = {{.kind = PAGE_LIVE, .put_data = put_live}, options, plan->scene};
-    *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
+    *out = (struct viewer_result){.bytes = 0};
     return page_allows(plan, err) && notes_of_plan(plan, SOME_PIXELS, notes, err) &&
            page_write(&live.page, options->output, &out->bytes, &options->outputs, err);
 }

@@ -261,8 +261,7 @@ static char *describe(const struct shown_stack *stack, const char *name, struct 
 
 /* ---- a page, or its data alone ---- */
 
-/* Returns the data: the length of the description in 11 digits and a line's end; the description,
- * filled up with blanks; the samples; the objects. Allocated. */
+/* Returns the data: the head, the samples, the objects. Allocated. */
 static char *stack_bytes(const struct shown_stack *stack, const char *name, size_t *length,
                          struct error *err)
 {
@@ -270,10 +269,7 @@ static char *stack_bytes(const struct shown_stack *stack, const char *name, size
     char *json = describe(stack, name, err);
     if (!json)
         return NULL;
-    const size_t filled = (strlen(json) + 3) / 4 * 4;
-    print(&bytes, "%11zu\n", filled);
-    print_text(&bytes, json);
-    print_bytes(&bytes, "   ", filled - strlen(json));
+    put_head(&bytes, json);
     print_bytes(&bytes, stack->samples, stack->n_bytes);
     if (stack->objects)
         print_bytes(&bytes, stack->objects, stack->n_pixels * sizeof *stack->objects);
@@ -300,7 +296,7 @@ static bool put_stack(struct page *page, struct error *err)
         return error_memory(err);
     put_base64(&page->text, "stack", text, length);
     free(text);
-    return put_module(page, err);
+    return page->kind == PAGE_STACK || put_module(page, err);
 }
 
 static bool write_bytes(struct stack_page *page, const char *path, bool alone, size_t *bytes,
@@ -315,7 +311,8 @@ bool stack_page_write(const char *stack, const char *path, const struct stack_pa
                       struct stack_result *out, struct outputs *outputs, struct error *err)
 {
     struct shown_stack shown = {.factor = 0};
-    struct stack_page page = {.page = {.kind = PAGE_LIVE, .put_data = put_stack}};
+    struct stack_page page = {
+        .page = {.kind = has_live_pages() ? PAGE_LIVE : PAGE_STACK, .put_data = put_stack}};
     char *bytes = NULL;
     *out = (struct stack_result){.bytes = 0};
     bool done = cube_open(stack, &shown.cube, err);

@@ -16,9 +16,13 @@
 
 /* ---- live.c: a page that draws the scene itself ---- */
 
+/* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
+ * writes live pages. */
+bool has_live_pages(void);
+
 struct viewer_result {
     size_t bytes;
-    int n_objects, n_lights, n_illuminants, n_detectors; /* a live page finds the last two */
+    int n_illuminants, n_detectors; /* 0: a live page finds them */
 };
 /* Writes a page that holds this program and all files of the scene, to the options' output. The
  * scene was read under marked_name. Makes the notes on the scene. On failure no file has been
@@ -118,10 +122,10 @@ bool page_allows(const struct plan *plan, struct error *err);
  * caller frees *out and *notes, also after a failure. */
 bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes *notes,
                       struct error *err);
-/* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
 /* Writes the differences between neighbours, all low bytes before all high bytes: 2 n bytes. Small
  * and similar numbers compress well. */
 void put_differences(const uint16_t *samples, size_t n, unsigned char *out);
+/* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
 double plane_scale(const struct planes *planes, int plane);
 /* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: differences
  * between neighbours, all low bytes before all high bytes, deflated (RFC 1950), in base64.
@@ -142,16 +146,20 @@ void json_rows(struct json *json, const char *key, const double *rows,
 void put_adaptations(struct json *json);
 void put_displays(struct json *json);
 
+/* drawing.c. Puts the head of data: the length of a description in 11 digits, a line's end, and the
+ * description, filled up with blanks so that numbers can follow. */
+void put_head(struct printed *to, const char *json);
+
 /* viewer.c: a page from its parts. The kinds of pages embed it as their first member. */
 struct page {
-    enum { PAGE_STILL, PAGE_LIVE } kind;
+    enum { PAGE_STILL, PAGE_STACK, PAGE_LIVE } kind;
     bool (*put_data)(struct page *page, struct error *err); /* puts the data of this page */
     struct printed text;
 };
 /* Put an element of a page: a text in JSON, or in base64. */
 void put_json(struct printed *to, const char *id, const char *json);
 void put_base64(struct printed *to, const char *id, const char *text, size_t length);
-bool put_module(struct page *page, struct error *err); /* live.c: this program, for browsers */
+bool put_module(struct page *page, struct error *err); /* live.c: if this has_live_pages */
 /* Writes the page. outputs get it: see output_pass. */
 bool page_write(struct page *page, const char *path, size_t *bytes, struct outputs *outputs,
                 struct error *err);

@@ -40,28 +40,31 @@ void put_base64(struct printed *to, const char *id, const char *text, size_t len
 
 /* ---- the page ---- */
 
-/* The security policy forbids a page to fetch anything. A live page may compile the program that it
- * holds, and run it on a thread of its own. */
+/* The security policy forbids a page to fetch or to send anything. A live page may compile the
+ * program that it holds, and run it on a thread of its own. */
 static const char policy[] =
     "<meta http-equiv=\"Content-Security-Policy\"\n"
     "  content=\"default-src 'none'; script-src 'unsafe-inline'%s; style-src 'unsafe-inline'; "
-    "img-src blob: data:%s\">\n";
+    "img-src blob: data:%s; base-uri 'none'; form-action 'none'\">\n";
 
 static bool put_file(struct page *page, const char *name, struct error *err);
+
+/* Returns whether a file is for pages of other kinds. */
+static bool is_left_out(const struct page *page, const char *name)
+{
+    return (page->kind != PAGE_LIVE && strncmp(name, "live", 4) == 0) ||
+           (page->kind == PAGE_STILL && strncmp(name, "stack", 5) == 0);
+}
 
 /* Puts what a mark stands for. */
 static bool put_marked(struct page *page, const char *name, struct error *err)
 {
-    const bool live = page->kind != PAGE_STILL;
-    if (strcmp(name, "policy") == 0)
-        print(&page->text, policy, live ? " 'wasm-unsafe-eval'" : "",
-              live ? "; worker-src blob:" : "");
-    else if (strcmp(name, "data") == 0)
+    const bool live = page->kind == PAGE_LIVE;
+    if (strcmp(name, "data") == 0)
         return page->put_data(page, err);
-    else if (strncmp(name, "live", 4) == 0 && !live) /* the parts of live pages */
-        return true;
-    else
-        return put_file(page, name, err);
+    if (strcmp(name, "policy") != 0)
+        return is_left_out(page, name) || put_file(page, name, err);
+    print(&page->text, policy, live ? " 'wasm-unsafe-eval'" : "", live ? "; worker-src blob:" : "");
     return true;
 }
 

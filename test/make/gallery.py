@@ -96,7 +96,7 @@ def plot_size(path):
 def see(folder, name, command, ending, size, click):
     with tempfile.TemporaryDirectory() as work:
         page = os.path.join(work, f"{name}.{ending}")
-        subprocess.run([SPECTRAL, *command, page], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([SPECTRAL + "-live" if click else SPECTRAL, *command, page], check=True, stdout=subprocess.DEVNULL)
         browser = Browser(os.path.join(work, "browser"))
         browser.size(*(size or plot_size(page)))
         browser.send("Page.navigate", url="file://" + page)

@@ -68,7 +68,7 @@ def sources(top):
 GROUPS = {
     "the documents": ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"),
     "the manual": ("spectral.1",),
-    "the viewer's page": tuple(sorted(set(glob.glob("data/builtin/viewer/*")) - set(glob.glob("data/builtin/viewer/*.wasm")))),
+    "the viewer's page": tuple(sorted(glob.glob("data/builtin/viewer/*"))),
     "the program": ("spectral.c", "spectral.h", "build.sh", *sources("data"), *sources("raster")),
     "the tests": sources("test"),
 }

@@ -7,16 +7,17 @@ import json
 import os
 import subprocess
 import sys
+import tarfile
 import time
 
 import numpy as np
 
 sys.dont_write_bytecode = True
 from browser import Browser, Firefox
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import TMP, check, done, write
 from tap import bail_out
 
-PROGRAM = os.path.abspath(SPECTRAL)
+PROGRAM = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
 SCENES = ("colorchecker", "fluorescence", "metals", "metamers", "pasture", "patches", "room", "spheres", "textures")
 SIZE = "96x64"
 SETTLED = "document.getElementById('shown').getAttribute('aria-busy') === 'false'"
@@ -314,6 +315,50 @@ def controls(browser, which):
     agrees(browser, "colorchecker", f"{which}, a checker opened")
 
 
+# Each control: something it does to a built-in scene, whose text the page has not read yet, and a part of that text afterwards.
+FIRST_EDITS = (
+    ("fill", "place-x", "0.25", "translate "), ("fill", "turn-y", "30", "rotate 30 0 1 0"), ("fill", "grow", "1.5", "scale 1.5"),
+    ("fill", "gloss", "7", "gloss 7"), ("choose", "texture", "checks", "texture checks linear"),
+    ("choose", "object-shape", "mesh vase", "object mesh vase unitize"),
+    ("choose", "material", "file metals/gold", "material gold metals/gold"), ("fill", "extent", "33", "perspective 33"),
+    ("fill", "eye-x", "2.5", "eye 2.5"), ("fill", "look-y", "0.5", "look "), ("fill", "size-width", "96", "size 96 60"),
+    ("fill", "size-height", "48", "size 90 48"), ("fill", "wavelengths", "450:650:20", "wavelengths 450 650 20"),
+    ("choose", "lights-1", "blackbody", "light blackbody:2856"), ("fill", "lights-1-intensity", "0.125", "light d65 0.125"),
+    ("fill", "lights-1-place-x", "3", "light d65"), ("fill", "ambients-1-intensity", "0.625", "0.625"),
+)
+
+
+def first_edits(browser, which):
+    """The first edit of a built-in scene is made with the value that was chosen, while the page reads the scene's text."""
+    browser.size(1400, 1000)
+    page = view("spheres", "--size", "90x60")
+    for kind, control, value, part in FIRST_EDITS:
+        browser.open(page)
+        browser.click(*at(browser, *pixel_of(browser, "plastic")))
+        settle(browser)
+        before = run("show", "spheres")
+        (fill if kind == "fill" else choose)(browser, control, value)
+        after = text_of(browser)
+        new = [one for one in after.splitlines() if one not in before.splitlines() and not one.startswith("size 90 60")]
+        check(any(part in one for one in new), f"{which}: the first edit, by {control}, is made", new, message(browser))
+        if control in SHOWN:
+            seen = float(browser.evaluate(f"element('{control}').value"))
+            check(seen == float(value), f"{which}: {control} then shows it", seen)
+
+
+def quick_edits(browser, which):
+    """An ambient light that the scene does not have gets one statement, also from the second edit before the picture comes."""
+    browser.open(view(write("dark.scene", "camera ortho 3\nsize 60 40\nmaterial m { diffuse 0.5 }\nobject sphere 1 material m\n")))
+    browser.evaluate("(() => { for (const intensity of [0.25, 0.5]) edit_light('ambients', 0, {intensity}); })()")
+    settle(browser)
+    found = [one for one in text_of(browser).splitlines() if one.startswith("ambient")]
+    check(len(found) == 1 and found[0].endswith(" 0.5"), f"{which}: two quick edits of an ambient light make one statement", found)
+
+
+SHOWN = ("place-x", "gloss", "extent", "eye-x", "look-y", "size-width", "size-height", "lights-1-intensity", "lights-1-place-x",
+         "ambients-1-intensity")
+
+
 # ---- opening and saving ----
 
 def drop(browser, *paths):
@@ -349,8 +394,11 @@ def opening(browser, which):
     run("render", "my.scene", "--renderer", "raster", "--no-check", "--quiet", "-o", native, cwd=TMP)
     check(saved == digest(native), f"{which}: its stack is that of render")
     archive = download(browser, "save-scene", "my.tar")
-    run("pack", "my.scene", "-o", "packed.tar", cwd=TMP)
-    check(digest(archive) == digest(path_of("packed.tar")), f"{which}: with files of its own it is saved as pack writes it")
+    with tarfile.open(archive) as tar:
+        kept = {member.name: tar.extractfile(member).read() for member in tar.getmembers()}
+    check({"my/my.scene", "my/lamp.csv", "my/red.txt"} <= set(kept) and
+          all(kept[f"my/{name}"] == open(path_of(name), "rb").read() for name in ("my.scene", "lamp.csv", "red.txt")),
+          f"{which}: with files of its own it is saved as an archive of them", sorted(kept))
 
     choose(browser, "lights-1", "file lamp.csv") if browser.evaluate(
         "[...element('lights-1').options].some(({value}) => value === 'file lamp.csv')") else choose(
@@ -384,7 +432,7 @@ def opening(browser, which):
 # ---- the gallery and the plot ----
 
 POLICY = ("default-src 'none'; script-src 'unsafe-inline' 'wasm-unsafe-eval'; style-src 'unsafe-inline'; "
-          "img-src blob: data:; worker-src blob:")
+          "img-src blob: data:; worker-src blob:; base-uri 'none'; form-action 'none'")
 
 
 def policy(browser, which):
@@ -395,8 +443,26 @@ def policy(browser, which):
     check(blocked == "blocked", f"{which}: the policy blocks a fetch", blocked)
     evaluated = browser.evaluate("(() => { try { return new Function('return 1')(); } catch { return 'blocked'; } })()")
     check(evaluated == "blocked", f"{which}: and a text that would become a script", evaluated)
+    based = browser.evaluate("""(() => {
+        const base = document.createElement("base");
+        base.href = "https://nowhere.example/";
+        document.head.prepend(base);
+        const kept = document.baseURI;
+        base.remove();
+        return kept;
+    })()""")
+    check(based.startswith("file:"), f"{which}: nor can another base be set", based)
+    sent = browser.evaluate("""new Promise(then => {
+        document.addEventListener("securitypolicyviolation", event => then(event.effectiveDirective));
+        const form = document.createElement("form");
+        form.action = "https://nowhere.example/";
+        document.body.append(form);
+        try { form.submit(); } catch { /* Firefox throws, and reports it, too */ }
+        setTimeout(() => then("sent"), 3000);
+    })""")
+    check(sent == "form-action", f"{which}: nor a form be sent", sent)
     if which == "Chromium":
-        browser.complaints.clear()  # of these two
+        browser.complaints.clear()  # of these
 
 
 def gallery(browser, which):
@@ -573,7 +639,7 @@ BROWSERS = {"Chromium": Browser, "Firefox": Firefox}
 def main():
     for which, kind in BROWSERS.items():
         browser = kind(path_of(which))
-        for part in (policy, gallery, plot, controls, opening, mistakes, hostile, stacks):
+        for part in (policy, gallery, plot, first_edits, quick_edits, controls, opening, mistakes, hostile, stacks):
             if which == "Chromium" or part not in SELDOM or os.environ.get("FULL"):
                 part(browser, which)
         if which == "Chromium":

@@ -19,10 +19,11 @@ from tap import bail_out
 
 gdal.UseExceptions()
 PROGRAM = os.path.abspath(SPECTRAL)
+LIVE = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
 
 
-def run(*words, status=0):
-    result = subprocess.run([PROGRAM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+def run(*words, status=0, program=PROGRAM):
+    result = subprocess.run([program, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
     if result.returncode != status:
         bail_out(words, result.stderr)
     return result.stdout + result.stderr
@@ -50,8 +51,11 @@ def foreign(name="cube", first=400, last=1000, n=200):
     return path_of(name + ".tif"), values
 
 
+kind = [PROGRAM]  # the program whose pages are tested: only live pages can open other stacks
+
+
 def view(stack, *options):
-    run("view", stack, "-o", path_of("stack.html"), "--quiet", *options)
+    run("view", stack, "-o", path_of("stack.html"), "--quiet", *options, program=kind[0])
     return path_of("stack.html")
 
 
@@ -112,7 +116,7 @@ def developed(stack, *options):
     return np.moveaxis(picture, 0, 2) if picture.shape[0] == 3 else picture
 
 
-def eyes(browser, which, name, stack):
+def eyes(browser, which, name, one):
     browser.open(view(stack))
     for options in EYES:
         chosen = dict(option.lstrip("-").split("=") for option in options)
@@ -228,8 +232,9 @@ def budgets(browser, which, stack, values):
     page = view(stack, "--budget", "1")
     browser.open(page)
     factor, width = browser.evaluate("[stack.facts.factor, stack.facts.width]")
-    said = run("view", stack, "-o", page, "--budget", "1")
-    check(factor > 1 and f"means of {factor} x {factor} pixels" in said and "drop" in browser.evaluate("element('about').textContent"),
+    said = [run("view", stack, "-o", page, "--budget", "1", program=program) for program in (LIVE, PROGRAM)]
+    check(factor > 1 and all(f"means of {factor} x {factor} pixels" in one for one in said) and ["drop" in one for one in said] ==
+          [True, False] and "drop" in browser.evaluate("element('about').textContent"),
           f"{which}: a large stack is reduced, and lines say so", factor, said)
     blocks = values[:, :values.shape[1] // factor * factor, :values.shape[2] // factor * factor].astype(float)
     blocks = blocks.reshape(len(values), -1, factor, blocks.shape[2] // factor, factor).mean((2, 4))
@@ -270,6 +275,17 @@ def two(browser, which, one, other):
     check(browser.evaluate("beside === null && element('frame-2').hidden"), f"{which}: the second stack is closed")
 
 
+def alone(browser, which, header):
+    """A page of the usual program has no other program in it: it offers nothing that needs one."""
+    browser.open(view(header, "--budget", "1"))
+    hidden = browser.evaluate("[...document.querySelectorAll('#second-stack, #open, #module')].filter(one => !one.hidden).length")
+    about = browser.evaluate("element('about').textContent")
+    check(hidden == 0 and "means of" in about and "drop" not in about, f"{which}: a page without the program offers no other stack", about)
+    policy = browser.evaluate("document.querySelector('meta[http-equiv]').content")
+    check("wasm" not in policy and "worker" not in policy and policy.endswith("base-uri 'none'; form-action 'none'"),
+          f"{which}: its policy allows none", policy)
+
+
 def refusals():
     stack = path_of("own.tif")
     check("--size" in run("view", stack, "--size", "10x10", status=2), "--size is refused for a stack")
@@ -289,18 +305,22 @@ def main():
     gauss = rendered("gauss.tif", "colorchecker", "--size", "60x40", "--sampling", "gauss:8")
     other = rendered("other.tif", "fluorescence", "--size", "60x40", "--light", "1=a*0.9")
     stack, values = foreign()
-    for which, kind in (("Chromium", Browser), ("Firefox", Firefox)):
-        browser = kind(path_of(which))
+    for which, opened in (("Chromium", Browser), ("Firefox", Firefox)):
+        browser = opened(path_of(which))
         browser.size(1400, 1000)
-        for name, stack in (("counts", own), ("floats", deep), ("gauss:8", gauss))[:3 if kind is Browser else 1]:
-            eyes(browser, which, name, stack)
+        kind[0] = PROGRAM if which == "Chromium" else LIVE
+        for name, one in (("counts", own), ("floats", deep), ("gauss:8", gauss))[:3 if which == "Chromium" else 1]:
+            eyes(browser, which, name, one)
         spectra(browser, which, own)
         differences(browser, which)
         cube(browser, which, stack, values)
         unseen(browser, which)
+        if which == "Chromium":
+            alone(browser, which, stack)
+        kind[0] = LIVE
         budgets(browser, which, stack, values)
         two(browser, which, own, other)
-        if kind is Browser:
+        if which == "Chromium":
             check(not browser.complaints and all(one.startswith(("file:", "blob:", "data:")) for one in browser.requests),
                   "Chromium: no page fetches or complains", *browser.complaints)
         browser.close()

@@ -25,6 +25,7 @@ from tap import bail_out
 gdal.UseExceptions()
 SIZE = "120x80"
 PROGRAM = os.path.abspath(SPECTRAL)
+LIVE = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
 browser = Browser(os.path.join(TMP, "browser"))
 
 STRANGE = 'a </script><b>&amp; \\ <!-- <script>'  # a name with characters that HTML, JSON and JavaScript interpret
@@ -73,20 +74,20 @@ object plane 0.7 0.9 material smooth translate 1 0 0
 
 # ---- the program ----
 
-def run(*words, **options):
-    result = subprocess.run([PROGRAM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+def run(*words, program=PROGRAM, **options):
+    result = subprocess.run([program, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                             text=True, check=False, **options)
     if result.returncode != 0:
         bail_out(words, result.stderr)
     return result.stdout
 
 
-kind = ["--still"]  # the pages to test; []: live ones
+kind = [PROGRAM]  # the program whose pages are tested
 
 
 def view(scene, name, *options):
     path = os.path.join(TMP, name + ".html")
-    run("view", scene, *kind, "-o", path, "--quiet", *(options or ("--size", SIZE)))
+    run("view", scene, "-o", path, "--quiet", *(options or ("--size", SIZE)), program=kind[0])
     return path
 
 
@@ -230,7 +231,7 @@ def light_options(lights):
 
 
 def menus(scene):
-    what_kind = "still" if kind else "live"
+    what_kind = "still" if kind == [PROGRAM] else "live"
     browser.open(view(scene, scene))
     for lights, options in COMBINATIONS[scene]:
         browser.evaluate("controls.reset()")
@@ -606,6 +607,10 @@ def file():
     })""")
     check(blocked == "connect-src", "its policy blocks all loading", blocked)
     browser.complaints.clear()  # Chromium reports that on the console
+    with open(path, encoding="utf-8") as page:
+        said = re.search('content="(.*)"', page.read()).group(1)
+    check(said == "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src blob: data:; "
+          "base-uri 'none'; form-action 'none'", "and all bases and forms", said)
     again = os.path.join(TMP, "again.html")
     os.replace(path, again)
     check(open(view("colorchecker", "large", "--size", "600x400"), "rb").read() == open(again, "rb").read(),
@@ -726,9 +731,9 @@ def troubles():
 
 def main():
     browser.size(1280, 900)
-    for kind[:] in ([], ["--still"]):
+    for kind[:] in ([LIVE], [PROGRAM]):
         for scene in COMBINATIONS:
-            if kind or scene in ("fluorescence", "room") or os.environ.get("FULL"):
+            if kind == [PROGRAM] or scene in ("fluorescence", "room") or os.environ.get("FULL"):
                 menus(scene)
     stills()
     all_offered()

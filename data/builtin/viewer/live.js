@@ -3,11 +3,6 @@
 
 /* ---- pictures that arrive ---- */
 
-function show_picture({width, height, data}) {
-  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
-  canvas.getContext("2d").putImageData(new ImageData(data, width, height), 0, 0);
-}
-
 function show_moving({painted}) {
   show_picture(painted);
   count_frame(painted);
@@ -76,6 +71,12 @@ function fill_menu(id, groups, selected) {
   menu.value = selected;
 }
 
+/* Calls act(value, number) after each change of a control. An edit runs later, when the control may show the scene as it was
+ * before: so act gets the value that was chosen, and never the control. */
+function on_change(id, act) {
+  element(id).addEventListener("change", ({target}) => act(target.value, target.valueAsNumber));
+}
+
 /* ---- controls of lights ---- */
 
 const LAMPS = [["blackbody", "Planck’s law at …", 2856], ["daylight", "daylight of …", 6504]];
@@ -90,8 +91,8 @@ function add_triple(id, values, change) {
       const input = document.createElement("input");
       Object.assign(input, {type: "number", step: "any", id: `${id}-${axis}`});
       input.setAttribute("aria-label", axis);
-      input.addEventListener("change", () => change([..."xyz"].map(one => element(`${id}-${one}`).valueAsNumber || 0)));
       group.append(input);
+      on_change(input.id, () => change([..."xyz"].map(one => element(`${id}-${one}`).valueAsNumber || 0)));
     }
   }
   [..."xyz"].forEach((axis, i) => set_number(`${id}-${axis}`, values[i]));
@@ -106,8 +107,11 @@ function edit_light(kind, i, change) {
   const concerns = kind === "lights" ? SPECTRA : SPECTRA | GEOMETRY;
   if (kind === "ambients" && !scene.ambients[i].line) {
     const {illuminant, intensity} = {...scene.ambients[i], ...change};
-    edit(GEOMETRY | SPECTRA, text => with_first_statement(text,
-      `ambient ${as_word(change.spectrum || scene.illuminants[illuminant].word)} ${as_number(intensity)}`));
+    const statement = `ambient ${as_word(change.spectrum || scene.illuminants[illuminant].word)} ${as_number(intensity)}`;
+    edit(GEOMETRY | SPECTRA, text => {
+      const own = statements_of(text).find(({words}) => words[0].text === "ambient"); /* of the edit before this one */
+      return own ? with_light(text, own.line, change) : with_first_statement(text, statement);
+    });
   } else edit(concerns, (text, {line}) => with_light(text, line, change), () => scene[kind][i]);
 }
 
@@ -125,13 +129,13 @@ function add_live_source(kind, i) {
     (kind === "lights" ? `<span id="${id}-label" class="dim">${scene.lights[i].position ? "Stands at" : "Shines from"}</span>
     <div id="${id}-place" role="group" aria-labelledby="${id}-label"></div>` : "");
   element("sources").append(more);
-  menu.addEventListener("change", () => {
-    const lamp = LAMPS.find(([value]) => value === menu.value);
-    edit_light(kind, i, {spectrum: lamp ? `${lamp[0]}:${lamp[2]}` : menu.value.startsWith("file ") ? menu.value.slice(5)
-      : scene.illuminants[menu.value].word});
+  on_change(id, value => {
+    const lamp = LAMPS.find(([name]) => name === value);
+    edit_light(kind, i, {spectrum: lamp ? `${lamp[0]}:${lamp[2]}` : value.startsWith("file ") ? value.slice(5)
+      : scene.illuminants[value].word});
   });
-  element(id + "-kelvin").addEventListener("change", event => edit_light(kind, i,
-    {spectrum: `${kelvin_of(scene.illuminants[scene[kind][i].illuminant].word)[0]}:${event.target.value}`}));
+  on_change(id + "-kelvin", value => edit_light(kind, i,
+    {spectrum: `${kelvin_of(scene.illuminants[scene[kind][i].illuminant].word)[0]}:${value}`}));
   element(id + "-slider").addEventListener("pointerdown", begin_gesture);
   element(id + "-slider").addEventListener("pointerup", end_gesture);
   for (const part of ["-slider", "-intensity"])
@@ -201,24 +205,22 @@ function refresh_object() {
 }
 
 function listen_to_object() {
-  element("material").addEventListener("change", ({target}) => {
-    const [kind, name] = [target.value.slice(0, target.value.indexOf(" ")), target.value.slice(target.value.indexOf(" ") + 1)];
+  on_change("material", value => {
+    const [kind, name] = [value.slice(0, value.indexOf(" ")), value.slice(value.indexOf(" ") + 1)];
     kind === "own" ? choose_material(name) : choose_material(file_stem(name), name);
   });
-  element("texture").addEventListener("change", ({target}) =>
-    edit_material("texture", target.value === "" ? null : `${as_word(target.value)} linear`));
-  element("gloss").addEventListener("change", ({target}) => edit_material("gloss", target.value === "" ? null : target.value));
-  element("object-shape").addEventListener("change", ({target}) => edit_object(GEOMETRY | SPECTRA, parts => {
-    parts[0].values = target.value.split(" ");
+  on_change("texture", value => edit_material("texture", value === "" ? null : `${as_word(value)} linear`));
+  on_change("gloss", value => edit_material("gloss", value === "" ? null : value));
+  on_change("object-shape", value => edit_object(GEOMETRY | SPECTRA, parts => {
+    parts[0].values = value.split(" ");
     for (const name of ["unitize", "crease"]) {
       const at = parts.findIndex(part => part.name === name);
       if (at > 0) parts.splice(at, 1);
     }
-    if (target.value.startsWith("mesh ")) parts.splice(1, 0, {name: "unitize", values: []});
+    if (value.startsWith("mesh ")) parts.splice(1, 0, {name: "unitize", values: []});
   }));
-  element("grow").addEventListener("change", ({target}) => {
-    if (target.valueAsNumber > 0 && target.valueAsNumber !== 1)
-      edit_object(GEOMETRY, parts => scale_object(parts, target.valueAsNumber));
+  on_change("grow", (_, factor) => {
+    if (factor > 0 && factor !== 1) edit_object(GEOMETRY, parts => scale_object(parts, factor));
   });
 }
 
@@ -235,16 +237,16 @@ function refresh_camera() {
 }
 
 function listen_to_camera() {
-  element("extent").addEventListener("change", ({target}) => {
-    if (target.valueAsNumber > 0) set_camera({...camera, extent: target.valueAsNumber});
+  on_change("extent", (_, extent) => {
+    if (extent > 0) set_camera({...camera, extent});
   });
   for (const id of ["size-width", "size-height"])
-    element(id).addEventListener("change", () => {
+    on_change(id, () => {
       const size = `${element("size-width").value} ${element("size-height").value}`;
       edit(GEOMETRY | SPECTRA, text => with_statement(text, "size", size), () => place_of_statement("size"));
     });
-  element("wavelengths").addEventListener("change", ({target}) => {
-    const words = wavelength_words(target.value);
+  on_change("wavelengths", value => {
+    const words = wavelength_words(value);
     edit(GEOMETRY | SPECTRA, text => with_statement(text, "wavelengths", words), () => place_of_statement("wavelengths"));
   });
   element("zoom-in").addEventListener("click", () => zoom_view(KEY_ZOOM));
@@ -336,13 +338,34 @@ const eye_names = () => ({
 
 /* ---- saving and opening ---- */
 
+/* Returns the head of a file in a tar archive (POSIX.1-2017, ustar), without date and owner. It counts its own sum as blanks. */
+function tar_head(name, length) {
+  const head = new Uint8Array(512), octal = (value, digits) => value.toString(8).padStart(digits, "0");
+  const put = (at, text) => head.set(new TextEncoder().encode(text), at);
+  if (new TextEncoder().encode(name).length > 100) throw new Error(`${name}: the name is too long for an archive`);
+  for (const [at, text] of [[0, name], [100, octal(0o644, 7)], [108, octal(0, 7)], [116, octal(0, 7)], [124, octal(length, 11)],
+    [136, octal(0, 11)], [148, " ".repeat(8)], [156, "0"], [257, "ustar\0" + "00"]]) put(at, text);
+  put(148, octal(head.reduce((sum, byte) => sum + byte, 0), 6) + "\0");
+  return head;
+}
+
+/* Returns files {name: text or bytes} as a tar archive. */
+function tar_of(files) {
+  const parts = Object.entries(files).flatMap(([name, content]) => {
+    const bytes = typeof content === "string" ? new TextEncoder().encode(content) : content;
+    return [tar_head(name, bytes.length), bytes, new Uint8Array((512 - bytes.length % 512) % 512)];
+  });
+  return new Blob([...parts, new Uint8Array(1024)], {type: "application/x-tar"});
+}
+
+/* Saves the scene. If it names other files, an archive has all files below its folder. */
 async function save_scene() {
   await all_edits();
   state.baked || commit(await editable(state), GEOMETRY | SPECTRA);
-  const others = Object.keys(state.files).filter(name => name !== state.scene && text_of(state).includes(name));
-  if (others.length === 0) return save_as(new Blob([text_of(state)], {type: "text/plain"}), state.scene);
-  const {bytes, error} = await ask_apart({task: "make", words: ["pack", state.scene], path: "/page.tar"});
-  error ? show_refusal(error) : save_as(new Blob([bytes], {type: "application/x-tar"}), file_stem(state.scene) + ".tar");
+  const below = Object.entries(state.files).filter(([name]) => !/^[/]|(^|[/])[.][.]([/]|$)/.test(name)), stem = file_stem(state.scene);
+  if (!below.some(([name]) => name !== state.scene && text_of(state).includes(name)))
+    return save_as(new Blob([text_of(state)], {type: "text/plain"}), state.scene);
+  save_as(tar_of(Object.fromEntries(below.map(([name, content]) => [`${stem}/${name}`, content]))), stem + ".tar");
 }
 
 async function save_stack() {
@@ -495,10 +518,10 @@ function listen_to_opening() {
 function listen_to_page() {
   element("undo").addEventListener("click", () => go_back(past, future));
   element("redo").addEventListener("click", () => go_back(future, past));
-  element("save-scene").addEventListener("click", save_scene);
+  element("save-scene").addEventListener("click", () => save_scene().catch(error => show_refusal(error.message)));
   element("save-stack").addEventListener("click", save_stack);
   element("copy-link").addEventListener("click", copy_link);
-  element("builtin-scene").addEventListener("change", ({target}) => target.value && open_builtin(target.value));
+  on_change("builtin-scene", name => name && open_builtin(name));
   element("text").addEventListener("input", type_text);
   element("text-group").addEventListener("toggle", refresh_text);
   element("text-file").addEventListener("change", refresh_text);
@@ -553,7 +576,6 @@ async function start_opened_stack(since) {
   listen_to_opening();
   await start_stack();
   set_text("progress", `The first picture took ${(performance.now() - since).toFixed(0)} ms.`);
-  document.body.dataset.ready = "true";
 }
 
 let live_started = false;

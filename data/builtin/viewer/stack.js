@@ -464,8 +464,8 @@ function open_stack(opened) {
   show_names();
   set_text("about", `${facts.full_width} × ${facts.full_height} pixels, ${facts.bands} bands` +
     (facts.components ? " (components)" : ` from ${nm_text(0)} to ${nm_text(facts.bands - 1)}`) +
-    (facts.factor > 1 ? `; shown are means of ${facts.factor} × ${facts.factor} pixels: drop the stack onto the page to see all`
-      : ""));
+    (facts.factor > 1 ? `; shown are means of ${facts.factor} × ${facts.factor} pixels` : "") +
+    (facts.factor > 1 && element("module") ? ": drop the stack onto the page to see all" : ""));
   cursor = null;
   fit_frame();
   stack_menus();
@@ -497,7 +497,9 @@ function listen_to_stack() {
 }
 
 async function start_stack() {
+  element("second-stack").hidden = !element("module"); /* the program in the page reads other stacks */
   listen_to_stack();
   listen();
   open_stack(read_stack(await unpack(element("stack").textContent, "deflate")));
+  document.body.dataset.ready = "true";
 }

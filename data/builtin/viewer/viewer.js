@@ -333,17 +333,20 @@ function keep() {
 
 /* ---- start and redraw ---- */
 
-/* Shows a painted picture, with its facts. */
-function present(painted) {
-  const {width, height, data, outside} = painted;
+function show_picture({width, height, data}) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
   canvas.getContext("2d").putImageData(new ImageData(data, width, height), 0, 0);
+}
+
+/* Shows a painted picture, with its facts. */
+function present(painted) {
+  show_picture(painted);
   exposure = painted.exposure;
   show_message(!painted.balanced
     ? "The eye cannot adapt to this light, or the camera cannot be balanced for it. The picture stays black."
     : exposure > 0 ? "" : "The picture stays black: enter an exposure above 0.");
   show_title();
-  show_facts(outside);
+  show_facts(painted.outside);
   show_controls();
   set_text("commands", command_lines());
   show_pixel();
