@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "data/catalogue/catalogue.h"
-#include "data/choice/choice.h"
 #include "data/compare/compare.h"
 #include "data/develop/develop.h"
 #include "data/options/options.h"

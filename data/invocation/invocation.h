@@ -16,8 +16,6 @@ bool scene_spared(const char *output, const struct scene *scene, struct error *e
  * rendered it yet.
  * A missing file passes: whoever opens it reports that. */
 bool scene_refuse(const char *stack, struct error *err);
-/* Returns whether the command line gives the wavelengths, or a sampling. */
-bool gives_wavelengths(const struct options *options);
 /* Reads SCENE with its changes, and samples it if --sampling is given; otherwise *sampling stays
  * zeroed. Refuses --detector without --sampling or --accuracy. The caller frees both, also after a
  * failure. */

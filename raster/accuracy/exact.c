@@ -6,7 +6,9 @@
 
 /* ---- points in the window ---- */
 
-bool window_of(const struct judged_surface *of, struct vector position, struct window_vertex *out)
+/* Places a point of the mesh in the window; false if it is not in front of the eye. */
+static bool window_of(const struct judged_surface *of, struct vector position,
+                      struct window_vertex *out)
 {
     const struct vector eye = matrix_point(&of->surface->instance->model_view, position);
     for (int r = 0; r < 4; r++) {
@@ -19,7 +21,8 @@ bool window_of(const struct judged_surface *of, struct vector position, struct w
     return true;
 }
 
-bool is_front(const struct judged_surface *of, const struct vertex *point)
+/* Returns whether the outside of a point of the mesh is turned to the eye. */
+static bool is_front(const struct judged_surface *of, const struct vertex *point)
 {
     const struct instance *instance = of->surface->instance;
     const struct vector eye = matrix_point(&instance->model_view, point->position),

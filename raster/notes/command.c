@@ -50,8 +50,9 @@ bool command_plan(struct options *options, struct error *err)
     const struct plan_options plan_options = {.threads = options->threads};
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
-    struct asked_plan asked = {.plan = {.scene = NULL}};
-    struct notes notes = {.refined = options->accuracy ? &asked.refined : NULL};
+    struct plan plan = {.scene = NULL};
+    struct refine_result refined = {.levels = 0};
+    struct notes notes = {.refined = options->accuracy ? &refined : NULL};
     struct forecast forecast;
     struct picture_part part = {0, 0};
     struct json json;
@@ -59,23 +60,25 @@ bool command_plan(struct options *options, struct error *err)
     bool done = (!options->part || part_read("--part", options->part, &part, err)) &&
                 scene_read_sampled(options, &scene, &sampling, err) &&
                 scene_spared(options->json, &scene, err) &&
-                plan_asked(options, &plan_options, &scene, &sampling, &asked, err) &&
-                forecast_make(&asked.plan, &part, &forecast, err);
+                plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
+                refine_options(options, &plan, &refined, err) &&
+                forecast_make(&plan, &part, &forecast, err);
     forecast.planned = clock_seconds() - start;
-    done = done && note_plan(&asked.plan, &notes, err);
+    done = done && note_plan(&plan, &notes, err);
     if (done && options->json) {
-        done = plan_json(&asked.plan, &notes, &forecast, &json, err) &&
+        done = plan_json(&plan, &notes, &forecast, &json, err) &&
                json_write(&json, options->json, &options->outputs, err);
     } else if (done) {
         struct printed printed = {.text = NULL};
-        done = plan_print(&asked.plan, &printed, err);
-        shading_print(&asked.plan, &notes, &printed);
+        done = plan_print(&plan, &printed, err);
+        shading_print(&plan, &notes, &printed);
         print_forecast(&forecast, &printed);
         notes_print(&notes, &printed);
         done = printed_show(&printed, STDOUT_FILENO, err) && done;
     }
     notes_free(&notes);
-    asked_plan_free(&asked);
+    refine_result_free(&refined);
+    plan_free(&plan);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;

@@ -10,7 +10,7 @@
 #include "raster/bounds/bounds.h"
 #include "raster/forecast/forecast.h"
 #include "raster/plan/plan.h"
-#include "raster/refine/refine.h"
+#include "raster/accuracy/accuracy.h"
 #include "spectral.h"
 
 /* ---- notes.c: a list of notes ---- */

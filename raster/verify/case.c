@@ -120,7 +120,10 @@ static bool add_object(struct reduced *to, const struct object *object, struct e
 {
     const struct shape shape = shape_tessellated(&object->shape, to->scene->tessellation);
     struct mesh whole = {.n_triangles = 0};
-    bool done = plan_whole(&shape, &whole, err);
+    bool done = shape_build(&shape, &whole, err);
+    if (done && shape.planar)
+        mesh_planar(&whole);
+    shape_repeat_texture(&shape, &whole);
     const int n_parts = whole.part && object->n_assignments > 0 ? whole.n_parts : 0;
     for (int part = 0; part < n_parts && done; part++)
         done = add_part(to, object, &whole, part, err);
