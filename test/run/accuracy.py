@@ -87,7 +87,8 @@ def keeps_its_promise(name, scene, errors):
         report = render(scene, "--accuracy", error, "--memory", "4000", *SIZE)
         measured, said = colour_error_95(truth, seen_in("stack.tif")), report["accuracy"]["error_95"]
         check(measured <= float(error), f"{name}: --accuracy {error} holds", measured, said)
-        check(all(found["error_95"] <= float(error) for found in report["accuracy"]["objects"]),
+        check(report["accuracy"]["refined"]["stopped"] or
+              all(found["error_95"] <= float(error) for found in report["accuracy"]["objects"]),
               f"{name}: each object is good enough by the estimate", *report["accuracy"]["objects"])
         check(measured / 2 - 0.02 <= said <= 2 * measured + 0.02, f"{name}: --accuracy {error} says what it is",
               measured, said)
@@ -189,8 +190,8 @@ def few_triangles():
 
 def each_object():
     """Each object is divided as often as it needs, and one that another one hides, as often as that one."""
-    scene = HEAD + "camera ortho 6\nlight d65 1 position 0 0 2\nmaterial dull { diffuse 0.5 }\n" \
-        "material shiny { diffuse 0.2 specular 0.7 gloss 60 }\nobject sphere 1 16 8 material dull translate -1.5 0 0\n" \
+    scene = HEAD + "camera ortho 6\nlight d65 1 direction 0 0 1\nmaterial dull { diffuse 0.5 }\n" \
+        "material shiny { diffuse 0.2 specular 0.7 gloss 100 }\nobject sphere 1 16 8 material dull translate -1.5 0 0\n" \
         "object sphere 1 16 8 material shiny translate 1.5 0 0\nobject sphere 1 16 8 material dull translate 1.5 0 0\n"
     report = render(scene, "--accuracy", "1")
     after = [found["triangles_after"] for found in report["accuracy"]["refined"]["objects"]]
@@ -203,8 +204,9 @@ def no_cracks():
     a mesh differ from the reference, with either driver."""
     wall = "".join(f"v {x} {y} 0\n" for y in range(4) for x in range(4)) + "vn 0 0 1\nvn 0.3 0 0.95\n" + "".join(
         f"f {4 * y + x + 1}//1 {4 * y + x + 2}//2 {4 * y + x + 6}//1 {4 * y + x + 5}//2\n" for y in range(3) for x in range(3))
+    write("wall.obj", wall)
     mesh = HEAD + "camera ortho 1.1\nlight d65 1 position 0.1 0.2 0.3 attenuation 0 0 1\n" + FLOOR + \
-        f"object mesh {write('wall.obj', wall)} unitize material floor scale 2 rotate 17 1 2 3\n"
+        "object mesh wall.obj unitize material floor scale 2 rotate 17 1 2 3\n"
     halves = HEAD + "camera ortho 3\nlight d65 1 position -0.4 0.5 1.3 attenuation 0 0 1\n" \
         "material halves metamers/illuminant-5-blue-flower\nobject sphere 1 20 10 material halves\n"
     parts = HEAD + "camera perspective 40 near 1 far 50 eye 3 3 6 look 0 1.5 0\nlight d65 1 position 0.5 2 2 attenuation 0 0 1\n" \

@@ -482,7 +482,7 @@ static void check_halved_solids(void)
         CHECK_NEAR(area(&halves) / part_area, 1, 1e-12, "the area of its halves stays");
         for (int k = 0; k < 3 * halves.n_triangles; k++)
             in_place =
-                in_place && (corner_of(&halves, k / 3, k % 3).x <= 0 || halves.part[k / 3] == 1);
+                in_place && (halves.part[k / 3] - 0.5) * corner_of(&halves, k / 3, k % 3).x >= 0;
         CHECK(halves.n_triangles == 16 * n && halves.n_parts == 2 && in_place,
               "quarters belong to the parts of their triangles");
         mesh_free(&mesh);
