@@ -307,8 +307,9 @@ static void test_numbers(int n)
             double x = HUGE_VAL, y = HUGE_VAL;
             if (k == i || points[k].best || !find_marker(svg, points[k].name, &x, &y))
                 continue;
-            covered += number.left < x + 2.8 && x - 2.8 < number.right && number.top < y + 2.8 &&
-                       y - 2.8 < number.bottom;
+            const struct item marker = {
+                .left = x - 2.8, .right = x + 2.8, .top = y - 2.8, .bottom = y + 2.8};
+            covered += meet(&number, &marker);
         }
     }
     CHECK(best > 3 && best < n / 2, "%d of %d points are on the frontier", best, n);
