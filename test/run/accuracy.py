@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Checks --accuracy: the error that a refined picture has against light at every point of the true surfaces (the
-reference with phong shading and 8 times as many triangles, at the same wavelengths), and the error that the program
+reference with phong shading and shapes 8 times as fine, at the same wavelengths), and the error that the program
 prints. Checks that wavelengths stay, that nothing is divided in vain, that no crack opens, and that both renderers agree.
 FULL: with more errors, and for all built-in scenes, as a table. Prints TAP."""
 import json
