@@ -8,7 +8,6 @@
 #include <unistd.h>
 
 #include "data/catalogue/catalogue.h"
-#include "data/choice/choice.h"
 #include "data/compare/compare.h"
 #include "data/develop/develop.h"
 #include "data/options/options.h"
@@ -213,7 +212,6 @@ static const struct option known_options[] = {
      FOR_COST, TEXT(detector)},
     {"--runs N", "runs of each configuration, at least 5 (default: 5)", FOR_COST, COUNT(runs),
      .lowest = 5, .highest = 1024},
-    {"--quick", "measures near the frontier only, in about half a minute", FOR_COST, FLAG(quick)},
     {"--csv FILE", "writes the table; - is standard output", FOR_COST, TEXT(csv_file),
      .writes = true},
     {"--svg FILE", "writes a chart; - is standard output", FOR_COST, TEXT(svg_file),

@@ -39,11 +39,6 @@ int chart_fitting(double width, int size)
     return (int)(width / (character * size));
 }
 
-double chart_text_width(int n, int size)
-{
-    return n * character * size;
-}
-
 int chart_text_length(const char *text)
 {
     int length = 0;

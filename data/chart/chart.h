@@ -39,9 +39,8 @@ struct frontier {
     int n;
 };
 /* Returns a whole SVG 1.1 file, allocated; NULL: no memory. Both axes are logarithmic. Errors below
- * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Each point
- * has a label. Points of the frontier have their names, and steps join them; the others are pale.
- */
+ * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
+ * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
 char *frontier_svg(const struct frontier *frontier);
 
 /* ---- Inside this room: how all charts look, in chart.c ---- */
@@ -76,10 +75,8 @@ void chart_frame(const struct chart_area *area); /* draws its border */
 void chart_text(struct printed *to, const char *text, int most);
 /* Writes a decimal exponent: ×10 and raised digits. */
 void chart_exponent(struct printed *to, int exponent);
-/* Return the number of characters that fit into a width, and the width of n characters. */
-int chart_fitting(double width, int size);
-double chart_text_width(int n, int size);
-int chart_text_length(const char *text); /* in characters of UTF-8 */
+int chart_fitting(double width, int size); /* characters that fit into a width */
+int chart_text_length(const char *text);   /* in characters of UTF-8 */
 /* Cells of a legend, filled column by column. */
 struct chart_grid {
     int rows;
@@ -119,31 +116,5 @@ void axis_draw_x(const struct chart_area *area, const struct axis *axis, const c
                  int strip);
 void axis_draw_y(const struct chart_area *area, const struct axis *axis, const char *label,
                  bool right);
-
-/* ---- Inside this room: places of labels, in labels.c ---- */
-
-struct chart_box {
-    double left, top, right, bottom;
-};
-struct chart_segment {
-    double x[2], y[2];
-};
-struct chart_label {
-    double x, y, radius;  /* marker of its point */
-    struct chart_box box; /* its place, if it has one */
-    bool placed, led;     /* led: a line leads to it from its point */
-};
-/* The labels of a chart. They never cover the frame, a marker, or each other. */
-struct chart_labels {
-    struct chart_box frame;
-    struct chart_label *label; /* of each point */
-    int n;
-    struct chart_segment *lines; /* covered by labels only where no other place is left */
-    int n_lines;
-};
-/* Finds a free place for a label of this size. Returns false if there is none. */
-bool chart_place_label(struct chart_labels *labels, int index, double width, double height);
-/* Returns the line from a point to the nearest place of its label. */
-struct chart_segment chart_leader(const struct chart_label *label);
 
 #endif

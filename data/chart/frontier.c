@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Charts of error over cost: each configuration is a point between two logarithmic axes. Steps join
- * the points of the frontier, which no cheaper point beats. Labels cover neither points nor each
- * other. */
+/* Charts of error over cost: each configuration is a point with a number between two logarithmic
+ * axes, and a legend names the numbers. Steps join the points of the frontier, which no cheaper
+ * point beats. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -10,10 +10,9 @@
 enum {
     WIDTH = CHART_WIDTH - CHART_LEFT - CHART_MARGIN, /* of the area */
     HEIGHT = 440,
-    NUMBER_SIZE = 10, /* font size of numbers that stand for names */
-    NAME_LENGTH = 40, /* characters of a name in the plot */
-    KEY_LENGTH = 60,  /* characters of a name in the key */
-    SAMPLE = 26,      /* width of a number in the key */
+    NUMBER_SIZE = 10, /* font size of numbers off the frontier */
+    NAME_LENGTH = 60, /* characters of a name */
+    SAMPLE = 26,      /* width of a number in the legend */
     PAST_DECADES = 3  /* errors smaller by more decades than this lie on the edge */
 };
 static const char strong[] = "#0072b2", pale[] = "#8a8a8a";
@@ -22,12 +21,8 @@ struct plot {
     const struct frontier *frontier;
     struct chart_area area;
     struct axis cost, error;
-    struct chart_labels labels; /* a label for each point; lines: the steps, then the cost bars */
-    int n_steps;
-    int *order; /* points of the frontier, by cost */
-    int n_best;
-    int *number; /* of each point in the key; 0: the plot shows its name */
-    int n_numbers;
+    const struct frontier_point **points; /* in the order of their numbers; owned */
+    int n_best;                           /* the first ones, on the frontier */
 };
 
 /* ---- axes ---- */
@@ -72,58 +67,48 @@ static int compare_cost(const struct frontier_point *a, const struct frontier_po
                               : (a->error < b->error) - (a->error > b->error);
 }
 
-/* Sorts the points of the frontier by cost, and numbers the others. */
-static void sort_points(struct plot *plot)
+/* Gives numbers to points: first to those of the frontier, by cost, then to the others. */
+static void number_points(struct plot *plot)
 {
     const struct frontier_point *points = plot->frontier->points;
+    int n = 0;
     for (int i = 0; i < plot->frontier->n; i++) {
-        if (!points[i].best) {
-            plot->number[i] = ++plot->n_numbers;
+        int at = plot->n_best;
+        if (!points[i].best)
             continue;
-        }
-        int at = plot->n_best++;
-        for (; at > 0 && compare_cost(&points[plot->order[at - 1]], &points[i]) > 0; at--)
-            plot->order[at] = plot->order[at - 1];
-        plot->order[at] = i;
+        for (; at > 0 && compare_cost(plot->points[at - 1], &points[i]) > 0; at--)
+            plot->points[at] = plot->points[at - 1];
+        plot->points[at] = &points[i];
+        plot->n_best++;
     }
+    for (int i = 0; i < plot->frontier->n; i++)
+        if (!points[i].best)
+            plot->points[plot->n_best + n++] = &points[i];
 }
 
-/* Finds the steps: from each point along the cost, then down to the error of the next one. */
-static void find_steps(struct plot *plot)
+static double x_of(const struct plot *plot, double cost)
 {
-    for (int i = 0; i + 1 < plot->n_best; i++) {
-        const struct chart_label *here = &plot->labels.label[plot->order[i]];
-        const struct chart_label *next = &plot->labels.label[plot->order[i + 1]];
-        plot->labels.lines[plot->n_steps++] =
-            (struct chart_segment){{here->x, next->x}, {here->y, here->y}};
-        plot->labels.lines[plot->n_steps++] =
-            (struct chart_segment){{next->x, next->x}, {here->y, next->y}};
-    }
+    return chart_x(&plot->area, &plot->cost, cost);
 }
 
-/* Finds the bar of each point, from its lowest to its highest cost. */
-static void find_bars(struct plot *plot)
+static double y_of(const struct plot *plot, const struct frontier_point *point)
 {
-    plot->labels.n_lines = plot->n_steps + plot->frontier->n;
-    for (int i = 0; i < plot->frontier->n; i++) {
-        const struct frontier_point *point = &plot->frontier->points[i];
-        const double y = plot->labels.label[i].y;
-        plot->labels.lines[plot->n_steps + i] =
-            (struct chart_segment){{chart_x(&plot->area, &plot->cost, point->cost_low),
-                                    chart_x(&plot->area, &plot->cost, point->cost_high)},
-                                   {y, y}};
-    }
+    return chart_y(&plot->area, &plot->error, point->error);
 }
 
+/* Draws the steps: from each point along the cost, then down to the error of the next one. */
 static void draw_steps(const struct plot *plot)
 {
-    if (plot->n_steps == 0)
-        return;
-    print(plot->area.to, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f",
-          strong, plot->labels.lines[0].x[0], plot->labels.lines[0].y[0]);
-    for (int i = 0; i < plot->n_steps; i++)
-        print(plot->area.to, "L%.2f,%.2f", plot->labels.lines[i].x[1], plot->labels.lines[i].y[1]);
-    print_text(plot->area.to, "\"/>\n");
+    for (int i = 0; i < plot->n_best; i++) {
+        const double x = x_of(plot, plot->points[i]->cost), y = y_of(plot, plot->points[i]);
+        if (i == 0)
+            print(plot->area.to,
+                  "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f", strong, x,
+                  y);
+        else
+            print(plot->area.to, "H%.2fV%.2f", x, y);
+    }
+    print_text(plot->area.to, plot->n_best > 0 ? "\"/>\n" : "");
 }
 
 /* ---- points drawn ---- */
@@ -139,85 +124,50 @@ static void draw_marker(struct printed *to, double x, double y, bool best, bool 
           best ? "4.5" : "2.8", best ? strong : "#fff", best ? strong : pale);
 }
 
+/* Writes the number of a point. No other point lies below and left of one of the frontier: there is
+ * room for its number. */
+static void draw_number(const struct plot *plot, int index, double x, double y)
+{
+    const double lowest = CHART_TOP + HEIGHT - 4;
+    if (plot->points[index]->best)
+        print(plot->area.to,
+              "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>", x - 6,
+              fmin(y + CHART_TEXT_SIZE, lowest), strong, index + 1);
+    else
+        print(plot->area.to, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"%d\" fill=\"#555\">%d</text>",
+              x + 4, y - 3, NUMBER_SIZE, index + 1);
+}
+
 static void draw_point(const struct plot *plot, int index)
 {
-    const struct frontier_point *point = &plot->frontier->points[index];
-    const struct chart_label *label = &plot->labels.label[index];
-    const struct chart_segment *bar = &plot->labels.lines[plot->n_steps + index];
+    const struct frontier_point *point = plot->points[index];
+    const double x = x_of(plot, point->cost), y = y_of(plot, point);
     print_text(plot->area.to, "<g><title>");
     chart_text(plot->area.to, point->name, 200);
     print(plot->area.to, "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
-          point->best ? strong : pale, bar->x[0], label->y, bar->x[1]);
-    draw_marker(plot->area.to, label->x, label->y, point->best, point->uncertain);
+          point->best ? strong : pale, x_of(plot, point->cost_low), y,
+          x_of(plot, point->cost_high));
+    draw_marker(plot->area.to, x, y, point->best, point->uncertain);
+    draw_number(plot, index, x, y);
     print_text(plot->area.to, "</g>\n");
 }
 
-/* ---- labels ---- */
+/* ---- the legend ---- */
 
-static int shown_length(const char *name, int most)
-{
-    const int length = chart_text_length(name);
-    return length < most ? length : most;
-}
-
-/* Places the names of the frontier first, because they are the largest labels. A name without a
- * free place becomes a number. */
-static void place_labels(struct plot *plot)
-{
-    for (int i = 0; i < plot->n_best; i++) {
-        const int index = plot->order[i];
-        const int length = shown_length(plot->frontier->points[index].name, NAME_LENGTH);
-        if (!chart_place_label(&plot->labels, index, chart_text_width(length, CHART_TEXT_SIZE),
-                               CHART_TEXT_SIZE + 2))
-            plot->number[index] = ++plot->n_numbers;
-    }
-    for (int i = 0; i < plot->frontier->n; i++) {
-        const int digits = snprintf(NULL, 0, "%d", plot->number[i]);
-        if (plot->number[i] > 0)
-            chart_place_label(&plot->labels, i, chart_text_width(digits, NUMBER_SIZE) + 2,
-                              NUMBER_SIZE);
-    }
-}
-
-static void draw_label(const struct plot *plot, int index)
-{
-    const struct chart_label *label = &plot->labels.label[index];
-    const struct chart_segment line = chart_leader(label);
-    const int size = plot->number[index] > 0 ? NUMBER_SIZE : CHART_TEXT_SIZE;
-    if (!label->placed)
-        return;
-    if (label->led)
-        print(plot->area.to,
-              "<path stroke=\"%s\" stroke-width=\"0.6\" d=\"M%.2f,%.2fL%.2f,%.2f\"/>", pale,
-              line.x[0], line.y[0], line.x[1], line.y[1]);
-    print(plot->area.to, "<text text-anchor=\"middle\" x=\"%.2f\" y=\"%.2f\" font-size=\"%d\"%s>",
-          (label->box.left + label->box.right) / 2,
-          (label->box.top + label->box.bottom) / 2 + 0.35 * size, size,
-          plot->number[index] > 0 ? " fill=\"#555\"" : "");
-    if (plot->number[index] > 0)
-        print(plot->area.to, "%d", plot->number[index]);
-    else
-        chart_text(plot->area.to, plot->frontier->points[index].name, NAME_LENGTH);
-    print_text(plot->area.to, "</text>\n");
-}
-
-/* ---- the key ---- */
-
-static struct chart_grid key_grid(const struct plot *plot)
+static struct chart_grid legend_grid(const struct plot *plot)
 {
     int longest = 1;
     for (int i = 0; i < plot->frontier->n; i++) {
-        const int length = shown_length(plot->frontier->points[i].name, KEY_LENGTH);
-        longest = plot->number[i] > 0 && length > longest ? length : longest;
+        const int length = chart_text_length(plot->frontier->points[i].name);
+        longest = length > longest ? length : longest;
     }
-    return chart_grid(plot->n_numbers, longest, SAMPLE);
+    return chart_grid(plot->frontier->n, longest < NAME_LENGTH ? longest : NAME_LENGTH, SAMPLE);
 }
 
 /* Draws the legend of the markers, in one row. */
 static void draw_markers(const struct plot *plot, int y)
 {
-    static const char *const meaning[] = {"on the frontier", "not on it: see the number",
-                                          "either, within noise"};
+    static const char *const meaning[] = {"on the frontier", "not on it", "either, within noise"};
     for (int i = 0; i < 3; i++) {
         const double x = CHART_LEFT + 10 + (CHART_WIDTH - CHART_LEFT) / 3.0 * i;
         draw_marker(plot->area.to, x, y, i == 0, i == 2);
@@ -226,22 +176,19 @@ static void draw_markers(const struct plot *plot, int y)
     }
 }
 
-static void draw_key(const struct plot *plot, int top)
+static void draw_legend(const struct plot *plot, int top)
 {
-    const struct chart_grid grid = key_grid(plot);
+    const struct chart_grid grid = legend_grid(plot);
     const int fitting = chart_fitting(grid.column - SAMPLE - 8, CHART_TEXT_SIZE);
     for (int i = 0; i < plot->frontier->n; i++) {
-        const int place = plot->number[i] - 1;
-        if (place < 0)
-            continue;
-        const double x = CHART_LEFT + grid.column * (place / grid.rows);
-        const double y = top + CHART_LEGEND_ROW * (place % grid.rows) + 0.35 * CHART_TEXT_SIZE;
+        const double x = CHART_LEFT + grid.column * (i / grid.rows);
+        const double y = top + CHART_LEGEND_ROW * (i % grid.rows) + 0.35 * CHART_TEXT_SIZE;
         print(plot->area.to,
-              "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"#555\">%d</text>"
+              "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>"
               "<text x=\"%.2f\" y=\"%.2f\">",
-              x + SAMPLE - 8, y, plot->number[i], x + SAMPLE, y);
-        chart_text(plot->area.to, plot->frontier->points[i].name,
-                   fitting < KEY_LENGTH ? fitting : KEY_LENGTH);
+              x + SAMPLE - 8, y, i < plot->n_best ? strong : "#555", i + 1, x + SAMPLE, y);
+        chart_text(plot->area.to, plot->points[i]->name,
+                   fitting < NAME_LENGTH ? fitting : NAME_LENGTH);
         print_text(plot->area.to, "</text>\n");
     }
 }
@@ -252,64 +199,31 @@ static void draw(void *of, struct printed *to)
 {
     struct plot *plot = of;
     const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;
-    const int key = markers + CHART_LEGEND_ROW + 6;
+    const int legend = markers + CHART_LEGEND_ROW + 6;
     plot->area.to = to;
-    chart_head(to, plot->frontier->title, key + CHART_LEGEND_ROW * key_grid(plot).rows);
+    chart_head(to, plot->frontier->title, legend + CHART_LEGEND_ROW * legend_grid(plot).rows);
     axis_draw_x(&plot->area, &plot->cost, plot->frontier->cost_label, 0);
     axis_draw_y(&plot->area, &plot->error, plot->frontier->error_label, false);
     chart_frame(&plot->area);
-    for (int i = 0; i < plot->frontier->n; i++)
-        if (!plot->frontier->points[i].best)
-            draw_point(plot, i);
     draw_steps(plot);
-    for (int i = 0; i < plot->n_best; i++)
-        draw_point(plot, plot->order[i]);
-    for (int i = 0; i < plot->frontier->n; i++)
-        draw_label(plot, i);
+    for (int i = plot->frontier->n - 1; i >= 0; i--) /* the frontier on top */
+        draw_point(plot, i);
     draw_markers(plot, markers);
-    draw_key(plot, key);
-}
-
-/* Finds the places of all points, steps, bars and labels. */
-static void find_places(struct plot *plot)
-{
-    plot->cost = cost_axis(plot->frontier);
-    plot->error = error_axis(plot->frontier);
-    for (int i = 0; i < plot->frontier->n; i++) {
-        const struct frontier_point *point = &plot->frontier->points[i];
-        plot->labels.label[i] =
-            (struct chart_label){.x = chart_x(&plot->area, &plot->cost, point->cost),
-                                 .y = chart_y(&plot->area, &plot->error, point->error),
-                                 .radius = point->uncertain ? 7
-                                           : point->best    ? 5
-                                                            : 3.3};
-    }
-    sort_points(plot);
-    find_steps(plot);
-    find_bars(plot);
-    place_labels(plot);
+    draw_legend(plot, legend);
 }
 
 char *frontier_svg(const struct frontier *frontier)
 {
-    const size_t n = (size_t)frontier->n + 1;
-    struct plot plot = {
-        .frontier = frontier,
-        .area = {.width = WIDTH, .height = HEIGHT},
-        .labels = {.n = frontier->n,
-                   .frame = {CHART_LEFT, CHART_TOP, CHART_LEFT + WIDTH, CHART_TOP + HEIGHT}}};
+    struct plot plot = {.frontier = frontier,
+                        .area = {.width = WIDTH, .height = HEIGHT},
+                        .cost = cost_axis(frontier),
+                        .error = error_axis(frontier)};
     char *text = NULL;
-    plot.labels.label = calloc(n, sizeof *plot.labels.label);
-    plot.order = calloc(n, sizeof *plot.order);
-    plot.number = calloc(n, sizeof *plot.number);
-    plot.labels.lines = calloc(3 * n, sizeof *plot.labels.lines);
-    if (plot.labels.label && plot.order && plot.number && plot.labels.lines) {
-        find_places(&plot);
+    plot.points = calloc((size_t)frontier->n + 1, sizeof *plot.points);
+    if (plot.points) {
+        number_points(&plot);
         text = chart_file(draw, &plot);
     }
-    free(plot.labels.label);
-    free(plot.order);
-    free(plot.number);
-    free(plot.labels.lines);
+    free(plot.points);
     return text;
 }

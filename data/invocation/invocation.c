@@ -43,14 +43,6 @@ bool scene_refuse(const char *stack, struct error *err)
                        stack, is_text ? "a text file" : "a scene");
 }
 
-bool gives_wavelengths(const struct options *options)
-{
-    for (int i = 0; i < options->n_changes; i++)
-        if (options->changes[i].apply == scene_set_wavelengths)
-            return true;
-    return options->sampling != NULL;
-}
-
 bool scene_read_sampled(const struct options *options, struct scene *out, struct sampling *sampling,
                         struct error *err)
 {

@@ -14,8 +14,6 @@ bool scene_read_options(const struct options *options, struct scene *out, struct
  * rendered it yet.
  * A missing file passes: whoever opens it reports that. */
 bool scene_refuse(const char *stack, struct error *err);
-/* Returns whether the command line gives the wavelengths, or a sampling. */
-bool gives_wavelengths(const struct options *options);
 /* Reads SCENE with its changes, and samples it if --sampling is given; otherwise *sampling stays
  * zeroed. Refuses --detector without --sampling or --accuracy. The caller frees both, also after a
  * failure. */

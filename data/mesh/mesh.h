@@ -55,11 +55,14 @@ void mesh_free(struct mesh *mesh);
  * 2^-64. */
 bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err);
 
-/* ---- split.c: parts of a mesh ---- */
+/* ---- split.c: parts of a mesh, and of its edges ---- */
 /* Cuts all triangles that cross x = 0 there, and makes two parts: 0 at negative x, 1 at positive x.
  * New vertices lie at exactly x = 0, with the same bits on both sides and in neighbouring
  * triangles, so that no crack opens. The parts and names of *from are lost. */
 bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
+/* Halves all edges of a mesh of a file, so that each triangle becomes four. The middle of an edge
+ * depends on its ends alone: no crack opens. Keeps parts. */
+bool mesh_halve(struct mesh *mesh, struct error *err);
 /* Makes a mesh of the triangles of one part (-1: of all), with the vertices that they use, in their
  * order. It may be empty: n_triangles 0. */
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);

@@ -1,9 +1,42 @@
 /* SPDX-License-Identifier: MIT */
-/* Cuts a mesh in half, and takes a part out of a mesh. */
+/* Cuts a mesh in half, halves its edges, and takes a part out of a mesh. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "data/mesh/mesh.h"
+
+/* ---- edges that get a vertex ---- */
+
+/* Returns one number for an edge, whichever of its vertices comes first. */
+static int64_t edge_of(int32_t a, int32_t b)
+{
+    return a < b ? (int64_t)a * INT32_MAX + b : (int64_t)b * INT32_MAX + a;
+}
+
+static int compare_edges(const void *a, const void *b)
+{
+    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+    return (p > q) - (p < q);
+}
+
+/* Sorts edges, and keeps each once; returns their number. */
+static int sort_edges(int64_t *edges, int n)
+{
+    int kept = 0;
+    qsort(edges, (size_t)n, sizeof *edges, compare_edges);
+    for (int i = 0; i < n; i++)
+        if (i == 0 || edges[i] != edges[kept - 1])
+            edges[kept++] = edges[i];
+    return kept;
+}
+
+/* Returns the place of an edge among n sorted ones. */
+static int32_t find_edge(const int64_t *edges, int n, int32_t a, int32_t b)
+{
+    const int64_t edge = edge_of(a, b),
+                  *found = bsearch(&edge, edges, (size_t)n, sizeof *edges, compare_edges);
+    return (int32_t)(found - edges);
+}
 
 /* ---- cutting at x = 0 ---- */
 
@@ -48,40 +81,25 @@ static void cut_parameters(struct mesh *mesh, int32_t a, int32_t b, int32_t at)
                                                p.v + (int32_t)(share * (q.v - p.v))};
 }
 
-/* Returns one number for an edge, whichever of its vertices comes first. */
-static int64_t edge_of(int32_t a, int32_t b)
-{
-    return a < b ? (int64_t)a * INT32_MAX + b : (int64_t)b * INT32_MAX + a;
-}
-
-static int compare_edges(const void *a, const void *b)
-{
-    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
-    return (p > q) - (p < q);
-}
-
 /* Adds a vertex for each edge that crosses x = 0, in the order of the edges; returns their number.
  */
 static int cut_edges(struct mesh *mesh, const struct mesh *from, int64_t *edges)
 {
-    int n = 0, n_cut = 0;
+    int n = 0;
     for (int i = 0; i < from->n_triangles; i++)
         for (int k = 0; k < 3; k++) {
             const int32_t a = from->triangles[i][k], b = from->triangles[i][(k + 1) % 3];
             if (crosses(mesh, a, b))
                 edges[n++] = edge_of(a, b);
         }
-    qsort(edges, (size_t)n, sizeof *edges, compare_edges);
+    n = sort_edges(edges, n);
     for (int i = 0; i < n; i++) {
-        if (i > 0 && edges[i] == edges[n_cut - 1])
-            continue;
         const int32_t a = (int32_t)(edges[i] / INT32_MAX), b = (int32_t)(edges[i] % INT32_MAX);
         if (mesh->parametric)
             cut_parameters(mesh, a, b, mesh->n_vertices);
         mesh->vertices[mesh->n_vertices++] = cut_edge(&mesh->vertices[a], &mesh->vertices[b]);
-        edges[n_cut++] = edges[i];
     }
-    return n_cut;
+    return n;
 }
 
 /* Adds the polygon that a triangle has on one side, of 3 or 4 corners; fewer have no area. Divides
@@ -110,16 +128,14 @@ static void cut_triangle(const int32_t triangle[3], const int64_t *edges, int n_
     for (int k = 0; k < 3; k++) {
         const int32_t a = triangle[k], b = triangle[(k + 1) % 3];
         const int side = side_of(&mesh->vertices[a]);
-        const int64_t edge = edge_of(a, b), *found;
         if (side <= 0)
             corner[0][n[0]++] = a;
         if (side >= 0)
             corner[1][n[1]++] = a;
         if (!crosses(mesh, a, b))
             continue;
-        found = bsearch(&edge, edges, (size_t)n_edges, sizeof *edges, compare_edges);
         corner[0][n[0]++] = corner[1][n[1]++] =
-            mesh->n_vertices - n_edges + (int32_t)(found - edges);
+            mesh->n_vertices - n_edges + find_edge(edges, n_edges, a, b);
         cut = true;
     }
     add_side(mesh, 0, corner[0], n[0]);
@@ -149,6 +165,78 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
         cut_triangle(from->triangles[i], edges, n_edges, out);
     free(edges);
     return mesh_reserve(out, 0, 0, err); /* gives back what was not needed */
+}
+
+/* ---- halving edges ---- */
+
+/* Returns the middle of an edge. Its normal is not brought to unit length: so the normals that are
+ * interpolated on the facet stay as they are. */
+static struct vertex middle_of(const struct vertex *a, const struct vertex *b)
+{
+    return (struct vertex){vector_scale(vector_add(a->position, b->position), 0.5),
+                           vector_scale(vector_add(a->normal, b->normal), 0.5), (a->s + b->s) / 2,
+                           (a->t + b->t) / 2};
+}
+
+/* Adds the middle of each edge of the triangles of *from; returns the number of edges. */
+static int add_middles(struct mesh *mesh, const struct mesh *from, int64_t *edges)
+{
+    for (int i = 0; i < 3 * from->n_triangles; i++)
+        edges[i] = edge_of(from->triangles[i / 3][i % 3], from->triangles[i / 3][(i + 1) % 3]);
+    const int n = sort_edges(edges, 3 * from->n_triangles);
+    for (int i = 0; i < n; i++)
+        mesh->vertices[mesh->n_vertices++] =
+            middle_of(&mesh->vertices[edges[i] / INT32_MAX], &mesh->vertices[edges[i] % INT32_MAX]);
+    return n;
+}
+
+/* Adds the four quarters of a triangle. The last n_edges vertices of the mesh are the new ones. */
+static void add_quarters(const int32_t corner[3], const int64_t *edges, int n_edges,
+                         struct mesh *mesh)
+{
+    int32_t middle[3];
+    for (int k = 0; k < 3; k++)
+        middle[k] =
+            mesh->n_vertices - n_edges + find_edge(edges, n_edges, corner[k], corner[(k + 1) % 3]);
+    for (int k = 0; k < 3; k++) {
+        const int32_t quarter[3] = {middle[(k + 2) % 3], corner[k], middle[k]};
+        memcpy(mesh->triangles[mesh->n_triangles++], quarter, sizeof quarter);
+    }
+    memcpy(mesh->triangles[mesh->n_triangles++], middle, sizeof middle);
+}
+
+/* Takes over the names of the parts. The four quarters of a triangle belong to its part. */
+static bool take_parts(struct mesh *from, struct mesh *to, struct error *err)
+{
+    to->n_parts = from->n_parts;
+    to->part_names = from->part_names;
+    from->part_names = NULL;
+    if (!from->part)
+        return true;
+    to->part = malloc((size_t)to->n_triangles * sizeof *to->part + 1);
+    for (int i = 0; to->part && i < to->n_triangles; i++)
+        to->part[i] = from->part[i / 4];
+    return to->part || error_memory(err);
+}
+
+bool mesh_halve(struct mesh *mesh, struct error *err)
+{
+    const size_t n = (size_t)mesh->n_triangles, n_vertices = (size_t)mesh->n_vertices;
+    struct mesh finer = {.place = mesh->place};
+    int64_t *edges = malloc((3 * n + 1) * sizeof *edges);
+    bool done = (edges || error_memory(err)) && mesh_begin(&finer, n_vertices + 3 * n, 4 * n, err);
+    if (done) {
+        memcpy(finer.vertices, mesh->vertices, n_vertices * sizeof *mesh->vertices);
+        finer.n_vertices = mesh->n_vertices;
+        const int n_edges = add_middles(&finer, mesh, edges);
+        for (int i = 0; i < mesh->n_triangles; i++)
+            add_quarters(mesh->triangles[i], edges, n_edges, &finer);
+        done = mesh_reserve(&finer, 0, 0, err) && take_parts(mesh, &finer, err);
+    }
+    free(edges);
+    mesh_free(mesh);
+    *mesh = finer;
+    return done;
 }
 
 /* ---- taking a part out ---- */

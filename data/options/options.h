@@ -86,8 +86,8 @@ struct options {
     double full_scale;
     int threads, runs, memory_mib, max_triangles;
     struct outputs outputs; /* complete; they appear when the command has ended well */
-    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick,
-        measure, still, gallery;
+    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, measure,
+        still, gallery;
 };
 
 /* The options and operands that a command allows. */

@@ -126,28 +126,6 @@ bool patch_is_flat(const struct shape *shape, int patch)
     return shape_is_flat(shape->kind) || is_cap(shape, patch);
 }
 
-bool patch_has_pole(const struct patches *patches, int patch, double v)
-{
-    const struct shape *shape = patches->shape;
-    switch (shape->kind) {
-    case SHAPE_SPHERE:
-        return v == 0 || v == shape->parameter[2];
-    case SHAPE_CONE:
-        return patch == 0 && v == shape->parameter[3];
-    case SHAPE_TEAPOT:
-        return patches->teapot[patch].pole && v == 0;
-    default:
-        return false;
-    }
-}
-
-bool patch_has_rim(const struct shape *shape, int patch, double v, double *around)
-{
-    const bool is_disk = shape->kind == SHAPE_DISK;
-    *around = shape->parameter[is_disk ? 1 : 2];
-    return (is_disk && v == shape->parameter[2]) || (is_cap(shape, patch) && v == 1);
-}
-
 /* Returns x in [0, cells], moved by whole turns. */
 static double around(double x, double cells)
 {

@@ -72,32 +72,10 @@ struct vertex patch_vertex(const struct patches *patches, int patch, double u, d
 /* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
 
-/* ---- subdivide.c: finer triangles of a mesh ---- */
-
-/* Marks of the edges of a triangle that are to be halved: bit k for the edge from corner k to the
- * next one. */
-enum { ALL_EDGES = 7 };
-/* Halves the marked edges of each triangle and divides it into 2, 3 or 4. New vertices lie on the
- * surface of a built-in shape (`patches`, opened for the shape of the mesh); otherwise (NULL)
- * half-way, with the sum of normals, so that interpolated normals stay as they are. The half of an
- * edge depends on its two ends alone: no crack opens where both triangles of an edge mark it. Keeps
- * parts. *source: of each new triangle the one that it is a part of; allocated. */
-bool mesh_subdivide(const struct mesh *from, const struct patches *patches,
-                    const unsigned char *marks, struct mesh *out, int32_t **source,
-                    struct error *err);
-/* Returns the place half-way between two vertices of a mesh, as mesh_subdivide makes it. */
-struct vertex mesh_midpoint(const struct mesh *mesh, const struct patches *patches, int32_t a,
-                            int32_t b, struct parameters *parameters);
-
 /* Lets a texture fit as often as the shape says: multiplies s and t. */
 void shape_repeat_texture(const struct shape *shape, struct mesh *mesh);
 
 /* ---- Inside this room ---- */
-
-/* Returns whether row v of a patch, in cells, is one point. */
-bool patch_has_pole(const struct patches *patches, int patch, double v);
-/* Returns whether row v of a flat patch is its round rim; *around: the cells of a full turn. */
-bool patch_has_rim(const struct shape *shape, int patch, double v, double *around);
 
 /* teapot.c: the 32 bicubic Bézier patches of the Utah teapot. */
 enum { TEAPOT_PATCHES = 32 };

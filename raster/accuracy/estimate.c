@@ -11,14 +11,13 @@
 struct judged_point {
     int surface; /* -1: none */
     const struct object *object;
-    float error, shading, wavelengths; /* all of it; and its parts */
+    float error;
 };
 struct estimating {
     const struct plan *plan;
     const struct surface *surfaces;
     const struct measure *measure;
     const struct seen_pixels *seen;
-    struct shape *shapes;        /* of each mesh of the plan, tessellated; owned */
     struct patches *patches;     /* of each mesh of the plan that is seen; owned */
     struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
                                     owned */
@@ -32,12 +31,9 @@ struct estimating {
 static bool open_patches(struct estimating *of, int surface, struct error *err)
 {
     const struct placed_instance *placed = &of->plan->instances[surface];
-    struct shape *shape = &of->shapes[placed->mesh];
+    const struct plan_mesh *mesh = &of->plan->meshes[placed->mesh];
     struct patches *patches = &of->patches[placed->mesh];
-    if (patches->shape || !of->plan->meshes[placed->mesh].mesh.parametric)
-        return true;
-    *shape = shape_tessellated(&placed->object->shape, of->plan->scene->tessellation);
-    return patches_open(shape, patches, err);
+    return patches->shape || !mesh->mesh.parametric || patches_open(&mesh->shape, patches, err);
 }
 
 static struct judged_surface judged_surface(const struct estimating *of, int surface)
@@ -55,33 +51,22 @@ static struct judged_surface judged_surface(const struct estimating *of, int sur
 
 /* ---- points ---- */
 
-/* Compares a pixel of the lattice; false for background, and where the true surface is not seen. */
-static bool compare_pixel(const struct estimating *of, int index, double *attributes,
-                          struct compared_point *out)
-{
-    const struct lattice_pixel *pixel = &of->seen->pixels[index];
-    double at[2], share[3];
-    if (pixel->surface < 0 || !lattice_place(&of->seen->lattice, index, at))
-        return false;
-    const struct judged_surface surface = judged_surface(of, pixel->surface);
-    shares_at(&pixel->triangle, at[0], at[1], share);
-    return compare_point(&surface, &pixel->triangle, at, share, attributes, out);
-}
-
+/* Judges a pixel of the lattice; none: background, and where the true surface is not seen. */
 static void judge_pixel(const struct estimating *of, int index, double *attributes,
                         struct judged_point *out)
 {
+    const struct lattice_pixel *pixel = &of->seen->pixels[index];
     struct compared_point point;
-    const int surface = of->seen->pixels[index].surface;
+    double at[2], share[3];
     out->surface = -1;
-    if (!compare_pixel(of, index, attributes, &point))
+    if (pixel->surface < 0 || !lattice_place(&of->seen->lattice, index, at))
         return;
-    const int shaded = of->plan->instances[surface].shaded;
-    *out = (struct judged_point){
-        surface, of->plan->instances[surface].object,
-        (float)measure_whole(of->measure, shaded, &point.drawn, &point.exact),
-        (float)measure_difference(of->measure, shaded, &point.drawn, &point.exact),
-        (float)measure_whole(of->measure, shaded, &point.exact, &point.exact)};
+    const struct judged_surface surface = judged_surface(of, pixel->surface);
+    shares_at(&pixel->triangle, at[0], at[1], share);
+    if (compare_point(&surface, &pixel->triangle, at, share, attributes, &point))
+        *out = (struct judged_point){
+            pixel->surface, of->plan->instances[pixel->surface].object,
+            (float)measure_difference(of->measure, surface.shaded, &point.drawn, &point.exact)};
 }
 
 static void judge_block(void *context, size_t first, size_t end)
@@ -98,7 +83,7 @@ static void judge_block(void *context, size_t first, size_t end)
 /* Opens the patches of all surfaces that are seen. */
 static bool open_seen(struct estimating *of, struct error *err)
 {
-    for (int i = 0; i < of->seen->lattice.rows * of->seen->lattice.columns; i++)
+    for (int i = 0; i < of->seen->n; i++)
         if (of->seen->pixels[i].surface >= 0 && !open_patches(of, of->seen->pixels[i].surface, err))
             return false;
     return true;
@@ -107,7 +92,7 @@ static bool open_seen(struct estimating *of, struct error *err)
 static bool judge_pixels(struct estimating *of, struct error *err)
 {
     enum { BLOCK_PIXELS = 128 };
-    const int n = of->seen->lattice.rows * of->seen->lattice.columns;
+    const int n = of->seen->n;
     if (!open_seen(of, err))
         return false;
     threads_blocks(of->plan->options.threads, (size_t)n, BLOCK_PIXELS, judge_block, of);
@@ -126,20 +111,6 @@ static int by_error(const void *a, const void *b)
     return (one > two) - (one < two);
 }
 
-static int by_shading(const void *a, const void *b)
-{
-    const float one = ((const struct judged_point *)a)->shading,
-                two = ((const struct judged_point *)b)->shading;
-    return (one > two) - (one < two);
-}
-
-static int by_wavelengths(const void *a, const void *b)
-{
-    const float one = ((const struct judged_point *)a)->wavelengths,
-                two = ((const struct judged_point *)b)->wavelengths;
-    return (one > two) - (one < two);
-}
-
 static int by_object(const void *a, const void *b)
 {
     const struct judged_point *one = a, *two = b;
@@ -155,16 +126,10 @@ static int worst_first(const void *a, const void *b)
                : (one->surface > two->surface) - (one->surface < two->surface);
 }
 
-/* Returns the last of the 95 % of n points, at least 1, that have the least errors. */
-static int last_of(int n)
-{
-    return n - n / 20 - 1;
-}
-
 /* Returns the error that 95 % of n points, sorted, have at most. */
 static double quantile(const struct judged_point *points, int n)
 {
-    return n > 0 ? (double)points[last_of(n)].error : 0;
+    return n > 0 ? (double)points[n - n / 20 - 1].error : 0;
 }
 
 /* Returns the first of the surfaces that n points show, so that the order of equal errors does not
@@ -180,11 +145,6 @@ static int first_surface(const struct judged_point *points, int n)
 static bool conclude(struct estimating *of, struct accuracy_estimate *out, struct error *err)
 {
     const size_t size = sizeof *of->points;
-    qsort(of->points, (size_t)of->n_points, size, by_shading);
-    out->shading_95 = of->n_points > 0 ? (double)of->points[last_of(of->n_points)].shading : 0;
-    qsort(of->points, (size_t)of->n_points, size, by_wavelengths);
-    out->wavelengths_95 =
-        of->n_points > 0 ? (double)of->points[last_of(of->n_points)].wavelengths : 0;
     qsort(of->points, (size_t)of->n_points, size, by_error);
     out->quantile_95 = quantile(of->points, of->n_points);
     out->n_points = of->n_points;
@@ -204,21 +164,17 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
 
 /* ---- all of it ---- */
 
-static bool allocate(struct estimating *of, const struct lattice *lattice, struct error *err)
+static bool allocate(struct estimating *of, struct error *err)
 {
-    const size_t n = (size_t)lattice->rows * (size_t)lattice->columns,
-                 n_meshes = (size_t)of->plan->n_meshes;
-    of->shapes = calloc(n_meshes + 1, sizeof *of->shapes);
-    of->patches = calloc(n_meshes + 1, sizeof *of->patches);
-    of->points = calloc(n + 1, sizeof *of->points);
-    return (of->shapes && of->patches && of->points) || error_memory(err);
+    of->patches = calloc((size_t)of->plan->n_meshes + 1, sizeof *of->patches);
+    of->points = calloc((size_t)of->seen->n + 1, sizeof *of->points);
+    return (of->patches && of->points) || error_memory(err);
 }
 
 static void free_all(struct estimating *of)
 {
     for (int i = 0; of->patches && i < of->plan->n_meshes; i++)
         patches_close(&of->patches[i]);
-    free(of->shapes);
     free(of->patches);
     free(of->points);
 }
@@ -233,59 +189,11 @@ bool accuracy_judge(const struct measure *measure, const struct surface *surface
                             .seen = seen,
                             .failed = COUNTER};
     *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
-    const bool done =
-        allocate(&of, &seen->lattice, err) && judge_pixels(&of, err) && conclude(&of, out, err);
+    const bool done = allocate(&of, err) && judge_pixels(&of, err) && conclude(&of, out, err);
     free_all(&of);
     if (!done)
         accuracy_estimate_free(out);
     return done;
-}
-
-/* ---- colours ---- */
-
-static bool allocate_colours(const struct plan *plan, const struct lattice *lattice,
-                             struct shown_colours *out, struct error *err)
-{
-    const size_t n = (size_t)lattice->rows * (size_t)lattice->columns;
-    out->materials = calloc((size_t)plan->n_materials + 1, sizeof *out->materials);
-    out->list = calloc(n + 1, sizeof *out->list);
-    out->weights = calloc((n + 1) * 2 * ((size_t)plan->max_rows + 2), sizeof *out->weights);
-    return (out->materials && out->list && out->weights) || error_memory(err);
-}
-
-/* Keeps the exact one of the two points that are compared: its weights come second. */
-static void list_colours(struct estimating *of, struct shown_colours *out)
-{
-    const size_t n_numbers = 2 * ((size_t)of->plan->max_rows + 2);
-    for (int i = 0; i < of->seen->lattice.rows * of->seen->lattice.columns; i++) {
-        struct compared_point point;
-        if (!compare_pixel(of, i, out->weights + (size_t)out->n * n_numbers, &point))
-            continue;
-        const int shaded = of->plan->instances[of->seen->pixels[i].surface].shaded;
-        out->materials[shaded] = &of->plan->materials[shaded].made;
-        out->list[out->n++] = (struct stimulus){shaded, point.exact.weights, point.exact.texel};
-    }
-}
-
-bool accuracy_colours(const struct plan *plan, const struct surface *surfaces,
-                      const struct seen_pixels *seen, struct shown_colours *out, struct error *err)
-{
-    struct estimating of = {.plan = plan, .surfaces = surfaces, .seen = seen};
-    *out = (struct shown_colours){.n = 0};
-    const bool done = allocate(&of, &seen->lattice, err) && open_seen(&of, err) &&
-                      allocate_colours(plan, &seen->lattice, out, err);
-    if (done)
-        list_colours(&of, out);
-    free_all(&of);
-    return done;
-}
-
-void shown_colours_free(struct shown_colours *colours)
-{
-    free(colours->materials);
-    free(colours->list);
-    free(colours->weights);
-    *colours = (struct shown_colours){.n = 0};
 }
 
 /* ---- the estimate of a note ---- */

@@ -34,6 +34,22 @@ static double *page_weights(const struct plan *plan, const char *observer, bool 
     return NULL;
 }
 
+/* Finds the white of the lights, or of a radiance of 1 where the observer sees none. */
+static bool find_white(const struct plan *plan, const double *weights, double white[3],
+                       struct error *err)
+{
+    const struct spectral_pages *pages = &plan->illumination.pages;
+    double *radiance = calloc((size_t)pages->n, sizeof *radiance);
+    if (!radiance)
+        return error_memory(err);
+    const bool lit = scene_white(plan->scene, pages, radiance) > 0;
+    detector_response(weights, lit ? radiance : NULL, pages->n, white);
+    if (!(white[0] > 0 || white[1] > 0 || white[2] > 0))
+        detector_response(weights, NULL, pages->n, white);
+    free(radiance);
+    return true;
+}
+
 static bool find_terms(const struct plan *plan, const double *weights, struct measure *out,
                        struct error *err)
 {
@@ -62,55 +78,10 @@ bool measure_make(const struct plan *plan, enum measure_unit unit, const char *o
     if (unit == MEASURE_COUNTS)
         return true;
     double *weights = page_weights(plan, observer, known, err);
-    const bool done =
-        weights && white_seen(plan->scene, &plan->illumination.pages, weights, out->white, err) &&
-        find_terms(plan, weights, out, err);
+    const bool done = weights && find_white(plan, weights, out->white, err) &&
+                      find_terms(plan, weights, out, err);
     free(weights);
     return done || (!*known && err->status == EXIT_AGREED);
-}
-
-/* ---- every nm ---- */
-
-/* Finds the tristimulus values of all terms at every nm. */
-static bool fill_fine(struct measure *measure, const struct fine_detector *fine, struct error *err)
-{
-    const struct plan *plan = measure->plan;
-    const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
-    struct illumination illumination;
-    bool done =
-        illumination_make(plan->scene, &pages, plan->options.exchangeable, &illumination, err);
-    int n = 1;
-    for (int m = 0; m < plan->n_materials; m++)
-        n += plan->materials[m].n_terms;
-    measure->fine = calloc((size_t)n, sizeof *measure->fine);
-    done = done && (measure->fine || error_memory(err)) &&
-           white_seen(plan->scene, &pages, fine->weights, measure->white, err);
-    for (int m = 0; done && m < plan->n_materials; m++)
-        done = terms_seen(&illumination, &plan->materials[m].made, fine->weights,
-                          measure->fine + measure->first[m], err);
-    illumination_free(&illumination);
-    return done;
-}
-
-bool measure_wavelengths(struct measure *measure, const char *observer, struct error *err)
-{
-    const struct plan *plan = measure->plan;
-    const struct scene *scene = plan->scene;
-    struct detector detector = {.name = NULL};
-    struct fine_detector fine = {.nm = NULL};
-    if (measure->unit == MEASURE_COUNTS)
-        return true;
-    if (plan->sampling)
-        return fill_fine(measure, &plan->sampling->fine, err);
-    const double first = scene->wavelengths_nm[0],
-                 last = scene->wavelengths_nm[scene->n_wavelengths - 1];
-    const bool done =
-        detector_read(observer, &detector, err) &&
-        fine_detector_make(&detector, first, (int)floor(last - first + 1e-9) + 1, &fine, err) &&
-        fill_fine(measure, &fine, err);
-    fine_detector_free(&fine);
-    detector_free(&detector);
-    return done;
 }
 
 /* ---- counts ---- */
@@ -167,15 +138,13 @@ void measure_free(struct measure *measure)
 {
     free(measure->first);
     free(measure->xyz);
-    free(measure->fine);
     *measure = (struct measure){.first = NULL};
 }
 
-/* terms: tristimulus values of the terms of all materials. */
-static void xyz_of(const struct measure *measure, double (*terms)[3], int shaded,
-                   const struct shaded_point *point, double xyz[3])
+static void xyz_of(const struct measure *measure, int shaded, const struct shaded_point *point,
+                   double xyz[3])
 {
-    double(*const term)[3] = terms + measure->first[shaded];
+    double(*const term)[3] = measure->xyz + measure->first[shaded];
     xyz[0] = xyz[1] = xyz[2] = 0;
     for (int t = 0; t < measure->plan->materials[shaded].n_terms; t++)
         for (int c = 0; c < 3; c++)
@@ -191,40 +160,17 @@ static bool are_same(const double a[3], const double b[3])
     return same;
 }
 
-/* CIEDE2000 over the Euclidean distance in CIELAB is below this: it divides by weights of at least
- * 1, stretches a* by at most 1.5, and turns chroma against hue by at most a factor of 2 in the
- * squares. */
-static const double most_stretched = 2.13;
-
-static double colours_between(const struct measure *measure, const double a[3], const double b[3])
-{
-    double lab[2][3];
-    if (are_same(a, b))
-        return 0;
-    cielab(a, measure->white, lab[0]);
-    cielab(b, measure->white, lab[1]);
-    const double bound = most_stretched * cie76_difference(lab[0], lab[1]);
-    return bound <= measure->good ? bound : ciede2000_difference(lab[0], lab[1]);
-}
-
 double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
                           const struct shaded_point *b)
 {
-    double xyz[2][3];
+    double xyz[2][3], lab[2][3];
     if (measure->unit == MEASURE_COUNTS)
         return counts_between(measure, shaded, a, b);
-    xyz_of(measure, measure->xyz, shaded, a, xyz[0]);
-    xyz_of(measure, measure->xyz, shaded, b, xyz[1]);
-    return colours_between(measure, xyz[0], xyz[1]);
-}
-
-double measure_whole(const struct measure *measure, int shaded, const struct shaded_point *drawn,
-                     const struct shaded_point *exact)
-{
-    double xyz[2][3];
-    if (!measure->fine)
-        return measure_difference(measure, shaded, drawn, exact);
-    xyz_of(measure, measure->xyz, shaded, drawn, xyz[0]);
-    xyz_of(measure, measure->fine, shaded, exact, xyz[1]);
-    return colours_between(measure, xyz[0], xyz[1]);
+    xyz_of(measure, shaded, a, xyz[0]);
+    xyz_of(measure, shaded, b, xyz[1]);
+    if (are_same(xyz[0], xyz[1]))
+        return 0;
+    cielab(xyz[0], measure->white, lab[0]);
+    cielab(xyz[1], measure->white, lab[1]);
+    return ciede2000_difference(lab[0], lab[1]);
 }

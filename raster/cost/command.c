@@ -58,8 +58,8 @@ static void add_count(const char *line[], int *n, const char *name, int count, c
 }
 
 /* The scene comes last: its name may begin with a dash. */
-bool cost_run(const struct options *options, const struct cost_entry *entry, const char *more,
-              const char *output, struct run_seconds *out, struct error *err)
+bool cost_run(const struct options *options, const struct cost_entry *entry, const char *output,
+              struct run_seconds *out, struct error *err)
 {
     const char *line[MAX_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
     char threads[32], memory[32];
@@ -68,8 +68,6 @@ bool cost_run(const struct options *options, const struct cost_entry *entry, con
         line[n++] = options->recorded[i];
     for (int i = 0; i < entry->n_words; i++)
         line[n++] = entry->words[i];
-    if (more)
-        line[n++] = more;
     add_count(line, &n, "--threads", options->threads, threads);
     add_count(line, &n, "--memory", options->memory_mib, memory);
     const char *const last[] = {"--quiet", "--output", output, "--", options_scene(options), NULL};
@@ -207,16 +205,6 @@ static bool check_scene(const struct options *options, struct error *err)
                             "not standard input");
 }
 
-/* With --quick the number of runs follows from the time that is left. */
-static bool check_runs(const struct options *options, struct error *err)
-{
-    return !options->quick || options->runs == 0 ||
-           error_usage(err, "--quick chooses the number of runs; expected no --runs beside it");
-}
-
-/* --quick takes errors below this for equal, unless the tolerance is smaller. */
-static const double visible = 0.5;
-
 bool command_cost(struct options *options, struct error *err)
 {
     struct cost cost = {.scene = NULL};
@@ -224,10 +212,8 @@ bool command_cost(struct options *options, struct error *err)
     bool done =
         (!options->tolerance || tolerance_of("--tolerance", options->tolerance, &tolerance, err)) &&
         (!options->budget || option_number("--budget", options->budget, 0, 1e9, &budget, err)) &&
-        check_runs(options, err) && check_scene(options, err) && check_files(options, err) &&
-        cost_measure(options, options->tolerance ? fmin(tolerance, visible) : visible, &cost,
-                     err) &&
-        report(options, &cost, tolerance, budget, err);
+        check_scene(options, err) && check_files(options, err) &&
+        cost_measure(options, &cost, err) && report(options, &cost, tolerance, budget, err);
     cost_free(&cost);
     return done;
 }

@@ -146,7 +146,7 @@ static bool say(struct cost_entry *entry, const char *prefix, const char *option
     return true;
 }
 
-/* An accuracy stands in place of a sampling: it chooses one, and refines shapes. */
+/* An accuracy stands in place of a sampling: wavelengths stay, and shapes are divided. */
 static const char accuracy_prefix[] = "accuracy:";
 
 static bool say_sampling(const struct configuration *configuration, const char *observer,
@@ -199,7 +199,6 @@ bool configuration_standard(const struct cost *cost, struct cost_entry *out, str
 {
     struct configuration configuration = every_nm;
     configuration.bits = 32;
-    configuration.tessellation = cost->scouting ? 1 : every_nm.tessellation;
     if (cost->survey.positions > 1)
         configuration.positions = 2 * cost->survey.positions;
     return configuration_entry(&configuration, cost->survey.observer, out, err) &&
@@ -239,8 +238,7 @@ static bool add(struct cost *cost, struct configuration configuration, const cha
 static struct configuration finest(const struct cost *cost)
 {
     struct configuration configuration = every_nm;
-    configuration.tessellation =
-        cost->survey.tessellated && !cost->scouting ? every_nm.tessellation : 1;
+    configuration.tessellation = cost->survey.tessellated ? every_nm.tessellation : 1;
     return configuration;
 }
 
@@ -358,8 +356,7 @@ static bool is_on_axis(const struct survey *survey, const struct configuration *
 static const struct configuration smooth = {.tessellation = 1, .renderer = BY_RASTER},
                                   opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
-/* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. A checked picture is
- * the same as an unchecked one, and takes longer: with --quick it is left out. */
+/* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
 static bool add_renderers(struct cost *cost, const char *sampling, struct error *err)
 {
     struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl,
@@ -371,7 +368,7 @@ static bool add_renderers(struct cost *cost, const char *sampling, struct error 
     shaders.renderer = BY_SHADERS;
     return !gl_is_built() ||
            (add(cost, opengl, sampling, err) && add(cost, sixteen, sampling, err) &&
-            add(cost, eight, sampling, err) && (cost->quick || add(cost, checked, sampling, err)) &&
+            add(cost, eight, sampling, err) && add(cost, checked, sampling, err) &&
             add(cost, softpipe, sampling, err) && add(cost, shaders, sampling, err));
 }
 
@@ -418,24 +415,11 @@ bool configurations_pictures(struct cost *cost, struct error *err)
            add_renderers(cost, cost->chosen[GOOD], err);
 }
 
-/* Returns whether errors are so small already that --quick need not look for smaller ones: a finer
- * tessellation takes longer. */
-static bool is_fine_enough(const struct cost *cost)
-{
-    for (int i = 0; cost->quick && cost->survey.tessellated && i < cost->n; i++)
-        if (cost->entries[i].accuracy.n_pages > 0 &&
-            cost->entries[i].accuracy.quantile_95 <= cost->floor)
-            return true;
-    return false;
-}
-
 bool configurations_finest(struct cost *cost, struct error *err)
 {
     struct configuration bytes = finest(cost), floats = finest(cost);
     bytes.bits = 8;
     floats.bits = 32;
-    if (is_fine_enough(cost))
-        return true;
     for (int i = 0; i < N_CHOSEN; i++)
         if (!add(cost, finest(cost), cost->chosen[i], err))
             return false;

@@ -146,35 +146,6 @@ struct advice cost_affordable(const struct cost *cost, double seconds, bool spec
     return advise(cost, best, &limits);
 }
 
-/* ---- pruning ---- */
-
-static bool beats(const struct cost_entry *one, const struct cost_entry *two, double floor,
-                  double factor)
-{
-    return fmax(one->accuracy.quantile_95, floor) <= fmax(two->accuracy.quantile_95, floor) &&
-           one->seconds * factor < two->seconds && one->processor * factor < two->processor &&
-           (one->accuracy.spectral || !two->accuracy.spectral);
-}
-
-/* An entry that is beaten may beat others: who beats it beats them, too. */
-void cost_prune(struct cost *cost, double factor)
-{
-    int n = 0;
-    for (int i = 0; i < cost->n; i++) {
-        struct cost_entry *entry = &cost->entries[i];
-        bool beaten = false;
-        for (int j = 0; j < cost->n && !beaten; j++)
-            beaten = j != i && beats(&cost->entries[j], entry, cost->floor, factor);
-        entry->best = !beaten;
-    }
-    for (int i = 0; i < cost->n; i++)
-        if (cost->entries[i].best)
-            cost->entries[n++] = cost->entries[i];
-        else
-            cost_entry_free(&cost->entries[i]);
-    cost->n = n;
-}
-
 /* ---- tables ---- */
 
 static void print_entry(const struct cost_entry *entry, struct printed *to)
@@ -277,7 +248,6 @@ void cost_json(const struct cost *cost, struct json *json)
     json_count(json, "height", (uint64_t)cost->survey.height);
     json_string(json, "observer", cost->survey.observer);
     json_count(json, "runs", (uint64_t)cost->runs);
-    json_truth(json, "quick", cost->quick);
     json_number(json, "standard_seconds", cost->standard_seconds);
     json_open(json, "configurations", '[');
     for (int i = 0; i < cost->n; i++)

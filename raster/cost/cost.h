@@ -64,9 +64,7 @@ struct cost_entry {
 enum { GOOD, COLOURS, SPECTRA, FINE_SPECTRA, N_CHOSEN }; /* samplings with few pages */
 struct cost {
     struct survey survey;
-    char *scene;          /* its name with the changes of the command line; owned */
-    bool quick, scouting; /* --quick; its first part, which looks for samplings */
-    double floor;         /* with --quick: smaller errors count as this one */
+    char *scene; /* its name with the changes of the command line; owned */
     char chosen[N_CHOSEN][SAMPLING_NAME];
     int runs, n;
     struct cost_entry *entries; /* room for MAX_CONFIGURATIONS; by seconds in the end; owned */
@@ -89,10 +87,6 @@ struct advice {
  * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
 struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
 struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
-/* Removes each entry that another one beats: that is as accurate (down to the floor), has spectra
- * if this one has them, and takes less than 1/factor of its time, by the clock and of processors.
- */
-void cost_prune(struct cost *cost, double factor);
 void cost_print(const struct cost *cost, struct printed *to);
 /* Return the table as CSV, and the chart; allocated. NULL: no memory. */
 char *cost_csv(const struct cost *cost);
@@ -101,20 +95,19 @@ void cost_json(const struct cost *cost, struct json *json); /* begins a text wit
 
 /* ---- command.c: configurations as command lines ---- */
 /* Render the scene of the options, with the words of the entry, to a stack: in this process; and by
- * running the program, with one more option (NULL: none). */
+ * running the program. */
 bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
                  struct error *err);
-bool cost_run(const struct options *options, const struct cost_entry *entry, const char *more,
-              const char *output, struct run_seconds *out, struct error *err);
+bool cost_run(const struct options *options, const struct cost_entry *entry, const char *output,
+              struct run_seconds *out, struct error *err);
 /* Reads and samples the scene as cost_render would; without a sampling, *sampling stays zeroed. The
  * caller always frees both. entry NULL: no words. */
 bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
                struct sampling *sampling, struct error *err);
 
 /* ---- measure.c ---- */
-/* Measures all configurations that make sense for the scene; with --quick, those that may be best
- * for errors from `floor` on. The caller always frees *out. */
-bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err);
+/* Measures all configurations that make sense for the scene. The caller always frees *out. */
+bool cost_measure(const struct options *options, struct cost *out, struct error *err);
 
 /* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
 struct standard_request {

@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Runs each configuration of render several times, from exec to exit, and measures the accuracy of
- * its stack.
- *
- * With --quick there are two parts. The first scouts: it measures errors in a smaller picture,
- * where they are nearly those of the whole one. It chooses samplings without --tessellation,
- * against a standard without it, because an error of sampling hardly depends on triangles. Then it
- * prunes configurations by errors and seconds. The second part takes times of the others in the
- * whole picture, prunes again after the first run, and goes on while time is left. */
+ * its stack. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -15,14 +9,12 @@
 #include "data/base/base.h"
 #include "raster/cost/cost.h"
 
-enum { DEFAULT_RUNS = 5, LEAST_QUICK_RUNS = 2, MOST_QUICK_RUNS = 5 };
+enum { DEFAULT_RUNS = 5 };
 
 struct measurement {
     const struct options *options;
-    double floor;  /* of errors that matter, with --quick */
-    char size[48]; /* an option that makes the picture smaller; "": none */
     struct progress_line line;
-    bool shown; /* the line of progress; --quick counts seconds, not steps */
+    bool shown; /* the line of progress */
     struct folder folder;
     char stack[sizeof(struct folder) + 16], summary[sizeof(struct folder) + 16]; /* files in it */
     long steps, all_steps;
@@ -106,8 +98,7 @@ static bool render_entry(const struct measurement *measurement, const struct cos
 {
     struct task task = {measurement, entry};
     struct error again = {.status = EXIT_AGREED};
-    if (cost_run(measurement->options, entry, measurement->size[0] ? measurement->size : NULL,
-                 measurement->stack, seconds, err))
+    if (cost_run(measurement->options, entry, measurement->stack, seconds, err))
         return true;
     if (err->status == EXIT_SYSTEM &&
         !process_run(render_job, &task, NULL, 0, &again) && again.unsupported)
@@ -237,12 +228,9 @@ static bool announce(const struct measurement *measurement, struct error *err)
     struct printed line = {.text = NULL};
     if (measurement->options->quiet)
         return true;
-    if (cost->quick)
-        print_text(&line, "about half a minute, or 2 runs of each configuration that matters\n");
-    else
-        print(&line, "about %.0f %s, for %d runs of about %d configurations\n",
-              is_long ? seconds / 60 : seconds, is_long ? "min" : "s", cost->runs,
-              likely_configurations(&cost->survey));
+    print(&line, "about %.0f %s, for %d runs of about %d configurations\n",
+          is_long ? seconds / 60 : seconds, is_long ? "min" : "s", cost->runs,
+          likely_configurations(&cost->survey));
     return printed_show(&line, STDERR_FILENO, err);
 }
 
@@ -310,75 +298,6 @@ static bool measure_all(struct measurement *measurement, struct error *err)
     return true;
 }
 
-/* ---- a quick measurement ---- */
-
-/* A picture for errors has about so many pixels. */
-static const double scout_pixels = 60000;
-/* A configuration is not near the frontier if a better one takes less than 1/so much of its time.
- * In the smaller picture, the start of OpenGL is a larger part of it. */
-static const double scout_factor = 1.25, run_factor = 1.1;
-/* After the second round, none begins that would end later. */
-static const double quick_seconds = 22;
-
-static void shrink(struct measurement *measurement)
-{
-    const struct survey *survey = &measurement->cost->survey;
-    const int by = (int)ceil(sqrt((double)survey->width * (double)survey->height / scout_pixels));
-    const int width = survey->width / by, height = survey->height / by;
-    if (by > 1)
-        snprintf(measurement->size, sizeof measurement->size, "--size=%dx%d", width > 0 ? width : 1,
-                 height > 0 ? height : 1);
-}
-
-static bool scout(struct measurement *measurement, struct error *err)
-{
-    struct cost *cost = measurement->cost;
-    bool lit;
-    if (!warm_up_more(measurement, configurations_samplings, err))
-        return false;
-    configurations_choose(cost);
-    while (cost->n > 0)
-        cost_entry_free(&cost->entries[--cost->n]);
-    cost->scouting = false;
-    return make_standard(measurement, &lit, err) &&
-           warm_up_more(measurement, configurations_pictures, err) &&
-           warm_up_more(measurement, configurations_finest, err) &&
-           warm_up_more(measurement, configurations_combined, err);
-}
-
-static bool measure_near(struct measurement *measurement, struct error *err)
-{
-    struct cost *cost = measurement->cost;
-    const int tried = cost->n;
-    double round_seconds = 0;
-    int round = 0;
-    char smaller[sizeof measurement->size];
-    memcpy(smaller, measurement->size, sizeof smaller);
-    measurement->size[0] = '\0';
-    remove_failed(cost);
-    cost_prune(cost, scout_factor);
-    for (; round < MOST_QUICK_RUNS; round++) {
-        const double start = clock_seconds();
-        if (round >= LEAST_QUICK_RUNS &&
-            start + round_seconds > measurement->line.start + quick_seconds)
-            break;
-        if (!run_round(measurement, round, err))
-            return false;
-        if (round == 0)
-            cost_prune(cost, run_factor);
-        round_seconds = clock_seconds() - start;
-    }
-    cost->runs = round;
-    return cost_note(cost, err, "--quick: %d of %d configurations are near the frontier%s%s",
-                     cost->n, tried, smaller[0] ? "; the standard and all errors are of " : "",
-                     smaller[0] ? smaller : "");
-}
-
-static bool measure_quickly(struct measurement *measurement, struct error *err)
-{
-    return scout(measurement, err) && measure_near(measurement, err);
-}
-
 /* ---- conclusions ---- */
 
 static int by_seconds(const void *a, const void *b)
@@ -410,9 +329,7 @@ static bool describe(struct measurement *measurement, bool lit, struct error *er
 {
     struct cost *cost = measurement->cost;
     cost->scene = name_scene(measurement);
-    cost->runs = measurement->options->runs ? measurement->options->runs
-                 : cost->quick              ? MOST_QUICK_RUNS
-                                            : DEFAULT_RUNS;
+    cost->runs = measurement->options->runs ? measurement->options->runs : DEFAULT_RUNS;
     cost->entries = calloc(MAX_CONFIGURATIONS, sizeof *cost->entries);
     return ((cost->scene && cost->entries) || error_memory(err)) && survey_notes(cost, err) &&
            (lit ||
@@ -425,18 +342,15 @@ static bool measure(struct measurement *measurement, struct error *err)
     bool lit = false;
     if (!open_folder(measurement, err) || !survey_scene(measurement->options, &cost->survey, err))
         return false;
-    if (cost->quick)
-        shrink(measurement);
     return make_standard(measurement, &lit, err) && describe(measurement, lit, err) &&
-           announce(measurement, err) &&
-           (cost->quick ? measure_quickly : measure_all)(measurement, err) && conclude(cost, err);
+           announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
 }
 
-bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err)
+bool cost_measure(const struct options *options, struct cost *out, struct error *err)
 {
     struct measurement measurement = {.options = options, .cost = out};
-    measurement.shown = progress_start(&measurement.line, options->quiet || options->quick);
-    *out = (struct cost){.quick = options->quick, .scouting = options->quick, .floor = floor};
+    measurement.shown = progress_start(&measurement.line, options->quiet);
+    *out = (struct cost){.scene = NULL};
     const bool done = measure(&measurement, err);
     close_folder(&measurement);
     return done;

@@ -9,8 +9,8 @@
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
 #include "data/scene/scene.h"
+#include "raster/accuracy/accuracy.h"
 #include "raster/inspect/inspect.h"
-#include "raster/refine/refine.h"
 
 /* ---- operands ---- */
 

@@ -8,7 +8,7 @@
 #include "data/text/text.h"
 #include "raster/bounds/bounds.h"
 #include "raster/plan/plan.h"
-#include "raster/refine/refine.h"
+#include "raster/accuracy/accuracy.h"
 #include "spectral.h"
 
 /* ---- notes.c: a list of notes ---- */

@@ -13,7 +13,7 @@ enum { FEWEST_POINTS = 20 };
 static const struct accuracy_estimate *estimate_of(const struct notes *notes)
 {
     const struct refine_result *refined = notes->refined;
-    return !refined ? &notes->shading : refined->levels > 0 ? &refined->after : &refined->before;
+    return refined ? &refined->estimate : &notes->shading;
 }
 
 static const char *unit_of(const struct accuracy_estimate *estimate)
@@ -24,23 +24,19 @@ static const char *unit_of(const struct accuracy_estimate *estimate)
 /* ---- notes ---- */
 
 /* Adds a note on a refinement that did not reach the wanted error. */
-static void note_refined(const struct refine_result *refined, struct notes *notes)
+static void note_refined(const struct plan *plan, struct notes *notes)
 {
-    const struct accuracy_estimate *reached = estimate_of(notes);
-    if (reached->quantile_95 <= refined->wanted.error)
+    const struct refine_result *refined = notes->refined;
+    const struct accuracy_estimate *reached = &refined->estimate;
+    char name[256], limit[64] = "the finest --tessellation is reached";
+    if (reached->n_objects == 0 || reached->objects[0].quantile_95 <= refined->wanted.error)
         return;
-    if (reached->shading_95 <= refined->wanted.error / 4)
-        note_add(notes, "accuracy",
-                 "the error is still %.3g CIEDE2000, since the wavelengths are too few",
-                 reached->quantile_95);
-    else if (refined->stopped)
-        note_add(notes, "accuracy",
-                 "the error is still %.3g %s, since --max-triangles %ld allows no more",
-                 reached->quantile_95, unit_of(reached), refined->wanted.most_triangles);
-    else
-        note_add(notes, "accuracy",
-                 "the error is still %.3g %s, where triangles are smaller than a pixel",
-                 reached->quantile_95, unit_of(reached));
+    if (refined->stopped)
+        snprintf(limit, sizeof limit, "--max-triangles %ld allows no more",
+                 refined->most_triangles);
+    object_text(plan, reached->objects[0].surface, name, sizeof name);
+    note_add(notes, "accuracy", "the error is still %.3g %s on %s, since %s",
+             reached->objects[0].quantile_95, unit_of(reached), name, limit);
 }
 
 void note_shading(const struct plan *plan, struct notes *notes)
@@ -50,7 +46,7 @@ void note_shading(const struct plan *plan, struct notes *notes)
     char name[256];
     int n = 0;
     if (notes->refined)
-        note_refined(notes->refined, notes);
+        note_refined(plan, notes);
     for (int i = 0; i < shading->n_objects; i++) {
         const struct accuracy_object *object = &shading->objects[i];
         if (!(object->quantile_95 > just_seen) || object->points < FEWEST_POINTS)
@@ -146,7 +142,7 @@ static void json_refined(const struct plan *plan, const struct refine_result *re
     char name[256];
     json_open(json, "refined", '{');
     json_number(json, "wanted", refined->wanted.error);
-    json_number(json, "error_95_before", refined->before.quantile_95);
+    json_number(json, "error_95_before", refined->error_before);
     json_count(json, "triangles_before", (uint64_t)refined->triangles_before);
     json_count(json, "triangles_after", (uint64_t)refined->triangles_after);
     json_count(json, "levels", (uint64_t)refined->levels);
@@ -170,8 +166,6 @@ void accuracy_json(const struct plan *plan, const struct notes *notes, struct js
     json_open(json, "accuracy", '{');
     json_string(json, "unit", unit_of(shading));
     json_number(json, "error_95", shading->known ? shading->quantile_95 : (double)NAN);
-    json_number(json, "shading_95", shading->known ? shading->shading_95 : (double)NAN);
-    json_number(json, "wavelengths_95", shading->known ? shading->wavelengths_95 : (double)NAN);
     json_count(json, "points", (uint64_t)shading->n_points);
     json_objects(plan, shading, json);
     if (notes->refined)

@@ -11,9 +11,8 @@
 
 /* A mesh as its shape describes it, before it is parted and moved. */
 struct whole {
-    struct shape shape;   /* tessellated; its names are the scene's */
-    struct mesh built;    /* of the shape; empty: */
-    struct mesh *refined; /* a mesh of the caller's in place of it */
+    struct shape shape; /* tessellated; its names are the scene's */
+    struct mesh mesh;
     struct vector centre;
     double unit;        /* as in plan_mesh */
     struct index parts; /* the parts of the mesh by name, once a material map has asked */
@@ -23,26 +22,22 @@ struct instance_maker {
     struct whole *wholes;
     int n_wholes;
     struct index shapes, cuttings; /* wholes by their shape, and meshes of the plan by cutting */
-    struct mesh *const *refined;   /* of each object; NULL: none */
+    const int *halvings;           /* of the edges of each object; NULL: none */
 };
-
-static struct mesh *mesh_of(struct whole *whole)
-{
-    return whole->refined ? whole->refined : &whole->built;
-}
 
 /* ---- whole meshes ---- */
 
 /* Shapes of one key have one mesh. The path of an OBJ file follows. */
 struct shape_key {
     double numbers[7];
-    int kind, planar, unitize, unused;
+    int kind, planar, unitize, halvings;
 };
 
 /* Returns the key of a shape, allocated, and its length; NULL: no memory. */
-static char *shape_key(const struct shape *shape, size_t *length)
+static char *shape_key(const struct shape *shape, int halvings, size_t *length)
 {
-    struct shape_key key = {.kind = (int)shape->kind, .planar = shape->planar};
+    struct shape_key key = {
+        .kind = (int)shape->kind, .planar = shape->planar, .halvings = halvings};
     const char *path = shape->kind == SHAPE_MESH ? shape->path : "";
     memcpy(key.numbers, shape->repeat, sizeof shape->repeat);
     if (shape->kind == SHAPE_MESH) {
@@ -78,9 +73,13 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
     return largest > 0 ? ldexp(1, exponent) : 1;
 }
 
-bool plan_whole(const struct shape *shape, struct mesh *out, struct error *err)
+static bool build_whole(const struct shape *shape, int halvings, struct mesh *out,
+                        struct error *err)
 {
-    if (!shape_build(shape, out, err))
+    bool done = shape_build(shape, out, err);
+    for (; done && halvings > 0; halvings--)
+        done = mesh_halve(out, err);
+    if (!done)
         return false;
     if (shape->planar)
         mesh_planar(out);
@@ -88,47 +87,38 @@ bool plan_whole(const struct shape *shape, struct mesh *out, struct error *err)
     return true;
 }
 
-/* refined: the mesh to take; NULL: the shape's own is built. */
-static bool add_whole(struct instance_maker *maker, const struct shape *shape, struct mesh *refined,
+static bool add_whole(struct instance_maker *maker, const struct shape *shape, int halvings,
                       struct error *err)
 {
-    struct whole whole = {.shape = *shape, .refined = refined};
-    if (refined || plan_whole(shape, &whole.built, err)) {
-        whole.centre = centre_of(mesh_of(&whole));
-        whole.unit = mesh_unit(mesh_of(&whole), whole.centre);
+    struct whole whole = {.shape = *shape};
+    if (build_whole(shape, halvings, &whole.mesh, err)) {
+        whole.centre = centre_of(&whole.mesh);
+        whole.unit = mesh_unit(&whole.mesh, whole.centre);
         if (array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err))
             return true;
     }
-    mesh_free(&whole.built);
+    mesh_free(&whole.mesh);
     return false;
 }
 
-/* Returns the key of a mesh: the address of a refined one, or else the shape; allocated. */
-static char *whole_key(const struct shape *shape, struct mesh *refined, size_t *length)
-{
-    if (!refined)
-        return shape_key(shape, length);
-    char *out = malloc(sizeof refined);
-    *length = sizeof refined;
-    if (out)
-        memcpy(out, &refined, sizeof refined);
-    return out;
-}
-
-/* The index of an object's mesh, which is built when it is first asked for; -1 after an error. */
+/* The index of an object's mesh, which is built when it is first asked for; -1 after an error. A
+ * built-in shape whose edges are halved has twice as many slices, stacks, ... */
 static int find_whole(struct instance_maker *maker, const struct object *object, struct error *err)
 {
     const struct scene *scene = maker->plan->scene;
-    const struct shape shape = shape_tessellated(&object->shape, scene->tessellation);
-    struct mesh *refined = maker->refined ? maker->refined[object - scene->objects] : NULL;
+    const bool is_mesh = object->shape.kind == SHAPE_MESH;
+    const int halvings = maker->halvings ? maker->halvings[object - scene->objects] : 0,
+              of_mesh = is_mesh ? halvings : 0;
+    const struct shape shape =
+        shape_tessellated(&object->shape, ldexp(scene->tessellation, halvings));
     size_t length;
-    char *key = whole_key(&shape, refined, &length);
+    char *key = shape_key(&shape, of_mesh, &length);
     if (!key) {
         error_memory(err);
         return -1;
     }
     int found = index_find(&maker->shapes, key, length);
-    if (found < 0 && add_whole(maker, &shape, refined, err) &&
+    if (found < 0 && add_whole(maker, &shape, of_mesh, err) &&
         index_add(&maker->shapes, key, length, maker->n_wholes - 1, err))
         found = maker->n_wholes - 1;
     free(key);
@@ -151,8 +141,11 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
 {
     struct plan *plan = maker->plan;
     const struct whole *whole = &maker->wholes[cutting.whole];
-    struct plan_mesh added = {
-        .mesh = *mesh, .cutting = cutting, .centre = whole->centre, .unit = whole->unit};
+    struct plan_mesh added = {.mesh = *mesh,
+                              .cutting = cutting,
+                              .shape = whole->shape,
+                              .centre = whole->centre,
+                              .unit = whole->unit};
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
@@ -183,7 +176,7 @@ static bool add_sides(struct instance_maker *maker, struct cutting cutting, cons
 static bool cut_out(struct instance_maker *maker, struct cutting cutting, struct error *err)
 {
     struct mesh part;
-    bool done = mesh_part(mesh_of(&maker->wholes[cutting.whole]), cutting.part, &part, err);
+    bool done = mesh_part(&maker->wholes[cutting.whole].mesh, cutting.part, &part, err);
     if (done && cutting.side < 0)
         return add_mesh(maker, cutting, &part, err);
     done = done && add_sides(maker, cutting, &part, err);
@@ -296,7 +289,7 @@ static int count_parts(const struct mesh *mesh)
 
 static bool index_parts(struct whole *whole, struct error *err)
 {
-    const struct mesh *mesh = mesh_of(whole);
+    const struct mesh *mesh = &whole->mesh;
     const int n = count_parts(mesh);
     for (int part = (int)whole->parts.n_keys; part < n; part++) {
         const char *name = part_name(mesh, part);
@@ -311,7 +304,7 @@ static bool index_parts(struct whole *whole, struct error *err)
 static bool find_uses(const struct object *object, struct whole *whole,
                       const struct material_assignment **use, struct error *err)
 {
-    const int n_parts = count_parts(mesh_of(whole));
+    const int n_parts = count_parts(&whole->mesh);
     const struct material_assignment *others = NULL;
     for (int i = 0; i < object->n_assignments; i++) {
         const struct material_assignment *line = &object->assignments[i];
@@ -334,7 +327,7 @@ static bool add_part(struct instance_maker *maker, const struct object *object,
                      struct cutting cutting, const struct material_assignment *use,
                      struct error *err)
 {
-    const char *name = part_name(mesh_of(&maker->wholes[cutting.whole]), cutting.part);
+    const char *name = part_name(&maker->wholes[cutting.whole].mesh, cutting.part);
     if (!use)
         return error_at(err, object->place,
                         "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
@@ -348,7 +341,7 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
                       struct error *err)
 {
     struct whole *of = &maker->wholes[whole];
-    const int n_parts = count_parts(mesh_of(of));
+    const int n_parts = count_parts(&of->mesh);
     const struct material_assignment **use = calloc((size_t)n_parts, sizeof *use);
     bool done = use || error_memory(err);
     done = done && index_parts(of, err) && find_uses(object, of, use, err);
@@ -424,14 +417,14 @@ static void fill_instance(const struct plan *plan, struct placed_instance *place
         out->texels = plan_texels(shaded->texture, 0);
 }
 
-bool instances_make(struct plan *plan, struct mesh *const *refined, struct error *err)
+bool instances_make(struct plan *plan, const int *halvings, struct error *err)
 {
-    struct instance_maker maker = {.plan = plan, .refined = refined};
+    struct instance_maker maker = {.plan = plan, .halvings = halvings};
     bool done = true;
     for (int i = 0; i < plan->scene->n_objects && done; i++)
         done = add_object(&maker, &plan->scene->objects[i], err);
     for (int i = 0; i < maker.n_wholes; i++) {
-        mesh_free(&maker.wholes[i].built);
+        mesh_free(&maker.wholes[i].mesh);
         index_free(&maker.wholes[i].parts);
     }
     free(maker.wholes);

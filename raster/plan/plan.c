@@ -255,12 +255,12 @@ static void forget_instances(struct plan *plan)
     plan->n_meshes = plan->n_instances = 0;
 }
 
-bool plan_refine(struct plan *plan, struct mesh *const *meshes, struct error *err)
+bool plan_refine(struct plan *plan, const int *halvings, struct error *err)
 {
     forget_instances(plan);
     plan->n_vertices = plan->n_triangles = 0;
     plan->work.unseen_instances = plan->work.idle_lights = plan->work.undrawn_textures = 0;
-    if (!instances_make(plan, meshes, err))
+    if (!instances_make(plan, halvings, err))
         return false;
     size_tiles(plan);
     return reach_find(plan, err);

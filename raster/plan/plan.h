@@ -30,6 +30,7 @@ struct plan_mesh {
     struct cutting { /* the part that is shown, -1: all; on which side of x = 0, -1: both */
         int whole, part, side;
     } cutting;
+    struct shape shape;   /* of the whole mesh, tessellated; its names are the scene's */
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
     bool solid;           /* closed, with all faces outward */
@@ -101,10 +102,8 @@ struct plan {
  * at its place, what cannot be drawn. Scene and sampling (NULL: none) must outlive the plan. */
 bool plan_make(const struct scene *scene, const struct sampling *sampling,
                const struct plan_options *options, struct plan *out, struct error *err);
-/* instances.c. Builds the mesh that a shape, tessellated, describes. */
-bool plan_whole(const struct shape *shape, struct mesh *out, struct error *err);
-/* Makes the instances again, of these meshes of objects (NULL: their shapes'), the caller's. */
-bool plan_refine(struct plan *plan, struct mesh *const *meshes, struct error *err);
+/* Makes the instances again: halvings[i] is how often the edges of object i are halved. */
+bool plan_refine(struct plan *plan, const int *halvings, struct error *err);
 /* A region, in positions, is drawn in so many tiles of the plan's size or smaller, row by row. */
 struct rectangle plan_picture(const struct plan *plan); /* all positions */
 struct rectangle plan_pixels(const struct plan *plan, const struct rectangle *positions);
@@ -145,6 +144,6 @@ bool lights_drop_idle(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err);
-bool instances_make(struct plan *plan, struct mesh *const *refined, struct error *err);
+bool instances_make(struct plan *plan, const int *halvings, struct error *err); /* NULL: none */
 
 #endif

@@ -245,9 +245,10 @@ bool render_with_options(const struct options *options, const struct render_outp
 {
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
-    struct asked_plan asked = {.plan = {.scene = NULL}};
+    struct plan plan = {.scene = NULL};
+    struct refine_result refined = {.levels = 0};
     struct plan_options plan_options;
-    struct notes notes = {.refined = options->accuracy ? &asked.refined : NULL};
+    struct notes notes = {.refined = options->accuracy ? &refined : NULL};
     struct render_output noted = *output;
     struct part_seconds seconds = {.read = 0};
     double start = clock_seconds();
@@ -260,15 +261,17 @@ bool render_with_options(const struct options *options, const struct render_outp
         check_same_scene(options, &scene, output->again, made, err) &&
         (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err));
     seconds.read = clock_seconds() - start;
-    done = done && plan_asked(options, &plan_options, &scene, &sampling, &asked, err);
+    done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
+           refine_options(options, &plan, &refined, err);
     seconds.plan = clock_seconds() - start - seconds.read;
     if (!options->quiet || options->json)
         noted.notes = &notes;
     done = done && output_can_open(options->json, err) &&
            output_can_open(options->check_map, err) &&
-           render_planned(options, &asked.plan, &seconds, &noted, made, err);
+           render_planned(options, &plan, &seconds, &noted, made, err);
     notes_free(&notes);
-    asked_plan_free(&asked);
+    refine_result_free(&refined);
+    plan_free(&plan);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;

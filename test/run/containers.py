@@ -50,7 +50,7 @@ def without_opengl(system):
     check(result.returncode == 3 and result.stdout.count("cannot draw: OpenGL is missing") == 2, "drivers says why", result.stdout)
     result = inside(system, "/spectral", "--version")
     check(result.returncode == 0 and len(result.stdout.splitlines()) == 3, "--version has its three lines", result.stdout)
-    result = inside(system, "/spectral", "cost", "patches", "--quick", "--quiet", "--csv", "/tmp/cost.csv")
+    result = inside(system, "/spectral", "cost", "patches", "--size", "60x40", "--quiet", "--csv", "/tmp/cost.csv")
     check(result.returncode == 0, "cost measures the reference", result.stderr)
     libraries = inside(system, "ldd", "/spectral").stdout
     check("libtiff" in libraries and not re.search("OSMesa|EGL|libGL|not found", libraries), "ldd finds all that is linked", libraries)

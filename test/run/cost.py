@@ -286,7 +286,7 @@ def means(scene):
 
 def refusals(scene):
     for options, status in ((["--runs", "4"], 2), (["--observer", "dcs200-camera"], 2), (["--tolerance", "x"], 2),
-                            (["--quick", "--runs", "5"], 2), (["--quick=1"], 2), (["--tolerance", "0.5"], 2), (["--tolerance", "1%"], 2),
+                            (["--quick"], 2), (["--tolerance", "0.5"], 2), (["--tolerance", "1%"], 2),
                             (["--csv", "/missing/a.csv"], 2), (["--svg", TMP], 2)):
         result = run("cost", scene, *options)
         check(result.returncode == status and len(result.stderr.splitlines()) == 1,
@@ -314,11 +314,10 @@ def descendants(pid):
 
 
 def programs():
-    """Renders run as programs of their own. --quick runs them in a smaller picture first. The user's name of the program
-    may be one that the shell finds by PATH."""
-    report = os.path.join(TMP, "quick.json")
+    """Renders run as programs of their own. The user's name of the program may be one that the shell finds by PATH."""
+    report = os.path.join(TMP, "programs.json")
     folder, name = os.path.split(os.path.realpath(SPECTRAL))
-    process = subprocess.Popen([name, "cost", "patches", "--quick", "--size=390x260", "--memory=900", "--light", "1=a",
+    process = subprocess.Popen([name, "cost", "patches", "--size=60x40", "--memory=900", "--light", "1=a", "--budget=1e-9",
                                 "--json", report], env={**os.environ, "PATH": folder + ":" + os.environ["PATH"]},
                                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                universal_newlines=True)
@@ -327,32 +326,18 @@ def programs():
         seen |= descendants(process.pid)
         time.sleep(0.002)
     said = process.communicate()[1]
-    check(process.returncode == 0 and re.fullmatch("about half a minute[^\n]*\n", said),
-          "cost says how long it will take, and nothing else", process.returncode, said)
+    check(process.returncode == 1 and
+          re.fullmatch(r"about \d+ s, for 5 runs of about \d+ configurations\n.*no configuration has [^\n]*\n", said),
+          "cost says how long it will take, and that no configuration takes at most 1e-9 s", process.returncode, said)
     check({file for file, _ in seen} == {os.path.realpath(SPECTRAL)}, "no other program runs", *{file for file, _ in seen})
     lines = [words for _, words in seen if words[1:2] == ("render",)]
-    check(lines and all(words[0] == name and words[2:4] == ("--size=390x260", "--light=1=a") and "--memory=900" in words
+    check(lines and all(words[0] == name and words[2:4] == ("--size=60x40", "--light=1=a") and "--memory=900" in words
                         and words[-2:] == ("--", "patches") for words in lines),
           "renders are command lines of the program, with all that the user gave", *lines[:3])
     entries = json.load(open(report, encoding="utf-8"))["configurations"]
-    whole = [words[4:words.index("--memory=900")] for words in lines if "--size=195x130" not in words]
-    check(len(whole) < len(lines) and {tuple(entry["options"]) for entry in entries} & set(whole),
-          "--quick scouts in a smaller picture, and runs what its table holds in the whole one", whole)
-
-
-def quickly(scene, full):
-    """A picture that is small already is not made smaller: its errors are those of the full table."""
-    report = os.path.join(TMP, "quick.json")
-    result = run("cost", scene, "--quick", "--quiet", "--json", report, "--threads", "1", "--tolerance", "0.5dE00",
-                 "--budget", "1e-9")
-    entries = json.load(open(report, encoding="utf-8"))["configurations"]
-    check(advice(result.stdout)[0].startswith("95 % within 0.5 CIEDE2000: "), "--quick names a configuration", result.stdout)
-    check(result.returncode == 1 and len(result.stderr.splitlines()) == 1, "no configuration takes at most 1e-9 s",
-          result.stderr)
-    check(0 < len(entries) < len(full) and {entry["name"] for entry in entries} <= set(full),
-          "--quick measures a part of the full table", {entry["name"] for entry in entries} - set(full))
-    check(all(math.isclose(entry["dE00_95"], error(full, entry["name"], "dE00_95"), rel_tol=1e-8)
-              for entry in entries if entry["name"] in full), "errors are the same with --quick")
+    run_words = {tuple(words[4:words.index("--memory=900")]) for words in lines}
+    check({tuple(entry["options"]) for entry in entries} <= run_words, "each configuration of the table has been run",
+          *run_words)
 
 
 # ---- nothing stays behind ----
@@ -388,7 +373,6 @@ def interruptions(scene):
         interrupt(signal.SIGINT, True, wait)
         interrupt(signal.SIGTERM, True, wait)
         interrupt(signal.SIGTERM, False, wait)
-    interrupt(signal.SIGINT, True, 0.2, "--quick")
     result = run("cost", scene, env={**os.environ, "TMPDIR": os.path.join(TMP, "missing")})
     check(result.returncode == 3 and len(result.stderr.splitlines()) == 1 and not result.stdout,
           "a missing TMPDIR gives one line and exit 3", result.returncode, result.stderr)
@@ -403,7 +387,6 @@ best = recommends(small)
 check(len(best) == 4 and "basis:" in best[0] and best[2].startswith("with spectra: riemann:1 phong x4"),
       "a basis is the most accurate configuration, and every nm the most accurate one with wavelengths", *best)
 refusals(small)
-quickly(small, measured)
 programs()
 interruptions(small)
 if os.environ.get("FULL"):

@@ -6,7 +6,6 @@ small one that still fails; test/cases/random/ keeps it, and later runs begin wi
 
     test/run/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe
     test/run/random_scenes.py --first 1000 --count 5000 --driver softpipe --jobs 2 --size 100x100
-    test/run/random_scenes.py --accuracy 0.5 --first 8000      the same, refined
     test/run/random_scenes.py --show 17                        scene 17's files, without drawing it"""
 import argparse
 import concurrent.futures
@@ -847,11 +846,6 @@ def check_shrinker(size):
     print(f"# shrunk from {before.count(chr(10))} lines:\n# " + text.strip().replace("\n", "\n# "))
 
 
-def refine(error):
-    """From now on all scenes are refined."""
-    MORE.extend(["--accuracy", error, "--max-triangles", "30000"])
-
-
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -861,7 +855,6 @@ def arguments():
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="J")
     parser.add_argument("--size", type=lambda text: tuple(map(int, text.split("x"))),
                         default=(200, 200), metavar="WxH")
-    parser.add_argument("--accuracy", metavar="ERROR", help="refines the scenes, to at most 30000 triangles")
     parser.add_argument("--keep", default=KEPT, metavar="FOLDER", help="where scenes that fail go")
     parser.add_argument("--show", type=int, metavar="SEED")
     parser.add_argument("--verbose", action="store_true", help="a line for each scene")
@@ -874,8 +867,6 @@ def main():
         for end, text in scene(options.show, options.size).items():
             print(f"# {end}\n{text}")
         return
-    if options.accuracy:
-        refine(options.accuracy)
     write_textures(TMP)
     for driver in [options.driver] if options.driver else DEFAULT_COUNT:
         replay(driver)
@@ -883,8 +874,6 @@ def main():
         run(driver, range(options.first, options.first + n), options)
     if not options.driver:
         check_shrinker((64, 64))
-        refine("0.5")
-        run("llvmpipe", range(8000, 8060), options)
         MORE.extend(["--samples", "2", "--size", "100x100"])
         run("llvmpipe", range(8060, 8090), options)
     done()

@@ -116,7 +116,7 @@ def developed(stack, *options):
     return np.moveaxis(picture, 0, 2) if picture.shape[0] == 3 else picture
 
 
-def eyes(browser, which, name, one):
+def eyes(browser, which, name, stack):
     browser.open(view(stack))
     for options in EYES:
         chosen = dict(option.lstrip("-").split("=") for option in options)

@@ -92,29 +92,6 @@ static void rivals(void)
           "of two that are as accurate, the one with the least processor time is named");
 }
 
-static void pruning(void)
-{
-    struct cost_entry entries[] = {
-        entry(1, 1, 1, 0.3),  /* stays: nothing is faster */
-        entry(2, 2, 2, 0.4),  /* goes: the first is faster and better */
-        entry(2, 2, 2, 0.2),  /* stays where errors from 0 on count: it is better */
-        entry(1, 1.05, 2, 3), /* stays: it is near the first */
-        entry(3, 3, 3, 0.25), /* stays: it has spectra */
-        entry(2, 2, 2, 0.5),  /* stays: its processor time is less */
-    };
-    struct cost cost = {.entries = entries, .n = 6};
-    for (int i = 0; i < cost.n; i++)
-        entries[i].processor = entries[i].seconds;
-    entries[4].accuracy.spectral = true;
-    entries[5].processor = 0.5;
-    cost_prune(&cost, 1.1);
-    CHECK(cost.n == 5 && entries[1].accuracy.quantile_95 < 0.25,
-          "an entry goes if another one is as accurate, and faster by both clocks");
-    cost.floor = 0.3;
-    cost_prune(&cost, 1.1);
-    CHECK(cost.n == 4 && entries[1].accuracy.quantile_95 > 1, "errors up to the floor are equal");
-}
-
 static void equals(void)
 {
     struct cost_entry entries[] = {entry(1, 1, 1, 3), entry(1, 1, 1, 3)};
@@ -176,7 +153,6 @@ int main(void)
 {
     frontier();
     rivals();
-    pruning();
     equals();
     words();
     csv();

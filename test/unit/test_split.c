@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Cuts meshes in half: a cut must not open a crack, lose area or depend on a direction. */
+/* Cuts meshes in half, and halves their edges: neither may open a crack, lose area or depend on a
+ * direction. */
 #include <float.h>
 
 #include "data/maths/maths.h"
@@ -423,6 +424,72 @@ static void check_parts(void)
     mesh_free(&none);
 }
 
+/* ---- halved edges ---- */
+
+static void halve(struct mesh *mesh, int times)
+{
+    struct error err = {.text = ""};
+    mesh->parametric = false;
+    for (; times > 0; times--)
+        stop_unless(mesh_halve(mesh, &err), &err);
+}
+
+/* A facet with interpolated normals has the same normals where its corners are joined. */
+static void check_halved_facet(void)
+{
+    const struct vertex v[3] = {{{0, 0, 0}, {0, 0, 1}, 0, 0},
+                                {{4, 0, 0}, {0.6, 0, 0.8}, 1, 0},
+                                {{0, 4, 0}, {0, -0.28, 0.96}, 0, 1}};
+    struct mesh mesh = triangles(v, 3);
+    double worst = 0;
+    halve(&mesh, 4);
+    for (int i = 0; i < mesh.n_vertices; i++) {
+        const struct vertex *at = &mesh.vertices[i];
+        const double x = at->position.x / 4, y = at->position.y / 4;
+        struct vector expected = vector_scale(v[0].normal, 1 - x - y);
+        expected = vector_add(
+            expected, vector_add(vector_scale(v[1].normal, x), vector_scale(v[2].normal, y)));
+        worst = fmax(worst, vector_length(vector_subtract(expected, at->normal)));
+        worst = fmax(worst, fabs(at->s - x) + fabs(at->t - y) + fabs(at->position.z));
+    }
+    CHECK(mesh.n_triangles == 256 && mesh.n_vertices == 17 * 18 / 2,
+          "a triangle of four times halved edges has 256: %d, and shares their corners: %d",
+          mesh.n_triangles, mesh.n_vertices);
+    CHECK_NEAR(worst, 0, 8 * DBL_EPSILON, "they lie in it, with its normals and its texture");
+    mesh_free(&mesh);
+}
+
+/* Each half of a box is a part; a quarter of a triangle lies on the side of its part. */
+static void check_halved_solids(void)
+{
+    const struct shape shapes[] = {{.kind = SHAPE_SPHERE, .parameter = {1, 11, 7}},
+                                   {.kind = SHAPE_TORUS, .parameter = {0.4, 1, 7, 9}},
+                                   {.kind = SHAPE_BOX, .parameter = {2, 4, 6, 1}}};
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+        struct mesh mesh = build(&shapes[i]), halves;
+        place_mesh(&mesh, 0.1, 33);
+        halves = cut(&mesh);
+        const struct solid before = solid_measure(&mesh);
+        const double part_area = area(&halves);
+        const int n = halves.n_triangles;
+        bool in_place = true;
+        halve(&mesh, 2);
+        halve(&halves, 2);
+        const struct solid after = solid_measure(&mesh);
+        CHECK(after.open_edges == 0 && after.repeated_edges == 0 && before.open_edges == 0,
+              "a %s of halved edges has no crack", shape_name(shapes[i].kind));
+        CHECK_NEAR(after.volume / before.volume, 1, 1e-12, "its volume stays");
+        CHECK_NEAR(area(&halves) / part_area, 1, 1e-12, "the area of its halves stays");
+        for (int k = 0; k < 3 * halves.n_triangles; k++)
+            in_place =
+                in_place && (halves.part[k / 3] - 0.5) * corner_of(&halves, k / 3, k % 3).x >= 0;
+        CHECK(halves.n_triangles == 16 * n && halves.n_parts == 2 && in_place,
+              "quarters belong to the parts of their triangles");
+        mesh_free(&mesh);
+        mesh_free(&halves);
+    }
+}
+
 int main(void)
 {
     check_solids();
@@ -431,5 +498,7 @@ int main(void)
     check_cases();
     check_between();
     check_parts();
+    check_halved_facet();
+    check_halved_solids();
     return test_end();
 }
