@@ -34,16 +34,14 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     struct light_work work;
     struct printed printed = {.text = NULL};
     struct json json;
-    const struct picture_part whole = {0, 0};
-    struct forecast forecast;
     bool done = plan_make(scene, NULL, &options, &plan, err) &&
                 lit_make(&plan, driver_of(NULL), &lit, &work, err) &&
-                notes_make(&lit, 256, &notes, err) && forecast_make(&plan, &whole, &forecast, err);
+                notes_make(&lit, 256, &notes, err);
     if (done) {
         done = plan_print(&plan, &printed, err);
         notes_print(&notes, &printed);
-        done = plan_json(&plan, &notes, &forecast, &json, err) &&
-               json_write(&json, "/dev/null", NULL, err) && done;
+        done = plan_json(&plan, &notes, &json, err) && json_write(&json, "/dev/null", NULL, err) &&
+               done;
     }
     free(printed_end(&printed));
     lit_free(&lit);
