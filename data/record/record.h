@@ -49,8 +49,8 @@ struct record {
      * numbers, or none if it does not see the white. */
     struct numbers response, range_nm, white_response;
     struct texts objects; /* by their numbers in the object map, from 1; 0 is the background */
-    /* Of a part: its first row, how many it has, and those of the picture; the wavelengths of its
-     * pages, with all digits. */
+    /* Only a part has these: its first row, its number of rows and that of the picture; the
+     * wavelengths of its pages, with all digits. */
     struct numbers rows, wavelengths;
     /* Only record_read sets these: how samples become radiances; the object map, "OFFSET
      * BYTES_PER_PIXEL", and both of its numbers, 0 where there is no map. */
