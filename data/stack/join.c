@@ -97,12 +97,12 @@ static bool add_verdict(struct joined *joined, const struct cube *part, struct e
  * agrees on average by itself. */
 static bool conclude(struct joined *joined, const struct options *options, struct error *err)
 {
-    const struct record *record = &joined->first.record;
     const struct option_rules rules = {"render", options->table, RECORDED, 0};
     struct options recorded;
     struct stack_verdict *sums = &joined->sums;
     double most;
-    const bool done = options_read(&rules, record->options, record->n_options, &recorded, err) &&
+    const bool done = options_read(&rules, joined->first.record.options,
+                                   joined->first.record.n_options, &recorded, err) &&
                       options_unchecked(&recorded, &most, err);
     options_free(&recorded);
     if (done && strcmp(sums->word, "differs") != 0)
@@ -160,8 +160,7 @@ static bool mark_rows(struct joined *joined, const struct cube *part, struct err
     const int first = (int)part->record.rows.value[0];
     for (int y = first; y < first + part->image.height; y++)
         if (joined->has[y]++)
-            return error_usage(err, "%s: its row %d is in an earlier part, too", part->image.path,
-                               y);
+            return error_usage(err, "%s: another part has its row %d", part->image.path, y);
     return true;
 }
 

@@ -18,6 +18,7 @@ FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 SEED = int(os.environ.get("SEED", time.time()))
 WHOLE, JOINED = os.path.join(TMP, "whole.tif"), os.path.join(TMP, "joined.tif")
 PATCHES = ("patches", "--size", "1600x1300", "--wavelengths", "450:650:100")  # three rows of tiles
+ROOM = ("room", "--size", "1600x1300", "--wavelengths", "500")
 MANY = "size 1600 1300\nwavelengths 500 600 100\nambient d65 1\nmaterial m { diffuse 0.5 }\n" + "".join(
     f"object box 0.2 0.2 0.2 material m translate {i % 20 - 9.5} {i // 20 - 7.5} 0\n" for i in range(300)) + "camera ortho 20\n"
 PHONG = "size 2100 1500\nwavelengths 450 550 50\nshading phong\nlight d65 1 direction 1 1 1\ncamera ortho 8\n" \
@@ -70,7 +71,6 @@ def is_same(what, scene, count=3):
 
 
 def refused(what, pattern, *parts, status=2, options=()):
-    """The last word of a message, its file and its reason, are in the pattern."""
     remove(JOINED)
     before = sorted(os.listdir(TMP))
     result = run("join", "-o", JOINED, *options, *parts)
@@ -147,8 +147,8 @@ def refusals(names):
     refused("no parts", "join takes -o STACK")
     refused("a missing part", "rows 592 to 1183 of the picture are missing", one, three)
     refused("missing parts at the end", "rows 592 to 1299 of the picture are missing", one)
-    refused("a part that is given twice", f"{two}: its row 592 is in an earlier part, too", two, one, two, three)
-    refused("parts of two numbers", "its row 0 is in an earlier part, too", one, *draw(2, PATCHES, name="half")[0])
+    refused("a part that is given twice", f"{two}: another part has its row 592", two, one, two, three)
+    refused("parts of two numbers", "another part has its row 0", one, *draw(2, PATCHES, name="half")[0])
     refused("a whole stack", f"{WHOLE} is no part of a picture", one, WHOLE)
     refused("a file that is not there", "cannot read nowhere.tif", one, "nowhere.tif")
     refused("a folder", "it is a folder", one, TMP)
@@ -180,6 +180,16 @@ def verdicts():
     check(result.returncode == 1 and read(JOINED) == read(WHOLE), "--keep stores the bytes and the verdict of one process", result.stderr)
 
 
+def unchecked():
+    """A part that lacks too much of its check is stored, and the whole is judged by its own share."""
+    is_same("a part is not verified", (*ROOM, "--unchecked", "0.000002"))
+    names, parts = draw(3, ROOM, "--unchecked", "0.000002")
+    words = [run("info", name).stdout.decode().split("verdict ")[1].split(";")[0].strip() for name in names]
+    check(sorted(words) == ["agreed", "agreed", "not verified"], "a part alone is not verified", words, *(part.stderr for part in parts))
+    names, _ = draw(3, ROOM, "--unchecked", "0")
+    refused("a picture of which too little is checked", "the joined picture: not verified; ", *names, status=1)
+
+
 random.seed(SEED)
 shutil.rmtree(TMP, ignore_errors=True)
 os.makedirs(TMP)
@@ -189,4 +199,5 @@ refusals(PARTS)
 others(*PARTS[:2])
 kinds()
 verdicts()
+unchecked()
 done()
