@@ -399,4 +399,5 @@ int main(int argc, char **argv)
     if (!run_command(argc, argv, &err) && err.text[0])
         fprintf(stderr, "%s\n", err.text);
     guard_exit((int)err.status);
+    return (int)err.status; /* not reached */
 }

@@ -61,20 +61,11 @@ sanitize_commands() {
         clean $program list $kind
     done
     clean $program show room -o "$out/room.scene"
-    clean $program pack data/samples/my.scene -o "$out/my.tar"
-    echo "patches --size 24x16 -o $out/batch.tif" >"$out/list"
-    clean $program batch "$out/list" --json "$out/batch.json"
-    clean $program batch "$out/list" # it is up to date
     large='patches --size 3000x1300 --wavelengths 500,600'
-    clean $program plan $large
-    for way in '' --shared; do
-        rm -f "$out"/parts.tif*
-        for part in 1/2 2/2 2/2; do
-            clean $program render $large --part $part $way -o "$out/parts.tif"
-        done
-        clean $program join "$out/parts.tif"
+    for part in 1 2; do
+        clean $program render $large --part $part/2 -o "$out/part$part.tif"
     done
-    clean $program render $large --resume -o "$out/resumed.tif"
+    clean $program join -o "$out/joined.tif" "$out/part1.tif" "$out/part2.tif"
     clean $program cost patches --size 24x16 --tolerance 1dE00 --csv "$out/cost.csv" --svg "$out/cost.svg" -q
 }
 

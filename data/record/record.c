@@ -52,6 +52,7 @@ static const struct field fields[] = {
     {"white_response", FIELD_NUMBERS, AT(white_response), -HUGE_VAL, 3},
     {"object", FIELD_TEXTS, AT(objects), 0, 0},
     {"rows", FIELD_NUMBERS, AT(rows), 0, 3},
+    {"wavelengths", FIELD_NUMBERS, AT(wavelengths), 0, 0},
     {"full_scale", FIELD_TEXT, AT(full_scale), 0, 0},
     {"scale", FIELD_TEXT, AT(scale), 0, 0},
     {"object_map", FIELD_TEXT, AT(object_map), 0, 0}};
@@ -201,11 +202,12 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, co
     return done;
 }
 
-bool record_rows(struct record *record, const struct part_rows *rows, int height,
-                 struct error *err)
+bool record_part(struct record *record, const struct part_rows *rows, int height,
+                 const double *wavelengths_nm, int n, struct error *err)
 {
     const double numbers[3] = {rows->first, rows->count, height};
-    return add_numbers(&record->rows, numbers, 3, err);
+    return add_numbers(&record->rows, numbers, 3, err) &&
+           (n == 0 || add_numbers(&record->wavelengths, wavelengths_nm, n, err));
 }
 
 /* ---- files ---- */
@@ -494,13 +496,15 @@ static bool sampling_agrees(const struct record *record, const struct image *ima
                                    !image->wavelengths_nm && record->white.n == 0);
 }
 
-/* Returns whether the record has no rows, or those of the image, which lie in their picture. */
+/* Returns whether the record has no rows, or those of the image, which lie in their picture, and a
+ * wavelength for each page. */
 static bool rows_agree(const struct record *record, const struct image *image)
 {
     const double *rows = record->rows.value;
     return record->rows.n == 0 ||
            (rows[0] == floor(rows[0]) && rows[1] == image->height && rows[2] == floor(rows[2]) &&
-            rows[0] + rows[1] <= rows[2] && rows[2] <= LONGEST_SIDE);
+            rows[0] + rows[1] <= rows[2] && rows[2] <= LONGEST_SIDE &&
+            record->wavelengths.n == (record->components ? 0 : image->n_pages));
 }
 
 double record_illumination(const struct record *record)

@@ -49,7 +49,9 @@ struct record {
      * numbers, or none if it does not see the white. */
     struct numbers response, range_nm, white_response;
     struct texts objects; /* by their numbers in the object map, from 1; 0 is the background */
-    struct numbers rows;  /* of a part: its first row, how many it has, and those of the picture */
+    /* Only a part has these: its first row, its number of rows and that of the picture; the
+     * wavelengths of its pages, with all digits. */
+    struct numbers rows, wavelengths;
     /* Only record_read sets these: how samples become radiances; the object map, "OFFSET
      * BYTES_PER_PIXEL", and both of its numbers, 0 where there is no map. */
     const char *full_scale, *scale, *object_map;
@@ -63,9 +65,10 @@ int exact_digits(double number);
  * lights, its white and its sampling (NULL: none). Scene and sampling must outlive the record. */
 bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
                   struct record *out, struct error *err);
-/* Records that the stack has these rows of a picture, which has so many. */
-bool record_rows(struct record *record, const struct part_rows *rows, int height,
-                 struct error *err);
+/* Records that the stack has these rows of a picture, and n wavelengths (components: 0). height:
+ * the rows of the picture. */
+bool record_part(struct record *record, const struct part_rows *rows, int height,
+                 const double *wavelengths_nm, int n, struct error *err);
 /* Compares the files that a scene names, and that of its detector (NULL: none), with those that are
  * recorded. *change says in words what the first difference is; "": there is none. */
 enum { FILE_CHANGE = 1024 };

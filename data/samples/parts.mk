@@ -1,22 +1,19 @@
 # SPDX-License-Identifier: MIT
-# Draws a picture in parts by Make, several at a time, and joins them:
-#   make -f parts.mk -j 4 STACK=large.tif SCENE=patches OPTIONS='--size 1600x1600' PARTS=8
-# If it is stopped, the same command goes on. Names have no blanks. To draw a scene that has changed: make -f parts.mk clean ...
+# Draws a picture in parts by Make, several at a time, joins them, and removes them:
+#   make -f parts.mk -j 4 STACK=large.tif SCENE=patches OPTIONS='--size 1600x1600' PARTS=4
+# If it is stopped, the same command goes on with the parts that are missing. Names have no blanks.
 SPECTRAL ?= spectral
-PARTS ?= 4
+PARTS ?= 2
 SCENE ?= colorchecker
 STACK ?= $(SCENE).tif
 OPTIONS ?=
-drawn := $(patsubst %,$(STACK).%-of-$(PARTS).drawn,$(shell seq $(PARTS)))
+parts := $(patsubst %,$(STACK).%-of-$(PARTS).tif,$(shell seq $(PARTS)))
 
-$(STACK): $(drawn)
-	$(SPECTRAL) join $@
+$(STACK): $(parts)
+	$(SPECTRAL) join -o $@ $^
+	rm $^
 
-# A part's file is there before it is complete, so that a file of its own says so.
-$(STACK).%-of-$(PARTS).drawn: $(wildcard $(SCENE))
-	$(SPECTRAL) render $(SCENE) $(OPTIONS) -o $(STACK) --part $*/$(PARTS) --threads 1 --quiet
-	touch $@
+$(STACK).%-of-$(PARTS).tif: $(wildcard $(SCENE))
+	$(SPECTRAL) render $(SCENE) $(OPTIONS) --part $*/$(PARTS) -o $@ --threads 1 --quiet
 
-clean:
-	rm -f $(drawn) $(drawn:.drawn=.part)
-.PHONY: clean
+.SECONDARY: $(parts)

@@ -43,6 +43,9 @@ static void print_pages(const struct image *image, const struct record *record, 
     if (image->wavelengths_nm)
         print(to, "wavelengths       %.10g to %.10g nm\n", image->wavelengths_nm[0],
               image->wavelengths_nm[image->n_pages - 1]);
+    if (record->rows.n > 0)
+        print(to, "part              of a picture, from row %.0f of %.0f\n", record->rows.value[0],
+              record->rows.value[2]);
     if (record->components)
         print(to, "components        of %.10g to %.10g nm\n", record->range_nm.value[0] + 0.5,
               record->range_nm.value[1] - 0.5);

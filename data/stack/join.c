@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral join: the stacks of parts become the stack of the whole picture. Each part has whole rows
- * of pixels, and its record says which. All else in the records must be the same. Parts are opened
- * one after the other, so that their number has no limit. */
+/* spectral join: the stacks of parts become the stack of the whole picture. Each part has whole
+ * rows of pixels, and its record says which. All else in the records must be the same. Parts are
+ * opened one after the other, so that their number has no limit. */
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,9 +17,9 @@ struct joined {
     struct stack_verdict sums;
     bool has_sums; /* the parts' lines have numbers */
     struct stack_writer writer;
-    struct raw_samples raw; /* of the part that is being copied */
-    unsigned char *has; /* of each row of the picture: a part had it; owned */
-    char *bytes;        /* COPIED_BYTES; owned */
+    int bits;            /* of a sample, in all parts */
+    unsigned char *has;  /* of each row of the picture: a part had it; owned */
+    char *bytes;         /* COPIED_BYTES; owned */
 };
 
 /* ---- records ---- */
@@ -31,6 +31,21 @@ static char *make_common(const struct record *record)
     common.rows.n = 0;
     common.object_map = NULL;
     return record_text(&common);
+}
+
+/* Refuses a part whose samples or object map do not lie where render puts them. */
+static bool check_layout(const struct joined *joined, const struct cube *part,
+                         const struct raw_samples *layout, struct error *err)
+{
+    const struct cube *first = &joined->first;
+    const struct record *record = &part->record;
+    return (part->image.width == first->image.width && part->image.n_pages == first->image.n_pages &&
+            layout->bits == joined->bits && !layout->by_pixels && !layout->big_endian &&
+            record->rows.value[2] == first->record.rows.value[2] &&
+            record->map_bytes == first->record.map_bytes &&
+            (record->map_bytes > 0) == (record->object_map != NULL)) ||
+           error_usage(err, "%s was cut or changed after it was rendered; render this part again",
+                       part->image.path);
 }
 
 /* Refuses a record that differs from that of the first part. Names the first line that does. */
@@ -62,8 +77,8 @@ static bool add_verdict(struct joined *joined, const struct cube *part, struct e
     const struct image *first = &joined->first.image;
     const bool counts = stack_verdict_read(part->image.verdict, &own);
     if (counts != joined->has_sums || (!counts && strcmp(part->image.verdict, first->verdict) != 0))
-        return error_usage(err, "%s: its verdict is '%s', but that of %s is '%s'",
-                           part->image.path, part->image.verdict, first->path, first->verdict);
+        return error_usage(err, "%s: its verdict is '%s', but that of %s is '%s'", part->image.path,
+                           part->image.verdict, first->path, first->verdict);
     if (!counts)
         return true;
     if (strcmp(own.word, "differs") == 0 || !sums->word[0])
@@ -83,12 +98,12 @@ static bool add_verdict(struct joined *joined, const struct cube *part, struct e
  * agrees on average by itself. */
 static bool conclude(struct joined *joined, const struct options *options, struct error *err)
 {
-    const struct record *record = &joined->first.record;
     const struct option_rules rules = {"render", options->table, RECORDED, 0};
     struct options recorded;
     struct stack_verdict *sums = &joined->sums;
     double most;
-    const bool done = options_read(&rules, record->options, record->n_options, &recorded, err) &&
+    const bool done = options_read(&rules, joined->first.record.options,
+                                   joined->first.record.n_options, &recorded, err) &&
                       options_unchecked(&recorded, &most, err);
     options_free(&recorded);
     if (done && strcmp(sums->word, "differs") != 0)
@@ -108,9 +123,9 @@ static struct stack_options whole_options(const struct joined *joined, const cha
     return (struct stack_options){.width = part->image.width,
                                   .height = (int)part->record.rows.value[2],
                                   .n_wavelengths = part->image.n_pages,
-                                  .wavelengths_nm = part->image.wavelengths_nm,
+                                  .wavelengths_nm = part->record.wavelengths.value,
                                   .full_scale = strtod(part->record.full_scale, NULL),
-                                  .bits = joined->raw.bits,
+                                  .bits = joined->bits,
                                   .scene = part->record.scene,
                                   .provenance = provenance,
                                   .map_bytes = part->record.map_bytes,
@@ -124,7 +139,7 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
     struct sampling sampling = {.detector = NULL};
     const char **labels = NULL;
     struct record whole = part->record;
-    whole.rows.n = 0;
+    whole.rows.n = whole.wavelengths.n = 0;
     whole.full_scale = whole.scale = whole.object_map = NULL;
     char *provenance = record_text(&whole);
     joined->has = calloc((size_t)part->record.rows.value[2], 1);
@@ -146,8 +161,7 @@ static bool mark_rows(struct joined *joined, const struct cube *part, struct err
     const int first = (int)part->record.rows.value[0];
     for (int y = first; y < first + part->image.height; y++)
         if (joined->has[y]++)
-            return error_usage(err, "%s: its row %d is in an earlier part, too", part->image.path,
-                               y);
+            return error_usage(err, "%s: another part has its row %d", part->image.path, y);
     return true;
 }
 
@@ -169,11 +183,12 @@ static bool copy_page(struct joined *joined, const struct cube *part, int page, 
     return true;
 }
 
-static bool copy_rows(struct joined *joined, const struct cube *part, struct error *err)
+/* from: the place of the first page. */
+static bool copy_rows(struct joined *joined, const struct cube *part, uint64_t from,
+                      struct error *err)
 {
     const struct image *image = &part->image;
-    const size_t row_bytes = (size_t)image->width * (size_t)joined->raw.bits / 8;
-    uint64_t from = joined->raw.offset;
+    const size_t row_bytes = (size_t)image->width * (size_t)joined->bits / 8;
     for (int page = 0; page < image->n_pages; page++, from += row_bytes * (uint64_t)image->height)
         if (!copy_page(joined, part, page, from, row_bytes, err))
             return false;
@@ -193,22 +208,24 @@ static bool open_part(const char *path, struct cube *out, struct error *err)
 
 static bool add_part(struct joined *joined, const struct cube *part, struct error *err)
 {
-    return image_describe(&part->image, &joined->raw, err) &&
-           check_common(joined, part, err) && mark_rows(joined, part, err) &&
-           add_verdict(joined, part, err) && copy_rows(joined, part, err);
+    struct raw_samples layout;
+    return image_describe(&part->image, &layout, err) && check_common(joined, part, err) &&
+           check_layout(joined, part, &layout, err) && mark_rows(joined, part, err) &&
+           add_verdict(joined, part, err) && copy_rows(joined, part, layout.offset, err);
 }
 
 static bool join_first(struct joined *joined, const struct options *options, struct error *err)
 {
     struct cube *first = &joined->first;
-    if (!open_part(options->operand, first, err))
+    struct raw_samples layout;
+    if (!open_part(options->operand, first, err) || !image_describe(&first->image, &layout, err))
         return false;
+    joined->bits = layout.bits;
     joined->record = make_common(&first->record);
     joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
     joined->sums = (struct stack_verdict){.samples = 0};
-    return (joined->record || error_memory(err)) &&
-           image_describe(&first->image, &joined->raw, err) &&
-           open_whole(joined, options->output, err) && add_part(joined, first, err);
+    return (joined->record || error_memory(err)) && open_whole(joined, options->output, err) &&
+           add_part(joined, first, err);
 }
 
 /* Refuses a picture that lacks rows. */
@@ -221,42 +238,31 @@ static bool check_rows(const struct joined *joined, struct error *err)
     for (end = first; end < height && !joined->has[end];)
         end++;
     return first == height ||
-           error_usage(err, "rows %d to %d of the picture are missing; expected the parts with them",
+           error_usage(err,
+                       "rows %d to %d of the picture are missing; expected the parts with them",
                        first, end - 1);
 }
 
-/* Fails where the verdict does not agree, unless the stack is kept. */
-static bool judge(const struct stack_verdict *sums, bool kept, struct error *err)
-{
-    const bool good = !sums->word[0] || strcmp(sums->word, "agreed") == 0;
-    return good || error_different(err,
-                                   "the joined picture is '%s': %" PRIu64 " of %" PRIu64
-                                   " pixels unexplained, %" PRIu64 " of %" PRIu64
-                                   " object pixels not checked; %s",
-                                   sums->word, sums->unexplained, sums->pixels, sums->unchecked,
-                                   sums->objects,
-                                   kept ? "the stack was kept"
-                                        : "no stack was written (--keep stores it anyway)");
-}
-
+/* Stores the stack if its verdict agrees, or if it is kept anyway. */
 static bool finish(struct joined *joined, struct options *options, struct error *err)
 {
     char line[STACK_VERDICT];
-    struct error disagreement = {.status = EXIT_AGREED};
     if (!check_rows(joined, err) || (joined->has_sums && !conclude(joined, options, err)))
         return false;
     snprintf(line, sizeof line, "%s", joined->first.image.verdict);
     if (joined->has_sums)
         stack_verdict_text(&joined->sums, line);
-    const bool agreed = judge(&joined->sums, options->keep, &disagreement);
+    const bool agreed = !joined->has_sums || strcmp(joined->sums.word, "agreed") == 0;
     bool done = stack_finish(&joined->writer, line, err);
     if (done && (agreed || options->keep))
-        done = options->envi ? stack_commit_envi(&joined->writer, options->output,
-                                                 &options->outputs, err)
-                             : stack_commit(&joined->writer, &options->outputs, err);
-    if (done && !agreed)
-        *err = disagreement;
-    return done && agreed;
+        done = options->envi
+                   ? stack_commit_envi(&joined->writer, options->output, &options->outputs, err)
+                   : stack_commit(&joined->writer, &options->outputs, err);
+    return done &&
+           (agreed ||
+            error_different(err, "the joined picture: %s; %s", line,
+                            options->keep ? "the stack was kept"
+                                          : "no stack was written (--keep stores it anyway)"));
 }
 
 static bool report(const struct options *options, const struct joined *joined, struct error *err)
@@ -272,8 +278,8 @@ static bool report(const struct options *options, const struct joined *joined, s
 bool command_join(struct options *options, struct error *err)
 {
     struct joined joined = {.record = NULL};
-    if (!options->output || !options->operand)
-        return error_usage(err, "join takes -o STACK and the stacks of parts");
+    if (!options->output || !options->operand || picture_is_png(options->output))
+        return error_usage(err, "join takes -o STACK.tif and the stacks of parts");
     bool done = join_first(&joined, options, err);
     for (int i = 1; done && i < options->n_operands; i++) {
         struct cube part = {.components = false};

@@ -46,6 +46,7 @@ static char *make_provenance(const struct state *state, struct error *err)
 {
     const struct plan *plan = state->stages.plan;
     const struct part_rows *rows = &state->result->rows;
+    const int n = plan->sampling && !plan->sampling->spectral ? 0 : plan->n_bands;
     struct record record;
     char *text = NULL;
     if (!record_scene(plan->scene, plan->sampling, plan->options.detector, &record, err))
@@ -56,7 +57,8 @@ static char *make_provenance(const struct state *state, struct error *err)
     for (int i = 0; i < record.n_options; i++)
         record.options[i] = plan->options.recorded[i];
     if (list_objects(plan, &record, err) &&
-        (rows->count == 0 || record_rows(&record, rows, plan->scene->height, err)) &&
+        (rows->count == 0 ||
+         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)) &&
         !(text = record_text(&record)))
         error_memory(err);
     record_free(&record);
@@ -70,18 +72,19 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
     const struct part_rows *rows = &state->result->rows;
     const bool labelled = sampling && !sampling->spectral;
     char *provenance = make_provenance(state, err);
-    const char **labels = labelled && provenance ? sampling_labels(sampling, sampling->pages.n, err) : NULL;
-    const struct stack_options options = {
-        .width = plan->scene->width,
-        .height = rows->count > 0 ? rows->count : plan->scene->height,
-        .n_wavelengths = plan->n_bands,
-        .wavelengths_nm = plan->scene->wavelengths_nm,
-        .full_scale = state->result->full_scale,
-        .bits = plan->options.bits,
-        .scene = plan->scene->path,
-        .provenance = provenance,
-        .map_bytes = plan->map_bytes,
-        .labels = labels};
+    const char **labels =
+        labelled && provenance ? sampling_labels(sampling, sampling->pages.n, err) : NULL;
+    const struct stack_options options = {.width = plan->scene->width,
+                                          .height =
+                                              rows->count > 0 ? rows->count : plan->scene->height,
+                                          .n_wavelengths = plan->n_bands,
+                                          .wavelengths_nm = plan->scene->wavelengths_nm,
+                                          .full_scale = state->result->full_scale,
+                                          .bits = plan->options.bits,
+                                          .scene = plan->scene->path,
+                                          .provenance = provenance,
+                                          .map_bytes = plan->map_bytes,
+                                          .labels = labels};
     if (provenance && (labels || !labelled) && stack_open(&state->stack, path, &options, err))
         state->stages.stack = &state->stack;
     free(labels);
@@ -190,9 +193,8 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
     /* The share of a picture that may stay unchecked is no limit of a part: join knows the sum. The
      * verdict on pixels of the reference has no sums. */
     const enum check_outcome outcome = check_outcome(plan, &result->check);
-    return outcome == OUTCOME_AGREED ||
-           (outcome == OUTCOME_NOT_VERIFIED && result->rows.count > 0 &&
-            !plan->options.store_raster);
+    return outcome == OUTCOME_AGREED || (outcome == OUTCOME_NOT_VERIFIED &&
+                                         result->rows.count > 0 && !plan->options.store_raster);
 }
 
 /* Refuses samples that no page can hold. */

@@ -33,7 +33,7 @@ struct render_result {
     struct odd_samples odd;
     struct stack_difference difference; /* from the stack that is made again */
     const struct notes *notes;          /* those of struct render_output */
-    struct part_rows rows;             /* that the stack has; count 0: all */
+    struct part_rows rows;              /* that the stack has; count 0: all */
     struct part_seconds seconds;
 };
 /* Another program draws the pixels. */
@@ -59,8 +59,8 @@ struct render_output {
                  struct error *err);
     void *taker;
     const struct render_foreign *foreign; /* NULL: OpenGL draws here */
-    struct picture_part {            /* draws these rows of tiles; count 0: all */
-        int number, count;           /* from 1 */
+    struct picture_part {                 /* draws these rows of tiles; count 0: all */
+        int number, count;                /* from 1 */
     } part;
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:

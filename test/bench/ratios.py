@@ -72,7 +72,7 @@ class Bench:
         return Program((os.path.join(self.tests, name), *words), **others)
 
     def remove_parts(self):
-        for path in glob.glob(self.output + ".*.part"):
+        for path in glob.glob(self.output + ".*-of-*"):
             os.remove(path)
 
     def measure(self, program):
@@ -189,9 +189,9 @@ def parts(bench):
     chart = ("colorchecker", "--size", f"{bench.sizes.parts_side}x{bench.sizes.parts_side}", "--wavelengths", wavelengths(31))
     programs = {"whole": bench.render(*chart, "-q")}
     for n in NUMBERS_OF_PARTS:
-        words = " ".join(bench.render(*chart, "-q").words)
+        words = " ".join(bench.render(*chart, "-q", "-o", f"{bench.output}.$i-of-{n}").words)
         programs[f"{n} parts"] = Program(("sh", "-ec", f"for i in $(seq {n}); do {words} --part $i/{n}; done"))
-    programs["join"] = Program((bench.spectral, "join", bench.output, "-q"))
+    programs["join"] = Program(("sh", "-c", f"{bench.spectral} join -q -o {bench.output} {bench.output}.*-of-*"))
     return Group("k", bench.sizes.rounds[3], programs)
 
 

@@ -13,7 +13,6 @@ static const struct fuzz_target targets[] = {
     {"table", fuzz_table},   {"mesh", fuzz_mesh},     {"mtl", fuzz_mtl},
     {"map", fuzz_map},       {"matrix", fuzz_matrix}, {"texture", fuzz_texture},
     {"record", fuzz_record}, {"stack", fuzz_stack},   {"line", fuzz_line},
-    {"batch", fuzz_batch},   {"piece", fuzz_piece},
 };
 
 const struct fuzz_target *fuzz_target(const char *name)

@@ -50,7 +50,5 @@ void fuzz_texture(const struct fuzz_input *input);
 void fuzz_record(const struct fuzz_input *input);
 void fuzz_stack(const struct fuzz_input *input);
 void fuzz_line(const struct fuzz_input *input);
-void fuzz_batch(const struct fuzz_input *input);
-void fuzz_piece(const struct fuzz_input *input);
 
 #endif

@@ -55,8 +55,6 @@ fuzz_seeds() {
     stack) find "$made" -name 'stack-*' -o -name 'foreign-*' ;;
     record) find "$made" -name 'record-*' ;;
     line) find "$made" -name 'line-*' ;;
-    batch) find "$made" -name 'batch-*' ;;
-    piece) find "$made" -name 'piece-*' ;;
     esac
 }
 
@@ -71,8 +69,7 @@ fuzz_words() {
     texture) words=data/tiff ;;
     record) words='data/record data/stack/tags.c data/method' ;;
     stack) words='data/tiff data/record data/stack data/method' ;;
-    piece) words='data/record raster/parts' ;;
-    line | batch) words='spectral.c data/method data/colour data/develop data/compare data/spectra data/scene' ;;
+    line) words='spectral.c data/method data/colour data/develop data/compare data/spectra data/scene' ;;
     esac
     find $words -name '*.c' -exec grep -hv '^#' {} + | grep -oE '"[!#$&-Z^-~]{1,32}"' | sort -u
 }
@@ -89,16 +86,8 @@ make_seeds() {
             "$BUILD/spectral" render patches --size 5x4 --wavelengths 400:700:100 --renderer raster --no-check -q $options \
                 -o "$made.new/stack-$(echo "$options" | tr -c 'a-z0-9\n' -).tif"
         done
-        for options in '' '--samples 2' '--depth 32f'; do
-            "$BUILD/spectral" render patches --size 16x12 --wavelengths 500 -q $options --part 1/1 -o "$made.new/piece"
-            mv "$made.new/piece.1-of-1.part" "$made.new/piece-$(echo "$options" | tr -c 'a-z0-9\n' -)"
-        done
-        head -c 9000 "$made.new/piece-" >"$made.new/piece-short"
+        "$BUILD/spectral" render patches --size 5x4 --wavelengths 500 --renderer raster --no-check -q --part 1/1 -o "$made.new/stack-part"
     )
-    for list in '' '# nothing' 'patches' 'patches -o "a b.tif"\nspheres --part 1/2 -o b.tif\n' 'patches -o a.tif\n  patches -o a.tif' \
-        'room --light 1=a*2 -o - # none' '"room" "--size" "3x3"\n\n- -o x' 'patches --again a.tif' 'patches -o "a' 'patches --sise 3x3'; do
-        printf "$list" >"$made.new/batch-$(printf "$list" | cksum | cut -d ' ' -f 1)"
-    done
     need python3-gdal
     /usr/bin/python3 test/make/fuzz_seeds.py "$made.new"
     # the examples of the program's commands, and of the pages
@@ -126,7 +115,7 @@ run_fuzzer() {
     FUZZ_TARGET=$1
     export FUZZ_TARGET
     shift
-    case $FUZZ_TARGET in texture | stack | piece) most=16384 ;; *) most=4096 ;; esac
+    case $FUZZ_TARGET in texture | stack) most=16384 ;; *) most=4096 ;; esac
     "$BUILD/fuzz/fuzz" $fuzz_limits -max_len=$most -print_final_stats=1 -artifact_prefix="$BUILD/fuzz/found/$FUZZ_TARGET-" \
         "$@" </dev/null
 }

@@ -40,8 +40,8 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     if (done) {
         done = plan_print(&plan, &printed, err);
         notes_print(&notes, &printed);
-        done = plan_json(&plan, &notes, &json, err) &&
-               json_write(&json, "/dev/null", NULL, err) && done;
+        done = plan_json(&plan, &notes, &json, err) && json_write(&json, "/dev/null", NULL, err) &&
+               done;
     }
     free(printed_end(&printed));
     lit_free(&lit);

@@ -77,6 +77,20 @@ static void compare_with_itself(const char *path)
     comparison_free(&comparison);
 }
 
+static void join_part(const char *path)
+{
+    struct error err = {.status = EXIT_AGREED};
+    struct options options = {.table = fuzz_options(),
+                              .output = "/dev/null",
+                              .operand = path,
+                              .n_operands = 1,
+                              .quiet = true};
+    const bool done = command_join(&options, &err);
+    if (err.status != EXIT_DIFFERENT)
+        fuzz_ends(done, &err);
+    options_free(&options);
+}
+
 static void develop_colour(const char *path)
 {
     const struct develop_options options = {"cie1931", .bits = 16, .threads = 1};
@@ -93,11 +107,11 @@ static void develop_sampled(const char *path)
 }
 
 /* Reads everything, and then does what one of the commands does, which the last byte chooses: all
- * of them would take four times as long. */
+ * of them would take five times as long. */
 static void read_stack(const char *path, const struct fuzz_input *input)
 {
     void (*const commands[])(const char *) = {develop_colour, develop_sampled, probe_pixel,
-                                              compare_with_itself};
+                                              compare_with_itself, join_part};
     const unsigned char last =
         (unsigned char)input->bytes[input->length > 0 ? input->length - 1 : 0];
     struct error err = {.status = EXIT_AGREED};
@@ -106,7 +120,7 @@ static void read_stack(const char *path, const struct fuzz_input *input)
     fuzz_ends(opened && (!small || read_rows(&cube, &err)), &err);
     cube_close(&cube);
     if (small)
-        commands[last % 4](path);
+        commands[last % 5](path);
 }
 
 void fuzz_stack(const struct fuzz_input *input)
