@@ -57,7 +57,7 @@ small="--size 40x30 --wavelengths 400:700:50"
         "probe $tmp/kept.scene 1 1 --json $tmp/kept.scene"; do
         # shellcheck disable=SC2086
         exits 2 "${command%% *} refuses to replace its input by JSON" "$SPECTRAL" $command
-        says 'would replace the input' "the message says so"
+        says 'would replace an input' "the message says so"
     done
     cmp -s "$tmp/stack.tif" "$tmp/kept.tif" && "$SPECTRAL" show spheres | cmp -s - "$tmp/kept.scene"
     ok $? "the inputs stay as they were"

@@ -270,7 +270,7 @@ def test_foreign():
     result = run("envi", "patches")
     check(result.returncode == 2 and "is a scene, not a stack" in result.stderr, "a scene is refused", result.stderr)
     result = run("envi", ome, "-o", ome)
-    check(result.returncode == 2 and "would replace the input" in result.stderr,
+    check(result.returncode == 2 and "would replace an input" in result.stderr,
           "the header does not replace the stack")
     gdal = module("osgeo.gdal")
     if gdal:
@@ -308,7 +308,7 @@ def test_whole_or_not():
                   "light d65 1 direction 0 0 1\n")
     result = run("render", scene, "--size", "9x9", "--renderer", "raster", "--envi",
                  "-o", path("own.tif"))
-    check(result.returncode == 2 and "would replace the input" in result.stderr and
+    check(result.returncode == 2 and "would replace an input" in result.stderr and
           not os.path.exists(path("own.tif")), "the header does not replace the scene", result.stderr)
     result = run(*small, "--envi", "-o", stack)
     old, pair = open(stack + ".hdr").read(), open(stack, "rb").read()

@@ -92,7 +92,7 @@ cp "$tmp/mine.scene" "$tmp/kept.scene"
 cp "$tmp/mine.scene" "$tmp/mine.html" # any file may hold a scene
 while read -r words; do
     # shellcheck disable=SC2086  # a list of words
-    refused "$words" 'would replace the input' $words
+    refused "$words" 'would replace an input' $words
 done <<EOF
 develop $tmp/mine.tif -o $tmp/link.tif
 probe $tmp/mine.tif 0 0 -o $tmp/mine.tif
