@@ -47,13 +47,17 @@ refuse() { echo "${1:-$(usage)}" >&2; exit 2; }
 . data/libraries.sh
 . data/builtin.sh
 
-# A folder that held other files before is not marked.
-prepare() {
+# Makes and marks $BUILD. A folder that held other files before is not marked.
+make_folder() {
     case $BUILD in *[[:space:]]*) refuse "build.sh: BUILD='$BUILD' has blanks; name another folder" ;; esac
     case $CFLAGS in *-Ofast* | *-ffast-math* | *-funsafe-math*) refuse "build.sh: $CFLAGS changes pictures; -O3 does not" ;; esac
     mkdir -p "$BUILD"
     [ "$BUILD" != build ] && [ -n "$(ls -A "$BUILD")" ] || : >"$BUILD/$mark"
-    need_compiler
+}
+
+prepare() {
+    make_folder
+    need $(compiler_packages)
     make_builtin
 }
 
@@ -94,13 +98,14 @@ compile() {
     done
     [ -n "$stale" ] || return 0
     echo "compiling $(($(echo $stale | wc -w) / 2)) of $# files with $CC"
-    rm -f "$tree/failed"
+    rm -f "$tree/failed" "$tree/compiled"
     export tree command
     printf '%s\n' $stale | xargs -P "$(nproc || echo 1)" -n 2 sh -c '
         [ ! -f "$tree/failed" ] && mkdir -p "${2%/*}" && rm -f "$2" && : >"$2.start" &&
             $command -MMD -MF "$2.d" -MT object -c "$1" -o "$2.new" &&
             { tr -d "\\\\\n" <"$2.d" && echo; } >"$2.needs" && mv "$2.new" "$2" ||
-            { : >"$tree/failed"; exit 1; }' compile || exit 1
+            { : >"$tree/failed"; exit 1; }
+        [ ! -t 1 ] || { echo >>"$tree/compiled"; printf "%d\\r" $(wc -l <"$tree/compiled"); }' compile || exit 1
 }
 
 # link PROGRAM OBJECT... below $BUILD, unless it is newer than all of them
@@ -133,6 +138,8 @@ harden() {
 }
 
 build() {
+    make_folder
+    need $(compiler_packages) $(library_packages)
     prepare
     find_sources
     find_libraries

@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: full; packages: libosmesa6-dev; makes: faults mutants
 # Each fault planted in OpenGL must end with exit 1 and one line that names a pixel, an object and
 # what differs; the scene drawn without it must pass. $FAULTS is the library made of test/oracle/fault.c,
 # $MUTANT the program with all bounds a thousand times too wide. Scenes lie in test/cases/faults/.

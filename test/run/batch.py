@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
 """Renders lists of scenes: each stack is that of its own command, a batch that is killed leaves nothing but whole stacks, and the
 next one draws the missing ones only. A stack is up to date by its record: program, scene, options, files. Failures end as commands
 that can be repeated. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: libosmesa6-dev; makes: bench
 """Runs the bench of ratios with small pictures (test/bench/ratios.py): its table and its CSV must be complete, and their
 figures must agree with each other. Nothing here depends on speed. Prints TAP."""
 import csv

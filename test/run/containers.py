@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: debootstrap buildah python3-numpy python3-tifffile; makes: static
 """Runs the program in a container of the recipe among the samples, and in small Debian systems: without any OpenGL, with EGL's library but no driver, and with EGL and Mesa's
 drivers, where the program is also built from its sources, without OSMesa. Makes them by debootstrap, as root, from the
 mirror that this system uses: FULL only. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile python3-gdal python3-spectral
 """ENVI cubes in and out.
 
 In: cubes of every type, order of bytes and interleave, written here by numpy, and by SPy and GDAL, equal the same

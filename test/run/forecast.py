@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
 """Checks the seconds that plan expects: they are those of the last render of this machine, by a model that a small file
 in the user's cache adjusts. A file that is missing, broken or in the way changes nothing else. Checks the bytes of disk and
 memory, too: the disk's are exact, but for the heads of the pages. Parts share the picture's. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 """Runs the hard cases: those that must agree in data/builtin/hard, which `spectral verify` draws, too, and the others in
 test/cases/hard. Lines `# holds: ...` of a scene list the conditions that its picture must
 fulfil, in the reference and in OpenGL, with both of Mesa's software drivers. Prints TAP.
@@ -194,7 +195,7 @@ def holds(runs, scene, path, words):
 
 def fan():
     """A fan about a vertex at the centre of a pixel, wider than the picture."""
-    rim = [f"v {4 * math.cos(turn)!r} {4 * math.sin(turn)!r} 0\n"
+    rim = [f"v {4 * math.cos(turn):.9f} {4 * math.sin(turn):.9f} 0\n"
            for turn in (2 * math.pi * i / MANY for i in range(MANY))]
     faces = [f"f 1 {i + 2} {(i + 1) % MANY + 2}\n" for i in range(MANY)]
     write("fan.obj", "".join(["v 0 0 0\n", *rim, *faces]))

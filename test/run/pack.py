@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile busybox-static
 """Packs scenes: tar, busybox and Python read the archive, and the scene that they unpack has the same picture and the same record.
 Equal files make equal archives. Files that another machine would not find are refused. A stack records all files of its scene with
 their SHA-256. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile; makes: spoil fail
 """Draws pictures in parts, and joins them: the stack is that of one process, byte for byte, and the report has the same sums.
 That holds where parts are killed and go on, are drawn twice, or by two processes at once. What does not belong together, or
 is not whole, is refused in a line. With FULL, 20 kills and more kinds of pictures.

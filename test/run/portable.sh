@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: full; packages: clang
 # The reference's stacks have the same bytes for every compiler, C library and processor, with and without OpenGL,
 # with any number of threads, checked or not. test/cases/golden.sha256 has the digests of all built-in scenes: small
 # ones in counts and in radiances, and scenes at their own size. FULL=1 also renders them with gcc's other

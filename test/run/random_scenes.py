@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
 """Renders random scenes, with everything that the scene language has, by the program ($SPECTRAL) and cross-
 checks every pixel at 31 wavelengths. A scene follows from its seed alone. A scene that fails is reduced to a
 small one that still fails; test/cases/random/ keeps it, and later runs begin with it. Prints TAP.
@@ -178,7 +179,7 @@ def write_textures(folder):
         image = numbers.integers(0, np.iinfo(kind).max + 1, shape).astype(kind)
         tifffile.imwrite(os.path.join(folder, name), image)
     y, x = np.mgrid[0:48, 0:48]
-    smooth = 30000 + 20000 * np.sin(x * np.pi / 24) * np.cos(y * np.pi / 24)
+    smooth = np.round(30000 + 20000 * np.sin(x * np.pi / 24) * np.cos(y * np.pi / 24))
     tifffile.imwrite(os.path.join(folder, GREY[5]), smooth.astype(np.uint16))
     bands = [(550,), (400, 700), range(380, 740, 40)]
     for name, shape, nm in zip(STACKS, [(4, 4), (9, 5), (32, 32)], bands):

@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 # Tests the commands that read stacks: develop, probe, compare and view.
 . test/run/tap.sh
 small="--size 60x40 --wavelengths 400:700:20"

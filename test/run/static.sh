@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: release; packages: busybox-static binutils file; makes: static
 # The static program ($STATIC) is one hardened file that runs in an otherwise empty system. Its reference stores
 # the same bytes as that of $SPECTRAL.
 . test/run/tap.sh

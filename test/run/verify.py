@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile python3-junitparser libosmesa6-dev; makes: faults spoil
 """Runs spectral verify: its verdicts are those of render, JUnit's XML is read by a real reader, a baseline parts known
 failures from new ones, planted faults are found on each library and reduced to a case that fails by itself, and a driver
 that crashes does not end the run. With FULL, more faults are reduced. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: release; packages: clang lld wasi-libc libclang-rt-dev-wasm32 llvm
 # The module in the repository is the program of these sources: made again, it has the same bytes. Another
 # version of clang makes others, so that there only the size is compared.
 # shellcheck disable=SC1091,SC2034,SC2154
