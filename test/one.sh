@@ -2,14 +2,15 @@
 # SPDX-License-Identifier: MIT
 # usage: test/one.sh PROGRAM
 # Runs one test and judges the TAP that it prints, which stays in $TEST_TMP/NAME.tap. Prints one line, and the truths that
-# failed in words. A test that ends early, or too late, fails by itself. test/run.sh counts the words in $TEST_TMP/results.
+# failed in words. A test that ends early, or too late, fails by itself. test/run.sh counts the words in $RESULTS.
 name=${1##*/}
 name=${name%.*}
 tap=$TEST_TMP/$name.tap
 begun=$(date +%s)
 status=0
-timeout 7200 "$1" >"$tap" 2>"$tap.errors" </dev/null || status=$?
-awk -v name="$name" -v status=$status -v seconds=$(($(date +%s) - begun)) -v results="$TEST_TMP/results" '
+timeout --foreground 7200 "$1" >"$tap" 2>"$tap.errors" </dev/null || status=$?
+times >"$tap.times"
+awk -v name="$name" -v status=$status -v seconds=$(($(date +%s) - begun)) -v results="$RESULTS" '
     FILENAME == ARGV[2] { last[n_last++ % 5] = $0; next }
     /^(not )?ok / { n++; failed = /^not / && !/# (TODO|SKIP)/; n_failed += failed; n_skipped += /# SKIP/ }
     /^1[.][.][0-9]+/ { planned = 1; plan = substr($1, 4) + 0; reason = $0; sub(/^[^#]*# SKIP/, ":", reason) }

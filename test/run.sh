@@ -4,8 +4,6 @@
 # executable script, anywhere below this folder, and prints TAP. One of its first lines says when it runs and what it needs:
 #     level: first|full|release; packages: those of Debian; makes: words of make_for below
 # A C test without this line belongs to the first level and needs no package; each test.py needs python3.
-# The tests of level full that .ci/run runs after the first level, within 15 minutes in all on two cores:
-ci='faults verdict random_scenes attack'
 longest='hard test_reference test_mesa random_scenes verdict verify contexts scenes cost' # these begin first, so that no processor waits at the end
 # Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
 # of the first object; open meshes taken for solids, so that their backs are not drawn; no mesh taken for a solid.
@@ -58,12 +56,11 @@ $(for file in $all; do test_name "$file"; echo "  $name"; done)"
 }
 
 # choose LEVEL [NAME...] sets $chosen to the tests of these names; without names, to those of the level: `full` has those of
-# `first`, too; `release` has its own only. The longest come first.
+# `first`, too; `release` has only its own, which take hours. The longest come first.
 choose() {
     all=$(find test/*/ -name 'test_*.c' -o -type f -perm -u+x | sort)
     wanted_level=$1
     shift
-    if [ $# = 0 ] && [ $wanted_level = ci ]; then set -- $ci; fi
     if [ $# != 0 ]; then
         chosen=$(named "$@")
         return
@@ -126,7 +123,7 @@ make_for_tests() (
     for word in $needed; do
         case $word in
         static | library) ;;
-        test_*) units="$units $(find test -name "$word.c")" ;;
+        test_*) units="$units $(find test/*/ -name "$word.c")" ;;
         *) make_$word ;;
         esac
     done
@@ -148,8 +145,9 @@ make_calls() { build_preloaded test/attack/calls.c "$CALLS_LIBRARY" -lOSMesa; }
 make_liar() { build_preloaded test/attack/liar.c "$LIAR_LIBRARY" -lOSMesa; }
 make_faults() { build_preloaded test/oracle/fault.c "$FAULTS" -lOSMesa; }
 
+make_mutant() { build_mutant mutant $pixel "$mutation"; }
+
 make_mutants() {
-    build_mutant mutant $pixel "$mutation"
     build_mutant endless $pixel "$endless"
     build_mutant hollow $instances "$hollow"
     build_mutant whole $instances "$whole"
@@ -164,13 +162,12 @@ build_mutant() {
     link "test/spectral-$1" "$main" $objects "$LIBRARY"
 }
 
-# run_tests [full|release|ci] [NAME...]; the longer amounts of `full` and `release` are asked for by FULL=1.
+# run_tests [full|release] [NAME...]; the longer amounts of `full` and `release` are asked for by FULL=1.
 run_tests() {
     needs_gl
     level=first
     case ${1:-} in
     full | release) level=$1; export FULL=1; shift ;;
-    ci) level=ci; shift ;;
     esac
     choose $level "$@"
     make_folder
@@ -182,15 +179,16 @@ run_tests() {
         CALLS_LIBRARY="$BUILD/test/calls.so" LIAR_LIBRARY="$BUILD/test/liar.so" SPOIL_LIBRARY="$BUILD/test/spoil.so"
     make_for_tests
     mkdir -p "$TEST_TMP"
-    : >"$TEST_TMP/results"
+    RESULTS=$(mktemp "$TEST_TMP/results.XXXXXX")
+    export RESULTS
     begun=$(date +%s)
     for file in $chosen; do
         test_name "$file"
         case $file in *.c) echo "$BUILD/test/$name" ;; *) echo "$file" ;; esac
     done | xargs -P $(($(nproc || echo 1) + 1)) -n 1 sh test/one.sh
-    count() { grep -c "^$1 " "$TEST_TMP/results" || :; }
+    count() { grep -c "^$1 " "$RESULTS" || :; }
     echo "$(count passed) passed, $(count failed) failed, $(count skipped) skipped, $(($(date +%s) - begun)) s"
-    [ -s "$TEST_TMP/results" ] && [ "$(count failed)" = 0 ] || exit 1
+    [ -s "$RESULTS" ] && [ "$(count failed)" = 0 ] || exit 1
 }
 
 # Builds the programs that test/bench/ratios.py measures beside the program.

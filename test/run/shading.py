@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: first; packages: python3-numpy python3-tifffile
+# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
 """Compares shading by triangle, vertex and pixel with closed forms and with each other; checks tessellation, and the
 rounding of OpenGL's colour buffers and of pages. Prints TAP."""
 import json
