@@ -3,13 +3,14 @@
 # usage: ./build.sh [COMMAND]
 #   build                  makes the program, build/spectral; the same without a COMMAND
 #   run                    makes it, and with it colorchecker.tif, colorchecker.png and colorchecker.html
-#   test [full] [NAME...]  runs all tests, or those named, such as test_text or cli; full: longer ones
+#   test [NAME...]         runs the first level of the tests, some minutes, or those named, such as test_text or cli
+#   test full [NAME...]    runs all tests of the code in C, the longer ones too: hours
+#   test release [NAME...]  runs tests with browsers, containers, other systems and other programs: hours
 #   fuzz [SECONDS] [TARGET...]  changes inputs of readers at random, so long for each target (60 seconds)
 #   sanitize               unit tests and all commands under the sanitizers of clang, and under valgrind
 #   coverage               prints the lines that no test runs
 #   bench [quick] [--csv FILE]  measures all ratios that the program has goals for; quick: of small pictures
 #   bench effects          measures the seconds of each effect
-#   bench live             measures a live page in two browsers
 #   wasm                   makes data/builtin/viewer/spectral.wasm, the program in the pages of spectral view
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program

@@ -200,22 +200,17 @@ make_bench() {
     done
 }
 
-# run_bench [effects | live | [quick] [--csv FILE]]
+# run_bench [effects | [quick] [--csv FILE]]
 run_bench() {
     needs_gl
     case "$*" in
-    effects | live | '' | quick | '--csv '?* | 'quick --csv '?*) ;;
+    effects | '' | quick | '--csv '?* | 'quick --csv '?*) ;;
     *) refuse ;;
     esac
     build
     if [ "${1:-}" = effects ]; then
         need python3-tifffile python3-numpy
         /usr/bin/python3 test/bench/bench_effects.py "$BUILD/spectral" "$BUILD/tmp/bench"
-        return
-    fi
-    if [ "${1:-}" = live ]; then
-        need chromium firefox-esr
-        /usr/bin/python3 test/bench/bench_live.py "$BUILD/spectral" "$BUILD/tmp/bench"
         return
     fi
     LIBRARY=$BUILD/test/library.a

@@ -5,7 +5,7 @@
 checks every pixel at 31 wavelengths. A scene follows from its seed alone. A scene that fails is reduced to a
 small one that still fails; test/cases/random/ keeps it, and later runs begin with it. Prints TAP.
 
-    test/run/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe
+    test/run/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe; with FULL=1 5000 and 500
     test/run/random_scenes.py --first 1000 --count 5000 --driver softpipe --jobs 2 --size 100x100
     test/run/random_scenes.py --accuracy 0.5 --first 8000      the same, refined
     test/run/random_scenes.py --show 17                        scene 17's files, without drawing it"""
@@ -30,7 +30,9 @@ from rendered import SPECTRAL, TMP, check, done
 
 FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 KEPT = "test/cases/random"
+FULL = "FULL" in os.environ
 DEFAULT_COUNT = {"llvmpipe": 200, "softpipe": 30}
+FULL_COUNT = {"llvmpipe": 5000, "softpipe": 500}
 WAVELENGTHS = "wavelengths 400 700 10"
 PATIENCE_S = 300  # seconds after which a scene counts as hung
 SHRINK_S, MOST_SHRUNK = 240, 3  # seconds of a scene; scenes a run
@@ -880,12 +882,12 @@ def main():
     write_textures(TMP)
     for driver in [options.driver] if options.driver else DEFAULT_COUNT:
         replay(driver)
-        n = options.count or DEFAULT_COUNT[driver]
+        n = options.count or (FULL_COUNT if FULL else DEFAULT_COUNT)[driver]
         run(driver, range(options.first, options.first + n), options)
     if not options.driver:
         check_shrinker((64, 64))
         refine("0.5")
-        run("llvmpipe", range(8000, 8060), options)
+        run("llvmpipe", range(8000, 10500 if FULL else 8060), options)
         MORE.extend(["--samples", "2", "--size", "100x100"])
         run("llvmpipe", range(8060, 8090), options)
     done()
