@@ -13,7 +13,8 @@ run in their order:
 
 "full" behind the language: the block takes minutes, and runs with FULL=1.
 
-recipes.py and tools.py run recipes.md and tools.md. Links and tables of contents must lead somewhere. Prints TAP."""
+recipes.py and tools.py run recipes.md and tools.md. Links and tables of contents must lead somewhere. CONTRIBUTING, the maps of
+the rooms and test/README.md name files that exist, and the maps list each room. Prints TAP."""
 import os
 import re
 import shutil
@@ -110,6 +111,42 @@ def check_links(path, text):
     check(not bad, f"{path}: all links lead somewhere", *bad)
 
 
+def names_of(top):
+    """The files and folders below a folder, as paths."""
+    return {os.path.normpath(os.path.join(folder, name)) for folder, folders, names in os.walk(top) for name in folders + names}
+
+
+def lost(path, text, known):
+    """The files and folders that a text names, with their line, and that do not exist. A word in capitals stands for a name."""
+    places = "", os.path.dirname(path), "test", "test/cases", "data", "data/builtin/viewer"
+    for number, line in enumerate(text.splitlines(), 1):
+        for name in {*re.findall(r"`([\w./-]+)`", line), *re.findall(r"(?<![\w/.-])(?:data|raster|test)/[\w./-]*\w", line)}:
+            is_name = "/" in name or re.search(r"\w[.](c|h|py|sh|md|js|css|html|scene|sha256)$", name)
+            if is_name and not re.search(r"[A-Z]{4}|^build/", name) and name.strip("/") not in {os.path.basename(each) for each in known} and \
+                    not any(os.path.normpath(os.path.join(place, name)) in known for place in places):
+                yield f"{path}:{number}: {name}"
+
+
+def rooms_in(text):
+    table = re.search(r"^\| room \| what it is for \|\n(.*?)\n\n", text, re.MULTILINE | re.DOTALL)[1]
+    return set(re.findall(r"`(\w+)`", " ".join(row.split("|")[1] for row in table.splitlines())))
+
+
+def check_names():
+    known = set.union(*map(names_of, ("data", "raster", "test", ".ci"))) | set(os.listdir("."))
+    for path in "CONTRIBUTING.md", "data/README.md", "raster/README.md", "test/README.md":
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        found = list(lost(path, text, known))
+        check(not found, f"{path}: each file that it names exists", *found)
+        planted = f"See `text/planted.c`, `planted.py` or data/planted.\n`text.c`, `STACK.tif` and data/text/text.c exist.\n{text}"
+        check(len(list(lost(path, planted, known))) == len(found) + 3, f"{path}: planted names are found, and others are not")
+        top = os.path.dirname(path)
+        if top in ("data", "raster"):
+            rooms = {name for name in os.listdir(top) if os.path.exists(f"{top}/{name}/{name}.h")}
+            check(rooms_in(text) == rooms, f"{path} lists each room", sorted(rooms_in(text) ^ rooms))
+
+
 def check_page(path):
     with open(path, encoding="utf-8") as file:
         text = file.read()
@@ -129,6 +166,7 @@ def check_page(path):
 if __name__ == "__main__":
     put_in_path()
     pages = ["README.md"] + sorted(os.path.join(FOLDER, name) for name in os.listdir(FOLDER))
+    check_names()
     for each in pages:
         check_page(each)
     with open("README.md", encoding="utf-8") as readme:
