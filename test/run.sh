@@ -2,7 +2,7 @@
 # shellcheck shell=sh disable=SC1091,SC2013,SC2016,SC2030,SC2031,SC2046,SC2086,SC2154
 # Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file test_NAME.c or an
 # executable script, anywhere below this folder, and prints TAP. One of its first lines says when it runs and what it needs:
-#     level: first|full|release; packages: those of Debian; makes: words of make_for below
+#     level: first|full|release|none; packages: those of Debian; makes: words of make_for below
 # A C test without this line belongs to the first level and needs no package; each test.py needs python3.
 longest='hard test_reference test_mesa random_scenes verdict verify contexts scenes cost' # these begin first, so that no processor waits at the end
 # Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
