@@ -11,7 +11,7 @@ judges() {
     : >"$tmp/results"
     run env TEST_TMP="$tmp" RESULTS="$tmp/results" sh test/one.sh "$tmp/planted.sh"
     [ "$(cat "$tmp/results")" = "$1 planted" ] && grep -q "$2" "$tmp/out"
-    ok $? "$1: $3"
+    ok $? "$1: $2"
 }
 judges passed 'passed .* s  planted$' 'echo "ok 1 - a"; echo 1..1'
 judges passed '1 parts skipped' 'echo "ok 1 - a"; echo "ok 2 # SKIP b"; echo 1..2'
