@@ -15,7 +15,6 @@ sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, check, done, write
 from tap import bail_out
 
-STATIC = os.environ.get("STATIC", "build/spectral-static")
 SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 ONE = "wavelengths 500 500 1\nmaterial matt { diffuse 1 }\nmaterial shiny { specular 1 gloss 40 }\n"
 
@@ -309,12 +308,6 @@ def drivers():
                          GALLIUM_DRIVER=other)
             check(result.returncode == 0 and json.loads(result.stdout)["gl_renderer"].startswith(driver),
                   f"--renderer names {driver} and it draws, even if the environment names {other}", result.stderr)
-    if not os.path.exists(STATIC):
-        print("# there is no static program, which has no llvmpipe")
-        return
-    result = run("patches", "--renderer", "llvmpipe", "-o", "/dev/null", program=STATIC)
-    check(result.returncode == 3 and "softpipe" in result.stderr and "--renderer gl" in result.stderr,
-          "a program without llvmpipe says so", result.returncode, result.stderr)
 
 
 sphere()

@@ -140,4 +140,6 @@ done
 echo "# --version takes $((($(date +%s%N) - start) / 10000)) microseconds from start to exit"
 grep -q '^OSMesa .*softpipe' "$tmp/out"
 ok $? "--version names the OSMesa inside"
+exits 3 "it has no llvmpipe" "$STATIC" render patches --renderer llvmpipe -o /dev/null
+says 'softpipe.*--renderer gl|--renderer gl.*softpipe' "it says so, and what to do"
 done_testing
