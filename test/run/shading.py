@@ -19,8 +19,8 @@ SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.
 ONE = "wavelengths 500 500 1\nmaterial matt { diffuse 1 }\nmaterial shiny { specular 1 gloss 40 }\n"
 
 
-def run(scene, *options, program=SPECTRAL, **environment):
-    return subprocess.run([program, "render", scene, "--quiet", *options], check=False, stdout=subprocess.PIPE,
+def run(scene, *options, **environment):
+    return subprocess.run([SPECTRAL, "render", scene, "--quiet", *options], check=False, stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, universal_newlines=True, env={**os.environ, **environment})
 
 
