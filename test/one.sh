@@ -9,7 +9,6 @@ tap=$TEST_TMP/$name.tap
 begun=$(date +%s)
 status=0
 timeout --foreground 7200 "$1" >"$tap" 2>"$tap.errors" </dev/null || status=$?
-times >"$tap.times"
 awk -v name="$name" -v status=$status -v seconds=$(($(date +%s) - begun)) -v results="$RESULTS" '
     FILENAME == ARGV[2] { last[n_last++ % 5] = $0; next }
     /^(not )?ok / { n++; failed = /^not / && !/# (TODO|SKIP)/; n_failed += failed; n_skipped += /# SKIP/ }
