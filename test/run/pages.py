@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile
+# level: full; packages: python3-numpy python3-tifffile libosmesa6
 """Runs README.md and the pages in data/doc as a reader would. Each page has a folder of its own, in which its blocks are
 run in their order:
 
