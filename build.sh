@@ -3,13 +3,14 @@
 # usage: ./build.sh [COMMAND]
 #   build                  makes the program, build/spectral; the same without a COMMAND
 #   run                    makes it, and with it colorchecker.tif, colorchecker.png and colorchecker.html
-#   test [full] [NAME...]  runs all tests, or those named, such as test_text or cli; full: longer ones
+#   test [NAME...]         runs the first level of the tests, some minutes, or those named, such as test_text or cli
+#   test full [NAME...]    runs all tests of the code in C, the longer ones too: hours
+#   test release [NAME...]  runs tests with browsers, containers, other systems and other programs: hours
 #   fuzz [SECONDS] [TARGET...]  changes inputs of readers at random, so long for each target (60 seconds)
 #   sanitize               unit tests and all commands under the sanitizers of clang, and under valgrind
 #   coverage               prints the lines that no test runs
 #   bench [quick] [--csv FILE]  measures all ratios that the program has goals for; quick: of small pictures
 #   bench effects          measures the seconds of each effect
-#   bench live             measures a live page in two browsers
 #   live                   makes build/spectral-live, whose pages hold the program, so that they draw a changed scene
 #   live install PREFIX    installs that one
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
@@ -35,8 +36,9 @@ cd "$(dirname "$0")"
 language='-std=c99 -D_XOPEN_SOURCE=700 -D_FILE_OFFSET_BITS=64 -I. -fno-associative-math
   -fno-reciprocal-math -fsigned-zeros -fno-finite-math-only -ffp-contract=off -fno-trapping-math
   -fno-math-errno'
+# A number that an enumeration names is an int, which a double holds exactly; clang 21 warns of it.
 warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes
-  -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings'
+  -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings -Wno-enum-float-conversion'
 hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
 hardened_link='-Wl,-z,relro,-z,now,-z,noexecstack'
 threads=-pthread
@@ -50,13 +52,17 @@ refuse() { echo "${1:-$(usage)}" >&2; exit 2; }
 . data/builtin.sh
 . data/wasi/wasm.sh
 
-# A folder that held other files before is not marked.
-prepare() {
+# Makes and marks $BUILD. A folder that held other files before is not marked.
+make_folder() {
     case $BUILD in *[[:space:]]*) refuse "build.sh: BUILD='$BUILD' has blanks; name another folder" ;; esac
     case $CFLAGS in *-Ofast* | *-ffast-math* | *-funsafe-math*) refuse "build.sh: $CFLAGS changes pictures; -O3 does not" ;; esac
     mkdir -p "$BUILD"
     [ "$BUILD" != build ] && [ -n "$(ls -A "$BUILD")" ] || : >"$BUILD/$mark"
-    need_compiler
+}
+
+prepare() {
+    make_folder
+    need $(compiler_packages)
     [ -z "$live" ] || add_module
     make_builtin
 }
@@ -98,13 +104,14 @@ compile() {
     done
     [ -n "$stale" ] || return 0
     echo "compiling $(($(echo $stale | wc -w) / 2)) of $# files with $CC"
-    rm -f "$tree/failed"
+    rm -f "$tree/failed" "$tree/compiled"
     export tree command
     printf '%s\n' $stale | xargs -P "$(nproc || echo 1)" -n 2 sh -c '
         [ ! -f "$tree/failed" ] && mkdir -p "${2%/*}" && rm -f "$2" && : >"$2.start" &&
             $command -MMD -MF "$2.d" -MT object -c "$1" -o "$2.new" &&
             { tr -d "\\\\\n" <"$2.d" && echo; } >"$2.needs" && mv "$2.new" "$2" ||
-            { : >"$tree/failed"; exit 1; }' compile || exit 1
+            { : >"$tree/failed"; exit 1; }
+        [ ! -t 1 ] || { echo >>"$tree/compiled"; printf "%d\\r" $(wc -l <"$tree/compiled"); }' compile || exit 1
 }
 
 # link PROGRAM OBJECT... below $BUILD, unless it is newer than all of them
@@ -137,6 +144,8 @@ harden() {
 }
 
 build() {
+    make_folder
+    need $(compiler_packages) $(library_packages)
     prepare
     find_sources
     find_libraries

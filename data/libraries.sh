@@ -20,17 +20,27 @@ links() {
         $CC $CPPFLAGS $CFLAGS $LDFLAGS -x c - -o "$BUILD/probe" "$@" 2>/dev/null
 }
 
+# library_packages prints the packages of the libraries for $GL.
+library_packages() {
+    case $GL-$CC in
+    osmesa-*) echo libgl-dev libegl-dev $(opengl_packages) libtiff-dev zlib1g-dev ;;
+    none-gcc | none-clang) echo libtiff-dev zlib1g-dev ;;
+    esac
+}
+
+# opengl_packages prints the package of OSMesa, or those of EGL where they are installed, or where the system has no OSMesa,
+# as Debian after version 13.
+opengl_packages() {
+    egl='libegl1 libegl-mesa0 libgl1-mesa-dri'
+    if installed libosmesa6 || { ! installed $egl && exists libosmesa6; }; then echo libosmesa6; else echo $egl; fi
+}
+
 # Sets $libraries for $GL. A compiler that sees no libtiff, such as musl-gcc or one for another
 # processor, gets its own, and makes a static program.
 find_libraries() {
+    need $(library_packages)
     libraries='-ltiff -lz -lm'
-    case $GL-$CC in
-    osmesa-*)
-        need libgl-dev libegl-dev libosmesa6 libtiff-dev zlib1g-dev
-        libraries="$libraries -ldl" # OpenGL's libraries are opened at run time
-        ;;
-    none-gcc | none-clang) need libtiff-dev zlib1g-dev ;;
-    esac
+    [ "$GL" != osmesa ] || libraries="$libraries -ldl" # OpenGL's libraries are opened at run time
     if [ "$GL" = none ] && ! links tiffio.h TIFFGetVersion $libraries; then
         find_tiff
         CPPFLAGS="$CPPFLAGS -I$tiff/include -I$zlib/include"
@@ -40,34 +50,53 @@ find_libraries() {
 
 # ---- packages ----
 
+# installed PACKAGE... succeeds if all are installed.
+installed() {
+    [ "$(dpkg-query -W -f='${db:Status-Status}\n' "$@" 2>/dev/null | grep -cx installed)" = $# ]
+}
+
+# exists PACKAGE succeeds if the system has the package, or has no packages of Debian.
+exists() {
+    command -v apt-cache >/dev/null || return 0
+    installed "$1" || { update_lists && apt-cache show "$1" >/dev/null 2>&1; }
+}
+
+# Reads the lists of packages anew, once an hour.
+update_lists() {
+    [ "$(id -u)" = 0 ] && [ -z "$(find "$BUILD/updated" -mmin -60 2>/dev/null)" ] || return 0
+    logged update apt-get update
+    : >"$BUILD/updated"
+}
+
 # need PACKAGE... installs the packages that are missing, or says what to type.
 need() {
     command -v dpkg-query >/dev/null || return 0
-    installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}, ' "$@" 2>/dev/null) || : # some are unknown
     lacking=
     for package; do
-        case ", $installed" in *", $package installed, "*) ;; *) lacking="$lacking $package" ;; esac
+        installed "$package" || lacking="$lacking $package"
     done
     [ -n "$lacking" ] || return 0
     if [ "$(id -u)" != 0 ]; then
         refuse "build.sh: packages are missing; type: sudo apt-get install$lacking"
     fi
-    echo "installing$lacking"
-    logged install install_packages $lacking
+    update_lists
+    announce $lacking
+    logged install env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends $lacking
 }
 
-install_packages() {
-    apt-get update
-    DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+# announce PACKAGE... says how many packages will be installed, with those that they need, and how large they are.
+announce() {
+    apt-cache show --no-all-versions $(apt-get install -s --no-install-recommends "$@" | sed -n 's/^Inst \([^ ]*\).*/\1/p') |
+        awk -v names="$*" '/^Size:/ { fetch += $2; n++ } /^Installed-Size:/ { disk += $2 } END {
+            printf "installing %d packages, %.0f MB to fetch, %.0f MB on disk: %s\n", n, fetch / 1e6, disk / 1e3, names }'
 }
 
-# need_compiler installs $CC, if it is one of these.
-need_compiler() {
+# compiler_packages prints the packages of $CC, if it is one of these.
+compiler_packages() {
     case $CC in
-    gcc) need gcc libc6-dev ;;
-    clang) need clang libc6-dev ;;
-    musl-gcc) need musl-tools ;;
-    aarch64-linux-gnu-gcc) need gcc-aarch64-linux-gnu libc6-dev-arm64-cross ;;
+    gcc | clang) echo $CC libc6-dev ;;
+    musl-gcc) echo musl-tools ;;
+    aarch64-linux-gnu-gcc) echo gcc-aarch64-linux-gnu libc6-dev-arm64-cross ;;
     esac
 }
 

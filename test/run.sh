@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: MIT
 # shellcheck shell=sh disable=SC1091,SC2013,SC2016,SC2030,SC2031,SC2046,SC2086,SC2154
-# Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file
-# test_NAME.c or an executable script, anywhere below this folder, and prints TAP.
-test_packages='gcc clang lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-junitparser python3-numpy python3-scipy python3-gdal
-  imagej default-jdk-headless glmark2-data psychtoolbox-3-common colord-data mandoc bsdextrautils busybox-static pngcheck zsh fish
-  octave gdal-bin python3-h5py python3-hdf4 python3-xarray python3-netcdf4 python3-spectral openexr imagemagick libgdk-pixbuf2.0-bin
-  chromium firefox-esr llvm file valgrind binutils parallel make munge slurmctld slurmd slurm-client musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
-at_once=3                                               # tests that run at the same time
-longest='portable cost live verdict verify contexts scenes random_scenes hard static viewer stack_viewer' # these begin first, so that no processor waits at the end
+# Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file test_NAME.c or an
+# executable script, anywhere below this folder, and prints TAP. One of its first lines says when it runs and what it needs:
+#     level: first|full|release|none; packages: those of Debian; makes: words of make_for below
+# A C test without this line belongs to the first level and needs no package; each test.py needs python3.
+longest='hard test_reference test_mesa random_scenes verdict verify contexts scenes cost' # these begin first, so that no processor waits at the end
 # Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
 # of the first object; open meshes taken for solids, so that their backs are not drawn; no mesh taken for a solid.
 pixel=raster/candidates/pixel.c
@@ -28,46 +25,69 @@ test_name() {
     name=${name%.*}
 }
 
-# Prints the scripts, the longest first.
-list_scripts() {
-    for name in $longest; do
-        find test/*/ -type f -perm -u+x -name "$name.*"
+# of_head WORD FILE... prints what stands behind "WORD:" in the lines of these files that begin with "level:".
+of_head() {
+    word=$1
+    shift
+    for file; do
+        sed -nE "1,8s/^(#|\/\*) (level: .*)/\2/p" "$file" | sed -nE "s/.*$word: *([^;*]*).*/\1/p"
     done
-    find test/*/ -type f -perm -u+x | sort | grep -Ev "/($(echo $longest | tr ' ' '|'))[.]"
 }
 
-# choose [NAME...] sets $units and $scripts to the named tests; without names to all tests.
-choose() {
-    units=$(find test -name 'test_*.c' | sort)
-    scripts=$(list_scripts)
-    [ $# != 0 ] || return 0
-    all="$units $scripts"
-    units='' scripts=''
+# level_of FILE prints first, full or release.
+level_of() {
+    level=$(of_head level "$1")
+    echo ${level:-first}
+}
+
+# named NAME... prints the files of these tests.
+named() {
     for wanted; do
         test_name "$wanted"
         wanted=$name
         found=
         for file in $all; do
             test_name "$file"
-            [ "$name" = "$wanted" ] || continue
-            found=$file
-            case $file in *.c) units="$units $file" ;; *) scripts="$scripts $file" ;; esac
+            [ "$name" != "$wanted" ] || { found=$file; echo "$file"; }
         done
         [ -n "$found" ] || refuse "build.sh: there is no test '$wanted'; the tests are:
 $(for file in $all; do test_name "$file"; echo "  $name"; done)"
     done
 }
 
-# programs prints the C tests to build: those that are chosen, and those that a chosen script runs.
-programs() {
-    for program in $(sed -n 's:.*[{]BUILD[}]/test/\(test_[a-z0-9_]*\).*:\1:p' $scripts /dev/null); do
-        find test -name "$program.c"
-    done
-    printf '%s\n' $units
+# choose LEVEL [NAME...] sets $chosen to the tests of these names; without names, to those of the level: `full` has those of
+# `first`, too; `release` has only its own, which take hours. The longest come first.
+choose() {
+    all=$(find test/*/ -name 'test_*.c' -o -type f -perm -u+x | sort)
+    wanted_level=$1
+    shift
+    if [ $# != 0 ]; then
+        chosen=$(named "$@")
+        return
+    fi
+    chosen=$(for file in $all; do
+        case $wanted_level-$(level_of "$file") in first-first | full-first | full-full | release-release) echo "$file" ;; esac
+    done)
+    chosen=$(for name in $longest; do echo "$chosen" | grep "/$name[.]" || :; done
+        echo "$chosen" | grep -Ev "/($(echo $longest | tr ' ' '|'))[.]")
 }
 
-# chosen_need PATTERN succeeds if a chosen script matches it.
-chosen_need() { grep -Eq "$1" $scripts /dev/null; }
+# packages_of FILE... prints the packages that these tests need.
+packages_of() {
+    { of_head packages "$@"; case $* in *.py*) echo python3 ;; esac; } | tr -s ' ' '\n' | sort -u
+}
+
+# Leaves those tests out of $chosen that need a package which this system does not have, and says so.
+leave_out() {
+    unknown=$(for package in $(packages_of $chosen); do exists "$package" || echo "$package"; done)
+    [ -n "$unknown" ] || return 0
+    kept=
+    for file in $chosen; do
+        lacks=$(packages_of "$file" | grep -Fx "$unknown" | tr '\n' ' ')
+        if [ -z "$lacks" ]; then kept="$kept $file"; else test_name "$file"; echo "  left out  $name: this system has no package $lacks"; fi
+    done
+    chosen=$kept
+}
 
 # Makes a library of all objects of the program but that of spectral.c, which is $main.
 make_library() {
@@ -83,38 +103,54 @@ make_library() {
     fi
 }
 
-# Warnings are errors. Each test is linked with that library.
-build_tests() (
-    make_library
-    with_osmesa
-    compile test/units '-O1 -Werror -fPIE -Itest/unit' $(programs | sort -u)
+# build_units FILE...: the C tests, each linked with that library. Warnings are errors.
+build_units() {
+    compile test/units '-O1 -Werror -fPIE -Itest/unit' "$@"
     for object in $objects; do
         test_name "$object"
-        link "test/$name" "$object" "$LIBRARY"
+        case $(packages_of "$(find test -name "$name.c")") in *osmesa*) osmesa=-lOSMesa ;; *) osmesa= ;; esac
+        (libraries="$osmesa $libraries"; link "test/$name" "$object" "$LIBRARY")
     done
-    ! chosen_need 'FAULTS|MUTANT' || build_faults
-    ! chosen_need REPLAY || build_replay
-    ! chosen_need 'ratios[.]py' || build_bench
-)
-
-# Some programs of tests and benches call OSMesa themselves.
-with_osmesa() {
-    need libosmesa6-dev
-    libraries="-lOSMesa $libraries"
 }
+
+# Makes all that the chosen tests need, in a shell of its own.
+make_for_tests() (
+    units=$(printf '%s\n' $chosen | grep '[.]c$' || :)
+    needed=" $(of_head makes $chosen | tr -s ' \n' ' ')"
+    mkdir -p "$BUILD/test"
+    case $needed in *' static '*) static_program ;; esac
+    [ -z "$units$needed" ] || make_library
+    for word in $needed; do
+        case $word in
+        static | library) ;;
+        test_*) units="$units $(find test/*/ -name "$word.c")" ;;
+        *) make_$word ;;
+        esac
+    done
+    [ -z "$units" ] || build_units $(printf '%s\n' $units | sort -u)
+)
 
 # build_preloaded SOURCE LIBRARY [OPTION]: a library for LD_PRELOAD
 build_preloaded() { $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS "$1" -o "$2" ${3:-} -ldl; }
 
+# The program whose pages hold the program.
+make_live() { (live=-live && build); }
+
 # The fuzz targets (test/fuzz), which read files given to them.
-build_replay() {
+make_replay() {
     compile test/fuzz '-O1 -Werror -fPIE' $(find test/fuzz -name '*.c' ! -name driver.c | sort)
     link test/replay $objects "$LIBRARY"
 }
 
-build_faults() {
-    build_preloaded test/oracle/fault.c "$FAULTS" -lOSMesa
-    build_mutant mutant $pixel "$mutation"
+make_fail() { build_preloaded test/attack/fail.c "$FAIL_LIBRARY"; }
+make_spoil() { build_preloaded test/attack/spoil.c "$SPOIL_LIBRARY"; }
+make_calls() { build_preloaded test/attack/calls.c "$CALLS_LIBRARY" -lOSMesa; }
+make_liar() { build_preloaded test/attack/liar.c "$LIAR_LIBRARY" -lOSMesa; }
+make_faults() { build_preloaded test/oracle/fault.c "$FAULTS" -lOSMesa; }
+
+make_mutant() { build_mutant mutant $pixel "$mutation"; }
+
+make_mutants() {
     build_mutant endless $pixel "$endless"
     build_mutant hollow $instances "$hollow"
     build_mutant whole $instances "$whole"
@@ -129,72 +165,50 @@ build_mutant() {
     link "test/spectral-$1" "$main" $objects "$LIBRARY"
 }
 
-# run_tests [full] [NAME...]
+# run_tests [full|release] [NAME...]; the longer amounts of `full` and `release` are asked for by FULL=1.
 run_tests() {
     needs_gl
-    full=
-    if [ "${1:-}" = full ]; then
-        full=full
-        export FULL=1
-        shift
-    fi
-    choose "$@"
-    ! chosen_need '[^A-Z]LIVE[^A-Z]' || (live=-live && build)
+    level=first
+    case ${1:-} in
+    full | release) level=$1; export FULL=1; shift ;;
+    esac
+    choose $level "$@"
+    make_folder
+    leave_out
+    need $(compiler_packages) $(library_packages) $(packages_of $chosen)
     build
     export SPECTRAL="$BUILD/spectral" LIVE="$BUILD/spectral-live" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
         FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay" \
         CALLS_LIBRARY="$BUILD/test/calls.so" LIAR_LIBRARY="$BUILD/test/liar.so" SPOIL_LIBRARY="$BUILD/test/spoil.so"
-    need perl $([ -z "$scripts" ] || echo $test_packages)
-    case "$full $scripts" in full*containers*) need debootstrap buildah ;; esac
+    make_for_tests
     mkdir -p "$TEST_TMP"
-    ! chosen_need STATIC || static_program
-    if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT|REPLAY|ratios[.]py'; then
-        build_tests
-    fi
-    if chosen_need 'from attacked|FAIL_LIBRARY'; then
-        mkdir -p "$BUILD/test"
-        build_preloaded test/attack/fail.c "$FAIL_LIBRARY"
-    fi
-    if chosen_need CALLS_LIBRARY; then
-        mkdir -p "$BUILD/test"
-        need libosmesa6-dev
-        build_preloaded test/attack/calls.c "$CALLS_LIBRARY" -lOSMesa
-    fi
-    if chosen_need SPOIL_LIBRARY; then
-        mkdir -p "$BUILD/test"
-        build_preloaded test/attack/spoil.c "$SPOIL_LIBRARY"
-    fi
-    if chosen_need LIAR_LIBRARY; then
-        mkdir -p "$BUILD/test"
-        need libosmesa6-dev
-        build_preloaded test/attack/liar.c "$LIAR_LIBRARY" -lOSMesa
-    fi
-    prove --timer --failures --comments --jobs $at_once --exec '' $scripts \
-        $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done)
-    case "$full $scripts" in full*random_scenes*) run_random_tests ;; esac
-}
-
-# 5,000 random scenes on llvmpipe and 500 on softpipe
-run_random_tests() {
-    for random in 'llvmpipe --count 5000' 'softpipe --count 500'; do
-        prove --timer --failures --comments --exec '' test/run/random_scenes.py :: --first 1000 --driver $random
-    done
+    RESULTS=$(mktemp "$TEST_TMP/results.XXXXXX")
+    export RESULTS
+    begun=$(date +%s)
+    for file in $chosen; do
+        test_name "$file"
+        case $file in *.c) echo "$BUILD/test/$name" ;; *) echo "$file" ;; esac
+    done | xargs -P $(($(nproc || echo 1) + 1)) -n 1 sh test/one.sh || :
+    count() { grep -c "^$1 " "$RESULTS" || :; }
+    echo "$(count passed) passed, $(count failed) failed, $(count skipped) skipped, $(($(date +%s) - begun)) s"
+    [ "$(wc -l <"$RESULTS")" = $(echo $chosen | wc -w) ] && [ "$(count failed)" = 0 ] || exit 1
+    rm "$RESULTS"
 }
 
 # Builds the programs that test/bench/ratios.py measures beside the program.
-build_bench() {
+make_bench() {
     compile obj-bench "$CFLAGS -Werror" test/bench/*.c
     for object in $objects; do
         test_name "$object"
-        link "test/$name" "$object" "$LIBRARY"
+        (libraries="-lOSMesa $libraries"; link "test/$name" "$object" "$LIBRARY")
     done
 }
 
-# run_bench [effects | live | [quick] [--csv FILE]]
+# run_bench [effects | [quick] [--csv FILE]]
 run_bench() {
     needs_gl
     case "$*" in
-    effects | live | '' | quick | '--csv '?* | 'quick --csv '?*) ;;
+    effects | '' | quick | '--csv '?* | 'quick --csv '?*) ;;
     *) refuse ;;
     esac
     [ "$*" != live ] || (live=-live && build)
@@ -204,13 +218,9 @@ run_bench() {
         /usr/bin/python3 test/bench/bench_effects.py "$BUILD/spectral" "$BUILD/tmp/bench"
         return
     fi
-    if [ "${1:-}" = live ]; then
-        need chromium firefox-esr
-        /usr/bin/python3 test/bench/bench_live.py "$BUILD/spectral-live" "$BUILD/tmp/bench"
-        return
-    fi
     LIBRARY=$BUILD/test/library.a
-    (make_library && with_osmesa && build_bench)
+    need libosmesa6-dev
+    (make_library && make_bench)
     need python3
     /usr/bin/python3 test/bench/ratios.py --from "$called_from" "$BUILD" "$@"
 }

@@ -3,7 +3,7 @@
 # The unit tests and all commands on all built-in scenes under the sanitizers of clang, and the code of
 # the static program under valgrind; build.sh reads this for `sanitize`. The first finding ends it: a wrong access, a
 # leak, undefined behaviour, a number that a cast changes, a value that depends on memory never written.
-sanitize_packages='clang libclang-rt-dev valgrind perl'
+sanitize_packages='clang libclang-rt-dev valgrind'
 sanitizers='-g -O2 -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow,implicit-conversion
   -fno-sanitize-recover=all'
 sanitize_size='--size 48x32 --wavelengths 400:700:50'

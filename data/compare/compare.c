@@ -469,7 +469,7 @@ bool compare(const char *a, const char *b, const struct compare_options *options
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance)
 {
     if (tolerance->unit >= TOLERANCE_CIE76)
-        return comparison->pixels[CIE76 + tolerance->unit - TOLERANCE_CIE76].largest <=
+        return comparison->pixels[CIE76 + (int)tolerance->unit - TOLERANCE_CIE76].largest <=
                tolerance->value;
     const double unit =
         tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1;

@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: full; packages: binutils clang lld wasi-libc libclang-rt-dev-wasm32 wabt
 # The trusted core stands alone: raster/reference compiles with data/maths and nothing else of the
 # program, by gcc, by clang, and for WebAssembly. test/oracle/alone.c draws a picture with it; all builds
 # draw the same bits. The core calls only memory functions of the C library, and functions that round as

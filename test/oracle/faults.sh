@@ -1,13 +1,16 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first; packages: libosmesa6-dev; makes: faults mutant
 # Each fault planted in OpenGL must end with exit 1 and one line that names a pixel, an object and
 # what differs; the scene drawn without it must pass. $FAULTS is the library made of test/oracle/fault.c,
-# $MUTANT the program with all bounds a thousand times too wide. Scenes lie in test/cases/faults/.
+# $MUTANT the program with all bounds a thousand times too wide. Scenes lie in test/cases/faults/. FULL=1 plants all
+# faults; without it some of each kind, on llvmpipe.
 . test/run/tap.sh
 FAULTS=${FAULTS:-build/test/fault.so}
 MUTANT=${MUTANT:-${BUILD:-build}/test/spectral-mutant}
 FAULT_PASSES=$tmp/passes
 export FAULT_PASSES
+few=' 1 3 6 10 13 14 21 25 34 43 45 46 49 59 65 69 71 '
 
 # Number, fault and scene, as in test/README.md. Any implementation may have faults 1 to 46.
 cat >"$tmp/table" <<'TABLE'
@@ -123,8 +126,14 @@ finds() { # FAULT SCENE
             "$tmp/err"
 }
 
+# is_chosen NUMBER
+is_chosen() {
+    [ "${FULL:-}" = 1 ] || case $few in *" $1 "*) ;; *) return 1 ;; esac
+}
+
 for scene in test/cases/faults/*.scene; do
     scene=$(basename "$scene" .scene)
+    [ "${FULL:-}" = 1 ] || case $scene in patches | lights | floor | seam) ;; *) continue ;; esac
     for GALLIUM_DRIVER in softpipe llvmpipe; do
         export GALLIUM_DRIVER
         exits 0 "without a fault the pictures agree: $scene on $GALLIUM_DRIVER" render 0 "$scene"
@@ -139,6 +148,7 @@ done
 
 while IFS='|' read -r _ number name scene _; do
     number=$((number))
+    is_chosen $number || continue
     scene=${scene# }
     scene=${scene% }
     [ $number != 4 ] || run render 0 "$scene" # keeps the passes that fault 4 swaps
@@ -149,13 +159,15 @@ while IFS='|' read -r _ number name scene _; do
     echo "$number $missed" >>"$tmp/verdicts"
     echo "| $number |$name| $scene | $([ $missed = 0 ] && echo found || echo MISSED) |" >&2
 done <"$tmp/table"
+sed -n '/^| number | fault | scene |$/,/^$/p' test/README.md | grep '^| [0-9]' | cmp -s - "$tmp/table"
+ok $? "test/README.md has the same table"
+
+[ "${FULL:-}" = 1 ] || { done_testing; exit; }
 count=$(awk '{ missed[$1] += $2 }
     END { for (i = 1; i <= 46; i++) n += i in missed && !missed[i]; print n + 0 }' "$tmp/verdicts")
 echo "$count of 46 planted faults found" >&2
 [ "$count" = 46 ]
 ok $? "46 of 46 planted faults are found, each by its number"
-sed -n '/^| number | fault | scene |$/,/^$/p' test/README.md | grep '^| [0-9]' | cmp -s - "$tmp/table"
-ok $? "test/README.md has the same table"
 
 GALLIUM_DRIVER=softpipe
 for number in 1 6 14 23 37 41 44 45; do

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile glmark2-data
 """Checks --accuracy: the error that a refined picture has against light at every point of the true surfaces (the
 reference with phong shading and shapes 8 times as fine, at the same wavelengths), and the error that the program
 prints. Checks that wavelengths stay, that nothing is divided in vain, that no crack opens, and that both renderers agree.

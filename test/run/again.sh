@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3
 # A stack records how it was made. The program can make it again from this record, to the last byte, or says
 # why not.
 . test/run/tap.sh

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile binutils libosmesa6; makes: fail
 """Lets calls fail, one a run, in each command of the program: allocations, system calls, starts of threads and processes.
 The result must be the right one, byte by byte, or exit status 3 with one line, where no output has changed and no file is
 left. Calls that a signal interrupts, and those that move only a half, must give the right result.

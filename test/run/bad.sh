@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first
 # Inputs that must be refused. The first line of each file in test/cases/bad gives the place, relative to
 # test/cases/bad, and the words of the message:
 #   # expect: FILE:LINE:COLUMN: error: WORDS

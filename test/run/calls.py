@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: calls
 """Counts the calls of the program to OpenGL and to libtiff from outside, by a library that LD_PRELOAD loads
 (test/attack/calls.c): work that a scene does not call for makes no call, and nothing is set or uploaded twice. The
 program's own counters (work.py) take no part. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3
 # Tests the command line: exit status, messages, and outputs that are complete or absent.
 . test/run/tap.sh
 small="--size 40x30 --wavelengths 400:700:50"

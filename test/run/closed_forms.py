@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 """Renders pictures of light, surfaces and perspective with both renderers and compares every band with
 radiances in closed form. Prints TAP."""
 import sys

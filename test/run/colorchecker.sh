@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-scipy psychtoolbox-3-common
 # The converter makes the 24 ColorChecker materials again from their source; the files must be equal.
 . test/run/tap.sh
 

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile python3-pil
 """Computes compare's output for two stacks once more with numpy, pixel by pixel, from published formulas; some
 differences have closed forms. Prints TAP."""
 import os

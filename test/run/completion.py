@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: zsh fish
 """Completion of command lines, in real bash, zsh and fish. Bash and zsh run in a terminal. The test types the begin of
 a line, presses a key that inserts all completions, and a key that writes the line to a file."""
 import os

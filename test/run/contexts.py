@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile libosmesa6
 """Checks --gl: OSMesa, EGL without a window and EGL's device draw the same colours, depths, triangles and fragments to
 the last bit, with both of Mesa's drivers; a program without one of the libraries takes the other, and without both says
 what to install. FULL: 200 random scenes, and EGL's device with all scenes. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
 """Checks spectral cost. Its errors are compared with theory; its times are never checked. Its recommendations are
 rendered, developed and compared here with a separate reference, for a small scene; with FULL, also
 under a tube, with several positions a pixel, and for all built-in scenes. An interrupted run must leave nothing behind. Prints TAP."""

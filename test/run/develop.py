@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile python3-gdal python3-pil pngcheck
 """Computes developed pictures once more with numpy, from the stack, the tables and published matrices, and
 compares them pixel by pixel; some have closed forms. Prints TAP."""
 import io

@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: release; makes: static
 # The content of a release archive is complete, runs, and includes its licences. FULL=1 makes the archive twice
 # more, in other folders and from the start, OSMesa included: it has the same bytes in any folder and by any user.
 . test/run/tap.sh

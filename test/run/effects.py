@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 """Renders pictures of single effects with both renderers and compares every band with radiances in closed form.
 Prints TAP."""
 import os
@@ -44,8 +45,9 @@ def pixel_grid(width, height, extent):
 
 # ---- fluorescence ----
 
-EXCITATION = np.exp(-((WAVELENGTHS - 390) / 35) ** 2)
-EMISSION = 0.7 * np.exp(-((WAVELENGTHS - 530) / 30) ** 2)
+# rounded, so that the paint's file is the same on each processor
+EXCITATION = np.round(np.exp(-((WAVELENGTHS - 390) / 35) ** 2), 6)
+EMISSION = np.round(0.7 * np.exp(-((WAVELENGTHS - 530) / 30) ** 2), 6)
 
 
 def excited(light):
@@ -206,39 +208,41 @@ def spectral_textures(renderer):
 class Target:
     """Squares behind one another on the z axis, below the eye at the origin, each larger than the one before it.
     A light on the axis reaches the four corners of a square equally, so that each square is a frame of one
-    radiance. The whole scene can be turned, because the picture must not depend on it."""
+    radiance. The whole scene is turned, because the picture must not depend on it, by a quarter about an axis of length
+    3: all numbers of the scene are ninths, on each processor. The largest square reaches beyond the view."""
     RADII = np.arange(1, 8)
     DEPTHS = -0.5 - 0.7 * RADII
 
-    def __init__(self, turn=None):
-        self.turn = "rotate {} {} {} {}".format(*turn) if turn else ""
-        self.matrix = rotation(turn[0], turn[1:]) if turn else np.eye(3)
+    def __init__(self, sense, x, y, z):
+        self.turn = f"rotate {90 * sense} {x} {y} {z}"
+        self.rows = ((x * x, x * y - 3 * sense * z, x * z + 3 * sense * y), (y * x + 3 * sense * z, y * y, y * z - 3 * sense * x),
+                     (z * x - 3 * sense * y, z * y + 3 * sense * x, z * z))
 
     def vector(self, *along):
-        return "%.17g %.17g %.17g" % tuple(self.matrix @ along)
+        return " ".join(repr(sum(ninths * float(a) for ninths, a in zip(row, along)) / 9) for row in self.rows)
 
     def scene(self, light, words="diffuse RED", more=""):
-        camera = f"camera ortho 14 eye 0 0 0 look {self.vector(0, 0, -1)} up {self.vector(0, 1, 0)}"
+        camera = f"camera ortho 13.5 eye 0 0 0 look {self.vector(0, 0, -1)} up {self.vector(0, 1, 0)}"
         squares = "".join(f"object plane {2 * r} {2 * r} material m translate 0 0 {z!r} {self.turn}\n"
                           for r, z in zip(self.RADII.tolist(), self.DEPTHS.tolist()))
-        return f"size 56 56\n{camera}\n{light}\n{more}material m {{ {words} }}\n{squares}"
+        return f"size 54 54\n{camera}\n{light}\n{more}material m {{ {words} }}\n{squares}"
 
     def corners(self):
         return np.array([self.RADII, self.RADII, self.DEPTHS], float).T
 
     def frames(self, values):
         """The picture in which each square has its value, or its spectrum [square, band]."""
-        x, y = pixel_grid(56, 56, 14)
+        x, y = pixel_grid(54, 54, 13.5)
         return np.moveaxis(values[np.ceil(np.maximum(abs(x), abs(y))).astype(int) - 1], -1, 0)
 
 
 def spots(renderer):
-    target = Target((50, 1, 2, 3))
+    target = Target(1, 1, 2, 2)
     light = np.array([0, 0, 3.0])
     path = light - target.corners()
     distance = np.linalg.norm(path, axis=1)
     cosine = path[:, 2] / distance
-    angles = np.degrees(np.arccos(cosine))
+    angles = np.round(np.degrees(np.arccos(cosine)), 6)
 
     def holds(name, words, weights):
         scene = target.scene(f"light d65 1 position {target.vector(*light)} {words}")
@@ -248,11 +252,11 @@ def spots(renderer):
     ahead, back = target.vector(0, 0, -1), target.vector(0, 0, 1)
     inside = np.arange(len(angles)) <= 3
     holds("a spot lights a corner just inside its cutoff",
-          f"spot {ahead} {angles[3] + 1e-3!r} 0", cosine * inside)
+          f"spot {ahead} {angles[3] + 1e-3:.6f} 0", cosine * inside)
     holds("a spot does not light a corner just outside its cutoff",
-          f"spot {ahead} {angles[4] - 1e-3!r} 0", cosine * inside)
+          f"spot {ahead} {angles[4] - 1e-3:.6f} 0", cosine * inside)
     holds("a spot weakens with the cosine's power", f"spot {ahead} 90 7.5", cosine * cosine ** 7.5)
-    holds("the cutoff ends this power", f"spot {ahead} {angles[2] + 1e-3!r} 2",
+    holds("the cutoff ends this power", f"spot {ahead} {angles[2] + 1e-3:.6f} 2",
           cosine ** 3 * (np.arange(len(angles)) <= 2))
     holds("a light of cutoff 180 is no spot, for any exponent", f"spot {back} 180 9", cosine)
     holds("a light weakens with distance by 1/(kc + kl d + kq d^2)", "attenuation 0.5 0.2 0.03",
@@ -269,7 +273,7 @@ def spots(renderer):
 
 
 def highlights(renderer):
-    target = Target((-70, 2, -1, 1))
+    target = Target(-1, 2, -2, 1)
     light = np.array([0, 0, 3.0])
     path = light - target.corners()
     towards = path / np.linalg.norm(path, axis=1)[:, None]
@@ -343,14 +347,14 @@ def sides(renderer):
 
 
 def flat_shading(renderer):
-    normals = np.array([normalise(n) for n in ([1.0, 0, 1], [0, 1, 2], [-1, 1, 3], [2, -1, 5])])
+    normals = np.array([[1.0, 0, 1], [0, 1, 2], [-1, 1, 3], [2, -1, 5]])
     write("flat.obj", "v -6 -6 0\nv 6 -6 0\nv 6 6 0\nv -6 6 0\n"
-          + "".join("vn %.17g %.17g %.17g\n" % tuple(n) for n in normals)
+          + "".join("vn %g %g %g\n" % tuple(n) for n in normals)
           + "f 1//1 2//2 3//3\nf 1//1 3//3 4//4\n")
     scene = ("size 12 12\ncamera ortho 12\nshading flat\n" + FACING
              + "material m { diffuse RED gloss 5 }\nobject mesh flat.obj material m")
     # the viewer is infinite and the light behind it: diffuse and highlight are n.z and n.z^5
-    last = normals[:, 2]
+    last = np.array([normalise(n)[2] for n in normals])
     picture = Picture("flat", renderer, scene)
     x, y = pixel_grid(12, 12, 12)
     for name, vertex, where in (("first", 2, y < x - 0.1), ("second", 3, y > x + 0.1)):

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile parallel make munge slurmctld slurmd slurm-client
 """Draws a picture in parts by GNU parallel, Make and Slurm, with the scripts that are installed as samples: the stack is that
 of one process, byte for byte, also where a part is killed. Slurm's own daemons run here, on loopback, and are ended at the
 end. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first
 """Plain English: no idiom of IDIOMS stands in a document, in the manual, in a comment, or in a message of
 the program, and no comment opens with a word of OPENINGS. The last part plants each of them, and finds it.
 Prints TAP.

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile python3-gdal python3-spectral
 """ENVI cubes in and out.
 
 In: a cube is refused with the command of GDAL that makes a stack of it, for cubes of every type, order of bytes and

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 """plan lists the files of a scene with their SHA-256, as sha256sum finds them: all kinds of files that a scene names, and no other. tar
 makes an archive of them, by the line in scenes.md; unpacked elsewhere the scene has the same picture and the same record. The
 program keeps nothing in the home folder. Prints TAP."""

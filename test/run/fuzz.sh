@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first; makes: replay
 # Inputs that fuzzing has kept (test/fuzz/corpus), a few hundred for each reader: they reach nearly all of its
 # code. Each is read again; whatever it is, the reader gives a result or one message. With FULL=1 the
 # sanitizers watch, and libtiff's code too.

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first
 """Checks the layering of the sources. Prints TAP, and fails on each place that breaks a rule.
 
 A room is a folder with one header, named like the folder: data/text/text.h. ROOMS lists the rooms

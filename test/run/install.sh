@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: full; packages: mandoc zsh fish
 # Installing puts the program, its manual, completions, documents and samples below PREFIX. They work from there.
 # Uninstalling removes them, and the folders that install made, and nothing else.
 . test/run/tap.sh

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
 """Exports scenes, lets the sample program data/samples/draw.c draw them, which has no part of spectral, and judges its
 pixels: they agree, and are those of `render --gl egl` to the last bit. Each kind of change is found at its place, and the
 report says what was not given. Pixels of another scene, and broken files, are refused. With FULL, all built-in scenes.

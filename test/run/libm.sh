@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first; packages: binutils; makes: library
 # C libraries differ in the last bit of these functions, so no file in data/ or raster/ may call one. $LIBRARY
 # holds the objects of both.
 . test/run/tap.sh

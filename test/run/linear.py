@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: valgrind; makes: test_linear
 """Every reader takes a time in proportion to its input. The measure of time is the number of instructions, which
 valgrind counts: it is the same on a slow and on a busy machine. Eight times as many things must take less than 16
 times as many instructions, so that n log n passes and n^1.5 does not. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile python3-pil chromium firefox-esr; makes: live
 """Tests live pages in headless Chromium and Firefox: the program in the page renders the bytes that the program itself
 renders, and changes by mouse, touch, keys and text stand in the saved scene. Prints TAP."""
 import hashlib

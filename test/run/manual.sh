@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3 mandoc bsdextrautils
 # usage: test/run/manual.sh [renew]
 # The manual page is well-formed and describes each option, command and list of the program. Its list of options
 # equals that of --help; renew writes this list into the page and keeps the page's own explanations.

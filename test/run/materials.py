@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 """Checks the sample materials: metals, metamers and fluorescent pairs. Their files equal the output of their
 makers, and their claims are recomputed from the digits in the files and from data/builtin/tables. Colours
 are compared by CIEDE2000. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full
 """Small inputs that ask for much memory: each gives a result, or one line and exit status 2 or 3, and takes at most the memory that
 --memory allows beyond the 300 MiB of a tile. Prints TAP, and a table of what each took.
 

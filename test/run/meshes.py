@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile glmark2-data
 """Renders a real mesh with the program ($SPECTRAL) and cross-checks every pixel at 93 wavelengths: the Stanford
 bunny of Debian's glmark2-data, 69 thousand triangles under two lights. Prints TAP."""
 import json

@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first
 # Names of built-in files can be used as `spectral list` prints them, in scenes and in options; `show` prints each file.
 # A mistyped word is refused with the word that was meant.
 . test/run/tap.sh

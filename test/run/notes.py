@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
 """Checks the notes of plan, render and view. Each note has a scene that gets it, and a scene next to it that does not.
 The picture shows that a note is true. Prints TAP."""
 import json

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile python3-scipy psychtoolbox-3-common
 """Checks phenomena that need spectra, which the captions of the 1998 thesis state (its figures 22 to 41), on
 pictures that the program renders and develops; the ColorChecker's colours; and that both renderers' developed
 pictures agree. Prints TAP."""
@@ -245,7 +246,7 @@ def daylight_50():
 def check_colorchecker():
     wavelengths = np.arange(380, 731, 5.0)
     d50 = np.interp(wavelengths, *daylight_50())
-    path = write("d50.csv", "".join(f"{nm:g},{power:.9g}\n" for nm, power in zip(wavelengths, d50)))
+    path = write("d50.csv", "".join(f"{nm:g},{power:.6g}\n" for nm, power in zip(wavelengths, d50)))
     stack = render("patches-d50", "--light", f"1={path}", "--size", "300x200", scene="patches")
     lab = develop(stack, "--lab")
     seen = np.array([lab[y, x] for y in (25, 75, 125, 175) for x in range(25, 300, 50)])

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
 """Checks --samples, which stores the mean of K x K positions of each pixel: it is the mean of a picture that is K times
 as wide, on every page type and renderer; areas, edges and a checkerboard up to the horizon come near their closed forms
 as K grows. Checks that each position is checked, and that other commands see the same pixels. Prints TAP."""

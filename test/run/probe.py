@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
 """Computes probe's output for a stack once more with numpy from its samples. Probe's output for a scene must equal
 the stack that render stores, and its other curves must equal the tables. Plots are read back as XML. Prints TAP."""
 import csv

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile liblcms2-utils; makes: test_profile
 """Little CMS reads the ICC profiles as intended: media-relative XYZ for D50. Prints TAP."""
 import os
 import subprocess

@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
 """Renders random scenes, with everything that the scene language has, by the program ($SPECTRAL) and cross-
 checks every pixel at 31 wavelengths. A scene follows from its seed alone. A scene that fails is reduced to a
 small one that still fails; test/cases/random/ keeps it, and later runs begin with it. Prints TAP.
 
-    test/run/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe
+    test/run/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe; with FULL=1 5000 and 500
     test/run/random_scenes.py --first 1000 --count 5000 --driver softpipe --jobs 2 --size 100x100
     test/run/random_scenes.py --show 17                        scene 17's files, without drawing it"""
 import argparse
@@ -28,7 +29,9 @@ from rendered import SPECTRAL, TMP, check, done
 
 FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 KEPT = "test/cases/random"
+FULL = "FULL" in os.environ
 DEFAULT_COUNT = {"llvmpipe": 200, "softpipe": 30}
+FULL_COUNT = {"llvmpipe": 5000, "softpipe": 500}
 WAVELENGTHS = "wavelengths 400 700 10"
 PATIENCE_S = 300  # seconds after which a scene counts as hung
 SHRINK_S, MOST_SHRUNK = 240, 3  # seconds of a scene; scenes a run
@@ -177,7 +180,7 @@ def write_textures(folder):
         image = numbers.integers(0, np.iinfo(kind).max + 1, shape).astype(kind)
         tifffile.imwrite(os.path.join(folder, name), image)
     y, x = np.mgrid[0:48, 0:48]
-    smooth = 30000 + 20000 * np.sin(x * np.pi / 24) * np.cos(y * np.pi / 24)
+    smooth = np.round(30000 + 20000 * np.sin(x * np.pi / 24) * np.cos(y * np.pi / 24))
     tifffile.imwrite(os.path.join(folder, GREY[5]), smooth.astype(np.uint16))
     bands = [(550,), (400, 700), range(380, 740, 40)]
     for name, shape, nm in zip(STACKS, [(4, 4), (9, 5), (32, 32)], bands):
@@ -870,7 +873,7 @@ def main():
     write_textures(TMP)
     for driver in [options.driver] if options.driver else DEFAULT_COUNT:
         replay(driver)
-        n = options.count or DEFAULT_COUNT[driver]
+        n = options.count or (FULL_COUNT if FULL else DEFAULT_COUNT)[driver]
         run(driver, range(options.first, options.first + n), options)
     if not options.driver:
         check_shrinker((64, 64))

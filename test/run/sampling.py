@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 """Checks wavelength sampling from render to develop. The result of each method for a chart, whose radiances are
 light x reflectance, is computed once more with numpy, at every nm, from the tables. Theory says for which spectra
 a method must be exact, and for which not. Hard cases are right or refused. Prints TAP."""

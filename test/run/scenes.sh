@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
 # OpenGL's picture of every built-in scene agrees with the reference, under other lights, too.
 . test/run/tap.sh
 

@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 # Tests the commands that read stacks: develop, probe, compare and view.
 . test/run/tap.sh
 small="--size 60x40 --wavelengths 400:700:20"
@@ -193,7 +194,7 @@ wait "$viewer"
 ok $? "a SIGTERM ends a program that waits for the reader of a pipe, and no file is left"
 "$SPECTRAL" view patches --size 60x40 --threads 3 -o "$tmp/pipe" --quiet &
 viewer=$!
-cat "$tmp/pipe" >"$tmp/piped.html"
+timeout 300 cat "$tmp/pipe" >"$tmp/piped.html" # a program that fails opens no pipe
 wait "$viewer"
 ok $? "the page goes through a pipe"
 for ending in tif PDF html5; do

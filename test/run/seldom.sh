@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: full
 # Messages and lines that are seldom seen: `./build.sh coverage` named those that no other test runs. Each is
 # compared with its words.
 . test/run/tap.sh

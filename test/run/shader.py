@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile; makes: spoil
 """Checks --renderer gl-shader and es-shader: pictures agree with the reference on both of Mesa's drivers, OpenGL 3.3 core
 and OpenGL ES 3 draw the same bits, four passes are drawn at once, a planted fault is found, and an OpenGL ES
 that cannot read depths is not said to be checked there. FULL: all scenes at 300x200, and 200 random ones. Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
 """Compares shading by triangle, vertex and pixel with closed forms and with each other; checks tessellation, and the
 rounding of OpenGL's colour buffers and of pages. Prints TAP."""
 import json
@@ -14,13 +15,12 @@ sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, check, done, write
 from tap import bail_out
 
-STATIC = os.environ.get("STATIC", "build/spectral-static")
 SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 ONE = "wavelengths 500 500 1\nmaterial matt { diffuse 1 }\nmaterial shiny { specular 1 gloss 40 }\n"
 
 
-def run(scene, *options, program=SPECTRAL, **environment):
-    return subprocess.run([program, "render", scene, "--quiet", *options], check=False, stdout=subprocess.PIPE,
+def run(scene, *options, **environment):
+    return subprocess.run([SPECTRAL, "render", scene, "--quiet", *options], check=False, stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, universal_newlines=True, env={**os.environ, **environment})
 
 
@@ -308,12 +308,6 @@ def drivers():
                          GALLIUM_DRIVER=other)
             check(result.returncode == 0 and json.loads(result.stdout)["gl_renderer"].startswith(driver),
                   f"--renderer names {driver} and it draws, even if the environment names {other}", result.stderr)
-    if not os.path.exists(STATIC):
-        print("# there is no static program, which has no llvmpipe")
-        return
-    result = run("patches", "--renderer", "llvmpipe", "-o", "/dev/null", program=STATIC)
-    check(result.returncode == 3 and "softpipe" in result.stderr and "--renderer gl" in result.stderr,
-          "a program without llvmpipe says so", result.returncode, result.stderr)
 
 
 sphere()

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first
 """No output replaces an input. Goes through every command, every option of it that takes a value, and every file that the
 command reads, with that file as the value of the option; also under other names of the file. Commands and options come from
 --help, so that a new one cannot be forgotten. Whatever the program answers, no input may have changed, and a command that

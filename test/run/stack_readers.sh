@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile python3-gdal imagej default-jdk-headless
 # Readers of other programs read stacks correctly: tifffile, GDAL and ImageJ each print one line a page, its label
 # and a checksum of its samples, and so does a small walker that knows only TIFF 6.0. All must agree. A reader that
 # is not installed is skipped. The program also reads bands that GDAL writes.

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile python3-gdal chromium; makes: live
 """Tests pages of stacks in headless Chromium and Firefox: pictures equal those of develop, bands, regions and maps those
 that numpy computes from the file, for stacks of this program and for a cube that GDAL wrote. Prints TAP."""
 import json
@@ -42,7 +43,7 @@ def foreign(name="cube", first=400, last=1000, n=200):
     """A cube, written by GDAL, and its values as [band, y, x]."""
     height, width = 40, 60
     y, x = np.mgrid[0:height, 0:width]
-    values = np.stack([np.abs(0.3 + 0.2 * np.sin(x / 9 + k / 20) + 0.2 * np.cos(y / 7 - k / 30)) for k in range(n)]).astype(np.float32)
+    values = np.stack([np.abs(0.3 + 0.2 * np.sin(x / 9 + k / 20) + 0.2 * np.cos(y / 7 - k / 30)) for k in range(n)]).round(4).astype(np.float32)
     cube = gdal.GetDriverByName("GTiff").Create(path_of(name + ".tif"), width, height, n, gdal.GDT_Float32, ["INTERLEAVE=PIXEL"])
     for band, nm in enumerate(np.linspace(first, last, n)):
         cube.GetRasterBand(band + 1).WriteArray(values[band])

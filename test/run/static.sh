@@ -1,5 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
+# level: release; packages: busybox-static binutils file; makes: static
 # The static program ($STATIC) is one hardened file that runs in an otherwise empty system. Its reference stores
 # the same bytes as that of $SPECTRAL.
 . test/run/tap.sh
@@ -139,4 +140,6 @@ done
 echo "# --version takes $((($(date +%s%N) - start) / 10000)) microseconds from start to exit"
 grep -q '^OSMesa .*softpipe' "$tmp/out"
 ok $? "--version names the OSMesa inside"
+exits 3 "it has no llvmpipe" "$STATIC" render patches --renderer llvmpipe -o /dev/null
+says 'softpipe.*--renderer gl|--renderer gl.*softpipe' "it says so, and what to do"
 done_testing

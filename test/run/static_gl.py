@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile; makes: static
 """Compares OpenGL's pixels from the static program ($STATIC), which contains softpipe, with those of $SPECTRAL on
 llvmpipe. Each program reports the distance of its OpenGL from the same reference; this bounds the distance of both
 pictures in all samples, except samples that either program finds apart, and ambiguous pixels, where each may show

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile python3-scipy psychtoolbox-3-common colord-data
 """The tables of observers and illuminants agree with their sources. Prints TAP."""
 import math
 import os

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile python3-junitparser libosmesa6-dev; makes: faults spoil
 """Runs spectral verify: its verdicts are those of render, JUnit's XML is read by real readers, planted faults are found, the
 commands that it prints repeat them, and a driver that crashes does not end the run. Prints TAP."""
 import json

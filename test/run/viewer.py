@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile python3-pil python3-gdal pngcheck chromium; makes: live
 """Tests the viewer's page in a headless Chromium: its pixels, spectra and numbers equal those of the program's own
 commands for every choice in the menus. All of it is usable by pointer and keyboard, on a phone and in the dark.
 Prints TAP."""

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
 """Checks the program's own counters of work: an effect that a scene does not use costs nothing, and a used effect
 costs no more than it needs. Prints TAP."""
 import json

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A test program prints TAP for prove: one line for each truth about the program. A failed truth
+/* A test program prints TAP: one line for each truth about the program. A failed truth
  * also prints the values seen. A test ends with `return test_end();`. */
 #ifndef TEST_H
 #define TEST_H

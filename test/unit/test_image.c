@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* level: full; packages: python3-numpy python3-tifffile python3-gdal */
 /* Reads one picture back to the same radiances from every variant of TIFF. The picture has a closed
  * form; libtiff writes it here, tifffile writes it in test/run/images.py, and the program writes it
  * itself. Files that are broken, cut short or of another kind are refused. */

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: MIT */
+/* level: none; linear.py runs this program */
 /* Reads one file as `spectral plan` or `spectral info` does, but starts fast: it holds no OpenGL.
  * test/run/linear.py counts its instructions. Without arguments there is nothing to test. */
 #include <stdio.h>

@@ -574,33 +574,6 @@ static void check_reserve(void)
     mesh_free(&mesh);
 }
 
-/* A real, large model, where its package is installed. */
-static void check_bunny(void)
-{
-    const char *path = "/usr/share/glmark2/models/bunny.obj";
-    struct error err = {.text = ""};
-    struct mesh mesh;
-    FILE *file = fopen(path, "r");
-
-    if (!file) {
-        printf("ok %d - # SKIP no %s\n", ++test_count, path);
-        return;
-    }
-    fclose(file);
-    CHECK(mesh_read(path, nowhere, true, 90, &mesh, &err), "the bunny is read%s", err.text);
-    const struct solid solid = solid_measure(&mesh);
-    double reach = 0;
-    for (int i = 0; i < mesh.n_vertices; i++) {
-        const struct vector p = mesh.vertices[i].position;
-        reach = fmax(reach, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
-    }
-    CHECK(mesh.n_triangles == 69666, "the bunny keeps all its triangles");
-    CHECK_NEAR(reach, 1, 0, "the bunny fills the cube");
-    CHECK_NEAR(solid.worst_length, 0, 4 * DBL_EPSILON, "the bunny has unit normals");
-    CHECK(solid.volume > 0.1, "the bunny faces outwards");
-    mesh_free(&mesh);
-}
-
 /* ---- many faces at a point ---- */
 
 enum { CROWD = 1000 };
@@ -673,7 +646,6 @@ int main(void)
     check_unitize();
     check_refusals();
     check_reserve();
-    check_bunny();
     check_crowd();
     remove(obj_path);
     return test_end();

@@ -1,0 +1,28 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# usage: test/one.sh PROGRAM
+# Runs one test and judges the TAP that it prints, which stays in $TEST_TMP/NAME.tap. Prints one line, and the truths that
+# failed in words. A test that ends early, or too late, fails by itself. test/run.sh counts the words in $RESULTS.
+name=${1##*/}
+name=${name%.*}
+tap=$TEST_TMP/$name.tap
+begun=$(date +%s)
+status=0
+timeout --foreground 7200 "$1" >"$tap" 2>"$tap.errors" </dev/null || status=$?
+awk -v name="$name" -v status=$status -v seconds=$(($(date +%s) - begun)) -v results="$RESULTS" '
+    FILENAME == ARGV[2] { last[n_last++ % 5] = $0; next }
+    /^(not )?ok / { n++; failed = /^not / && !/# (TODO|SKIP)/; n_failed += failed; n_skipped += /# SKIP/ }
+    /^1[.][.][0-9]+/ { planned = 1; plan = substr($1, 4) + 0; reason = $0; sub(/^[^#]*# SKIP/, ":", reason) }
+    (/^not ok / || /^#/) && failed { if (++n_words <= 40) words = words "    " $0 "\n" }
+    END {
+        verdict = "passed"
+        if (planned && plan == 0) verdict = "skipped"
+        else if (n_failed || status || !planned || plan != n) verdict = "failed"
+        says = verdict == "skipped" ? reason : n_failed ? ": " n_failed " of " n " truths fail" : \
+            verdict == "failed" ? ": it ended after " n + 0 " truths with status " status : ""
+        if (verdict == "failed" && !n_failed)
+            for (i = n_last > 5 ? n_last - 5 : 0; i < n_last; i++) words = words "    " last[i % 5] "\n"
+        if (n_skipped) says = says ", " n_skipped " parts skipped"
+        printf "%7s %5d s  %s%s\n%s", verdict == "failed" ? "FAILED" : verdict, seconds, name, says, words
+        print verdict, name >>results
+    }' "$tap" "$tap.errors"
