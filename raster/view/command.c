@@ -202,8 +202,8 @@ bool command_view(struct options *options, struct error *err)
     if (!options_name_output(options, subject, ".html", err) ||
         !output_ending(options->output, endings, &ending, err))
         return false;
-    if (ending < 0) /* none, or standard output */
-        ending = HTML;
+    if (ending < 0) /* none, or standard output: the first kind */
+        ending = 0;
     const char *operand = options->operand;
     if (options->gallery && (operand || options->still))
         return error_usage(err, "--gallery is a live page of all built-in scenes; it takes no %s",
