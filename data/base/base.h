@@ -89,8 +89,8 @@ bool file_open(const char *path, struct place from, int *descriptor,
 struct file_identity {
     uint64_t device, inode;
 };
-/* Notes the file of a descriptor; what is no regular file is never replaced, and not noted. Every
- * opening for reading comes through file.c, which notes it. Fails without memory. */
+/* Notes the regular file of a descriptor: pipes and devices are never replaced. Every opening for
+ * reading comes through file.c, which calls this. Fails without memory. */
 bool file_note_read(int descriptor, struct error *err);
 bool file_was_read(const char *path); /* also under another name of the file */
 /* For a process that reads in place of another: the files noted so far; and one more. */

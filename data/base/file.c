@@ -118,10 +118,12 @@ static bool read_open(struct reading *of, int descriptor, size_t capacity, struc
     return true;
 }
 
+/* The command line may name a pipe, which the shell has opened: a file may not. The place of an
+ * option's value begins with its dashes. */
 static bool read_path(struct reading *of, struct error *err)
 {
     struct stat status;
-    const bool named = of->from.path != NULL;
+    const bool named = of->from.path != NULL && of->from.path[0] != '-';
     const int descriptor = open_readable(of->path, of->from, named ? O_NONBLOCK : 0, &status, err);
     if (descriptor < 0)
         return false;

@@ -245,7 +245,7 @@ bool outputs_readable(const struct outputs *outputs, const char *path, const cha
     return true;
 }
 
-/* Refuses an output under two names, of which the later would replace the earlier. */
+/* Refuses two outputs of one name: the later would replace the earlier. */
 static bool is_one_of_its_own(const struct outputs *outputs, int i, struct error *err)
 {
     const char *path = outputs->list[i].path;

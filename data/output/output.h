@@ -88,8 +88,8 @@ struct folder {
     char path[4096]; /* Linux takes no longer one; "": there is none */
     DIR *entries;    /* open, so that the folder can be emptied without memory; NULL: there is none */
 };
-/* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove): the caller tells the
- * guard of the files in it. Removes the folders of processes that were killed. */
+/* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove). The caller lets the
+ * guard know the files in it. Removes the folders of processes that were killed. */
 bool folder_open(struct folder *out, struct error *err);
 /* Makes a folder beside the path, which must not exist, for files that the user keeps. The caller
  * holds signals back until folder_close: see guard_hold. */

@@ -33,9 +33,9 @@ made="$tmp/made.tif"
 exits 0 "a stack is made" "$SPECTRAL" render "$tmp/own.scene" --renderer raster --no-check --depth=32f \
     --light "1=$tmp/a folder/lamp.csv*3" --ambient 'd65*0.1' --full-scale 9 -o "$made"
 mkfifo "$tmp/pipe.csv"
-printf 'light d65 1 direction 0 0 1\nmaterial m { diffuse pipe.csv }\nobject sphere 1 9 9 material m\n' >"$tmp/pipe.scene"
+printf 'light d65 1 direction 0 0 1\nmaterial m { diffuse 0.5 }\nobject sphere 1 9 9 material m\n' >"$tmp/pipe.scene"
 cat "$tmp/a folder/paint.csv" >"$tmp/pipe.csv" & # once: a second read would wait for ever
-exits 0 "a table comes through a pipe" timeout 60 "$SPECTRAL" render "$tmp/pipe.scene" --size 9x9 --renderer raster --no-check -o "$tmp/pipe.tif"
+exits 0 "a table comes through a pipe" timeout 60 "$SPECTRAL" render "$tmp/pipe.scene" --light "1=$tmp/pipe.csv" --size 9x9 --renderer raster --no-check -o "$tmp/pipe.tif"
 run "$SPECTRAL" info "$tmp/pipe.tif"
 prints "^file +$(sha256sum <"$tmp/a folder/paint.csv" | cut -c 1-64) $tmp/pipe.csv$" "its digest is that of the bytes that were read"
 exits 0 "info prints how it was made" "$SPECTRAL" info "$made"

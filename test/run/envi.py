@@ -303,7 +303,7 @@ def test_whole_or_not():
           "a folder in the header's place is refused before the stack is written", result.stderr)
     os.rmdir(stack + ".hdr")
     result = run(*small, "--envi", "-o", stack, "--json", stack + ".hdr")
-    check(result.returncode == 2 and "is the header that --envi writes" in result.stderr and
+    check(result.returncode == 2 and "would be written twice" in result.stderr and
           not os.path.exists(stack), "--json does not take the header's place", result.stderr)
     scene = write("own.tif.hdr", "material m { diffuse 0.5 }\nobject plane 2 2 material m\n"
                   "light d65 1 direction 0 0 1\n")

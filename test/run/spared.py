@@ -32,7 +32,7 @@ FILES = {
     "eye.csv": "nm,x,y,z\n400,0.1,0.1,1\n550,0.5,1,0.1\n700,0.2,0.1,0\n", "white.csv": "nm,power\n400,1\n700,1\n",
 }
 READ = ("a.scene", "more.scene", "lamp.csv", "cloth.csv", "roof.obj", "grey.tif")  # by a command that takes the scene
-# Of each command the words that make it read as many files as it can, and these files. "drivers", "list" and "show" read none.
+# Each command has words that make it read as many files as it can, and these files. "drivers", "list" and "show" read none.
 COMMANDS = {
     "render": (["a.scene"], READ), "plan": (["a.scene"], READ), "cost": (["a.scene"], READ), "view": (["a.scene"], READ),
     "verify": (["a.scene"], READ), "export": (["a.scene"], READ),
@@ -73,7 +73,7 @@ def commands():
 
 
 def options(command):
-    """Those that take a value, by their long names."""
+    """The long names of options that take a value."""
     said = subprocess.run([SPECTRAL, command, "--help"], capture_output=True, text=True, check=True).stdout
     found = []
     for line in said.splitlines():

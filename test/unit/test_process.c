@@ -59,7 +59,7 @@ static void jobs(void)
     CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal");
 }
 
-/* What a job has read, its parent has read: no output may replace it. */
+/* A parent answers for the files that its job has read: no output may replace them. */
 static bool reads(void *context, void *out, struct error *err)
 {
     const struct place nowhere = {NULL, 0, 0};
