@@ -17,7 +17,6 @@ static bool read_record(char *description, bool has_wavelengths, struct record *
                                 .width = 4,
                                 .height = 4,
                                 .n_pages = N_PAGES,
-                                .bytes = 4096,
                                 .scale = 1,
                                 .wavelengths_nm = has_wavelengths ? nm : NULL,
                                 .description = description,
