@@ -84,9 +84,9 @@ static bool white_finely(const struct development *of, struct fine_spectra *out,
     struct error ignored = {0};
     double *white;
     const bool needed = of->options->sampling->kind == SAMPLING_ADAPTIVE;
-    const bool done = MAKE_ARRAY(white, (size_t)image->n_pages, err, "a white") &&
-                      MAKE_ARRAY(out->lights, (size_t)out->n_nm, err, "a white") &&
-                      MAKE_ARRAY(out->products, (size_t)out->n_nm, err, "a white");
+    const bool done = MAKE_ARRAY(white, image->n_pages, err, "a white") &&
+                      MAKE_ARRAY(out->lights, out->n_nm, err, "a white") &&
+                      MAKE_ARRAY(out->products, out->n_nm, err, "a white");
     const bool found =
         done && cube_white(&of->cube, of->options->white, white, needed ? err : &ignored);
     if (found) {

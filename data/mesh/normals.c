@@ -105,7 +105,7 @@ static bool crowd_make(const struct meeting *meeting, struct crowd *out, struct 
     *out = (struct crowd){.n_groups = 1};
     while (out->n_groups < meeting->n / GROUP + 1)
         out->n_groups *= 2;
-    if (!MAKE_ARRAY(out->sorted, (size_t)meeting->n, err, "the normals of a point") ||
+    if (!MAKE_ARRAY(out->sorted, meeting->n, err, "the normals of a point") ||
         !MAKE_ARRAY(out->nodes, 2 * (size_t)out->n_groups, err, "the normals of a point"))
         return false;
     for (int i = 0; i < meeting->n; i++)

@@ -276,8 +276,8 @@ static bool divide(struct mesh *mesh, struct error *err)
     if (!MAKE_ARRAY(mesh->division, 1, err, what))
         return false;
     division = mesh->division;
-    if (!MAKE_ARRAY(division->number, (size_t)mesh->n_vertices, err, what) ||
-        (mesh->part && (!MAKE_ARRAY(division->triangles, (size_t)mesh->n_triangles, err, what) ||
+    if (!MAKE_ARRAY(division->number, mesh->n_vertices, err, what) ||
+        (mesh->part && (!MAKE_ARRAY(division->triangles, mesh->n_triangles, err, what) ||
                         !MAKE_ARRAY(division->first, (size_t)mesh->n_parts + 1, err, what)))) {
         division_free(division);
         mesh->division = NULL;

@@ -51,9 +51,9 @@ bool probe_open(struct probe *out, const char *source, const struct probe_option
 bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err)
 {
     probe->n = n;
-    if (!MAKE_ARRAY(probe->wavelengths_nm, (size_t)n, err, "a spectrum of %d bands", n) ||
-        !MAKE_ARRAY(probe->mean, (size_t)n, err, "a spectrum of %d bands", n) ||
-        !MAKE_ARRAY(probe->spread, (size_t)n, err, "a spectrum of %d bands", n))
+    if (!MAKE_ARRAY(probe->wavelengths_nm, n, err, "a spectrum of %d bands", n) ||
+        !MAKE_ARRAY(probe->mean, n, err, "a spectrum of %d bands", n) ||
+        !MAKE_ARRAY(probe->spread, n, err, "a spectrum of %d bands", n))
         return false;
     memcpy(probe->wavelengths_nm, wavelengths_nm, (size_t)n * sizeof *wavelengths_nm);
     return true;
@@ -131,7 +131,7 @@ static bool find_number(const struct cube *cube, const struct probe *probe, int 
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
     int number = -1, *row;
-    bool done = MAKE_ARRAY(row, (size_t)probe->width, err, "a row of %s", probe->source) &&
+    bool done = MAKE_ARRAY(row, probe->width, err, "a row of %s", probe->source) &&
                 find_number(cube, probe, row, &number, err);
     free(row);
     if (!done || number < 0)

@@ -97,7 +97,7 @@ static bool find_peaks(struct adaptive *a, struct error *err)
     const int n = a->spectra->n_nm;
     bool *summit;
     out->peak_nm = sampling_numbers((size_t)n, err);
-    if (!out->peak_nm || !MAKE_ARRAY(summit, (size_t)n, err, "the peaks of the spectra"))
+    if (!out->peak_nm || !MAKE_ARRAY(summit, n, err, "the peaks of the spectra"))
         return false;
     for (int i = 0; i < a->spectra->n_lights; i++)
         cut_at_peaks(a, spectrum_row(a, i), summit);

@@ -48,7 +48,7 @@ static bool make_terms(const struct scene *scene, struct fine_scene *out, struct
     int n;
     if (!materials_shown(scene, &materials, &n, err))
         return false;
-    bool done = MAKE_ARRAY(out->materials, (size_t)n, err, "the spectra of %d materials", n);
+    bool done = MAKE_ARRAY(out->materials, n, err, "the spectra of %d materials", n);
     for (; done && out->n < n; out->n++)
         done = material_terms_make(&out->illumination, materials[out->n], &out->materials[out->n],
                                    err);

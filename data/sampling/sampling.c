@@ -85,7 +85,7 @@ bool sampling_room(struct sampling *out, int n, bool segments, struct error *err
     out->pages.wavelength_nm = sampling_numbers((size_t)n, err);
     out->weights = sampling_numbers(3 * (size_t)n, err);
     return out->pages.wavelength_nm && out->weights &&
-           (!segments || MAKE_ARRAY(out->segment_nm, (size_t)n, err, "%d segments", n));
+           (!segments || MAKE_ARRAY(out->segment_nm, n, err, "%d segments", n));
 }
 
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,
