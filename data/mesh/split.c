@@ -213,18 +213,20 @@ static bool take_parts(struct mesh *from, struct mesh *to, struct error *err)
     from->part_names = NULL;
     if (!from->part)
         return true;
-    to->part = malloc((size_t)to->n_triangles * sizeof *to->part + 1);
-    for (int i = 0; to->part && i < to->n_triangles; i++)
+    if (!MAKE_ARRAY(to->part, to->n_triangles, err, "the parts of a halved mesh"))
+        return false;
+    for (int i = 0; i < to->n_triangles; i++)
         to->part[i] = from->part[i / 4];
-    return to->part || error_memory(err);
+    return true;
 }
 
 bool mesh_halve(struct mesh *mesh, struct error *err)
 {
     const size_t n = (size_t)mesh->n_triangles, n_vertices = (size_t)mesh->n_vertices;
     struct mesh finer = {.place = mesh->place};
-    int64_t *edges = malloc((3 * n + 1) * sizeof *edges);
-    bool done = (edges || error_memory(err)) && mesh_begin(&finer, n_vertices + 3 * n, 4 * n, err);
+    int64_t *edges;
+    bool done = MAKE_ARRAY(edges, 3 * n, err, "the edges of a mesh") &&
+                mesh_begin(&finer, n_vertices + 3 * n, 4 * n, err);
     if (done) {
         memcpy(finer.vertices, mesh->vertices, n_vertices * sizeof *mesh->vertices);
         finer.n_vertices = mesh->n_vertices;

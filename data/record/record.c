@@ -302,12 +302,12 @@ static void put_field(struct printed *stream, const struct record *record,
         put_numbers(stream, field->key, numbers);
 }
 
-char *record_text(const struct record *record)
+char *record_text(const struct record *record, struct error *err)
 {
     struct printed printed = {.text = NULL};
     for (int i = 0; i < FIELDS; i++)
         put_field(&printed, record, &fields[i]);
-    return printed_end(&printed);
+    return printed_take(&printed, err);
 }
 
 /* ---- reading ---- */

@@ -325,11 +325,12 @@ void sampling_label(const struct sampling *sampling, int page, char out[24])
 const char **sampling_labels(const struct sampling *sampling, int n, struct error *err)
 {
     typedef char label_text[24];
-    const char **labels = calloc((size_t)n, sizeof *labels + sizeof(label_text));
+    const char **labels;
+    if (!MAKE_ARRAY(labels, (size_t)n * (1 + sizeof(label_text) / sizeof *labels), err,
+                    "%d labels of channels", n))
+        return NULL;
     label_text *text = (label_text *)(labels + n);
-    if (!labels)
-        error_memory(err);
-    for (int i = 0; labels && i < n; i++) {
+    for (int i = 0; i < n; i++) {
         sampling_label(sampling, i, text[i]);
         labels[i] = text[i];
     }

@@ -105,8 +105,5 @@ char *json_end(struct json *json)
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)
 {
     print(&json->printed, "\n");
-    char *text = printed_take(&json->printed, err);
-    const bool done = text && file_write(path, text, strlen(text), outputs, err);
-    free(text);
-    return done;
+    return printed_write(&json->printed, path, outputs, err);
 }

@@ -264,11 +264,11 @@ bool egl_open(struct contexts *contexts, int device, bool *found, struct error *
 {
     static const struct context_kind kind = {open_canvas, use_canvas, fill_canvas, close_canvas,
                                              end};
-    struct egl *egl = calloc(1, sizeof *egl);
+    struct egl *egl;
     void *library;
     *found = false;
-    if (!egl)
-        return error_memory(err);
+    if (!MAKE_ARRAY(egl, 1, err, "EGL"))
+        return false;
     contexts->own = egl;
     contexts->kind = &kind;
     contexts->name = "EGL";

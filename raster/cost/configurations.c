@@ -138,9 +138,9 @@ static bool say(struct cost_entry *entry, const char *prefix, const char *option
     if (!option)
         return true;
     const size_t length = strlen(option) + strlen(value) + 1;
-    char *word = malloc(length);
-    if (!word)
-        return error_memory(err);
+    char *word;
+    if (!MAKE_ARRAY(word, length, err, "an option"))
+        return false;
     snprintf(word, length, "%s%s", option, value);
     entry->words[entry->n_words++] = word;
     return true;

@@ -100,8 +100,8 @@ static bool render_entry(const struct measurement *measurement, const struct cos
     struct error again = {.status = EXIT_AGREED};
     if (cost_run(measurement->options, entry, measurement->stack, seconds, err))
         return true;
-    if (err->status == EXIT_SYSTEM &&
-        !process_run(render_job, &task, NULL, 0, &again) && again.unsupported)
+    if (err->status == EXIT_SYSTEM && !process_run(render_job, &task, NULL, 0, &again) &&
+        again.unsupported)
         *err = again;
     return false;
 }
@@ -168,9 +168,8 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
     entry->accuracy = accuracy;
     entry->seconds = seconds.wall;
     entry->processor = seconds.processor;
-    entry->walls = calloc(runs, sizeof *entry->walls);
-    entry->processors = calloc(runs, sizeof *entry->processors);
-    return (entry->walls && entry->processors) || error_memory(err);
+    return MAKE_ARRAY(entry->walls, runs, err, "the seconds of %s", entry->name) &&
+           MAKE_ARRAY(entry->processors, runs, err, "the seconds of %s", entry->name);
 }
 
 /* Adds configurations and warms them up. `add` may choose by the errors measured before. */
@@ -316,22 +315,23 @@ static bool conclude(struct cost *cost, struct error *err)
 }
 
 /* Returns the scene's name with the changes of the command line, allocated; NULL: no memory. */
-static char *name_scene(const struct measurement *measurement)
+static char *name_scene(const struct measurement *measurement, struct error *err)
 {
     struct printed printed = {.text = NULL};
     print_text(&printed, measurement->cost->survey.scene);
     for (int i = 0; i < measurement->options->n_recorded; i++)
         print(&printed, " %s", measurement->options->recorded[i]);
-    return printed_end(&printed);
+    return printed_take(&printed, err);
 }
 
 static bool describe(struct measurement *measurement, bool lit, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    cost->scene = name_scene(measurement);
+    cost->scene = name_scene(measurement, err);
     cost->runs = measurement->options->runs ? measurement->options->runs : DEFAULT_RUNS;
-    cost->entries = calloc(MAX_CONFIGURATIONS, sizeof *cost->entries);
-    return ((cost->scene && cost->entries) || error_memory(err)) && survey_notes(cost, err) &&
+    return cost->scene &&
+           MAKE_ARRAY(cost->entries, MAX_CONFIGURATIONS, err, "the configurations of a cost") &&
+           survey_notes(cost, err) &&
            (lit ||
             cost_note(cost, err, "the observer sees no light: the white is a radiance of 1"));
 }

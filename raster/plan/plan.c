@@ -204,9 +204,8 @@ static bool check_size(const struct scene *scene, struct error *err)
 static bool plan_allocate(struct plan *plan, struct error *err)
 {
     size_t most = 2 * (size_t)plan->scene->n_materials + 1;
-    plan->materials = calloc(most, sizeof *plan->materials);
-    plan->textures = calloc(most, sizeof *plan->textures);
-    return (plan->materials && plan->textures) || error_memory(err);
+    return MAKE_ARRAY(plan->materials, most, err, "%zu materials", most) &&
+           MAKE_ARRAY(plan->textures, most, err, "%zu textures", most);
 }
 
 bool plan_make(const struct scene *scene, const struct sampling *sampling,

@@ -179,10 +179,9 @@ static void see_instances(struct plan *plan)
 
 bool reach_find(struct plan *plan, struct error *err)
 {
-    plan->is_idle = calloc((size_t)plan->n_lights + 1, sizeof *plan->is_idle);
-    plan->shows_texture = calloc((size_t)plan->n_textures + 1, sizeof *plan->shows_texture);
-    if (!plan->is_idle || !plan->shows_texture)
-        return error_memory(err);
+    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights) ||
+        !MAKE_ARRAY(plan->shows_texture, plan->n_textures, err, "%d textures", plan->n_textures))
+        return false;
     see_instances(plan);
     for (int i = 0; i < plan->n_textures; i++)
         plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);

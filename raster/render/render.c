@@ -32,9 +32,9 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* Lists the names of the objects in the order of their numbers; none if there is no object map. */
 static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
-    const char **names = calloc((size_t)plan->n_instances + 1, sizeof *names);
-    if (!names)
-        return error_memory(err);
+    const char **names;
+    if (!MAKE_ARRAY(names, plan->n_instances, err, "the names of objects"))
+        return false;
     record->objects = (struct texts){names, plan->map_bytes > 0 ? plan->n_instances : 0};
     for (int i = 0; i < record->objects.n; i++)
         names[i] = object_name(plan, i);
@@ -58,9 +58,8 @@ static char *make_provenance(const struct state *state, struct error *err)
         record.options[i] = plan->options.recorded[i];
     if (list_objects(plan, &record, err) &&
         (rows->count == 0 ||
-         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)) &&
-        !(text = record_text(&record)))
-        error_memory(err);
+         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)))
+        text = record_text(&record, err);
     record_free(&record);
     return text;
 }

@@ -36,11 +36,7 @@ static bool write_junit(const struct verification *of, struct options *options, 
 {
     struct printed printed = {.text = NULL};
     verify_junit(of, &printed);
-    char *text = printed_end(&printed);
-    const bool done = text ? file_write(options->junit, text, strlen(text), &options->outputs, err)
-                           : error_memory(err);
-    free(text);
-    return done;
+    return printed_write(&printed, options->junit, &options->outputs, err);
 }
 
 static bool write_json(const struct verification *of, struct options *options, struct error *err)
