@@ -75,6 +75,12 @@ bool memory_make(void *array, size_t n, size_t size)
     return items != NULL;
 }
 
+void memory_free(void *const *items, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        free(items[i]);
+}
+
 bool memory_resize(void *array, size_t n, size_t size)
 {
     void *items;

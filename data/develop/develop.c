@@ -318,10 +318,6 @@ bool develop(const char *stack, const char *output, const struct develop_options
                 write_picture(&of, output, err);
     cube_close(&of.cube);
     detector_free(&of.detector);
-    free(of.weights);
-    free(of.of_white);
-    free(of.radiance);
-    free(of.sums);
-    free(of.samples);
+    FREE_ALL(of.weights, of.of_white, of.radiance, of.sums, of.samples);
     return done;
 }

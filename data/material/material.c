@@ -356,12 +356,7 @@ void material_free(struct material *material)
     spectrum_free(&material->glow);
     if (material->partner)
         material_free(material->partner);
-    free(material->partner);
-    free(material->partner_name);
-    free(material->donaldson);
-    free(material->texture);
-    free(material->spectral_texture);
-    free(material->name);
-    free(material->path);
+    FREE_ALL(material->partner, material->partner_name, material->donaldson, material->texture,
+             material->spectral_texture, material->name, material->path);
     *material = (struct material){0};
 }

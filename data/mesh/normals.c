@@ -53,8 +53,7 @@ struct crowd {
 
 static void crowd_free(struct crowd *crowd)
 {
-    free(crowd->sorted);
-    free(crowd->nodes);
+    FREE_ALL(crowd->sorted, crowd->nodes);
 }
 
 /* Takes 21 bits of each coordinate in turn, the highest first. */

@@ -252,9 +252,7 @@ struct division {
 void division_free(struct division *division)
 {
     if (division) {
-        free(division->triangles);
-        free(division->first);
-        free(division->number);
+        FREE_ALL(division->triangles, division->first, division->number);
     }
     free(division);
 }

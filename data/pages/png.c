@@ -319,6 +319,5 @@ void png_free(struct png *png)
     if (png->deflating)
         deflateEnd(&png->stream);
     output_discard(&png->output);
-    free(png->rows);
-    free(png);
+    FREE_ALL(png->rows, png);
 }

@@ -313,11 +313,7 @@ void probe_free(struct probe *probe)
 {
     for (int c = 0; c < probe->n_curves; c++)
         free(probe->curves[c].values);
-    free(probe->source);
-    free(probe->wavelengths_nm);
-    free(probe->mean);
-    free(probe->spread);
-    free(probe->object);
-    free(probe->observer);
+    FREE_ALL(probe->source, probe->wavelengths_nm, probe->mean, probe->spread, probe->object,
+             probe->observer);
     *probe = (struct probe){.source = NULL};
 }

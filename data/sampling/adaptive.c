@@ -356,8 +356,6 @@ bool sample_adaptive(const struct sampling_task *task, struct error *err)
         find_segments(&a, out->method.tolerance);
         done = set_pages(&a, out, err);
     }
-    free(a.scale);
-    free(a.cut);
-    free(a.segments);
+    FREE_ALL(a.scale, a.cut, a.segments);
     return done;
 }

@@ -272,7 +272,6 @@ bool sample_basis(const struct sampling_task *task, struct error *err)
 {
     struct components c = {.spectra = task->spectra};
     const bool done = find_components(task, &c, err) && set_pages(&c, task->out, err);
-    free(c.direction);
-    free(c.axis);
+    FREE_ALL(c.direction, c.axis);
     return done;
 }

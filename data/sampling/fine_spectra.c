@@ -181,7 +181,6 @@ bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct e
 
 void fine_spectra_free(struct fine_spectra *spectra)
 {
-    free(spectra->lights);
-    free(spectra->products);
+    FREE_ALL(spectra->lights, spectra->products);
     *spectra = (struct fine_spectra){.n_nm = 0};
 }

@@ -391,14 +391,9 @@ void sampling_print(const struct sampling *sampling, struct printed *to)
 
 void sampling_free(struct sampling *sampling)
 {
-    free(sampling->detector);
-    free(sampling->pages.wavelength_nm);
-    free(sampling->pages.analysis);
-    free(sampling->pages.reflectance_analysis);
-    free(sampling->segment_nm);
-    free(sampling->weights);
+    FREE_ALL(sampling->detector, sampling->pages.wavelength_nm, sampling->pages.analysis,
+             sampling->pages.reflectance_analysis, sampling->segment_nm, sampling->weights);
     fine_detector_free(&sampling->fine);
-    free(sampling->synthesis);
-    free(sampling->peak_nm);
+    FREE_ALL(sampling->synthesis, sampling->peak_nm);
     *sampling = (struct sampling){.detector = NULL};
 }

@@ -133,10 +133,7 @@ bool spectrum_is_in_nm(const struct spectrum *spectrum, struct error *err)
 
 void spectrum_free(struct spectrum *spectrum)
 {
-    free(spectrum->wavelength_nm);
-    free(spectrum->value);
-    free(spectrum->name);
-    free(spectrum->path);
+    FREE_ALL(spectrum->wavelength_nm, spectrum->value, spectrum->name, spectrum->path);
     *spectrum = (struct spectrum){0};
 }
 

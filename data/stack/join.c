@@ -150,8 +150,7 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                (labels = sampling_labels(&sampling, part->image.n_pages, err));
     const struct stack_options options = whole_options(joined, provenance, labels);
     done = done && stack_open(&joined->writer, path, &options, err);
-    free(provenance);
-    free(labels);
+    FREE_ALL(provenance, labels);
     return done;
 }
 
@@ -289,8 +288,6 @@ bool command_join(struct options *options, struct error *err)
     done = done && finish(&joined, options, err) && report(options, &joined, err);
     stack_discard(&joined.writer);
     cube_close(&joined.first);
-    free(joined.record);
-    free(joined.has);
-    free(joined.bytes);
+    FREE_ALL(joined.record, joined.has, joined.bytes);
     return done;
 }

@@ -160,8 +160,7 @@ bool stack_commit_envi(struct stack_writer *writer, const char *path, struct out
         done = error_system(err, "cannot write %s", name);
     done = done && stack_commit(writer, outputs, err) && output_pass(&output, outputs, err);
     output_discard(&output);
-    free(header);
-    free(name);
+    FREE_ALL(header, name);
     return done;
 }
 

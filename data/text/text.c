@@ -122,8 +122,7 @@ bool text_open_line(struct text *out, const char *name, const char *line, struct
 
 void text_free(struct text *text)
 {
-    free(text->path);
-    free(text->bytes);
+    FREE_ALL(text->path, text->bytes);
     *text = (struct text){0};
 }
 

@@ -256,8 +256,7 @@ static bool page_read(struct stored_rows *of, uint32_t y, uint32_t n, float *out
             good = values_place(of, y, n, out + (y - first) * (size_t)layout->width, err);
     }
     file->decoding = false;
-    free(of->samples);
-    free(of->tile);
+    FREE_ALL(of->samples, of->tile);
     return good;
 }
 

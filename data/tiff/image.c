@@ -368,8 +368,7 @@ static bool refuse_foreign(const struct image *image, struct error *err)
     else
         error_at(err, from, "%s is a %s file; expected TIFF, as 'convert%s' of ImageMagick writes",
                  path, format, names);
-    free(data);
-    free(names);
+    FREE_ALL(data, names);
     return false;
 }
 
@@ -406,18 +405,13 @@ static void close_file(struct image_file *file)
         TIFFClose(file->tiff);
     if (file->descriptor >= 0)
         close(file->descriptor);
-    free(file->pages);
-    free(file->kept.samples);
-    free(file);
+    FREE_ALL(file->pages, file->kept.samples, file);
 }
 
 void image_close(struct image *image)
 {
     if (image->file != NULL)
         close_file(image->file);
-    free(image->path);
-    free(image->description);
-    free(image->verdict);
-    free(image->wavelengths_nm);
+    FREE_ALL(image->path, image->description, image->verdict, image->wavelengths_nm);
     *image = (struct image){0};
 }

@@ -360,13 +360,9 @@ void lit_free(struct lit_scene *lit)
 {
     for (int i = 0; lit->surfaces && lit->bounds && i < lit->plan->n_instances; i++) {
         surface_close(&lit->surfaces[i]);
-        free(lit->bounds[i].vertices);
-        free(lit->bounds[i].errors);
-        free(lit->bounds[i].jumps);
-        free(lit->bounds[i].hidden);
-        free(lit->bounds[i].group_weights);
+        FREE_ALL(lit->bounds[i].vertices, lit->bounds[i].errors, lit->bounds[i].jumps,
+                 lit->bounds[i].hidden, lit->bounds[i].group_weights);
     }
-    free(lit->surfaces);
-    free(lit->bounds);
+    FREE_ALL(lit->surfaces, lit->bounds);
     *lit = (struct lit_scene){.plan = NULL};
 }

@@ -261,17 +261,8 @@ bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int i
 void chunk_free(struct chunk *chunk)
 {
     picture_free(&chunk->picture);
-    free(chunk->errors);
-    free(chunk->own);
-    free(chunk->mean);
-    free(chunk->depth_error);
-    free(chunk->overdraw);
-    free(chunk->steepness);
-    free(chunk->is_ambiguous);
-    free(chunk->ambiguous);
-    free(chunk->candidates);
-    free(chunk->candidate_rows);
-    free(chunk->candidate_errors);
-    free(chunk->candidate_own);
+    FREE_ALL(chunk->errors, chunk->own, chunk->mean, chunk->depth_error, chunk->overdraw,
+             chunk->steepness, chunk->is_ambiguous, chunk->ambiguous, chunk->candidates,
+             chunk->candidate_rows, chunk->candidate_errors, chunk->candidate_own);
     *chunk = (struct chunk){.errors = NULL};
 }

@@ -348,14 +348,8 @@ static void settle_all(struct check *check, struct check_totals *totals)
 
 void check_free(struct check *check)
 {
-    free(check->stretches);
-    free(check->failed);
-    free(check->ratio);
-    free(check->floor);
-    free(check->band_floor);
-    free(check->hypotheses);
-    free(check->estimates);
-    free(check->candidate_estimates);
+    FREE_ALL(check->stretches, check->failed, check->ratio, check->floor, check->band_floor,
+             check->hypotheses, check->estimates, check->candidate_estimates);
     *check = (struct check){.scene = NULL};
 }
 

@@ -14,8 +14,7 @@ void cost_entry_free(struct cost_entry *entry)
 {
     for (int i = 0; i < entry->n_words; i++)
         free(entry->words[i]);
-    free(entry->walls);
-    free(entry->processors);
+    FREE_ALL(entry->walls, entry->processors);
     *entry = (struct cost_entry){.n_words = 0};
 }
 
@@ -25,9 +24,7 @@ void cost_free(struct cost *cost)
         cost_entry_free(&cost->entries[i]);
     for (int i = 0; cost->notes && i < cost->n_notes; i++)
         free(cost->notes[i]);
-    free(cost->entries);
-    free(cost->notes);
-    free(cost->scene);
+    FREE_ALL(cost->entries, cost->notes, cost->scene);
     *cost = (struct cost){.scene = NULL};
 }
 

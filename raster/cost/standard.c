@@ -130,12 +130,8 @@ static bool close_walk(struct walk *walk, struct error *err)
     const bool closed = walk->summary < 0 || close(walk->summary) == 0 || errno == EINTR;
     rows_close(&walk->rows);
     sight_free(&walk->sight);
-    free(walk->pixels);
-    free(walk->lattice);
-    free(walk->pages);
-    free(walk->linear);
-    free(walk->squares);
-    free(walk->differences);
+    FREE_ALL(walk->pixels, walk->lattice, walk->pages, walk->linear, walk->squares,
+             walk->differences);
     return closed || error_system(err, "cannot write %s", walk->request->summary);
 }
 

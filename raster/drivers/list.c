@@ -131,8 +131,7 @@ bool drivers_measure(struct driver_list *drivers, struct error *err)
 void drivers_free(struct driver_list *drivers)
 {
     for (int i = 0; i < drivers->n; i++) {
-        free(drivers->list[i].is);
-        free(drivers->list[i].traits);
+        FREE_ALL(drivers->list[i].is, drivers->list[i].traits);
     }
     free(drivers->list);
     *drivers = (struct driver_list){.n = 0};

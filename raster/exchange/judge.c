@@ -166,8 +166,7 @@ static void drawn_close(struct renderer *renderer)
     struct drawn *of = (struct drawn *)renderer;
     for (int i = 0; i < MOST_BUFFERS; i++)
         free(of->buffers[i]);
-    free(of->numbers);
-    free(of->depths);
+    FREE_ALL(of->numbers, of->depths);
     image_close(&of->image);
     free(of);
 }

@@ -161,13 +161,8 @@ void fit_free(struct fit *fit)
 {
     for (int m = 0; fit->materials && m < fit->plan->n_materials; m++) {
         struct material_fit *material = &fit->materials[m];
-        free(material->spectra);
-        free(material->own);
-        free(material->rest);
-        free(material->gains);
-        free(material->share);
-        free(material->flushed);
-        free(material->scale);
+        FREE_ALL(material->spectra, material->own, material->rest, material->gains, material->share,
+                 material->flushed, material->scale);
     }
     free(fit->materials);
     *fit = (struct fit){.plan = NULL};

@@ -56,8 +56,7 @@ bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out,
 
 void knowledge_free(struct knowledge *knowledge)
 {
-    free(knowledge->covariance);
-    free(knowledge->moved);
+    FREE_ALL(knowledge->covariance, knowledge->moved);
 }
 
 double knowledge_add(struct knowledge *knowledge, int band)
@@ -158,7 +157,6 @@ bool pilots_choose(struct fit *fit, struct error *err)
     qsort(fit->passes, (size_t)fit->n_passes, sizeof *fit->passes, compare_passes);
     for (int m = 0; m < n_materials && choice.known; m++)
         knowledge_free(&choice.known[m]);
-    free(choice.known);
-    free(choice.saved);
+    FREE_ALL(choice.known, choice.saved);
     return done;
 }

@@ -320,9 +320,6 @@ bool fragments_find(struct fragments *out)
 
 void fragments_free(struct fragments *fragments)
 {
-    free(fragments->pixels);
-    free(fragments->seams);
-    free(fragments->triangles);
-    free(fragments->fragments);
-    free(fragments->clipped);
+    FREE_ALL(fragments->pixels, fragments->seams, fragments->triangles, fragments->fragments,
+             fragments->clipped);
 }

@@ -108,12 +108,7 @@ static void gl_close(struct renderer *renderer)
     for (int i = 0; i < MOST_BUFFERS; i++)
         free(gl->buffers[i]);
     vertex_buffers_free(&gl->vertices);
-    free(gl->textures);
-    free(gl->part);
-    free(gl->shown);
-    free(gl->steps);
-    free(gl->depths);
-    free(gl);
+    FREE_ALL(gl->textures, gl->part, gl->shown, gl->steps, gl->depths, gl);
 }
 
 static const float *gl_pixels(const struct renderer *renderer, int buffer)

@@ -211,7 +211,6 @@ bool probe_scene(const struct plan *plan, const struct probe_options *options, s
                 probe_allocate(out, scene->wavelengths_nm, scene->n_wavelengths, err) &&
                 inspect(&region, err) && add_colour(out, scene, options, err);
     lit_free(&region.lit);
-    free(region.samples);
-    free(region.moments);
+    FREE_ALL(region.samples, region.moments);
     return done;
 }

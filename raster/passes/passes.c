@@ -90,7 +90,6 @@ bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
 
 void passes_free(struct passes *passes)
 {
-    free(passes->frame);
-    free(passes->first_pass);
+    FREE_ALL(passes->frame, passes->first_pass);
     *passes = (struct passes){.frame = NULL};
 }

@@ -244,10 +244,7 @@ static void forget_instances(struct plan *plan)
 {
     for (int i = 0; i < plan->n_meshes; i++)
         mesh_free(&plan->meshes[i].mesh);
-    free(plan->meshes);
-    free(plan->instances);
-    free(plan->is_idle);
-    free(plan->shows_texture);
+    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture);
     plan->meshes = NULL;
     plan->instances = NULL;
     plan->is_idle = plan->shows_texture = NULL;
@@ -274,12 +271,10 @@ void plan_free(struct plan *plan)
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
-    free(plan->materials);
-    free(plan->textures);
+    FREE_ALL(plan->materials, plan->textures);
     index_free(&plan->by_material);
     index_free(&plan->by_texture);
-    free(plan->lights);
-    free(plan->sources);
+    FREE_ALL(plan->lights, plan->sources);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};
 }

@@ -86,8 +86,7 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
                                           .labels = labels};
     if (provenance && (labels || !labelled) && stack_open(&state->stack, path, &options, err))
         state->stages.stack = &state->stack;
-    free(labels);
-    free(provenance);
+    FREE_ALL(labels, provenance);
     clock_in(&state->since, &state->stages.seconds.write);
     return state->stages.stack != NULL;
 }

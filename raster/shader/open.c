@@ -94,13 +94,8 @@ static void shader_close(struct renderer *renderer)
         free(shader->buffers[i]);
     for (int i = 0; i < MOST_PASSES; i++)
         free(shader->ready[i]);
-    free(shader->programs);
-    free(shader->textures);
-    free(shader->part);
-    free(shader->shown);
-    free(shader->depths);
-    free(shader->order);
-    free(shader);
+    FREE_ALL(shader->programs, shader->textures, shader->part, shader->shown, shader->depths,
+             shader->order, shader);
 }
 
 static const float *shader_pixels(const struct renderer *renderer, int buffer)

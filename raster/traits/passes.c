@@ -71,7 +71,6 @@ bool measure_passes(struct target *target, struct traits *out, struct error *err
             out->varying_pixels += lit != flat[i];
         }
     }
-    free(corners);
-    free(flat);
+    FREE_ALL(corners, flat);
     return done;
 }

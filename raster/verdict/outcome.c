@@ -37,10 +37,7 @@ bool totals_open(const struct check_scene *scene, struct check_totals *out, stru
 
 void totals_free(struct check_totals *totals)
 {
-    free(totals->first);
-    free(totals->unchecked);
-    free(totals->varying);
-    free(totals->shown);
+    FREE_ALL(totals->first, totals->unchecked, totals->varying, totals->shown);
     *totals = (struct check_totals){.scene = NULL};
 }
 

@@ -129,9 +129,7 @@ void verification_free(struct verification *of)
 {
     for (int i = 0; i < of->n_scenes; i++)
         free(of->scenes[i].path);
-    free(of->drivers);
-    free(of->scenes);
-    free(of->results);
+    FREE_ALL(of->drivers, of->scenes, of->results);
     *of = (struct verification){.n_drivers = 0};
 }
 

@@ -117,8 +117,7 @@ bool vertex_buffers_fill(const struct gl_functions *call, const struct lit_scene
 
 void vertex_buffers_free(struct vertex_buffers *buffers)
 {
-    free(buffers->objects);
-    free(buffers->indices);
+    FREE_ALL(buffers->objects, buffers->indices);
     *buffers = (struct vertex_buffers){.call = NULL};
 }
 
