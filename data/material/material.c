@@ -3,7 +3,6 @@
  * line is the kind of the line) and from the words of a scene. Both have the same ranges. */
 #include <ctype.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 

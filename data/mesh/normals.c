@@ -5,7 +5,6 @@
  */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/base/base.h"
 #include "data/mesh/mesh.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Sampling by a linear model: the principal components of a scene's spectra. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "data/sampling/sampling.h"
 

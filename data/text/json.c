@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes JSON into a text that grows. The caller is responsible for the structure. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/text/text.h"
 

@@ -2,7 +2,6 @@
 /* Words with a meaning, and small tools for all statements of a scene, so that all of them refuse a
  * mistake in the same way. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 

@@ -2,7 +2,6 @@
 /* Finds the faces whose backs nobody sees. A view ray enters a solid through a front before it
  * leaves it through a back, so backs are hidden, and OpenGL need not draw them. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "raster/bounds/bounds.h"
 

@@ -3,8 +3,6 @@
  * OpenGL may be off there. Refuses what single precision cannot hold. */
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/threads/threads.h"
 #include "raster/bounds/bounds.h"

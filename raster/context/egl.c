@@ -8,7 +8,6 @@
  * another order, and rounds otherwise. With it, colours and depths of Mesa 22.3.6 are those of
  * OSMesa to the bit, since OSMesa turns its window around inside of Mesa. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/context/context.h"
 

@@ -3,7 +3,6 @@
  * time (sampling, shading, renderer, depth); then the best values are combined. */
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/base/base.h"

@@ -2,7 +2,6 @@
 /* A scene as another program needs it: numbers of single precision as OpenGL gets them, in the byte
  * order of this machine, and lines of words. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/digest/digest.h"
 #include "data/scene/scene.h"

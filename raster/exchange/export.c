@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes the files of a scene into a new folder. */
 #include <errno.h>
-#include <string.h>
 
 #include "data/output/output.h"
 #include "data/process/process.h"

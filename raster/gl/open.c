@@ -2,7 +2,6 @@
 /* Opens OpenGL for a plan, with what it draws on: floats, or counts of 8 or 16 bits. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/context/context.h"
 #include "raster/gl/gl.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Meshes and textures as OpenGL keeps them. A spectral texture's texels are uploaded anew for each
  * pass. */
-#include <stdlib.h>
 
 #include "raster/context/context.h"
 #include "raster/gl/gl.h"

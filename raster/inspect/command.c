@@ -3,8 +3,6 @@
  * lies in raster/ because the reference draws the scene. */
 #include <stdint.h>
 #include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"

@@ -2,7 +2,6 @@
 /* Explains the spectrum of a region. The reference draws the region as it draws the whole picture.
  * The spectra of the lights and of the material are listed beside the region's radiance. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/material/material.h"
 #include "data/scene/scene.h"

@@ -3,7 +3,6 @@
  * reach them. OpenGL gets nothing else. Margins here exceed all bounds of single precision, so that
  * in doubt an instance is in view, and a light reaches it. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "raster/plan/plan.h"
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
 #include <errno.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "data/sampling/sampling.h"

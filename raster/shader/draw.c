@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Batches of passes: four passes of three bands are drawn at once, in the order in which `draw`
  * will be asked for them. `draw` exchanges its buffer with the one that holds the pass. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/scene/scene.h"

@@ -2,7 +2,6 @@
 /* Opens OpenGL with shaders for a plan. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/context/context.h"
 #include "raster/shader/shader.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Meshes and textures as the shaders get them. */
-#include <stdlib.h>
 
 #include "data/scene/scene.h"
 #include "raster/context/context.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures whether the passes of a picture show the same triangles: one draws numbers as flat
  * colours from the program's memory, the others draw lit triangles from OpenGL's. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "raster/traits/traits.h"

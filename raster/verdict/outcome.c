@@ -2,7 +2,6 @@
 /* The verdict on the picture: how much of it was checked, and whether it agrees on average. */
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
 #include "raster/verdict/verdict.h"
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral verify: judges scenes on drivers, and reports the results. */
 #include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "raster/verify/verify.h"
