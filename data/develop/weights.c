@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the weights that develop a stack. Detector, adaptation and display are linear: together
  * they become three numbers a page. */
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

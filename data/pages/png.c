@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes samplings, samples scenes, and describes samplings in words. */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

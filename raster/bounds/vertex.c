@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights a scene: the reference places every vertex in the window and lights it; bounds say how far
  * OpenGL may be off there. Refuses what single precision cannot hold. */
-#include <float.h>
 #include <math.h>
 
 #include "data/threads/threads.h"

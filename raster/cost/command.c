@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral cost: measures what accuracy costs in time. Each configuration is a command line of
  * render. */
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>

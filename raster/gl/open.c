@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens OpenGL for a plan, with what it draws on: floats, or counts of 8 or 16 bits. */
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "raster/context/context.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens OpenGL with shaders for a plan. */
-#include <stdio.h>
 #include <stdlib.h>
 
 #include "raster/context/context.h"

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A small picture to draw known triangles on. */
-#include <math.h>
 #include <stdlib.h>
 
 #include "raster/traits/traits.h"
