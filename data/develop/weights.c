@@ -266,9 +266,8 @@ static bool channel_weights(struct development *of, struct error *err)
 bool develop_weights(struct development *of, struct error *err)
 {
     const size_t n = 3 * (size_t)of->cube.image.n_pages;
-    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", of->cube.image.path))
-        return false;
-    if (!detector_read(of->options->detector, &of->detector, err))
+    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", of->cube.image.path) ||
+        !detector_read(of->options->detector, &of->detector, err))
         return false;
     begin_result(of);
     return channel_weights(of, err) && (of->detector.observer ? adapt(of, err) : balance(of, err));

@@ -149,9 +149,8 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
     const size_t n = (size_t)from->n_triangles;
     int64_t *edges = NULL;
     *out = (struct mesh){.parametric = from->parametric};
-    if (!mesh_reserve(out, (size_t)from->n_vertices + 2 * n, 3 * n, err))
-        return false;
-    if (!MAKE_ARRAY(out->part, 3 * n, err, "the parts of a cut mesh") ||
+    if (!mesh_reserve(out, (size_t)from->n_vertices + 2 * n, 3 * n, err) ||
+        !MAKE_ARRAY(out->part, 3 * n, err, "the parts of a cut mesh") ||
         !MAKE_ARRAY(edges, 2 * n, err, "the edges of a cut mesh"))
         return false;
     out->n_parts = 2;

@@ -408,10 +408,9 @@ static bool add_positions(struct cost *cost, struct configuration configuration,
 
 bool configurations_pictures(struct cost *cost, struct error *err)
 {
-    if (!add_positions(cost, smooth, err) || (gl_is_built() && !add_positions(cost, opengl, err)))
-        return false;
-    return add_shadings(cost, false, err) && add_accuracies(cost, err) &&
-           add_renderers(cost, cost->chosen[GOOD], err);
+    return add_positions(cost, smooth, err) &&
+           (!gl_is_built() || add_positions(cost, opengl, err)) && add_shadings(cost, false, err) &&
+           add_accuracies(cost, err) && add_renderers(cost, cost->chosen[GOOD], err);
 }
 
 bool configurations_finest(struct cost *cost, struct error *err)

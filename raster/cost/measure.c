@@ -340,9 +340,9 @@ static bool measure(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
     bool lit = false;
-    if (!open_folder(measurement, err) || !survey_scene(measurement->options, &cost->survey, err))
-        return false;
-    return make_standard(measurement, &lit, err) && describe(measurement, lit, err) &&
+    return open_folder(measurement, err) &&
+           survey_scene(measurement->options, &cost->survey, err) &&
+           make_standard(measurement, &lit, err) && describe(measurement, lit, err) &&
            announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
 }
 

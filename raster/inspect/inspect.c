@@ -158,11 +158,11 @@ static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
     const int surface = region->surface;
-    if (!region->several &&
-        (!string_copy(object_name(&region->plan, surface), &probe->object, err) ||
-         (surface >= 0 && !add_material(probe, region->lit.bounds[surface].shaded->material, err))))
-        return false;
-    return add_lights(probe, region->plan.scene, err);
+    return (region->several ||
+            (string_copy(object_name(&region->plan, surface), &probe->object, err) &&
+             (surface < 0 ||
+              add_material(probe, region->lit.bounds[surface].shaded->material, err)))) &&
+           add_lights(probe, region->plan.scene, err);
 }
 
 /* ---- the whole ---- */

@@ -125,9 +125,8 @@ static bool reaches_vertex(const struct eye_light *light, const struct lit_verte
         return true;
     if (light->attenuated && !(incidence.divisor > 1e-18 && incidence.divisor < 1e18))
         return true;
-    if (light->spot && in_spot < light->cutoff_cosine - cosine_error)
-        return false;
-    return two_sided || vertex->may_be_any || !(cosine < -cosine_error);
+    return !(light->spot && in_spot < light->cutoff_cosine - cosine_error) &&
+           (two_sided || vertex->may_be_any || !(cosine < -cosine_error));
 }
 
 bool reflects(const struct instance *instance, const struct eye_light *light)
