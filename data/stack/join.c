@@ -142,7 +142,8 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
     whole.rows.n = whole.wavelengths.n = 0;
     whole.full_scale = whole.scale = whole.object_map = NULL;
     char *provenance = record_text(&whole, err);
-    bool done = provenance && MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows") &&
+    bool done = provenance &&
+                MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows of %s", path) &&
                 MAKE_ARRAY(joined->bytes, COPIED_BYTES, err, "rows of %s", path);
     if (done && part->components)
         done = sampling_read(part->image.path, part->record.sampling, &sampling.method, err) &&
