@@ -63,8 +63,7 @@ bool memory_lacks(struct error *err, double bytes, const char *format, ...)
     if (bytes > 0)
         snprintf(figure, sizeof figure, large ? ": %.1f MiB" : ": %.0f bytes",
                  large ? bytes / MiB : bytes);
-    errno = 0;
-    return error_system(err, "out of memory%s for %s; --memory sets the limit", figure, what);
+    return error_failed(err, "out of memory%s for %s; --memory sets the limit", figure, what);
 }
 
 /* All pointers to objects have one representation, by POSIX. */

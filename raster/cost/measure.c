@@ -122,9 +122,8 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     measurement->cost->standard_seconds = seconds.wall;
     unlink(measurement->stack);
     cost_entry_free(&entry);
-    errno = 0;
     if (strstr(own.text, measurement->folder.path))
-        error_system(err, "%s; set TMPDIR to a folder with more room", error_words(&own));
+        error_failed(err, "%s; set TMPDIR to a folder with more room", error_words(&own));
     else if (!done)
         *err = own;
     return done;
@@ -309,8 +308,7 @@ static bool conclude(struct cost *cost, struct error *err)
 {
     qsort(cost->entries, (size_t)cost->n, sizeof *cost->entries, by_seconds);
     cost_mark(cost);
-    errno = 0;
-    return cost->n > 0 || error_system(err, "no configuration could be rendered: %s",
+    return cost->n > 0 || error_failed(err, "no configuration could be rendered: %s",
                                        cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 

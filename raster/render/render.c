@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
-#include <errno.h>
 #include <time.h>
 
 #include "data/sampling/sampling.h"
@@ -196,9 +195,8 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
 /* Refuses samples that no page can hold. */
 static bool are_finite(const struct render_result *result, struct error *err)
 {
-    errno = 0;
     return result->odd.undefined == 0 ||
-           error_system(err,
+           error_failed(err,
                         "%llu samples are not finite (or too large for a float page); "
                         "nothing was written",
                         (unsigned long long)result->odd.undefined);

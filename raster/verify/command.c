@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral verify: judges scenes on drivers, and reports the results. */
-#include <errno.h>
 #include <string.h>
 
 #include "raster/verify/verify.h"
@@ -58,9 +57,8 @@ static bool conclude(const struct verification *of, struct error *err)
         if (result->outcome == VERIFY_FAILED)
             reason = result->text;
     }
-    errno = 0;
     if (failed == n)
-        return error_system(err, "no picture could be drawn: %s", reason);
+        return error_failed(err, "no picture could be drawn: %s", reason);
     if (failed > 0)
         return error_different(err,
                                "%d of %d pictures could not be drawn, and %d differ or are not "
