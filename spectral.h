@@ -70,6 +70,8 @@ bool error_usage(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 bool error_different(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Appends ": " and the description of errno where errno is not 0. Sets EXIT_SYSTEM. */
 bool error_system(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
+/* Sets EXIT_SYSTEM, for a failure that errno does not describe. */
+bool error_failed(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Sets EXIT_SYSTEM and `unsupported`. */
 bool error_unsupported(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Appends ": " and the description of a cause, an errno. Sets EXIT_INPUT where the path is at fault

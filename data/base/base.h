@@ -121,8 +121,12 @@ bool memory_lacks(struct error *err, double bytes, const char *format, ...) PRIN
  * false, where memory lacks; the macro then says what for. It evaluates n twice. */
 bool memory_make(void *array, size_t n, size_t size);
 #define MAKE_ARRAY(array, n, err, ...)                                                             \
-    (memory_make(&(array), n, sizeof *(array)) ||                                                  \
+    (memory_make(&(array), (size_t)(n), sizeof *(array)) ||                                        \
      memory_lacks(err, (double)(n) * (double)sizeof *(array), __VA_ARGS__))
+/* Frees all these pointers, e.g. FREE_ALL(a, b). NULL is none. */
+#define FREE_ALL(...)                                                                              \
+    memory_free((void *[]){__VA_ARGS__}, sizeof(void *[]){__VA_ARGS__} / sizeof(void *))
+void memory_free(void *const *items, size_t n);
 /* Gives an array room for n items, which may move it. Returns false, and changes nothing, where
  * memory lacks. */
 bool memory_resize(void *array, size_t n, size_t size);

@@ -3,7 +3,6 @@
  * when memory has run out. Nothing is printed here: the command line decides what the user sees. */
 #include <limits.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/base/base.h"
@@ -66,6 +65,15 @@ bool error_different(struct error *err, const char *format, ...)
     return false;
 }
 
+bool error_failed(struct error *err, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fail(err, EXIT_SYSTEM, "", format, arguments, "");
+    va_end(arguments);
+    return false;
+}
+
 bool error_unsupported(struct error *err, const char *format, ...)
 {
     va_list arguments;
@@ -116,8 +124,7 @@ bool error_cause(struct error *err, struct place place, int cause, const char *f
 
 bool error_memory(struct error *err)
 {
-    errno = 0;
-    return error_system(err, "out of memory; --memory sets the limit");
+    return error_failed(err, "out of memory; --memory sets the limit");
 }
 
 bool error_unread(struct error *err)

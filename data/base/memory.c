@@ -63,8 +63,7 @@ bool memory_lacks(struct error *err, double bytes, const char *format, ...)
     if (bytes > 0)
         snprintf(figure, sizeof figure, large ? ": %.1f MiB" : ": %.0f bytes",
                  large ? bytes / MiB : bytes);
-    errno = 0;
-    return error_system(err, "out of memory%s for %s; --memory sets the limit", figure, what);
+    return error_failed(err, "out of memory%s for %s; --memory sets the limit", figure, what);
 }
 
 /* All pointers to objects have one representation, by POSIX. */
@@ -73,6 +72,12 @@ bool memory_make(void *array, size_t n, size_t size)
     void *items = calloc(n > 0 ? n : 1, size);
     memcpy(array, &items, sizeof items);
     return items != NULL;
+}
+
+void memory_free(void *const *items, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        free(items[i]);
 }
 
 bool memory_resize(void *array, size_t n, size_t size)

@@ -45,18 +45,16 @@ char *file_relative(const char *base, const char *name)
     const bool whole = base == NULL || name[0] == '/' || path_is_builtin(name);
     const char *slash = whole ? NULL : strrchr(base, '/');
     size_t folder = 0;
-    char *path;
+    struct printed path = {.text = NULL};
     if (slash != NULL)
         folder = (size_t)(slash + 1 - base);
     else if (!whole && path_is_builtin(base))
         folder = strlen(BUILTIN_PREFIX);
-    path = malloc(folder + strlen(name) + 1);
-    if (path == NULL)
-        return NULL;
-    sprintf(path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
-    if (path_is_builtin(path))
-        fold(path + strlen(BUILTIN_PREFIX));
-    return path;
+    print(&path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
+    char *out = printed_end(&path);
+    if (out != NULL && path_is_builtin(out))
+        fold(out + strlen(BUILTIN_PREFIX));
+    return out;
 }
 
 /* ---- what a path names ---- */

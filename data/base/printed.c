@@ -10,24 +10,14 @@
 /* Makes room for more bytes and a NUL. */
 static bool make_room(struct printed *to, size_t more)
 {
-    const size_t least = 256;
+    const size_t least = 256, most = SIZE_MAX / 4;
     size_t capacity = to->capacity > 0 ? to->capacity : least;
-    if (to->failed || more >= SIZE_MAX / 4 || to->length >= SIZE_MAX / 4) {
-        to->failed = true;
-        return false;
-    }
-    while (capacity <= to->length + more)
+    to->failed = to->failed || more >= most || to->length >= most;
+    while (!to->failed && capacity <= to->length + more)
         capacity *= 2;
-    if (capacity == to->capacity)
-        return true;
-    char *text = realloc(to->text, capacity);
-    if (!text) {
-        to->failed = true;
-        return false;
-    }
-    to->text = text;
+    to->failed = to->failed || (capacity > to->capacity && !memory_resize(&to->text, capacity, 1));
     to->capacity = capacity;
-    return true;
+    return !to->failed;
 }
 
 void print_bytes(struct printed *to, const void *bytes, size_t length)
@@ -47,8 +37,9 @@ void print_text(struct printed *to, const char *text)
 
 void print_shell(struct printed *to, const char *word)
 {
-    const bool plain = *word && word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                                         "0123456789%+,-./:=@_")] == '\0';
+    const bool plain =
+        *word && word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                   "0123456789%+,-./:=@_")] == '\0';
     print_text(to, plain ? " " : " '");
     for (; *word; word++)
         if (*word == '\'')
@@ -122,10 +113,11 @@ char *printed_end(struct printed *printed)
 
 char *printed_take(struct printed *printed, struct error *err)
 {
-    char *text = printed_end(printed);
-    if (!text)
-        memory_lacks(err, 2 * (double)printed->length + 1, "a text");
-    return text;
+    print_bytes(printed, "", 0);
+    if (printed->failed)
+        memory_lacks(err, 2 * (double)printed->length + 1, "the text that begins with '%.40s'",
+                     printed->text ? printed->text : "");
+    return printed_end(printed);
 }
 
 bool printed_show(struct printed *printed, int to, struct error *err)

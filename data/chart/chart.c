@@ -93,14 +93,6 @@ struct chart_grid chart_grid(int n, int longest, double sample)
                                (CHART_WIDTH - CHART_LEFT) / (double)columns};
 }
 
-char *chart_file(void (*draw)(void *plot, struct printed *to), void *plot)
-{
-    struct printed printed = {.text = NULL};
-    draw(plot, &printed);
-    print_text(&printed, "</svg>\n");
-    return printed_end(&printed);
-}
-
 /* ---- the plot ---- */
 
 struct plot {
@@ -307,15 +299,13 @@ static void draw_legend(const struct plot *plot, int top)
 
 /* ---- the file ---- */
 
-static void draw(void *of, struct printed *to)
+static void draw(struct plot *plot)
 {
-    struct plot *plot = of;
     const struct chart *chart = plot->chart;
     const int legend =
         CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
     const int height = legend + CHART_LEGEND_ROW * legend_grid(plot).rows;
-    plot->area.to = to;
-    chart_head(to, chart->title, height);
+    chart_head(plot->area.to, chart->title, height);
     if (chart->wavelengths)
         draw_visible(plot);
     axis_draw_x(&plot->area, &plot->x, chart->x_label, chart->wavelengths ? STRIP : 0);
@@ -328,11 +318,12 @@ static void draw(void *of, struct printed *to)
     draw_legend(plot, legend);
 }
 
-char *chart_svg(const struct chart *chart)
+void chart_svg(const struct chart *chart, struct printed *to)
 {
-    struct plot plot = {.chart = chart, .area = {.height = PLOT_HEIGHT}};
+    struct plot plot = {.chart = chart, .area = {.to = to, .height = PLOT_HEIGHT}};
     plot.area.width =
         CHART_WIDTH - CHART_LEFT - (chart->right_label ? CHART_RIGHT_AXIS : CHART_MARGIN);
     fit_axes(&plot);
-    return chart_file(draw, &plot);
+    draw(&plot);
+    print_text(to, "</svg>\n");
 }

@@ -95,8 +95,7 @@ static void distribution_end(const struct distribution *of, uint64_t n_pixels,
 
 static void distribution_free(struct distribution *distribution)
 {
-    free(distribution->count);
-    free(distribution->largest);
+    FREE_ALL(distribution->count, distribution->largest);
 }
 
 /* ---- a pixel ---- */
@@ -442,12 +441,8 @@ static void comparer_free(struct comparer *comparer)
     sight_free(&comparer->sight);
     for (int i = 0; i < PIXEL_MEASURES; i++)
         distribution_free(&comparer->distributions[i]);
-    free(comparer->spectra);
-    free(comparer->bands);
-    free(comparer->largest_a);
-    free(comparer->measures);
-    free(comparer->map);
-    free(comparer->colours);
+    FREE_ALL(comparer->spectra, comparer->bands, comparer->largest_a, comparer->measures,
+             comparer->map, comparer->colours);
 }
 
 bool compare(const char *a, const char *b, const struct compare_options *options,
@@ -540,8 +535,6 @@ void comparison_print(const struct comparison *comparison, struct printed *to)
 
 void comparison_free(struct comparison *comparison)
 {
-    free(comparison->wavelengths_nm);
-    free(comparison->bands);
-    free(comparison->observer);
+    FREE_ALL(comparison->wavelengths_nm, comparison->bands, comparison->observer);
     *comparison = (struct comparison){.n = 0};
 }

@@ -255,23 +255,15 @@ void develop_json(const struct develop_options *options, const struct develop_re
 
 /* ---- the picture ---- */
 
-/* Returns the description of the picture, allocated; NULL: no memory. */
-static char *description(const struct development *of)
-{
-    struct printed printed = {.text = NULL};
-    print(&printed, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
-    print_settings(of->options, of->result, &printed);
-    return picture_text(printed_end(&printed));
-}
-
 static bool open_picture(const struct development *of, const char *path, struct picture_writer *out,
                          struct error *err)
 {
     const bool lab = of->options->values == DEVELOP_LAB, rgb = of->options->values == DEVELOP_RGB;
     unsigned char profile[LARGEST_PROFILE];
-    char *text = description(of);
-    if (text == NULL)
-        return memory_lacks(err, 1024, "the description of the picture");
+    struct printed printed = {.text = NULL};
+    print(&printed, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
+    print_settings(of->options, of->result, &printed);
+    char *text = picture_text(printed_take(&printed, err));
     const struct picture_options options = {
         .width = of->result->width,
         .height = of->result->height,
@@ -283,7 +275,7 @@ static bool open_picture(const struct development *of, const char *path, struct 
         .profile = rgb ? profile : NULL,
         .profile_length = rgb ? profile_write(of->options->display, profile) : 0,
         .description = text};
-    const bool done = picture_open(out, path, &options, err);
+    const bool done = text && picture_open(out, path, &options, err);
     free(text);
     return done;
 }
@@ -318,10 +310,6 @@ bool develop(const char *stack, const char *output, const struct develop_options
                 write_picture(&of, output, err);
     cube_close(&of.cube);
     detector_free(&of.detector);
-    free(of.weights);
-    free(of.of_white);
-    free(of.radiance);
-    free(of.sums);
-    free(of.samples);
+    FREE_ALL(of.weights, of.of_white, of.radiance, of.sums, of.samples);
     return done;
 }

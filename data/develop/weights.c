@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the weights that develop a stack. Detector, adaptation and display are linear: together
  * they become three numbers a page. */
-#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -84,9 +83,9 @@ static bool white_finely(const struct development *of, struct fine_spectra *out,
     struct error ignored = {0};
     double *white;
     const bool needed = of->options->sampling->kind == SAMPLING_ADAPTIVE;
-    const bool done = MAKE_ARRAY(white, (size_t)image->n_pages, err, "a white") &&
-                      MAKE_ARRAY(out->lights, (size_t)out->n_nm, err, "a white") &&
-                      MAKE_ARRAY(out->products, (size_t)out->n_nm, err, "a white");
+    const bool done = MAKE_ARRAY(white, image->n_pages, err, "a white") &&
+                      MAKE_ARRAY(out->lights, out->n_nm, err, "a white") &&
+                      MAKE_ARRAY(out->products, out->n_nm, err, "a white");
     const bool found =
         done && cube_white(&of->cube, of->options->white, white, needed ? err : &ignored);
     if (found) {
@@ -267,9 +266,8 @@ static bool channel_weights(struct development *of, struct error *err)
 bool develop_weights(struct development *of, struct error *err)
 {
     const size_t n = 3 * (size_t)of->cube.image.n_pages;
-    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", of->cube.image.path))
-        return false;
-    if (!detector_read(of->options->detector, &of->detector, err))
+    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", of->cube.image.path) ||
+        !detector_read(of->options->detector, &of->detector, err))
         return false;
     begin_result(of);
     return channel_weights(of, err) && (of->detector.observer ? adapt(of, err) : balance(of, err));

@@ -101,7 +101,6 @@ bool index_add(struct index *index, const void *key, size_t length, int number, 
 
 void index_free(struct index *index)
 {
-    free(index->slots);
-    free(index->keys);
+    FREE_ALL(index->slots, index->keys);
     *index = (struct index){.n_keys = 0};
 }

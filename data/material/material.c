@@ -3,7 +3,6 @@
  * line is the kind of the line) and from the words of a scene. Both have the same ranges. */
 #include <ctype.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -161,9 +160,8 @@ bool material_read(const char *path, struct place from, struct material *out, st
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
-    out->name = output_name(path, "");
-    done = (out->name || memory_lacks(err, (double)strlen(path), "the name of %s", path)) &&
-           read_lines(&text, out, err) && complete_file(out, err);
+    out->name = output_name(path, "", err);
+    done = out->name && read_lines(&text, out, err) && complete_file(out, err);
     text.path = NULL;
     text_free(&text);
     if (!done)
@@ -180,19 +178,17 @@ static bool block_word(struct text *text, struct word *out, struct place open, s
     while (!text_peek(*text, out))
         if (!text_next_line(text))
             return error_at(err, open, "this { is never closed by a }");
-    if (!text_expect(text, out, "a word", err))
-        return false;
-    return out->quoted || out->length == 1 || !memchr(out->start, '}', out->length) ||
-           error_at(err, out->place, "a } stands between blanks: { ... }");
+    return text_expect(text, out, "a word", err) &&
+           (out->quoted || out->length == 1 || !memchr(out->start, '}', out->length) ||
+            error_at(err, out->place, "a } stands between blanks: { ... }"));
 }
 
 /* Reads the value behind a word. */
 static bool block_value(struct text *text, struct word *out, const char *what, struct place open,
                         struct error *err)
 {
-    if (!block_word(text, out, open, err))
-        return false;
-    return !word_is(out, "}") || error_at(err, out->place, "expected %s before }", what);
+    return block_word(text, out, open, err) &&
+           (!word_is(out, "}") || error_at(err, out->place, "expected %s before }", what));
 }
 
 static bool read_filter(struct text *text, struct material *out, struct error *err)
@@ -317,9 +313,8 @@ static bool read_block(struct text *text, struct material *out, struct error *er
     struct place given[BLOCK_END + 1] = {{0}};
     struct word word;
     for (int kind = 0; kind != BLOCK_END;) {
-        if (!block_word(text, &word, out->place, err))
-            return false;
-        if (!check_closed(text, &word, out->place, err))
+        if (!block_word(text, &word, out->place, err) ||
+            !check_closed(text, &word, out->place, err))
             return false;
         kind = word_choose_once(&word, block_words, "word in a material", given, err);
         if (kind < 0 || !block_entry(text, kind, out, err))
@@ -356,12 +351,7 @@ void material_free(struct material *material)
     spectrum_free(&material->glow);
     if (material->partner)
         material_free(material->partner);
-    free(material->partner);
-    free(material->partner_name);
-    free(material->donaldson);
-    free(material->texture);
-    free(material->spectral_texture);
-    free(material->name);
-    free(material->path);
+    FREE_ALL(material->partner, material->partner_name, material->donaldson, material->texture,
+             material->spectral_texture, material->name, material->path);
     *material = (struct material){0};
 }

@@ -5,7 +5,6 @@
  * An entry is read only if a scene uses it. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/material/material.h"
 

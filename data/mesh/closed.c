@@ -37,7 +37,7 @@ static bool edges_meet(const struct mesh *mesh, const int32_t *points)
 bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err)
 {
     int32_t *points;
-    const bool done = MAKE_ARRAY(points, (size_t)mesh->n_vertices, err, "the points of a mesh") &&
+    const bool done = MAKE_ARRAY(points, mesh->n_vertices, err, "the points of a mesh") &&
                       find_points(mesh, points, err);
     *closed = done && edges_meet(mesh, points);
     free(points);

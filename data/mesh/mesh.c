@@ -43,10 +43,7 @@ bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct
 
 void mesh_free(struct mesh *mesh)
 {
-    free(mesh->vertices);
-    free(mesh->parameters);
-    free(mesh->triangles);
-    free(mesh->part);
+    FREE_ALL(mesh->vertices, mesh->parameters, mesh->triangles, mesh->part);
     for (int i = 0; mesh->part_names && i < mesh->n_parts; i++)
         free(mesh->part_names[i]);
     free(mesh->part_names);
@@ -83,11 +80,7 @@ static bool builder_allocate(struct builder *b, struct error *err)
 
 static void builder_free(struct builder *b)
 {
-    free(b->cutter);
-    free(b->order);
-    free(b->starts);
-    free(b->first_vertex);
-    free(b->links);
+    FREE_ALL(b->cutter, b->order, b->starts, b->first_vertex, b->links);
     obj_free(&b->obj);
 }
 

@@ -5,7 +5,6 @@
  */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/base/base.h"
 #include "data/mesh/mesh.h"
@@ -53,8 +52,7 @@ struct crowd {
 
 static void crowd_free(struct crowd *crowd)
 {
-    free(crowd->sorted);
-    free(crowd->nodes);
+    FREE_ALL(crowd->sorted, crowd->nodes);
 }
 
 /* Takes 21 bits of each coordinate in turn, the highest first. */
@@ -105,7 +103,7 @@ static bool crowd_make(const struct meeting *meeting, struct crowd *out, struct 
     *out = (struct crowd){.n_groups = 1};
     while (out->n_groups < meeting->n / GROUP + 1)
         out->n_groups *= 2;
-    if (!MAKE_ARRAY(out->sorted, (size_t)meeting->n, err, "the normals of a point") ||
+    if (!MAKE_ARRAY(out->sorted, meeting->n, err, "the normals of a point") ||
         !MAKE_ARRAY(out->nodes, 2 * (size_t)out->n_groups, err, "the normals of a point"))
         return false;
     for (int i = 0; i < meeting->n; i++)

@@ -256,7 +256,6 @@ void obj_free(struct obj *obj)
         free(obj->names[i]);
     free(obj->names);
     index_free(&obj->places);
-    free(obj->corners);
-    free(obj->faces);
+    FREE_ALL(obj->corners, obj->faces);
     *obj = (struct obj){.n_faces = 0};
 }

@@ -149,9 +149,8 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
     const size_t n = (size_t)from->n_triangles;
     int64_t *edges = NULL;
     *out = (struct mesh){.parametric = from->parametric};
-    if (!mesh_reserve(out, (size_t)from->n_vertices + 2 * n, 3 * n, err))
-        return false;
-    if (!MAKE_ARRAY(out->part, 3 * n, err, "the parts of a cut mesh") ||
+    if (!mesh_reserve(out, (size_t)from->n_vertices + 2 * n, 3 * n, err) ||
+        !MAKE_ARRAY(out->part, 3 * n, err, "the parts of a cut mesh") ||
         !MAKE_ARRAY(edges, 2 * n, err, "the edges of a cut mesh"))
         return false;
     out->n_parts = 2;
@@ -213,18 +212,20 @@ static bool take_parts(struct mesh *from, struct mesh *to, struct error *err)
     from->part_names = NULL;
     if (!from->part)
         return true;
-    to->part = malloc((size_t)to->n_triangles * sizeof *to->part + 1);
-    for (int i = 0; to->part && i < to->n_triangles; i++)
+    if (!MAKE_ARRAY(to->part, to->n_triangles, err, "the parts of a halved mesh"))
+        return false;
+    for (int i = 0; i < to->n_triangles; i++)
         to->part[i] = from->part[i / 4];
-    return to->part || error_memory(err);
+    return true;
 }
 
 bool mesh_halve(struct mesh *mesh, struct error *err)
 {
     const size_t n = (size_t)mesh->n_triangles, n_vertices = (size_t)mesh->n_vertices;
     struct mesh finer = {.place = mesh->place};
-    int64_t *edges = malloc((3 * n + 1) * sizeof *edges);
-    bool done = (edges || error_memory(err)) && mesh_begin(&finer, n_vertices + 3 * n, 4 * n, err);
+    int64_t *edges;
+    bool done = MAKE_ARRAY(edges, 3 * n, err, "the edges of a mesh") &&
+                mesh_begin(&finer, n_vertices + 3 * n, 4 * n, err);
     if (done) {
         memcpy(finer.vertices, mesh->vertices, n_vertices * sizeof *mesh->vertices);
         finer.n_vertices = mesh->n_vertices;
@@ -250,9 +251,7 @@ struct division {
 void division_free(struct division *division)
 {
     if (division) {
-        free(division->triangles);
-        free(division->first);
-        free(division->number);
+        FREE_ALL(division->triangles, division->first, division->number);
     }
     free(division);
 }
@@ -276,8 +275,8 @@ static bool divide(struct mesh *mesh, struct error *err)
     if (!MAKE_ARRAY(mesh->division, 1, err, what))
         return false;
     division = mesh->division;
-    if (!MAKE_ARRAY(division->number, (size_t)mesh->n_vertices, err, what) ||
-        (mesh->part && (!MAKE_ARRAY(division->triangles, (size_t)mesh->n_triangles, err, what) ||
+    if (!MAKE_ARRAY(division->number, mesh->n_vertices, err, what) ||
+        (mesh->part && (!MAKE_ARRAY(division->triangles, mesh->n_triangles, err, what) ||
                         !MAKE_ARRAY(division->first, (size_t)mesh->n_parts + 1, err, what)))) {
         division_free(division);
         mesh->division = NULL;

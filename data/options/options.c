@@ -226,8 +226,7 @@ static bool spares_operand(const char *written, const char *operand, struct erro
     if (!file_is_regular(operand, &is_file, err) ||
         (is_file && !file_is_same(written, operand, &same, err)))
         return false;
-    return !same ||
-           error_usage(err, "%s would replace an input; expected another file", written);
+    return !same || error_usage(err, "%s would replace an input; expected another file", written);
 }
 
 /* Refuses outputs that would replace another file of the command line. */
@@ -287,9 +286,8 @@ bool options_name_output(struct options *options, const char *path, const char *
     if (options->output)
         return true;
     options->output = options->named_output =
-        output_name(strcmp(path, "-") == 0 ? "scene" : path, ending);
-    return options->output ? check_outputs(options, err)
-                           : memory_lacks(err, (double)strlen(path), "the name of the output");
+        output_name(strcmp(path, "-") == 0 ? "scene" : path, ending, err);
+    return options->output && check_outputs(options, err);
 }
 
 /* A tile, with the program's and OpenGL's own memory, takes at most 300 MiB: the tests measure it.

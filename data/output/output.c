@@ -35,10 +35,10 @@ static bool open_copied(struct output *out, const char *path, struct error *err)
     snprintf(beside, sizeof beside, "%s/spectral", folder);
     out->copied = true;
     out->path = strdup(path);
-    if (out->path == NULL)
-        return error_memory(err);
-    return temporary_create(out, beside, 0600) ||
-           error_system(err, "cannot create a temporary file in %s", folder);
+    return out->path == NULL
+               ? memory_lacks(err, (double)strlen(path), "the name %s", path)
+               : temporary_create(out, beside, 0600) ||
+                     error_system(err, "cannot create a temporary file in %s", folder);
 }
 
 /* Opens a regular file, or a name that is free (`existing` is NULL). Sets the mode of the replaced
@@ -71,9 +71,9 @@ static bool open_target(struct output *out, const char *path, struct error *err)
             return error_usage(err, "cannot write %s: it is a folder", path);
         if (access(path, W_OK) != 0)
             return write_fault(err, path);
-        return !S_ISREG(status.st_mode) ? open_copied(out, path, err)
-                                        : spares_inputs(path, err) &&
-                                              open_beside(out, path, &status, err);
+        return !S_ISREG(status.st_mode)
+                   ? open_copied(out, path, err)
+                   : spares_inputs(path, err) && open_beside(out, path, &status, err);
     }
     if (errno != ENOENT)
         return write_fault(err, path);
@@ -296,4 +296,14 @@ bool file_write(const char *path, const char *bytes, size_t length, struct outpu
         return false;
     }
     return output_pass(&output, outputs, err);
+}
+
+bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,
+                   struct error *err)
+{
+    const size_t length = printed->length;
+    char *text = printed_take(printed, err);
+    const bool done = text && file_write(path, text, length, outputs, err);
+    free(text);
+    return done;
 }

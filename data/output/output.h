@@ -57,6 +57,9 @@ void outputs_discard(struct outputs *outputs); /* safe after commit */
  * reader closes the pipe, that is no failure. outputs as output_pass takes them. */
 bool file_write(const char *path, const char *bytes, size_t length, struct outputs *outputs,
                 struct error *err);
+/* Writes a whole text likewise, and frees it. */
+bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,
+                   struct error *err);
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
 bool output_can_open(const char *path, struct error *err);
 
@@ -75,7 +78,7 @@ void output_written(struct output *output, uint64_t at, uint64_t length);
 
 /* Returns the default name of an output: that of a file without its folder, and with another
  * ending. Allocated; NULL: no memory. */
-char *output_name(const char *path, const char *ending);
+char *output_name(const char *path, const char *ending, struct error *err);
 /* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
  * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
 bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
@@ -86,7 +89,7 @@ bool output_is_stream(const char *path);   /* true of "-", and of what exists an
 
 struct folder {
     char path[4096]; /* Linux takes no longer one; "": there is none */
-    DIR *entries;    /* open, so that the folder can be emptied without memory; NULL: there is none */
+    DIR *entries; /* open, so that the folder can be emptied without memory; NULL: there is none */
 };
 /* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove). The caller lets the
  * guard know the files in it. Removes the folders of processes that were killed. */
@@ -102,7 +105,8 @@ void folder_close(struct folder *folder); /* with all files in it, unless they a
 
 /* temporary.c: fills out->descriptor, temporary and named with a new file in the folder of a path.
  * Where the file system can, the file has no name, so that nothing stays behind if the program is
- * killed. Otherwise its name is .NAME.PID.N.tmp, which guard_remove knows. Returns false with errno.
+ * killed. Otherwise its name is .NAME.PID.N.tmp, which guard_remove knows. Returns false with
+ * errno.
  */
 bool temporary_create(struct output *out, const char *path, mode_t mode);
 /* Gives the file the path's name, in place of any file of that name. Returns false with errno. */

@@ -9,15 +9,13 @@
 
 #include "data/output/output.h"
 
-char *output_name(const char *path, const char *ending)
+char *output_name(const char *path, const char *ending, struct error *err)
 {
     const char *name = path_name(path), *dot = strrchr(name, '.');
     size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
-    size_t capacity = length + strlen(ending) + 1;
-    char *out = malloc(capacity);
-    if (out)
-        snprintf(out, capacity, "%.*s%s", (int)length, name, ending);
-    return out;
+    struct printed printed = {.text = NULL};
+    print(&printed, "%.*s%s", (int)length, name, ending);
+    return printed_take(&printed, err);
 }
 
 /* Writes "A, B or C" into out, as far as it has room. */

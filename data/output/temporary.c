@@ -133,9 +133,8 @@ bool temporary_name(struct output *out, const char *path)
 {
     if (!out->named && link_nameless(out->descriptor, path))
         return true;
-    if (!out->named && (errno != EEXIST || !name_temporarily(out, path)))
-        return false;
-    if (rename(out->temporary, path) != 0)
+    if ((!out->named && (errno != EEXIST || !name_temporarily(out, path))) ||
+        rename(out->temporary, path) != 0)
         return false;
     guard_forget(out->temporary);
     out->named = false;

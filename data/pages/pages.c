@@ -120,8 +120,7 @@ static int PRINTF_LIKE(4, 0) client_message(TIFF *tiff, void *data, const char *
     if (client != NULL && errno != ENOMEM) {
         client->failed = true;
         vsnprintf(message, sizeof message, format, arguments);
-        errno = 0;
-        error_system(client->err, "%s: libtiff: %s", client->pages->output.path, message);
+        error_failed(client->err, "%s: libtiff: %s", client->pages->output.path, message);
     }
     return 1; /* libtiff prints nothing */
 }
@@ -153,9 +152,8 @@ static bool close_tiff(TIFF *tiff, const struct client *client, bool good)
         TIFFClose(tiff);
     if (errno == ENOMEM && !client->failed)
         return memory_lacks(client->err, 0, "libtiff, which writes %s", client->pages->output.path);
-    errno = 0;
     return (good && !client->failed) ||
-           error_system(client->err, "%s: the written file is not complete",
+           error_failed(client->err, "%s: the written file is not complete",
                         client->pages->output.path);
 }
 

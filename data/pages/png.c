@@ -2,11 +2,9 @@
 /* Writes PNG files: ISO/IEC 15948:2004, "the specification" below. zlib compresses the rows as they
  * come. Each row goes through the filter that makes its bytes smallest, as section 12.8 recommends.
  * zlib gets a row at a time, so that its output does not depend on how many rows come at once. */
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 
@@ -214,10 +212,8 @@ static bool pack(struct png *png, const unsigned char *bytes, size_t length, int
     png->stream.avail_in = (uInt)length;
     while (flush == Z_FINISH ? status != Z_STREAM_END : png->stream.avail_in > 0) {
         status = deflate(&png->stream, flush);
-        if (status == Z_STREAM_ERROR) {
-            errno = 0;
-            return error_system(err, "%s: zlib cannot compress the picture", png->output.path);
-        }
+        if (status == Z_STREAM_ERROR)
+            return error_failed(err, "%s: zlib cannot compress the picture", png->output.path);
         if (png->stream.avail_out == 0 && !put_packed(png, err))
             return false;
     }
@@ -296,9 +292,8 @@ static bool is_whole(const struct png *png, struct error *err)
     struct stat status;
     if (fstat(png->output.descriptor, &status) != 0)
         return error_system(err, "%s: cannot be examined", png->output.path);
-    errno = 0;
     return (uint64_t)status.st_size == png->written ||
-           error_system(err, "%s: the written file is not complete", png->output.path);
+           error_failed(err, "%s: the written file is not complete", png->output.path);
 }
 
 bool png_finish(struct png *png, struct error *err)
@@ -319,6 +314,5 @@ void png_free(struct png *png)
     if (png->deflating)
         deflateEnd(&png->stream);
     output_discard(&png->output);
-    free(png->rows);
-    free(png);
+    FREE_ALL(png->rows, png);
 }

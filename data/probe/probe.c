@@ -51,9 +51,9 @@ bool probe_open(struct probe *out, const char *source, const struct probe_option
 bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err)
 {
     probe->n = n;
-    if (!MAKE_ARRAY(probe->wavelengths_nm, (size_t)n, err, "a spectrum of %d bands", n) ||
-        !MAKE_ARRAY(probe->mean, (size_t)n, err, "a spectrum of %d bands", n) ||
-        !MAKE_ARRAY(probe->spread, (size_t)n, err, "a spectrum of %d bands", n))
+    if (!MAKE_ARRAY(probe->wavelengths_nm, n, err, "a spectrum of %d bands", n) ||
+        !MAKE_ARRAY(probe->mean, n, err, "a spectrum of %d bands", n) ||
+        !MAKE_ARRAY(probe->spread, n, err, "a spectrum of %d bands", n))
         return false;
     memcpy(probe->wavelengths_nm, wavelengths_nm, (size_t)n * sizeof *wavelengths_nm);
     return true;
@@ -131,7 +131,7 @@ static bool find_number(const struct cube *cube, const struct probe *probe, int 
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
     int number = -1, *row;
-    bool done = MAKE_ARRAY(row, (size_t)probe->width, err, "a row of %s", probe->source) &&
+    bool done = MAKE_ARRAY(row, probe->width, err, "a row of %s", probe->source) &&
                 find_number(cube, probe, row, &number, err);
     free(row);
     if (!done || number < 0)
@@ -277,7 +277,7 @@ void probe_json(const struct probe *probe, struct json *json)
     json_close(json, '}');
 }
 
-char *probe_svg(const struct probe *probe)
+void probe_print_svg(const struct probe *probe, struct printed *to)
 {
     struct chart_line lines[1 + MAX_PROBE_CURVES];
     char region[96], title[512];
@@ -306,18 +306,14 @@ char *probe_svg(const struct probe *probe)
                                 .lines = lines,
                                 .n_lines = 1 + probe->n_curves,
                                 .wavelengths = true};
-    return chart_svg(&chart);
+    chart_svg(&chart, to);
 }
 
 void probe_free(struct probe *probe)
 {
     for (int c = 0; c < probe->n_curves; c++)
         free(probe->curves[c].values);
-    free(probe->source);
-    free(probe->wavelengths_nm);
-    free(probe->mean);
-    free(probe->spread);
-    free(probe->object);
-    free(probe->observer);
+    FREE_ALL(probe->source, probe->wavelengths_nm, probe->mean, probe->spread, probe->object,
+             probe->observer);
     *probe = (struct probe){.source = NULL};
 }

@@ -47,8 +47,7 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
 bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
 {
     *out = (struct run_seconds){.wall = 0};
-    errno = 0;
-    return error_system(err, "%s: this system has no processes", words[0]);
+    return error_failed(err, "%s: this system has no processes", words[0]);
 }
 
 const char *program_file(const char *link, const char *typed)

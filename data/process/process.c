@@ -58,9 +58,8 @@ static bool await(pid_t child, int from, void *out, size_t size, struct error *e
     UNTIL_DONE(ended, waitpid(child, &status, 0));
     (void)ended;
     guard_follow(0);
-    errno = 0;
     if (!whole)
-        return error_system(err, "a run ended without a result%s%s",
+        return error_failed(err, "a run ended without a result%s%s",
                             WIFSIGNALED(status) ? ": " : "",
                             WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "");
     if (!reply.done)

@@ -96,11 +96,10 @@ static bool read_messages(int from, struct last_line *out)
 static bool conclude(int status, const struct last_line *messages, struct error *err)
 {
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    errno = 0;
     if (code == EXIT_AGREED)
         return true;
     if (code < 0 || code > EXIT_SYSTEM || messages->length == 0)
-        return error_system(err, "a run ended without a result%s%s",
+        return error_failed(err, "a run ended without a result%s%s",
                             WIFSIGNALED(status) ? ": " : "",
                             WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "");
     *err = (struct error){.status = (enum exit_status)code};
@@ -129,8 +128,8 @@ static bool await(pid_t child, int from, const struct run_seconds *start, struct
         kill(child, SIGKILL);
     UNTIL_DONE(ended, waitpid(child, &status, 0));
     guard_follow(0);
-    *out = (struct run_seconds){clock_seconds() - start->wall,
-                                children_seconds() - start->processor};
+    *out =
+        (struct run_seconds){clock_seconds() - start->wall, children_seconds() - start->processor};
     return ended < 0 ? error_system(err, "cannot wait for a run")
                      : conclude(status, &messages, err);
 }

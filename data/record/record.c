@@ -123,7 +123,7 @@ static bool record_texts(const struct scene *scene, const struct sampling *sampl
 
 static bool add_numbers(struct numbers *out, const double *numbers, int n, struct error *err)
 {
-    if (!MAKE_ARRAY(out->value, (size_t)n, err, "%d numbers of a record", n))
+    if (!MAKE_ARRAY(out->value, n, err, "%d numbers of a record", n))
         return false;
     out->n = n;
     memcpy(out->value, numbers, (size_t)n * sizeof *numbers);
@@ -136,7 +136,7 @@ static bool record_white(const struct scene *scene, const struct sampling *sampl
 {
     const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
     double *white;
-    if (!MAKE_ARRAY(white, (size_t)pages.n, err, "a white"))
+    if (!MAKE_ARRAY(white, pages.n, err, "a white"))
         return false;
     const double illumination = scene_white(scene, &pages, white);
     const bool done =
@@ -153,7 +153,7 @@ static bool record_white_response(const struct scene *scene, const struct sampli
     const struct fine_detector *fine = &sampling->fine;
     const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
     double *white, response[3];
-    if (!MAKE_ARRAY(white, (size_t)fine->n, err, "a white"))
+    if (!MAKE_ARRAY(white, fine->n, err, "a white"))
         return false;
     const double illumination = scene_white(scene, &pages, white);
     detector_response(fine->weights, white, fine->n, response);
@@ -302,12 +302,12 @@ static void put_field(struct printed *stream, const struct record *record,
         put_numbers(stream, field->key, numbers);
 }
 
-char *record_text(const struct record *record)
+char *record_text(const struct record *record, struct error *err)
 {
     struct printed printed = {.text = NULL};
     for (int i = 0; i < FIELDS; i++)
         put_field(&printed, record, &fields[i]);
-    return printed_end(&printed);
+    return printed_take(&printed, err);
 }
 
 /* ---- reading ---- */

@@ -76,7 +76,7 @@ bool record_find_change(const struct record *record, const struct scene *scene,
                         const char *detector, char change[FILE_CHANGE], struct error *err);
 /* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
  * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
-char *record_text(const struct record *record);
+char *record_text(const struct record *record, struct error *err);
 /* Reads the record in the description of a stack's first page. Refuses an image without a record,
  * or with a record that contradicts itself. */
 bool record_read(const struct image *image, struct record *out, struct error *err);

@@ -4,7 +4,6 @@
  * emission peaks, and every segment has the fewest nodes that its spectra allow. Beyond Deville's,
  * segments are joined again where they have no need of a cut. Nodes are wavelengths of the grid:
  * there spectra are known, and pages are exactly what the errors were judged by. */
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,7 +96,7 @@ static bool find_peaks(struct adaptive *a, struct error *err)
     const int n = a->spectra->n_nm;
     bool *summit;
     out->peak_nm = sampling_numbers((size_t)n, err);
-    if (!out->peak_nm || !MAKE_ARRAY(summit, (size_t)n, err, "the peaks of the spectra"))
+    if (!out->peak_nm || !MAKE_ARRAY(summit, n, err, "the peaks of the spectra"))
         return false;
     for (int i = 0; i < a->spectra->n_lights; i++)
         cut_at_peaks(a, spectrum_row(a, i), summit);
@@ -356,8 +355,6 @@ bool sample_adaptive(const struct sampling_task *task, struct error *err)
         find_segments(&a, out->method.tolerance);
         done = set_pages(&a, out, err);
     }
-    free(a.scale);
-    free(a.cut);
-    free(a.segments);
+    FREE_ALL(a.scale, a.cut, a.segments);
     return done;
 }

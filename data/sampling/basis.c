@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Sampling by a linear model: the principal components of a scene's spectra. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "data/sampling/sampling.h"
 
@@ -272,7 +271,6 @@ bool sample_basis(const struct sampling_task *task, struct error *err)
 {
     struct components c = {.spectra = task->spectra};
     const bool done = find_components(task, &c, err) && set_pages(&c, task->out, err);
-    free(c.direction);
-    free(c.axis);
+    FREE_ALL(c.direction, c.axis);
     return done;
 }

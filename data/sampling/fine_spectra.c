@@ -48,7 +48,7 @@ static bool make_terms(const struct scene *scene, struct fine_scene *out, struct
     int n;
     if (!materials_shown(scene, &materials, &n, err))
         return false;
-    bool done = MAKE_ARRAY(out->materials, (size_t)n, err, "the spectra of %d materials", n);
+    bool done = MAKE_ARRAY(out->materials, n, err, "the spectra of %d materials", n);
     for (; done && out->n < n; out->n++)
         done = material_terms_make(&out->illumination, materials[out->n], &out->materials[out->n],
                                    err);
@@ -181,7 +181,6 @@ bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct e
 
 void fine_spectra_free(struct fine_spectra *spectra)
 {
-    free(spectra->lights);
-    free(spectra->products);
+    FREE_ALL(spectra->lights, spectra->products);
     *spectra = (struct fine_spectra){.n_nm = 0};
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes samplings, samples scenes, and describes samplings in words. */
-#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -85,7 +84,7 @@ bool sampling_room(struct sampling *out, int n, bool segments, struct error *err
     out->pages.wavelength_nm = sampling_numbers((size_t)n, err);
     out->weights = sampling_numbers(3 * (size_t)n, err);
     return out->pages.wavelength_nm && out->weights &&
-           (!segments || MAKE_ARRAY(out->segment_nm, (size_t)n, err, "%d segments", n));
+           (!segments || MAKE_ARRAY(out->segment_nm, n, err, "%d segments", n));
 }
 
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,
@@ -325,11 +324,12 @@ void sampling_label(const struct sampling *sampling, int page, char out[24])
 const char **sampling_labels(const struct sampling *sampling, int n, struct error *err)
 {
     typedef char label_text[24];
-    const char **labels = calloc((size_t)n, sizeof *labels + sizeof(label_text));
+    const char **labels;
+    if (!MAKE_ARRAY(labels, (size_t)n * (1 + sizeof(label_text) / sizeof *labels), err,
+                    "%d labels of channels", n))
+        return NULL;
     label_text *text = (label_text *)(labels + n);
-    if (!labels)
-        error_memory(err);
-    for (int i = 0; labels && i < n; i++) {
+    for (int i = 0; i < n; i++) {
         sampling_label(sampling, i, text[i]);
         labels[i] = text[i];
     }
@@ -390,14 +390,9 @@ void sampling_print(const struct sampling *sampling, struct printed *to)
 
 void sampling_free(struct sampling *sampling)
 {
-    free(sampling->detector);
-    free(sampling->pages.wavelength_nm);
-    free(sampling->pages.analysis);
-    free(sampling->pages.reflectance_analysis);
-    free(sampling->segment_nm);
-    free(sampling->weights);
+    FREE_ALL(sampling->detector, sampling->pages.wavelength_nm, sampling->pages.analysis,
+             sampling->pages.reflectance_analysis, sampling->segment_nm, sampling->weights);
     fine_detector_free(&sampling->fine);
-    free(sampling->synthesis);
-    free(sampling->peak_nm);
+    FREE_ALL(sampling->synthesis, sampling->peak_nm);
     *sampling = (struct sampling){.detector = NULL};
 }

@@ -3,7 +3,6 @@
 #ifndef SAMPLING_H
 #define SAMPLING_H
 
-#include <stdio.h>
 
 #include "data/method/method.h"
 #include "data/scene/scene.h"

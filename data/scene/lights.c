@@ -157,7 +157,6 @@ bool scene_set_ambient(struct scene *scene, const char *value, struct error *err
         spectrum_free(&scene->ambients[i].spectrum);
     scene->n_ambients = 0;
     ambient = add_ambient(scene, text_place(&text), err);
-    if (!ambient)
-        return false;
-    return read_light_option(&text, text.at, &ambient->spectrum, &ambient->intensity, err);
+    return ambient &&
+           read_light_option(&text, text.at, &ambient->spectrum, &ambient->intensity, err);
 }

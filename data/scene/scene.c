@@ -199,12 +199,7 @@ void scene_free(struct scene *scene)
         object_free(&scene->objects[i]);
     for (int i = 0; i < scene->n_files; i++)
         text_free(&scene->files[i]);
-    free(scene->ambients);
-    free(scene->lights);
-    free(scene->materials);
-    free(scene->objects);
-    free(scene->files);
-    free(scene->wavelengths_nm);
-    free(scene->path);
+    FREE_ALL(scene->ambients, scene->lights, scene->materials, scene->objects, scene->files,
+             scene->wavelengths_nm, scene->path);
     *scene = (struct scene){0};
 }

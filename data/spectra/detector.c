@@ -3,7 +3,6 @@
  * them. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/spectra/spectra.h"
 

@@ -3,7 +3,6 @@
 #include <float.h>
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/maths/maths.h"
@@ -133,10 +132,7 @@ bool spectrum_is_in_nm(const struct spectrum *spectrum, struct error *err)
 
 void spectrum_free(struct spectrum *spectrum)
 {
-    free(spectrum->wavelength_nm);
-    free(spectrum->value);
-    free(spectrum->name);
-    free(spectrum->path);
+    FREE_ALL(spectrum->wavelength_nm, spectrum->value, spectrum->name, spectrum->path);
     *spectrum = (struct spectrum){0};
 }
 

@@ -267,8 +267,7 @@ static bool white_of_pages(const struct cube *cube, const struct white_request *
 {
     struct error ignored = {.status = EXIT_AGREED};
     double *radiance;
-    if (!MAKE_ARRAY(radiance, (size_t)cube->image.n_pages, err, "the white of %s",
-                    cube->image.path))
+    if (!MAKE_ARRAY(radiance, cube->image.n_pages, err, "the white of %s", cube->image.path))
         return false;
     const bool needed = request->needed || request->spectrum != NULL;
     *found = cube_white(cube, request->spectrum, radiance, needed ? err : &ignored);

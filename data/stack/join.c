@@ -2,7 +2,6 @@
 /* spectral join: the stacks of parts become the stack of the whole picture. Each part has whole
  * rows of pixels, and its record says which. All else in the records must be the same. Parts are
  * opened one after the other, so that their number has no limit. */
-#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -17,20 +16,20 @@ struct joined {
     struct stack_verdict sums;
     bool has_sums; /* the parts' lines have numbers */
     struct stack_writer writer;
-    int bits;            /* of a sample, in all parts */
-    unsigned char *has;  /* of each row of the picture: a part had it; owned */
-    char *bytes;         /* COPIED_BYTES; owned */
+    int bits;           /* of a sample, in all parts */
+    unsigned char *has; /* of each row of the picture: a part had it; owned */
+    char *bytes;        /* COPIED_BYTES; owned */
 };
 
 /* ---- records ---- */
 
 /* Returns a part's record without what is its own, allocated; NULL: no memory. */
-static char *make_common(const struct record *record)
+static char *make_common(const struct record *record, struct error *err)
 {
     struct record common = *record;
     common.rows.n = 0;
     common.object_map = NULL;
-    return record_text(&common);
+    return record_text(&common, err);
 }
 
 /* Refuses a part whose samples or object map do not lie where render puts them. */
@@ -39,8 +38,9 @@ static bool check_layout(const struct joined *joined, const struct cube *part,
 {
     const struct cube *first = &joined->first;
     const struct record *record = &part->record;
-    return (part->image.width == first->image.width && part->image.n_pages == first->image.n_pages &&
-            layout->bits == joined->bits && !layout->by_pixels && !layout->big_endian &&
+    return (part->image.width == first->image.width &&
+            part->image.n_pages == first->image.n_pages && layout->bits == joined->bits &&
+            !layout->by_pixels && !layout->big_endian &&
             record->rows.value[2] == first->record.rows.value[2] &&
             record->map_bytes == first->record.map_bytes &&
             (record->map_bytes > 0) == (record->object_map != NULL)) ||
@@ -51,10 +51,10 @@ static bool check_layout(const struct joined *joined, const struct cube *part,
 /* Refuses a record that differs from that of the first part. Names the first line that does. */
 static bool check_common(const struct joined *joined, const struct cube *part, struct error *err)
 {
-    char *common = make_common(&part->record);
+    char *common = make_common(&part->record, err);
     const char *a = joined->record, *b = common;
     if (!common)
-        return error_memory(err);
+        return false;
     while (*a && strncmp(a, b, strcspn(a, "\n") + 1) == 0) {
         a += strcspn(a, "\n") + 1;
         b += strcspn(b, "\n") + 1;
@@ -141,17 +141,16 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
     struct record whole = part->record;
     whole.rows.n = whole.wavelengths.n = 0;
     whole.full_scale = whole.scale = whole.object_map = NULL;
-    char *provenance = record_text(&whole);
-    joined->has = calloc((size_t)part->record.rows.value[2], 1);
-    joined->bytes = malloc(COPIED_BYTES);
-    bool done = (provenance && joined->has && joined->bytes) || error_memory(err);
+    char *provenance = record_text(&whole, err);
+    bool done = provenance &&
+                MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows of %s", path) &&
+                MAKE_ARRAY(joined->bytes, COPIED_BYTES, err, "rows of %s", path);
     if (done && part->components)
         done = sampling_read(part->image.path, part->record.sampling, &sampling.method, err) &&
                (labels = sampling_labels(&sampling, part->image.n_pages, err));
     const struct stack_options options = whole_options(joined, provenance, labels);
     done = done && stack_open(&joined->writer, path, &options, err);
-    free(provenance);
-    free(labels);
+    FREE_ALL(provenance, labels);
     return done;
 }
 
@@ -221,10 +220,10 @@ static bool join_first(struct joined *joined, const struct options *options, str
     if (!open_part(options->operand, first, err) || !image_describe(&first->image, &layout, err))
         return false;
     joined->bits = layout.bits;
-    joined->record = make_common(&first->record);
+    joined->record = make_common(&first->record, err);
     joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
     joined->sums = (struct stack_verdict){.samples = 0};
-    return (joined->record || error_memory(err)) && open_whole(joined, options->output, err) &&
+    return joined->record && open_whole(joined, options->output, err) &&
            add_part(joined, first, err);
 }
 
@@ -289,8 +288,6 @@ bool command_join(struct options *options, struct error *err)
     done = done && finish(&joined, options, err) && report(options, &joined, err);
     stack_discard(&joined.writer);
     cube_close(&joined.first);
-    free(joined.record);
-    free(joined.has);
-    free(joined.bytes);
+    FREE_ALL(joined.record, joined.has, joined.bytes);
     return done;
 }

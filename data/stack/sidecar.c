@@ -128,18 +128,11 @@ static char *header_make(const char *stack, struct error *err)
 
 /* ---- files ---- */
 
-char *sidecar_name(const char *stack)
+char *sidecar_name(const char *stack, struct error *err)
 {
-    const size_t capacity = strlen(stack) + sizeof ".hdr";
-    char *name = malloc(capacity);
-    if (name)
-        snprintf(name, capacity, "%s.hdr", stack);
-    return name;
-}
-
-static bool lacks_name(const char *stack, struct error *err)
-{
-    return memory_lacks(err, (double)strlen(stack), "the name of the header of %s", stack);
+    struct printed printed = {.text = NULL};
+    print(&printed, "%s.hdr", stack);
+    return printed_take(&printed, err);
 }
 
 bool sidecar_can_open(const char *stack, struct error *err)
@@ -149,8 +142,8 @@ bool sidecar_can_open(const char *stack, struct error *err)
                            "--envi writes a header beside the stack; expected -o with the name of a"
                            " file, not %s",
                            stack ? stack : "/dev/null");
-    char *name = sidecar_name(stack);
-    const bool can = name ? output_can_open(name, err) : lacks_name(stack, err);
+    char *name = sidecar_name(stack, err);
+    const bool can = name && output_can_open(name, err);
     free(name);
     return can;
 }
@@ -159,17 +152,15 @@ bool stack_commit_envi(struct stack_writer *writer, const char *path, struct out
                        struct error *err)
 {
     struct output output = {.path = NULL};
-    char *name = sidecar_name(path);
+    char *name = sidecar_name(path, err);
     char *header = name ? header_make(writer->pages.output.temporary, err) : NULL;
-    bool done = name || lacks_name(path, err);
-    done = done && header && output_open(&output, name, err);
+    bool done = header && output_open(&output, name, err);
     errno = 0;
     if (done && !write_all(output.descriptor, header, strlen(header)))
         done = error_system(err, "cannot write %s", name);
     done = done && stack_commit(writer, outputs, err) && output_pass(&output, outputs, err);
     output_discard(&output);
-    free(header);
-    free(name);
+    FREE_ALL(header, name);
     return done;
 }
 
@@ -189,12 +180,10 @@ bool command_envi(struct options *options, struct error *err)
     const char *stack = options->operand;
     if (!stack)
         return error_usage(err, "envi takes a STACK; see spectral envi --help");
-    char *beside = sidecar_name(stack);
-    if (!beside)
-        return lacks_name(stack, err);
+    char *beside = sidecar_name(stack, err);
     const char *path = options->output ? options->output : beside;
     const bool done =
-        scene_refuse(stack, err) && write_header(stack, path, &options->outputs, err);
+        beside && scene_refuse(stack, err) && write_header(stack, path, &options->outputs, err);
     free(beside);
     return done;
 }

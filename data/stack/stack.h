@@ -125,9 +125,9 @@ void cube_close(struct cube *cube);
 
 /* ---- join.c: parts of a picture become its stack; spectral join ---- */
 
-/* Joins the stacks of parts, in any order, into the bytes of the whole stack. Refuses parts that are
- * missing, double, or of another render. Fails with EXIT_DIFFERENT where too little of the whole
- * picture could be checked. */
+/* Joins the stacks of parts, in any order, into the bytes of the whole stack. Refuses parts that
+ * are missing, double, or of another render. Fails with EXIT_DIFFERENT where too little of the
+ * whole picture could be checked. */
 bool command_join(struct options *options, struct error *err);
 
 /* ---- sidecar.c: the ENVI header of a stack, STACK.tif.hdr; spectral envi ---- */
@@ -142,7 +142,7 @@ bool sidecar_can_open(const char *stack, struct error *err);
 bool stack_commit_envi(struct stack_writer *writer, const char *path, struct outputs *outputs,
                        struct error *err);
 /* Returns the name of a stack's header, allocated; NULL: no memory. */
-char *sidecar_name(const char *stack);
+char *sidecar_name(const char *stack, struct error *err);
 
 /* ---- command.c: spectral info ---- */
 

@@ -113,7 +113,6 @@ bool illumination_make(const struct scene *scene, const struct spectral_pages *p
 
 void illumination_free(struct illumination *illumination)
 {
-    free(illumination->lights);
-    free(illumination->first);
+    FREE_ALL(illumination->lights, illumination->first);
     *illumination = (struct illumination){.n_lights = 0};
 }

@@ -226,8 +226,7 @@ bool material_terms_make(const struct illumination *illumination, const struct m
 
 void material_terms_free(struct material_terms *terms)
 {
-    free(terms->terms);
-    free(terms->spectra);
+    FREE_ALL(terms->terms, terms->spectra);
     *terms = (struct material_terms){.n = 0};
 }
 

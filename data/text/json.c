@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes JSON into a text that grows. The caller is responsible for the structure. */
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/text/text.h"
 
@@ -105,8 +103,5 @@ char *json_end(struct json *json)
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)
 {
     print(&json->printed, "\n");
-    char *text = printed_take(&json->printed, err);
-    const bool done = text && file_write(path, text, strlen(text), outputs, err);
-    free(text);
-    return done;
+    return printed_write(&json->printed, path, outputs, err);
 }

@@ -122,8 +122,7 @@ bool text_open_line(struct text *out, const char *name, const char *line, struct
 
 void text_free(struct text *text)
 {
-    free(text->path);
-    free(text->bytes);
+    FREE_ALL(text->path, text->bytes);
     *text = (struct text){0};
 }
 
@@ -249,10 +248,8 @@ bool text_end(struct text *text, const char *what, struct error *err)
     struct word word;
     if (!text_word(text, &word))
         return true;
-    if (!word_check(&word, err))
-        return false;
-    return error_at(err, word.place, "'%s' is too much: %s takes no more", shown(&word, buffer),
-                    what);
+    return word_check(&word, err) && error_at(err, word.place, "'%s' is too much: %s takes no more",
+                                              shown(&word, buffer), what);
 }
 
 bool word_equals(const struct word *word, const char *string)
@@ -267,10 +264,9 @@ bool word_is(const struct word *word, const char *literal)
 
 char *word_copy(const struct word *word, struct error *err)
 {
-    char *copy = strndup(word->start, word->length);
-    if (!copy)
-        memory_lacks(err, (double)word->length, "a word");
-    return copy;
+    struct printed printed = {.text = NULL};
+    print_bytes(&printed, word->start, word->length);
+    return printed_take(&printed, err);
 }
 
 /* ---- numbers ---- */

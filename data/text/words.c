@@ -2,7 +2,6 @@
 /* Words with a meaning, and small tools for all statements of a scene, so that all of them refuse a
  * mistake in the same way. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -71,7 +70,7 @@ bool word_begins_number(const struct word *word)
 bool string_copy(const char *from, char **out, struct error *err)
 {
     *out = from ? strdup(from) : NULL;
-    return !from || *out || memory_lacks(err, (double)strlen(from) + 1, "a text");
+    return !from || *out || memory_lacks(err, (double)strlen(from) + 1, "the text '%.40s'", from);
 }
 
 bool text_peek(struct text text, struct word *out)

@@ -226,11 +226,10 @@ static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
     const struct sample_layout *layout = &of->layout;
     const size_t rows = least(layout->block_height, layout->rows_offset > 0 ? n : layout->height);
     const double bytes = (double)layout->row_bytes * (double)rows * layout->n_planes;
-    if (!memory_suffices(bytes + (layout->tiled ? (double)layout->block_bytes : 0),
-                         of->image->file->from, err, "%s: a block of its page %d", of->image->path,
-                         of->page + 1))
-        return false;
-    return ((bytes < (double)PTRDIFF_MAX &&
+    return memory_suffices(bytes + (layout->tiled ? (double)layout->block_bytes : 0),
+                           of->image->file->from, err, "%s: a block of its page %d",
+                           of->image->path, of->page + 1) &&
+           ((bytes < (double)PTRDIFF_MAX &&
              memory_make(&of->samples, layout->n_planes * rows, layout->row_bytes)) ||
             memory_lacks(err, bytes, "rows of %s", of->image->path)) &&
            (!layout->tiled ||
@@ -256,8 +255,7 @@ static bool page_read(struct stored_rows *of, uint32_t y, uint32_t n, float *out
             good = values_place(of, y, n, out + (y - first) * (size_t)layout->width, err);
     }
     file->decoding = false;
-    free(of->samples);
-    free(of->tile);
+    FREE_ALL(of->samples, of->tile);
     return good;
 }
 

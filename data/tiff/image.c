@@ -328,14 +328,14 @@ bool image_is(const char *path, bool *out, struct error *err)
 }
 
 /* Returns the names of the picture and of the TIFF file that it is to become, for a shell. */
-static char *names_of_conversion(const char *path)
+static char *names_of_conversion(const char *path, struct error *err)
 {
     struct printed to = {.text = NULL};
-    char *name = output_name(path, ".tif");
+    char *name = output_name(path, ".tif", err);
     print_shell(&to, path);
     print_shell(&to, name ? name : "picture.tif");
     free(name);
-    return printed_end(&to);
+    return printed_take(&to, err);
 }
 
 /* Refuses a picture of another format, with the command that converts it. GDAL's options write a
@@ -352,7 +352,7 @@ static bool refuse_foreign(const struct image *image, struct error *err)
         return error_at(err, from, "%s is a text file; expected TIFF", path);
     const bool is_cube = strcmp(format, "ENVI") == 0;
     char *data = is_cube ? envi_data(path) : strdup(path);
-    char *names = data ? names_of_conversion(data) : NULL;
+    char *names = data ? names_of_conversion(data, err) : NULL;
     if (!names)
         memory_lacks(err, (double)strlen(path), "the name of %s", path);
     else if (is_cube && !file_format(data, &format, err))
@@ -368,8 +368,7 @@ static bool refuse_foreign(const struct image *image, struct error *err)
     else
         error_at(err, from, "%s is a %s file; expected TIFF, as 'convert%s' of ImageMagick writes",
                  path, format, names);
-    free(data);
-    free(names);
+    FREE_ALL(data, names);
     return false;
 }
 
@@ -406,18 +405,13 @@ static void close_file(struct image_file *file)
         TIFFClose(file->tiff);
     if (file->descriptor >= 0)
         close(file->descriptor);
-    free(file->pages);
-    free(file->kept.samples);
-    free(file);
+    FREE_ALL(file->pages, file->kept.samples, file);
 }
 
 void image_close(struct image *image)
 {
     if (image->file != NULL)
         close_file(image->file);
-    free(image->path);
-    free(image->description);
-    free(image->verdict);
-    free(image->wavelengths_nm);
+    FREE_ALL(image->path, image->description, image->verdict, image->wavelengths_nm);
     *image = (struct image){0};
 }

@@ -2,7 +2,6 @@
 /* Finds the faces whose backs nobody sees. A view ray enters a solid through a front before it
  * leaves it through a back, so backs are hidden, and OpenGL need not draw them. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "raster/bounds/bounds.h"
 
@@ -164,9 +163,8 @@ bool find_hidden(const struct lit_scene *lit, int surface, struct error *err)
         placed->object->two_sided ||
         !is_between_planes(lit->driver, &lit->surfaces[surface], bounds, &error))
         return true;
-    bounds->hidden = calloc((size_t)n, sizeof *bounds->hidden);
-    if (!bounds->hidden)
-        return error_memory(err);
+    if (!MAKE_ARRAY(bounds->hidden, n, err, "the backs of %s", object_name(lit->plan, surface)))
+        return false;
     for (int i = 0; i < n; i++)
         bounds->hidden[i] = shows_back(lit, surface, i);
     hide_backs(lit, surface, error);

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights a scene: the reference places every vertex in the window and lights it; bounds say how far
  * OpenGL may be off there. Refuses what single precision cannot hold. */
-#include <float.h>
 #include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/threads/threads.h"
 #include "raster/bounds/bounds.h"
@@ -272,27 +269,28 @@ static bool may_be_gated(const struct plan *plan, const struct instance *instanc
     return false;
 }
 
-static bool allocate(const struct plan *plan, const struct placed_instance *placed,
-                     struct surface *surface, struct surface_bounds *bounds)
+static bool allocate(const struct bounding *of, const struct placed_instance *placed,
+                     struct error *err)
 {
+    const struct plan *plan = of->lit->plan;
+    const char *name = object_name(plan, of->surface_index);
+    struct surface_bounds *bounds = of->bounds;
     bounds->placed = placed;
     bounds->shaded = &plan->materials[placed->shaded];
     bounds->e_rigid = distance_from_rigid(&placed->instance.model_view);
     matrix_cofactors(&placed->instance.model_view, &bounds->cofactors);
-    bool opened = surface_open(&placed->instance, surface);
-    size_t n_weights = surface_attributes(surface, placed->instance.n_vertices, 0);
-    bounds->vertices = calloc((size_t)placed->instance.n_vertices + 1, sizeof *bounds->vertices);
-    bounds->errors = calloc(n_weights + 1, sizeof *bounds->errors);
+    const bool opened = surface_open(&placed->instance, of->surface);
+    const int n = placed->instance.n_vertices;
+    const size_t n_weights = surface_attributes(of->surface, n, 0);
     const bool checked = plan->options.check && placed->in_view,
                gated = checked && may_be_gated(plan, &placed->instance),
                grouped = checked && plan->n_light_groups > 1;
-    if (gated)
-        bounds->jumps = calloc(n_weights + 1, sizeof *bounds->jumps);
-    if (grouped)
-        bounds->group_weights =
-            calloc(n_weights * (size_t)plan->n_light_groups + 1, sizeof *bounds->group_weights);
-    return opened && bounds->vertices && bounds->errors && (bounds->jumps || !gated) &&
-           (bounds->group_weights || !grouped);
+    return (opened || memory_lacks(err, (double)n_weights * sizeof(double), "%s", name)) &&
+           MAKE_ARRAY(bounds->vertices, n, err, "the vertices of %s", name) &&
+           MAKE_ARRAY(bounds->errors, n_weights, err, "the bounds of %s", name) &&
+           (!gated || MAKE_ARRAY(bounds->jumps, n_weights, err, "the bounds of %s", name)) &&
+           (!grouped || MAKE_ARRAY(bounds->group_weights, n_weights * (size_t)plan->n_light_groups,
+                                   err, "the bounds of %s", name));
 }
 
 /* Vertices that a thread takes at a time. To light fewer takes less time than to start a thread. */
@@ -325,8 +323,8 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
                           .vertices_lit = COUNTER,
                           .specular_vertices = COUNTER,
                           .power_functions = COUNTER};
-    if (!allocate(lit->plan, placed, of.surface, of.bounds))
-        return error_memory(err);
+    if (!allocate(&of, placed, err))
+        return false;
     of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);
     threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
                    make_vertices, &of);
@@ -343,14 +341,12 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
               struct light_work *work, struct error *err)
 {
-    size_t n = (size_t)plan->n_instances + 1;
+    const int n = plan->n_instances;
     *work = (struct light_work){0};
-    *out = (struct lit_scene){.plan = plan,
-                              .driver = driver,
-                              .surfaces = calloc(n, sizeof *out->surfaces),
-                              .bounds = calloc(n, sizeof *out->bounds)};
-    if (!out->surfaces || !out->bounds)
-        return error_memory(err);
+    *out = (struct lit_scene){.plan = plan, .driver = driver};
+    if (!MAKE_ARRAY(out->surfaces, n, err, "%d objects", n) ||
+        !MAKE_ARRAY(out->bounds, n, err, "the bounds of %d objects", n))
+        return false;
     for (int i = 0; i < plan->n_instances; i++)
         if (!make_surface(out, i, work, err))
             return false;
@@ -361,13 +357,9 @@ void lit_free(struct lit_scene *lit)
 {
     for (int i = 0; lit->surfaces && lit->bounds && i < lit->plan->n_instances; i++) {
         surface_close(&lit->surfaces[i]);
-        free(lit->bounds[i].vertices);
-        free(lit->bounds[i].errors);
-        free(lit->bounds[i].jumps);
-        free(lit->bounds[i].hidden);
-        free(lit->bounds[i].group_weights);
+        FREE_ALL(lit->bounds[i].vertices, lit->bounds[i].errors, lit->bounds[i].jumps,
+                 lit->bounds[i].hidden, lit->bounds[i].group_weights);
     }
-    free(lit->surfaces);
-    free(lit->bounds);
+    FREE_ALL(lit->surfaces, lit->bounds);
     *lit = (struct lit_scene){.plan = NULL};
 }

@@ -199,16 +199,14 @@ static bool allocate(struct bounding *bounding)
     const struct plan *plan = bounding->fragments.lit->plan;
     size_t n_pixels = (size_t)out->picture.at.width * (size_t)out->picture.at.height,
            n_rows = (size_t)plan->max_rows;
-    out->errors = malloc(n_pixels * n_rows * sizeof *out->errors + 1);
-    out->own = malloc(n_pixels * n_rows * sizeof *out->own + 1);
-    out->mean = malloc(n_pixels * sizeof *out->mean + 1);
-    out->depth_error = malloc(n_pixels * sizeof *out->depth_error + 1);
-    out->overdraw = malloc(n_pixels * sizeof *out->overdraw + 1);
-    out->steepness = malloc(n_pixels * sizeof *out->steepness + 1);
-    out->is_ambiguous = malloc(n_pixels * sizeof *out->is_ambiguous + 1);
     bounding->pixel = pixel_open(&bounding->fragments);
-    return bounding->pixel && out->errors && out->own && out->mean && out->depth_error &&
-           out->overdraw && out->steepness && out->is_ambiguous;
+    return bounding->pixel && memory_make(&out->errors, n_pixels * n_rows, sizeof *out->errors) &&
+           memory_make(&out->own, n_pixels * n_rows, sizeof *out->own) &&
+           memory_make(&out->mean, n_pixels, sizeof *out->mean) &&
+           memory_make(&out->depth_error, n_pixels, sizeof *out->depth_error) &&
+           memory_make(&out->overdraw, n_pixels, sizeof *out->overdraw) &&
+           memory_make(&out->steepness, n_pixels, sizeof *out->steepness) &&
+           memory_make(&out->is_ambiguous, n_pixels, sizeof *out->is_ambiguous);
 }
 
 static bool resolve_all(struct bounding *bounding)
@@ -261,17 +259,8 @@ bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int i
 void chunk_free(struct chunk *chunk)
 {
     picture_free(&chunk->picture);
-    free(chunk->errors);
-    free(chunk->own);
-    free(chunk->mean);
-    free(chunk->depth_error);
-    free(chunk->overdraw);
-    free(chunk->steepness);
-    free(chunk->is_ambiguous);
-    free(chunk->ambiguous);
-    free(chunk->candidates);
-    free(chunk->candidate_rows);
-    free(chunk->candidate_errors);
-    free(chunk->candidate_own);
+    FREE_ALL(chunk->errors, chunk->own, chunk->mean, chunk->depth_error, chunk->overdraw,
+             chunk->steepness, chunk->is_ambiguous, chunk->ambiguous, chunk->candidates,
+             chunk->candidate_rows, chunk->candidate_errors, chunk->candidate_own);
     *chunk = (struct chunk){.errors = NULL};
 }

@@ -61,11 +61,7 @@ void pixel_close(struct bounded_pixel *pixel)
 {
     if (!pixel)
         return;
-    free(pixel->bounds);
-    free(pixel->bounded);
-    free(pixel->attributes);
-    free(pixel->common);
-    free(pixel);
+    FREE_ALL(pixel->bounds, pixel->bounded, pixel->attributes, pixel->common, pixel);
 }
 
 /* ---- bounds of attributes ---- */

@@ -23,12 +23,13 @@ static void draw_chunk(void *context, int i)
 static bool draw_chunks(struct tile *tile, struct error *err)
 {
     tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
-    tile->chunks = calloc((size_t)tile->n_chunks, sizeof *tile->chunks);
-    if (!tile->chunks)
-        return error_memory(err);
+    if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
+        return false;
     struct drawn_tile drawn = {tile, COUNTER};
     threads_each(tile->lit->plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
-    return drawn.failures.n == 0 || error_memory(err);
+    return drawn.failures.n == 0 ||
+           memory_lacks(err, (double)tile->lit->plan->tile_bytes, "a tile of %d x %d pixels",
+                        tile->at.width, tile->at.height);
 }
 
 static void free_tile(struct tile *tile)

@@ -4,7 +4,6 @@
  * possible, and OpenGL's radiance must be that of this one triangle: in each band within the band's
  * bound, and in all bands together with one set of weights. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "raster/check/check.h"
@@ -348,14 +347,8 @@ static void settle_all(struct check *check, struct check_totals *totals)
 
 void check_free(struct check *check)
 {
-    free(check->stretches);
-    free(check->failed);
-    free(check->ratio);
-    free(check->floor);
-    free(check->band_floor);
-    free(check->hypotheses);
-    free(check->estimates);
-    free(check->candidate_estimates);
+    FREE_ALL(check->stretches, check->failed, check->ratio, check->floor, check->band_floor,
+             check->hypotheses, check->estimates, check->candidate_estimates);
     *check = (struct check){.scene = NULL};
 }
 
@@ -384,24 +377,21 @@ static size_t list_stretches(const struct chunk *chunk, struct stretch *out)
     return count;
 }
 
-static bool allocate(const struct chunk *chunk, struct check *out)
+static bool allocate(const struct chunk *chunk, struct check *out, struct error *err)
 {
-    const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan);
-    out->failed = calloc(n, sizeof *out->failed);
-    out->floor = calloc(n, sizeof *out->floor);
-    out->band_floor = calloc(n, sizeof *out->band_floor);
-    out->hypotheses = calloc(chunk->n_candidates + chunk->n_ambiguous + 1, sizeof *out->hypotheses);
-    out->estimates = calloc(n * n_rows + 1, sizeof *out->estimates);
-    out->candidate_estimates =
-        calloc(chunk->n_candidates * n_rows + 1, sizeof *out->candidate_estimates);
+    const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan),
+                 n_candidates = chunk->n_candidates,
+                 n_hypotheses = n_candidates + chunk->n_ambiguous;
     out->n_stretches = list_stretches(chunk, NULL);
-    out->stretches = malloc((out->n_stretches + 1) * sizeof *out->stretches);
-    if (out->stretches)
-        list_stretches(chunk, out->stretches);
-    if (out->scene->mapped)
-        out->ratio = calloc(n, sizeof *out->ratio);
-    return out->failed && (out->ratio || !out->scene->mapped) && out->floor && out->band_floor &&
-           out->stretches && out->hypotheses && out->estimates && out->candidate_estimates;
+    return MAKE_ARRAY(out->failed, n, err, "the check of %zu pixels", n) &&
+           MAKE_ARRAY(out->floor, n, err, "the check of %zu pixels", n) &&
+           MAKE_ARRAY(out->band_floor, n, err, "the check of %zu pixels", n) &&
+           MAKE_ARRAY(out->hypotheses, n_hypotheses, err, "%zu candidates", n_hypotheses) &&
+           MAKE_ARRAY(out->estimates, n * n_rows, err, "the check of %zu pixels", n) &&
+           MAKE_ARRAY(out->candidate_estimates, n_candidates * n_rows, err, "%zu candidates",
+                      n_candidates) &&
+           MAKE_ARRAY(out->stretches, out->n_stretches, err, "the check of %zu pixels", n) &&
+           (!out->scene->mapped || MAKE_ARRAY(out->ratio, n, err, "a map of %zu pixels", n));
 }
 
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
@@ -412,10 +402,11 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
                           .chunk = chunk,
                           .verdict = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
                                       .worst_depth_ratio = -1}};
-    if (!allocate(chunk, out)) {
+    if (!allocate(chunk, out, err)) {
         check_free(out);
-        return error_memory(err);
+        return false;
     }
+    list_stretches(chunk, out->stretches);
     for (size_t i = 0; i < chunk->n_candidates + chunk->n_ambiguous; i++)
         out->hypotheses[i] = (struct hypothesis){
             .alive = true, .samples = {.worst_ratio = -1, .worst_fit_ratio = -1}, .band = -1};

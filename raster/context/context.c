@@ -68,9 +68,8 @@ bool contexts_open(const struct context_wish *wish, struct contexts **out, struc
     const char *wanted = wish->library ? wish->library : "auto";
     const char *driver = only_driver ? only_driver : wish->driver;
     char threads[16];
-    *out = calloc(1, sizeof **out);
-    if (!*out)
-        return error_memory(err);
+    if (!MAKE_ARRAY(*out, 1, err, "a context of OpenGL"))
+        return false;
     (*out)->way = wish->way;
     snprintf(threads, sizeof threads, "%d", wish->threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
@@ -124,9 +123,8 @@ GLenum canvas_type(const struct canvas *canvas)
 bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
                  struct error *err)
 {
-    *out = calloc(1, sizeof **out);
-    if (!*out)
-        return error_memory(err);
+    if (!MAKE_ARRAY(*out, 1, err, "a canvas of OpenGL"))
+        return false;
     **out = (struct canvas){.contexts = contexts, .size = *size};
     return contexts->kind->open(*out, err);
 }

@@ -8,7 +8,6 @@
  * another order, and rounds otherwise. With it, colours and depths of Mesa 22.3.6 are those of
  * OSMesa to the bit, since OSMesa turns its window around inside of Mesa. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/context/context.h"
 
@@ -264,11 +263,11 @@ bool egl_open(struct contexts *contexts, int device, bool *found, struct error *
 {
     static const struct context_kind kind = {open_canvas, use_canvas, fill_canvas, close_canvas,
                                              end};
-    struct egl *egl = calloc(1, sizeof *egl);
+    struct egl *egl;
     void *library;
     *found = false;
-    if (!egl)
-        return error_memory(err);
+    if (!MAKE_ARRAY(egl, 1, err, "EGL"))
+        return false;
     contexts->own = egl;
     contexts->kind = &kind;
     contexts->name = "EGL";

@@ -99,11 +99,11 @@ bool osmesa_open(struct contexts *contexts, bool *found, struct error *err)
 {
     static const struct context_kind kind = {open_canvas, use_canvas, fill_canvas, close_canvas,
                                              end};
-    struct osmesa *osmesa = calloc(1, sizeof *osmesa);
+    struct osmesa *osmesa;
     void *library;
     *found = false;
-    if (!osmesa)
-        return error_memory(err);
+    if (!MAKE_ARRAY(osmesa, 1, err, "OSMesa"))
+        return false;
     contexts->own = osmesa;
     contexts->kind = &kind;
     contexts->name = "OSMesa";

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral cost: measures what accuracy costs in time. Each configuration is a command line of
  * render. */
-#include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -87,17 +85,17 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
 
 /* ---- report ---- */
 
-/* Writes the files that are not NULL. Writes none if memory does not suffice for all. */
+/* Writes the files that options name. */
 static bool write_files(const struct cost *cost, struct options *options, struct error *err)
 {
-    const char *csv = options->csv_file, *svg = options->svg_file;
-    char *table = csv ? cost_csv(cost) : NULL, *chart = svg ? cost_svg(cost) : NULL;
-    bool done = (!csv || table) && (!svg || chart) ? true : error_memory(err);
-    done = done && (!csv || file_write(csv, table, strlen(table), &options->outputs, err)) &&
-           (!svg || file_write(svg, chart, strlen(chart), &options->outputs, err));
-    free(table);
-    free(chart);
-    return done;
+    struct printed table = {.text = NULL}, chart = {.text = NULL};
+    if (options->csv_file)
+        cost_csv(cost, &table);
+    return (!options->csv_file ||
+            printed_write(&table, options->csv_file, &options->outputs, err)) &&
+           (!options->svg_file ||
+            (cost_svg(cost, &chart, err) &&
+             printed_write(&chart, options->svg_file, &options->outputs, err)));
 }
 
 static void print_advice(const struct options *options, const char *what,

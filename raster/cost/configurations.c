@@ -3,7 +3,6 @@
  * time (sampling, shading, renderer, depth); then the best values are combined. */
 #include <limits.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/base/base.h"
@@ -138,9 +137,9 @@ static bool say(struct cost_entry *entry, const char *prefix, const char *option
     if (!option)
         return true;
     const size_t length = strlen(option) + strlen(value) + 1;
-    char *word = malloc(length);
-    if (!word)
-        return error_memory(err);
+    char *word;
+    if (!MAKE_ARRAY(word, length, err, "an option"))
+        return false;
     snprintf(word, length, "%s%s", option, value);
     entry->words[entry->n_words++] = word;
     return true;
@@ -409,10 +408,9 @@ static bool add_positions(struct cost *cost, struct configuration configuration,
 
 bool configurations_pictures(struct cost *cost, struct error *err)
 {
-    if (!add_positions(cost, smooth, err) || (gl_is_built() && !add_positions(cost, opengl, err)))
-        return false;
-    return add_shadings(cost, false, err) && add_accuracies(cost, err) &&
-           add_renderers(cost, cost->chosen[GOOD], err);
+    return add_positions(cost, smooth, err) &&
+           (!gl_is_built() || add_positions(cost, opengl, err)) && add_shadings(cost, false, err) &&
+           add_accuracies(cost, err) && add_renderers(cost, cost->chosen[GOOD], err);
 }
 
 bool configurations_finest(struct cost *cost, struct error *err)

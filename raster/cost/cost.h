@@ -88,9 +88,9 @@ struct advice {
 struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
 struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
 void cost_print(const struct cost *cost, struct printed *to);
-/* Return the table as CSV, and the chart; allocated. NULL: no memory. */
-char *cost_csv(const struct cost *cost);
-char *cost_svg(const struct cost *cost);
+/* Print the table as CSV, and the chart. */
+void cost_csv(const struct cost *cost, struct printed *to);
+bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
 void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */
 
 /* ---- command.c: configurations as command lines ---- */

@@ -100,8 +100,8 @@ static bool render_entry(const struct measurement *measurement, const struct cos
     struct error again = {.status = EXIT_AGREED};
     if (cost_run(measurement->options, entry, measurement->stack, seconds, err))
         return true;
-    if (err->status == EXIT_SYSTEM &&
-        !process_run(render_job, &task, NULL, 0, &again) && again.unsupported)
+    if (err->status == EXIT_SYSTEM && !process_run(render_job, &task, NULL, 0, &again) &&
+        again.unsupported)
         *err = again;
     return false;
 }
@@ -122,9 +122,8 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     measurement->cost->standard_seconds = seconds.wall;
     unlink(measurement->stack);
     cost_entry_free(&entry);
-    errno = 0;
     if (strstr(own.text, measurement->folder.path))
-        error_system(err, "%s; set TMPDIR to a folder with more room", error_words(&own));
+        error_failed(err, "%s; set TMPDIR to a folder with more room", error_words(&own));
     else if (!done)
         *err = own;
     return done;
@@ -168,9 +167,8 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
     entry->accuracy = accuracy;
     entry->seconds = seconds.wall;
     entry->processor = seconds.processor;
-    entry->walls = calloc(runs, sizeof *entry->walls);
-    entry->processors = calloc(runs, sizeof *entry->processors);
-    return (entry->walls && entry->processors) || error_memory(err);
+    return MAKE_ARRAY(entry->walls, runs, err, "the seconds of %s", entry->name) &&
+           MAKE_ARRAY(entry->processors, runs, err, "the seconds of %s", entry->name);
 }
 
 /* Adds configurations and warms them up. `add` may choose by the errors measured before. */
@@ -310,28 +308,28 @@ static bool conclude(struct cost *cost, struct error *err)
 {
     qsort(cost->entries, (size_t)cost->n, sizeof *cost->entries, by_seconds);
     cost_mark(cost);
-    errno = 0;
-    return cost->n > 0 || error_system(err, "no configuration could be rendered: %s",
+    return cost->n > 0 || error_failed(err, "no configuration could be rendered: %s",
                                        cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 
 /* Returns the scene's name with the changes of the command line, allocated; NULL: no memory. */
-static char *name_scene(const struct measurement *measurement)
+static char *name_scene(const struct measurement *measurement, struct error *err)
 {
     struct printed printed = {.text = NULL};
     print_text(&printed, measurement->cost->survey.scene);
     for (int i = 0; i < measurement->options->n_recorded; i++)
         print(&printed, " %s", measurement->options->recorded[i]);
-    return printed_end(&printed);
+    return printed_take(&printed, err);
 }
 
 static bool describe(struct measurement *measurement, bool lit, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    cost->scene = name_scene(measurement);
+    cost->scene = name_scene(measurement, err);
     cost->runs = measurement->options->runs ? measurement->options->runs : DEFAULT_RUNS;
-    cost->entries = calloc(MAX_CONFIGURATIONS, sizeof *cost->entries);
-    return ((cost->scene && cost->entries) || error_memory(err)) && survey_notes(cost, err) &&
+    return cost->scene &&
+           MAKE_ARRAY(cost->entries, MAX_CONFIGURATIONS, err, "the configurations of a cost") &&
+           survey_notes(cost, err) &&
            (lit ||
             cost_note(cost, err, "the observer sees no light: the white is a radiance of 1"));
 }
@@ -340,9 +338,9 @@ static bool measure(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
     bool lit = false;
-    if (!open_folder(measurement, err) || !survey_scene(measurement->options, &cost->survey, err))
-        return false;
-    return make_standard(measurement, &lit, err) && describe(measurement, lit, err) &&
+    return open_folder(measurement, err) &&
+           survey_scene(measurement->options, &cost->survey, err) &&
+           make_standard(measurement, &lit, err) && describe(measurement, lit, err) &&
            announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
 }
 

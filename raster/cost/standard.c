@@ -118,13 +118,11 @@ static bool allocate(struct walk *walk, struct error *err)
     const size_t columns = (size_t)standard->columns, n_nm = (size_t)standard->n_nm;
     const size_t n_pages = (size_t)walk->rows.cube.image.n_pages;
     const size_t n_pixels = (size_t)standard->width * (size_t)standard->height;
-    walk->pixels = calloc(walk->rows.stride, sizeof *walk->pixels);
-    walk->lattice = calloc(columns * n_nm, sizeof *walk->lattice);
-    walk->pages = calloc(columns * n_pages, sizeof *walk->pages);
-    walk->squares = calloc(columns, sizeof *walk->squares);
-    walk->differences = calloc(n_pixels, sizeof *walk->differences);
-    return (walk->pixels && walk->lattice && walk->pages && walk->squares && walk->differences) ||
-           error_memory(err);
+    return MAKE_ARRAY(walk->pixels, walk->rows.stride, err, "rows of a stack") &&
+           MAKE_ARRAY(walk->lattice, columns * n_nm, err, "a standard observer") &&
+           MAKE_ARRAY(walk->pages, columns * n_pages, err, "a standard observer") &&
+           MAKE_ARRAY(walk->squares, columns, err, "a standard observer") &&
+           MAKE_ARRAY(walk->differences, n_pixels, err, "the differences of a stack");
 }
 
 static bool close_walk(struct walk *walk, struct error *err)
@@ -132,12 +130,8 @@ static bool close_walk(struct walk *walk, struct error *err)
     const bool closed = walk->summary < 0 || close(walk->summary) == 0 || errno == EINTR;
     rows_close(&walk->rows);
     sight_free(&walk->sight);
-    free(walk->pixels);
-    free(walk->lattice);
-    free(walk->pages);
-    free(walk->linear);
-    free(walk->squares);
-    free(walk->differences);
+    FREE_ALL(walk->pixels, walk->lattice, walk->pages, walk->linear, walk->squares,
+             walk->differences);
     return closed || error_system(err, "cannot write %s", walk->request->summary);
 }
 
@@ -181,8 +175,8 @@ static bool find_shown(struct walk *walk, struct error *err)
 {
     struct standard_pixel *pixel = walk->pixels;
     const int width = walk->standard.width;
-    int *objects = calloc((size_t)width, sizeof *objects);
-    bool done = objects || error_memory(err);
+    int *objects;
+    bool done = MAKE_ARRAY(objects, width, err, "a row of the object map");
     for (int row = 0; done && row < walk->rows.n; row++) {
         done = cube_objects(&walk->rows.cube, 0, walk->rows.first + row, width, objects, err);
         for (int x = 0; x < width; x++, pixel++)

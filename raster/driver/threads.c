@@ -63,6 +63,5 @@ bool driver_has_threads(const char *gl_renderer, const struct driver_threads *be
             return true;
         nanosleep(&pause, NULL);
     }
-    errno = 0;
-    return error_system(err, "OpenGL has started %ld of its %ld threads", now.of_llvmpipe, asked);
+    return error_failed(err, "OpenGL has started %ld of its %ld threads", now.of_llvmpipe, asked);
 }

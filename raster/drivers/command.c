@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral drivers: lists what OpenGL can draw here, and the options that choose it. */
-#include <errno.h>
 #include <stdio.h>
 #include <unistd.h>
 
@@ -126,6 +125,5 @@ bool command_drivers(struct options *options, struct error *err)
     done =
         done && (options->json ? write_json(options, &drivers, err) : print_drivers(&drivers, err));
     drivers_free(&drivers);
-    errno = 0;
-    return done && (usable || error_system(err, "no OpenGL can draw here; --renderer raster can"));
+    return done && (usable || error_failed(err, "no OpenGL can draw here; --renderer raster can"));
 }

@@ -57,9 +57,8 @@ static bool try_renderer(const char *library, const char *renderer, struct drive
     struct error own = {.status = EXIT_AGREED};
     snprintf(listed.library, sizeof listed.library, "%s", library);
     if (process_run(describe, &listed, &is, sizeof is, &own)) {
-        listed.is = malloc(sizeof *listed.is);
-        if (!listed.is)
-            return error_memory(err);
+        if (!MAKE_ARRAY(listed.is, 1, err, "the names of a driver"))
+            return false;
         *listed.is = is;
     } else
         snprintf(listed.reason, sizeof listed.reason, "%.500s", error_words(&own));
@@ -122,10 +121,8 @@ bool drivers_measure(struct driver_list *drivers, struct error *err)
         struct listed_driver *listed = &drivers->list[i];
         if (!listed->is)
             continue;
-        listed->traits = malloc(sizeof *listed->traits);
-        if (!listed->traits)
-            return error_memory(err);
-        if (!process_run(measure, listed, listed->traits, sizeof *listed->traits, err))
+        if (!MAKE_ARRAY(listed->traits, 1, err, "the traits of a driver") ||
+            !process_run(measure, listed, listed->traits, sizeof *listed->traits, err))
             return false;
     }
     return true;
@@ -134,8 +131,7 @@ bool drivers_measure(struct driver_list *drivers, struct error *err)
 void drivers_free(struct driver_list *drivers)
 {
     for (int i = 0; i < drivers->n; i++) {
-        free(drivers->list[i].is);
-        free(drivers->list[i].traits);
+        FREE_ALL(drivers->list[i].is, drivers->list[i].traits);
     }
     free(drivers->list);
     *drivers = (struct driver_list){.n = 0};

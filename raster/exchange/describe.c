@@ -2,7 +2,6 @@
 /* A scene as another program needs it: numbers of single precision as OpenGL gets them, in the byte
  * order of this machine, and lines of words. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/digest/digest.h"
 #include "data/scene/scene.h"
@@ -44,11 +43,11 @@ enum { VERTEX_FLOATS = 8 };
 static bool add_vertices(struct description *to, int index, struct error *err)
 {
     const struct mesh *mesh = &to->plan->meshes[index].mesh;
-    const size_t n = (size_t)mesh->n_vertices, size = VERTEX_FLOATS * sizeof(float);
-    float *floats = malloc(n * size);
+    const size_t n = (size_t)mesh->n_vertices;
+    float *floats;
     char name[FILE_NAME];
-    if (!floats)
-        return error_memory(err);
+    if (!MAKE_ARRAY(floats, VERTEX_FLOATS * n, err, "the vertices of mesh %d", index))
+        return false;
     for (size_t i = 0; i < n; i++) {
         const struct vertex *v = &mesh->vertices[i];
         const double values[VERTEX_FLOATS] = {v->position.x, v->position.y, v->position.z,
@@ -58,7 +57,7 @@ static bool add_vertices(struct description *to, int index, struct error *err)
             floats[VERTEX_FLOATS * i + k] = (float)values[k];
     }
     snprintf(name, sizeof name, "vertices-%d.bin", index);
-    const bool done = add_file(to, name, floats, n * size, err);
+    const bool done = add_file(to, name, floats, VERTEX_FLOATS * n * sizeof *floats, err);
     free(floats);
     return done;
 }
@@ -80,15 +79,14 @@ static bool add_mesh(struct description *to, int index, struct error *err)
 static bool add_texels(struct description *to, int index, struct error *err)
 {
     struct texture *texture = &to->plan->textures[index];
-    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height,
-                 size = BANDS_PER_PASS * sizeof(float);
-    float *texels = malloc(n * size);
-    bool done = texels || error_memory(err);
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height * BANDS_PER_PASS;
+    float *texels;
+    bool done = MAKE_ARRAY(texels, n, err, "the texels of %s", texture->image.path);
     for (int band = 0; band < to->plan->n_bands && done; band += BANDS_PER_PASS) {
         char name[FILE_NAME];
         snprintf(name, sizeof name, "texture-%d-%d.bin", index, band);
         done = pass_texels(to->plan, texture, band, texels, err) &&
-               add_file(to, name, texels, n * size, err);
+               add_file(to, name, texels, n * sizeof *texels, err);
     }
     free(texels);
     return done;
@@ -150,8 +148,8 @@ static bool add_passes(struct description *to, struct error *err)
                     print_material(to, m, group, band, &lines);
     print_text(&lines, "end\n");
     const size_t length = lines.length;
-    char *bytes = printed_end(&lines);
-    const bool done = bytes ? add_file(to, "passes.txt", bytes, length, err) : error_memory(err);
+    char *bytes = printed_take(&lines, err);
+    const bool done = bytes && add_file(to, "passes.txt", bytes, length, err);
     free(bytes);
     return done;
 }
@@ -242,19 +240,18 @@ static bool print_scene(struct description *to, struct error *err)
 static bool finish(struct description *of, char id[DIGEST_TEXT], struct error *err)
 {
     const size_t length = of->scene.length;
-    char *lines = printed_end(&of->scene);
+    char *lines = printed_take(&of->scene, err);
     struct printed whole = {.text = NULL};
     if (!lines)
-        return error_memory(err);
+        return false;
     digest_bytes(lines, length, id);
     print(&whole, "spectral-scene 1\nid %s\n", id);
     print_bytes(&whole, lines, length);
     free(lines);
     const size_t whole_length = whole.length;
-    char *bytes = printed_end(&whole);
-    const bool done =
-        bytes ? !of->taker || of->taker->take(of->taker->of, "scene.txt", bytes, whole_length, err)
-              : error_memory(err);
+    char *bytes = printed_take(&whole, err);
+    const bool done = bytes && (!of->taker || of->taker->take(of->taker->of, "scene.txt", bytes,
+                                                              whole_length, err));
     free(bytes);
     return done;
 }

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes the files of a scene into a new folder. */
-#include <errno.h>
-#include <string.h>
 
 #include "data/output/output.h"
 #include "data/process/process.h"
@@ -13,9 +11,8 @@ static bool write_file(void *of, const char *name, const void *bytes, size_t len
                        struct error *err)
 {
     const struct folder *folder = of;
-    errno = 0;
     if (is_interrupted())
-        return error_system(err, "interrupted; nothing was written");
+        return error_failed(err, "interrupted; nothing was written");
     char path[sizeof folder->path + FILE_NAME + 1];
     snprintf(path, sizeof path, "%s/%s", folder->path, name);
     return file_write(path, bytes, length, NULL, err);

@@ -33,19 +33,20 @@ static size_t count_pixels(const struct plan *plan)
 
 /* ---- a folder ---- */
 
-/* Reads a file with 4 bytes in each of n places of each pixel; *out stays NULL where it is missing.
+/* Reads a file with n numbers of each pixel; *out stays NULL where it is missing.
  */
 static bool read_optional(const struct drawn *of, const char *name, size_t n, void **out,
                           struct error *err)
 {
-    const size_t length = count_pixels(of->plan) * n * 4;
-    void *bytes = malloc(length);
+    const size_t length = count_pixels(of->plan) * n;
+    float *numbers;
     bool found = false;
     const bool done =
-        bytes ? drawn_read_file(of->folder, name, length, bytes, &found, err) : error_memory(err);
-    *out = found && done ? bytes : NULL;
+        MAKE_ARRAY(numbers, length, err, "the numbers of %s/%s", of->folder, name) &&
+        drawn_read_file(of->folder, name, length * sizeof *numbers, numbers, &found, err);
+    *out = found && done ? numbers : NULL;
     if (!*out)
-        free(bytes);
+        free(numbers);
     return done;
 }
 
@@ -108,8 +109,8 @@ static bool draw_image(struct drawn *of, float *out, int first_band, double full
 {
     const size_t n = count_pixels(of->plan);
     int exponent;
-    float *page = malloc(n * sizeof *page);
-    bool done = page || error_memory(err);
+    float *page;
+    bool done = MAKE_ARRAY(page, n, err, "a page of %s", of->image.path);
     if (done && frexp(full_scale, &exponent) != 0.5)
         done = error_usage(err,
                            "the radiances of a TIFF need a full scale that is a power of two, "
@@ -165,8 +166,7 @@ static void drawn_close(struct renderer *renderer)
     struct drawn *of = (struct drawn *)renderer;
     for (int i = 0; i < MOST_BUFFERS; i++)
         free(of->buffers[i]);
-    free(of->numbers);
-    free(of->depths);
+    FREE_ALL(of->numbers, of->depths);
     image_close(&of->image);
     free(of);
 }
@@ -215,8 +215,8 @@ static bool allocate(struct drawn *of, int n_buffers, struct error *err)
                            "%d x %d pixels here; choose a smaller --size",
                            plan->tile_width, plan->tile_height);
     for (int i = 0; i < n_buffers; i++)
-        if (!(of->buffers[i] = malloc(count_pixels(plan) * 4 * sizeof(float))))
-            return error_memory(err);
+        if (!MAKE_ARRAY(of->buffers[i], 4 * count_pixels(plan), err, "a picture"))
+            return false;
     return true;
 }
 
@@ -230,10 +230,11 @@ bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_
                                               .identify = drawn_identify,
                                               .shown = drawn_shown,
                                               .close = drawn_close};
-    struct drawn *of = calloc(1, sizeof *of);
-    *out = of ? &of->renderer : NULL;
-    if (!of)
-        return error_memory(err);
+    struct drawn *of;
+    *out = NULL;
+    if (!MAKE_ARRAY(of, 1, err, "a renderer"))
+        return false;
+    *out = &of->renderer;
     of->renderer.kind = &kind;
     of->plan = plan;
     if (!allocate(of, n_buffers, err) || !open_pixels(of, names, err))

@@ -2,7 +2,6 @@
 /* The files that another program wrote. */
 #include <errno.h>
 #include <stdio.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -22,12 +22,12 @@ static float *at(const struct pilots *of, float *table, int term, int band)
 }
 
 /* Computes the gains of least squares: covariance x spectra / rounding^2, with the covariance after
- * all pilots. False: no memory. */
-static bool make_gains(const struct pilots *of, int material)
+ * all pilots. */
+static bool make_gains(const struct pilots *of, int material, struct error *err)
 {
     struct knowledge known;
     const int n = of->shaded->n_terms;
-    bool done = knowledge_begin(of->fit, material, &known);
+    bool done = knowledge_begin(of->fit, material, &known, err);
     for (int k = 0; k < of->n && done; k++)
         knowledge_add(&known, of->band[k]);
     for (int k = 0; k < of->n && done; k++) {
@@ -99,21 +99,19 @@ static void bound_band(const struct pilots *of, int band)
 }
 
 static bool allocate(const struct fit *fit, const struct shaded_material *shaded,
-                     struct material_fit *out)
+                     struct material_fit *out, struct error *err)
 {
-    size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)fit->plan->n_bands;
-    out->spectra = calloc(n_terms * n_bands + 1, sizeof *out->spectra);
-    out->own = calloc(n_terms * n_bands + 1, sizeof *out->own);
-    out->rest = calloc(n_terms * n_bands + 1, sizeof *out->rest);
-    out->gains = calloc(n_terms * MAX_PILOTS + 1, sizeof *out->gains);
-    out->share = calloc(n_bands, sizeof *out->share);
-    out->flushed = calloc(n_bands, sizeof *out->flushed);
-    out->scale = calloc(n_bands, sizeof *out->scale);
-    return out->spectra && out->own && out->rest && out->gains && out->share && out->flushed &&
-           out->scale;
+    const size_t n_bands = (size_t)fit->plan->n_bands, n = (size_t)shaded->n_terms * n_bands;
+    return MAKE_ARRAY(out->spectra, n, err, "the spectra of a material") &&
+           MAKE_ARRAY(out->own, n, err, "the bounds of a material") &&
+           MAKE_ARRAY(out->rest, n, err, "the bounds of a material") &&
+           MAKE_ARRAY(out->gains, shaded->n_terms * MAX_PILOTS, err, "the fit of a material") &&
+           MAKE_ARRAY(out->share, n_bands, err, "the fit of a material") &&
+           MAKE_ARRAY(out->flushed, n_bands, err, "the fit of a material") &&
+           MAKE_ARRAY(out->scale, n_bands, err, "the fit of a material");
 }
 
-static bool fit_material(const struct fit *fit, int material)
+static bool fit_material(const struct fit *fit, int material, struct error *err)
 {
     const struct shaded_material *shaded = &fit->plan->materials[material];
     struct pilots of = {.fit = fit, .shaded = shaded, .out = &fit->materials[material]};
@@ -123,7 +121,7 @@ static bool fit_material(const struct fit *fit, int material)
         for (int c = 0; c < BANDS_PER_PASS; c++)
             if (fit->passes[p] * BANDS_PER_PASS + c < fit->plan->n_bands)
                 of.band[of.n++] = fit->passes[p] * BANDS_PER_PASS + c;
-    if (!make_gains(&of, material))
+    if (!make_gains(&of, material, err))
         return false;
     for (int band = 0; band < fit->plan->n_bands; band++)
         bound_band(&of, band);
@@ -132,12 +130,12 @@ static bool fit_material(const struct fit *fit, int material)
 
 /* ---- all materials ---- */
 
-static bool make_spectra(struct fit *fit, double full_scale)
+static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
 {
     const struct plan *plan = fit->plan;
     for (int m = 0; m < plan->n_materials; m++) {
         const struct shaded_material *shaded = &plan->materials[m];
-        if (!allocate(fit, shaded, &fit->materials[m]))
+        if (!allocate(fit, shaded, &fit->materials[m], err))
             return false;
         const size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands;
         for (size_t t = 0; t < n_terms; t++)
@@ -150,26 +148,21 @@ static bool make_spectra(struct fit *fit, double full_scale)
 
 bool fit_make(const struct plan *plan, double full_scale, struct fit *out, struct error *err)
 {
-    *out = (struct fit){.plan = plan,
-                        .materials = calloc((size_t)plan->n_materials + 1, sizeof *out->materials)};
-    bool done = out->materials && make_spectra(out, full_scale) &&
-                (buffer_steps(plan) > 0 || pilots_choose(out));
+    *out = (struct fit){.plan = plan};
+    bool done = MAKE_ARRAY(out->materials, plan->n_materials, err, "the fit of materials") &&
+                make_spectra(out, full_scale, err) &&
+                (buffer_steps(plan) > 0 || pilots_choose(out, err));
     for (int m = 0; m < plan->n_materials && done && out->n_passes > 0; m++)
-        done = fit_material(out, m);
-    return done || error_memory(err);
+        done = fit_material(out, m, err);
+    return done;
 }
 
 void fit_free(struct fit *fit)
 {
     for (int m = 0; fit->materials && m < fit->plan->n_materials; m++) {
         struct material_fit *material = &fit->materials[m];
-        free(material->spectra);
-        free(material->own);
-        free(material->rest);
-        free(material->gains);
-        free(material->share);
-        free(material->flushed);
-        free(material->scale);
+        FREE_ALL(material->spectra, material->own, material->rest, material->gains, material->share,
+                 material->flushed, material->scale);
     }
     free(fit->materials);
     *fit = (struct fit){.plan = NULL};

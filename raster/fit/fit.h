@@ -75,7 +75,7 @@ struct knowledge {
 };
 /* Nothing is known but that errors are at most some multiple of roundings. False: no memory;
  * knowledge_free accepts what is left. */
-bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out);
+bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out, struct error *err);
 void knowledge_free(struct knowledge *knowledge);
 /* Takes a band into account. Returns by how much that narrows the errors, as a binary logarithm of
  * the product of standard deviations; 0 for a band that is black. */
@@ -83,7 +83,7 @@ double knowledge_add(struct knowledge *knowledge, int band);
 /* The sum of a band's spectra: its rounding if each term rounds by 1. 0: too dark to teach us. */
 double band_rounding(const struct knowledge *knowledge, int band);
 /* Chooses fit->passes. False: no memory. */
-bool pilots_choose(struct fit *fit);
+bool pilots_choose(struct fit *fit, struct error *err);
 /* place.c: the same for surfaces whose texture differs from band to band. */
 enum { PLACE_ROWS = 5 };
 bool has_places(const struct shaded_material *shaded);

@@ -39,25 +39,24 @@ double band_rounding(const struct knowledge *knowledge, int band)
     return sum > dark * fmax(knowledge->brightest, 1) ? sum : 0;
 }
 
-bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out)
+bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out, struct error *err)
 {
     const size_t n = (size_t)fit->plan->materials[material].n_terms;
-    *out = (struct knowledge){.material = &fit->materials[material],
-                              .n_terms = (int)n,
-                              .n_bands = fit->plan->n_bands,
-                              .covariance = calloc(n * n + 1, sizeof *out->covariance),
-                              .moved = calloc(n + 1, sizeof *out->moved)};
-    for (size_t i = 0; i < n && out->covariance; i++)
+    *out = (struct knowledge){
+        .material = &fit->materials[material], .n_terms = (int)n, .n_bands = fit->plan->n_bands};
+    if (!MAKE_ARRAY(out->covariance, n * n, err, "the fit of a material") ||
+        !MAKE_ARRAY(out->moved, n, err, "the fit of a material"))
+        return false;
+    for (size_t i = 0; i < n; i++)
         out->covariance[i * n + i] = prior * prior;
     for (int band = 0; band < out->n_bands; band++)
         out->brightest = fmax(out->brightest, band_sum(out, band));
-    return out->covariance && out->moved;
+    return true;
 }
 
 void knowledge_free(struct knowledge *knowledge)
 {
-    free(knowledge->covariance);
-    free(knowledge->moved);
+    FREE_ALL(knowledge->covariance, knowledge->moved);
 }
 
 double knowledge_add(struct knowledge *knowledge, int band)
@@ -141,26 +140,23 @@ static int compare_passes(const void *a, const void *b)
     return *first - *second;
 }
 
-bool pilots_choose(struct fit *fit)
+bool pilots_choose(struct fit *fit, struct error *err)
 {
     const int n_materials = fit->plan->n_materials;
     size_t most = 0;
-    struct choice choice = {.fit = fit,
-                            .known = calloc((size_t)n_materials + 1, sizeof *choice.known)};
-    bool done = choice.known != NULL;
+    struct choice choice = {.fit = fit};
+    bool done = MAKE_ARRAY(choice.known, n_materials, err, "the fit of materials");
     for (int m = 0; m < n_materials && done; m++) {
         size_t n = (size_t)fit->plan->materials[m].n_terms;
         most = n > most ? n : most;
-        done = knowledge_begin(fit, m, &choice.known[m]);
+        done = knowledge_begin(fit, m, &choice.known[m], err);
     }
-    choice.saved = malloc(most * most * sizeof *choice.saved + 1);
-    done = done && choice.saved;
+    done = done && MAKE_ARRAY(choice.saved, most * most, err, "the fit of materials");
     while (done && choose_pass(&choice))
         ;
     qsort(fit->passes, (size_t)fit->n_passes, sizeof *fit->passes, compare_passes);
     for (int m = 0; m < n_materials && choice.known; m++)
         knowledge_free(&choice.known[m]);
-    free(choice.known);
-    free(choice.saved);
+    FREE_ALL(choice.known, choice.saved);
     return done;
 }

@@ -11,17 +11,11 @@
 
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
 {
-    void *old;
-    memcpy(&old, array, sizeof old);
     if (needed <= *capacity)
         return true;
     size_t larger = *capacity * 2 > needed ? *capacity * 2 : needed + 256;
-    if (larger > SIZE_MAX / size || larger > INT32_MAX)
+    if (larger > INT32_MAX || !memory_resize(array, larger, size))
         return false;
-    void *moved = realloc(old, larger * size);
-    if (!moved)
-        return false;
-    memcpy(array, &moved, sizeof moved);
     *capacity = larger;
     return true;
 }
@@ -298,9 +292,8 @@ bool fragments_find(struct fragments *out)
 {
     size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height;
     out->unused = -1;
-    out->pixels = malloc(n_pixels * sizeof *out->pixels);
-    out->seams = calloc(n_pixels, sizeof *out->seams);
-    if (!out->pixels || !out->seams)
+    if (!memory_make(&out->pixels, n_pixels, sizeof *out->pixels) ||
+        !memory_make(&out->seams, n_pixels, sizeof *out->seams))
         return false;
     for (size_t i = 0; i < n_pixels; i++)
         out->pixels[i] = (struct fragment_list){.head = -1, .limit = HUGE_VAL};
@@ -320,9 +313,6 @@ bool fragments_find(struct fragments *out)
 
 void fragments_free(struct fragments *fragments)
 {
-    free(fragments->pixels);
-    free(fragments->seams);
-    free(fragments->triangles);
-    free(fragments->fragments);
-    free(fragments->clipped);
+    FREE_ALL(fragments->pixels, fragments->seams, fragments->triangles, fragments->fragments,
+             fragments->clipped);
 }

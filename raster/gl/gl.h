@@ -38,7 +38,7 @@ struct gl {
     /* tile_height rows of tile_width pixels of 4 floats, from the top */
     float *buffers[MOST_BUFFERS], *part; /* part: of some lights; NULL where one pass has all */
     float *shown;                        /* numbers of triangles; NULL: no check */
-    void *steps;      /* the same of uint8_t or uint16_t, where `colours` has steps */
+    uint8_t *steps;   /* the same of uint8_t or uint16_t, where `colours` has steps */
     uint32_t *depths; /* 24 bits of depth, 8 of stencil; NULL: no check */
     bool is_stale[2]; /* of `colours` and `numbers`: the buffer holds colours of another tile */
     struct canvas *current;

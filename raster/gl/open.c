@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens OpenGL for a plan, with what it draws on: floats, or counts of 8 or 16 bits. */
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/context/context.h"
 #include "raster/gl/gl.h"
@@ -39,7 +37,7 @@ static bool check_canvas(const struct gl *gl, int needed_bits, struct error *err
 bool gl_draw_into(struct gl *gl, float *floats, bool numbers, struct error *err)
 {
     struct canvas *canvas = numbers && gl->numbers ? gl->numbers : gl->colours;
-    if (!canvas_use(canvas, floats ? floats : gl->steps, err))
+    if (!canvas_use(canvas, floats ? floats : (void *)gl->steps, err))
         return false;
     if (gl->current == canvas)
         return true;
@@ -60,20 +58,19 @@ void gl_clear_stale(struct gl *gl)
 static bool allocate(struct gl *gl, int n_buffers, struct error *err)
 {
     const struct plan *plan = gl->plan;
-    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height,
-                 pixel = 4 * sizeof(float);
-    const bool adding = plan->n_light_groups > 1, stepping = buffer_steps(plan) > 0,
-               checking = plan->options.check;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    const bool check = plan->options.check;
     bool done = true;
     for (int i = 0; i < n_buffers && done; i++)
-        done = (gl->buffers[i] = calloc(n, pixel)) != NULL;
-    gl->part = adding ? calloc(n, pixel) : NULL;
-    gl->shown = checking ? calloc(n, pixel) : NULL;
-    gl->steps = stepping ? calloc(n, 4 * (size_t)plan->options.buffer_bits / 8) : NULL;
-    gl->depths = checking ? calloc(n, sizeof *gl->depths) : NULL;
-    return (done && (gl->part || !adding) && (gl->steps || !stepping) &&
-            ((gl->shown && gl->depths) || !checking)) ||
-           error_memory(err);
+        done = MAKE_ARRAY(gl->buffers[i], 4 * n, err, "the pixels of a tile");
+    return done &&
+           (plan->n_light_groups == 1 ||
+            MAKE_ARRAY(gl->part, 4 * n, err, "the pixels of a tile")) &&
+           (!check || (MAKE_ARRAY(gl->shown, 4 * n, err, "the numbers of a tile") &&
+                       MAKE_ARRAY(gl->depths, n, err, "the depths of a tile"))) &&
+           (buffer_steps(plan) == 0 ||
+            MAKE_ARRAY(gl->steps, n * (size_t)plan->options.buffer_bits / 2, err,
+                       "the pixels of a tile"));
 }
 
 static bool open_canvas(struct gl *gl, int bits, struct canvas **out, struct error *err)
@@ -109,12 +106,7 @@ static void gl_close(struct renderer *renderer)
     for (int i = 0; i < MOST_BUFFERS; i++)
         free(gl->buffers[i]);
     vertex_buffers_free(&gl->vertices);
-    free(gl->textures);
-    free(gl->part);
-    free(gl->shown);
-    free(gl->steps);
-    free(gl->depths);
-    free(gl);
+    FREE_ALL(gl->textures, gl->part, gl->shown, gl->steps, gl->depths, gl);
 }
 
 static const float *gl_pixels(const struct renderer *renderer, int buffer)
@@ -145,10 +137,11 @@ bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, stru
                                               .identify = gl_identify,
                                               .shown = gl_shown,
                                               .close = gl_close};
-    struct gl *gl = calloc(1, sizeof *gl);
-    *out = gl ? &gl->renderer : NULL;
-    if (!gl)
-        return error_memory(err);
+    struct gl *gl;
+    *out = NULL;
+    if (!MAKE_ARRAY(gl, 1, err, "a renderer"))
+        return false;
+    *out = &gl->renderer;
     gl->renderer.kind = &kind;
     gl->plan = plan;
     gl->group = -1;

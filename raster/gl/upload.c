@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Meshes and textures as OpenGL keeps them. A spectral texture's texels are uploaded anew for each
  * pass. */
-#include <stdlib.h>
 
 #include "raster/context/context.h"
 #include "raster/gl/gl.h"
@@ -37,9 +36,8 @@ static bool upload_texture(const struct gl *gl, const struct texture *texture, G
 static bool upload_textures(struct gl *gl, struct error *err)
 {
     const size_t n = (size_t)gl->plan->n_textures;
-    gl->textures = calloc(n + 1, sizeof *gl->textures);
-    if (!gl->textures)
-        return error_memory(err);
+    if (!MAKE_ARRAY(gl->textures, n, err, "%zu textures", n))
+        return false;
     for (size_t i = 0; i < n; i++)
         if (texture_is_drawn(gl->plan, &gl->plan->textures[i]) &&
             !upload_texture(gl, &gl->plan->textures[i], &gl->textures[i], err))

@@ -2,7 +2,6 @@
 /* Explains the spectrum of a region. The reference draws the region as it draws the whole picture.
  * The spectra of the lights and of the material are listed beside the region's radiance. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/material/material.h"
 #include "data/scene/scene.h"
@@ -100,9 +99,8 @@ static bool add_curve(struct probe *probe, const struct curve *curve, struct err
     struct probe_curve *out = &probe->curves[probe->n_curves];
     if (probe->n_curves == MAX_PROBE_CURVES)
         return true;
-    out->values = calloc((size_t)probe->n, sizeof *out->values);
-    if (!out->values)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->values, probe->n, err, "the curve %s", curve->name))
+        return false;
     snprintf(out->name, sizeof out->name, "%s", curve->name);
     out->relative = curve->relative;
     for (int i = 0; i < probe->n; i++)
@@ -159,15 +157,12 @@ static bool add_material(struct probe *probe, const struct material *material, s
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
-    if (!region->several) {
-        probe->object = strdup(object_name(&region->plan, region->surface));
-        if (!probe->object)
-            return error_memory(err);
-        if (region->surface >= 0 &&
-            !add_material(probe, region->lit.bounds[region->surface].shaded->material, err))
-            return false;
-    }
-    return add_lights(probe, region->plan.scene, err);
+    const int surface = region->surface;
+    return (region->several ||
+            (string_copy(object_name(&region->plan, surface), &probe->object, err) &&
+             (surface < 0 ||
+              add_material(probe, region->lit.bounds[surface].shaded->material, err)))) &&
+           add_lights(probe, region->plan.scene, err);
 }
 
 /* ---- the whole ---- */
@@ -180,9 +175,9 @@ static bool add_colour(struct probe *probe, const struct scene *scene,
     struct cube cube = {.image = {.path = scene->path,
                                   .n_pages = scene->n_wavelengths,
                                   .wavelengths_nm = scene->wavelengths_nm}};
-    double *white = calloc((size_t)probe->n, sizeof *white);
-    if (!white)
-        return error_memory(err);
+    double *white;
+    if (!MAKE_ARRAY(white, probe->n, err, "a white"))
+        return false;
     cube.record.white =
         (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
     bool done = probe_colour(probe, &cube, options, err);
@@ -198,11 +193,9 @@ static bool inspect(struct region *region, struct error *err)
     bool clips;
     if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
         region->plan.options.full_scale = 1;
-    region->samples = calloc(largest_chunk, sizeof *region->samples);
-    region->moments = calloc((size_t)plan->n_bands, sizeof *region->moments);
-    if (!region->samples || !region->moments)
-        return error_memory(err);
-    return lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
+    return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the picture") &&
+           MAKE_ARRAY(region->moments, plan->n_bands, err, "%d bands", plan->n_bands) &&
+           lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
            find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
            inspect_pixels(region, err) && add_curves(region, err);
 }
@@ -217,7 +210,6 @@ bool probe_scene(const struct plan *plan, const struct probe_options *options, s
                 probe_allocate(out, scene->wavelengths_nm, scene->n_wavelengths, err) &&
                 inspect(&region, err) && add_colour(out, scene, options, err);
     lit_free(&region.lit);
-    free(region.samples);
-    free(region.moments);
+    FREE_ALL(region.samples, region.moments);
     return done;
 }

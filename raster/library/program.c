@@ -16,11 +16,11 @@ static bool attach(const struct gl_functions *call, GLuint program, GLenum type,
                    struct printed *text, struct error *err)
 {
     const GLuint shader = call->CreateShader(type);
-    char *source = printed_end(text), log[256] = "";
+    char *source = printed_take(text, err), log[256] = "";
     const char *const sources[] = {source};
     GLint done = 0;
     if (!source)
-        return error_memory(err);
+        return false;
     call->ShaderSource(shader, 1, sources, NULL);
     call->CompileShader(shader);
     call->GetShaderiv(shader, GL_COMPILE_STATUS, &done);

@@ -77,10 +77,11 @@ static void find_frames(const struct shown *of, struct passes *out)
 bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
 {
     const size_t n = (size_t)plan->n_passes;
-    struct shown of = {plan, calloc((size_t)plan->n_lights + 1, sizeof *of.reaches)};
-    *out = (struct passes){.frame = calloc(n, sizeof *out->frame),
-                           .first_pass = calloc(n, sizeof *out->first_pass)};
-    const bool done = (out->frame && out->first_pass && of.reaches) || error_memory(err);
+    struct shown of = {.plan = plan};
+    *out = (struct passes){.frame = NULL};
+    const bool done = MAKE_ARRAY(of.reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
+                      MAKE_ARRAY(out->frame, n, err, "%zu passes", n) &&
+                      MAKE_ARRAY(out->first_pass, n, err, "%zu passes", n);
     if (done)
         find_frames(&of, out);
     free(of.reaches);
@@ -89,7 +90,6 @@ bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
 
 void passes_free(struct passes *passes)
 {
-    free(passes->frame);
-    free(passes->first_pass);
+    FREE_ALL(passes->frame, passes->first_pass);
     *passes = (struct passes){.frame = NULL};
 }

@@ -10,9 +10,9 @@ bool pass_texels(const struct plan *plan, struct texture *texture, int first_ban
 {
     const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
     const int left = plan->n_bands - first_band;
-    float *planes = calloc(n, BANDS_PER_PASS * sizeof *planes);
-    if (!planes)
-        return error_memory(err);
+    float *planes;
+    if (!MAKE_ARRAY(planes, BANDS_PER_PASS * n, err, "the texels of %s", texture->image.path))
+        return false;
     float *const rooms[BANDS_PER_PASS] = {planes, planes + n, planes + 2 * n};
     const bool done = texture_fill(texture, plan->scene->wavelengths_nm + first_band,
                                    left < BANDS_PER_PASS ? left : BANDS_PER_PASS, rooms, err);

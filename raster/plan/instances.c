@@ -34,7 +34,7 @@ struct shape_key {
 };
 
 /* Returns the key of a shape, allocated, and its length; NULL: no memory. */
-static char *shape_key(const struct shape *shape, int halvings, size_t *length)
+static char *shape_key(const struct shape *shape, int halvings, size_t *length, struct error *err)
 {
     struct shape_key key = {
         .kind = (int)shape->kind, .planar = shape->planar, .halvings = halvings};
@@ -47,11 +47,11 @@ static char *shape_key(const struct shape *shape, int halvings, size_t *length)
         memcpy(key.numbers + 2, shape->parameter, sizeof shape->parameter);
     }
     *length = sizeof key + strlen(path);
-    char *out = malloc(*length);
-    if (out) {
-        memcpy(out, &key, sizeof key);
-        memcpy(out + sizeof key, path, strlen(path));
-    }
+    char *out;
+    if (!MAKE_ARRAY(out, *length, err, "the name of a shape"))
+        return NULL;
+    memcpy(out, &key, sizeof key);
+    memcpy(out + sizeof key, path, strlen(path));
     return out;
 }
 
@@ -112,11 +112,9 @@ static int find_whole(struct instance_maker *maker, const struct object *object,
     const struct shape shape =
         shape_tessellated(&object->shape, ldexp(scene->tessellation, halvings));
     size_t length;
-    char *key = shape_key(&shape, of_mesh, &length);
-    if (!key) {
-        error_memory(err);
+    char *key = shape_key(&shape, of_mesh, &length, err);
+    if (!key)
         return -1;
-    }
     int found = index_find(&maker->shapes, key, length);
     if (found < 0 && add_whole(maker, &shape, of_mesh, err) &&
         index_add(&maker->shapes, key, length, maker->n_wholes - 1, err))
@@ -342,9 +340,9 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
 {
     struct whole *of = &maker->wholes[whole];
     const int n_parts = count_parts(&of->mesh);
-    const struct material_assignment **use = calloc((size_t)n_parts, sizeof *use);
-    bool done = use || error_memory(err);
-    done = done && index_parts(of, err) && find_uses(object, of, use, err);
+    const struct material_assignment **use;
+    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts) &&
+                index_parts(of, err) && find_uses(object, of, use, err);
     for (int part = 0; done && part < n_parts; part++)
         done = add_part(maker, object, (struct cutting){whole, part, -1}, use[part], err);
     free(use);
@@ -385,9 +383,9 @@ static int compare_instances(const void *a, const void *b)
 static bool find_twins(struct plan *plan, struct error *err)
 {
     size_t n = (size_t)plan->n_instances;
-    struct placed_instance **sorted = malloc((n + 1) * sizeof *sorted);
-    if (!sorted)
-        return error_memory(err);
+    struct placed_instance **sorted;
+    if (!MAKE_ARRAY(sorted, n, err, "the order of %zu objects", n))
+        return false;
     for (size_t i = 0; i < n; i++)
         sorted[i] = &plan->instances[i];
     qsort(sorted, n, sizeof *sorted, compare_instances);

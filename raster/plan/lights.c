@@ -55,11 +55,11 @@ static bool check_light(const struct eye_light *placed, const struct light *ligh
 bool lights_list(struct plan *plan, struct error *err)
 {
     const struct illumination *illumination = &plan->illumination;
-    plan->lights = calloc((size_t)illumination->n_lights + 1, sizeof *plan->lights);
-    plan->sources = calloc((size_t)illumination->n_lights + 1, sizeof *plan->sources);
-    if (!plan->lights || !plan->sources)
-        return error_memory(err);
-    for (; plan->n_lights < illumination->n_lights; plan->n_lights++) {
+    const int n = illumination->n_lights;
+    if (!MAKE_ARRAY(plan->lights, n, err, "%d lights", n) ||
+        !MAKE_ARRAY(plan->sources, n, err, "%d lights", n))
+        return false;
+    for (; plan->n_lights < n; plan->n_lights++) {
         const struct shining_light *shining = &illumination->lights[plan->n_lights];
         struct eye_light *light = &plan->lights[plan->n_lights];
         *light = place_light(plan, shining);
@@ -96,10 +96,9 @@ bool lights_drop_idle(struct plan *plan, struct error *err)
     if (plan->options.exchangeable)
         return true;
     /* First a 1 for each light that terms have, then its new number; -1: it is dropped. */
-    int *number = calloc((size_t)plan->n_lights + 1, sizeof *number);
-    if (!number)
-        return error_memory(err);
-    int n = 0;
+    int *number, n = 0;
+    if (!MAKE_ARRAY(number, plan->n_lights, err, "%d lights", plan->n_lights))
+        return false;
     mark_lights(plan, number);
     for (int i = 0; i < plan->n_lights; i++) {
         struct eye_light light = plan->lights[i];

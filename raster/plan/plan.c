@@ -204,9 +204,8 @@ static bool check_size(const struct scene *scene, struct error *err)
 static bool plan_allocate(struct plan *plan, struct error *err)
 {
     size_t most = 2 * (size_t)plan->scene->n_materials + 1;
-    plan->materials = calloc(most, sizeof *plan->materials);
-    plan->textures = calloc(most, sizeof *plan->textures);
-    return (plan->materials && plan->textures) || error_memory(err);
+    return MAKE_ARRAY(plan->materials, most, err, "%zu materials", most) &&
+           MAKE_ARRAY(plan->textures, most, err, "%zu textures", most);
 }
 
 bool plan_make(const struct scene *scene, const struct sampling *sampling,
@@ -245,10 +244,7 @@ static void forget_instances(struct plan *plan)
 {
     for (int i = 0; i < plan->n_meshes; i++)
         mesh_free(&plan->meshes[i].mesh);
-    free(plan->meshes);
-    free(plan->instances);
-    free(plan->is_idle);
-    free(plan->shows_texture);
+    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture);
     plan->meshes = NULL;
     plan->instances = NULL;
     plan->is_idle = plan->shows_texture = NULL;
@@ -275,12 +271,10 @@ void plan_free(struct plan *plan)
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
-    free(plan->materials);
-    free(plan->textures);
+    FREE_ALL(plan->materials, plan->textures);
     index_free(&plan->by_material);
     index_free(&plan->by_texture);
-    free(plan->lights);
-    free(plan->sources);
+    FREE_ALL(plan->lights, plan->sources);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};
 }

@@ -3,7 +3,6 @@
  * reach them. OpenGL gets nothing else. Margins here exceed all bounds of single precision, so that
  * in doubt an instance is in view, and a light reaches it. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "raster/plan/plan.h"
 
@@ -126,9 +125,8 @@ static bool reaches_vertex(const struct eye_light *light, const struct lit_verte
         return true;
     if (light->attenuated && !(incidence.divisor > 1e-18 && incidence.divisor < 1e18))
         return true;
-    if (light->spot && in_spot < light->cutoff_cosine - cosine_error)
-        return false;
-    return two_sided || vertex->may_be_any || !(cosine < -cosine_error);
+    return !(light->spot && in_spot < light->cutoff_cosine - cosine_error) &&
+           (two_sided || vertex->may_be_any || !(cosine < -cosine_error));
 }
 
 bool reflects(const struct instance *instance, const struct eye_light *light)
@@ -179,10 +177,9 @@ static void see_instances(struct plan *plan)
 
 bool reach_find(struct plan *plan, struct error *err)
 {
-    plan->is_idle = calloc((size_t)plan->n_lights + 1, sizeof *plan->is_idle);
-    plan->shows_texture = calloc((size_t)plan->n_textures + 1, sizeof *plan->shows_texture);
-    if (!plan->is_idle || !plan->shows_texture)
-        return error_memory(err);
+    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights) ||
+        !MAKE_ARRAY(plan->shows_texture, plan->n_textures, err, "%d textures", plan->n_textures))
+        return false;
     see_instances(plan);
     for (int i = 0; i < plan->n_textures; i++)
         plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);

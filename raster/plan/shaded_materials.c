@@ -31,11 +31,9 @@ static struct texture *find_texture(struct plan *plan, const struct material *ma
 {
     const bool spectral = material->spectral_texture != NULL;
     const char *path = spectral ? material->spectral_texture : material->texture;
-    char *key = malloc(strlen(path) + 3);
-    if (!key) {
-        error_memory(err);
+    char *key;
+    if (!MAKE_ARRAY(key, strlen(path) + 3, err, "the name of %s", path))
         return NULL;
-    }
     sprintf(key, "%c%c%s", spectral ? 's' : 'g', material->texture_linear ? 'l' : 'n', path);
     const int known = index_find(&plan->by_texture, key, strlen(key));
     struct texture *texture =
@@ -79,9 +77,8 @@ static bool copy_terms(const struct material_terms *made, struct term **out, str
 {
     static const enum reflection reflections[] = {
         [TERM_CONSTANT] = CONSTANT, [TERM_DIFFUSE] = DIFFUSE, [TERM_SPECULAR] = SPECULAR};
-    *out = calloc((size_t)made->n + 1, sizeof **out);
-    if (!*out)
-        return error_memory(err);
+    if (!MAKE_ARRAY(*out, made->n, err, "the terms of a material"))
+        return false;
     for (int t = 0; t < made->n; t++)
         (*out)[t] = (struct term){reflections[made->terms[t].kind], made->terms[t].light};
     return true;

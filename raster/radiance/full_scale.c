@@ -204,8 +204,8 @@ static bool check_noise(const struct lit_scene *lit, const struct largest *large
 static bool find_largest(const struct lit_scene *lit, double *out, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    double *limits = malloc(((size_t)plan->max_rows + 1) * sizeof *limits);
-    bool done = limits || error_memory(err);
+    double *limits;
+    bool done = MAKE_ARRAY(limits, plan->max_rows, err, "the terms of a material");
     struct largest largest = {0, -1, 0};
     for (int s = 0; s < plan->n_instances && done; s++)
         done = raise_largest(lit, s, limits, &largest, err);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds light that is rounding noise: a light that grazes a surface exactly leaves a cosine that
  * should be 0, and is some 1e-17. Its sign decides whether the surface has a highlight. */
-#include <math.h>
 
 #include "raster/radiance/radiance.h"
 

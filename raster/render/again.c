@@ -99,10 +99,11 @@ static const char *named_by(const char *option)
 static bool option_is_trusted(const char *stack, const char *option, struct error *err)
 {
     const char *named = named_by(option);
-    char *file = named ? strdup(named) : NULL, *factor = file ? strrchr(file, '*') : NULL;
-    if (!named)
-        return true;
-    bool trusted = file ? is_trusted(stack, file, err) : error_memory(err);
+    char *file;
+    if (!named || !string_copy(named, &file, err))
+        return !named;
+    char *factor = strrchr(file, '*');
+    bool trusted = is_trusted(stack, file, err);
     if (factor) {
         *factor = '\0';
         trusted = trusted && is_trusted(stack, file, err);

@@ -119,9 +119,9 @@ static bool write_json(const struct options *options, const struct plan *plan,
  * wrong places of samples. */
 static bool print_header(const char *stack, bool written, struct printed *to, struct error *err)
 {
-    char *header = sidecar_name(stack);
+    char *header = sidecar_name(stack, err);
     bool older = false;
-    const bool done = header ? written || file_is_regular(header, &older, err) : error_memory(err);
+    const bool done = header && (written || file_is_regular(header, &older, err));
     if (done && written)
         print(to, "header            %s\n", header);
     else if (older) {
@@ -252,14 +252,13 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct render_output noted = *output;
     struct part_seconds seconds = {.read = 0};
     double start = clock_seconds();
-    bool done =
-        check_asked(options, output, err) &&
-        plan_options_of(options, output->foreign, &plan_options, err) &&
-        (output->foreign || check_gl(options, output->again, err)) &&
-        scene_read_sampled(options, &scene, &sampling, err) &&
-        check_shading(options, &scene, &plan_options, err) &&
-        check_same_scene(options, &scene, output->again, made, err) &&
-        (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err));
+    bool done = check_asked(options, output, err) &&
+                plan_options_of(options, output->foreign, &plan_options, err) &&
+                (output->foreign || check_gl(options, output->again, err)) &&
+                scene_read_sampled(options, &scene, &sampling, err) &&
+                check_shading(options, &scene, &plan_options, err) &&
+                check_same_scene(options, &scene, output->again, made, err) &&
+                (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err));
     seconds.read = clock_seconds() - start;
     done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
            refine_options(options, &plan, &refined, err);

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
-#include <errno.h>
-#include <stdlib.h>
-#include <string.h>
 #include <time.h>
 
 #include "data/sampling/sampling.h"
@@ -32,9 +29,9 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* Lists the names of the objects in the order of their numbers; none if there is no object map. */
 static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
-    const char **names = calloc((size_t)plan->n_instances + 1, sizeof *names);
-    if (!names)
-        return error_memory(err);
+    const char **names;
+    if (!MAKE_ARRAY(names, plan->n_instances, err, "the names of objects"))
+        return false;
     record->objects = (struct texts){names, plan->map_bytes > 0 ? plan->n_instances : 0};
     for (int i = 0; i < record->objects.n; i++)
         names[i] = object_name(plan, i);
@@ -58,9 +55,8 @@ static char *make_provenance(const struct state *state, struct error *err)
         record.options[i] = plan->options.recorded[i];
     if (list_objects(plan, &record, err) &&
         (rows->count == 0 ||
-         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)) &&
-        !(text = record_text(&record)))
-        error_memory(err);
+         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)))
+        text = record_text(&record, err);
     record_free(&record);
     return text;
 }
@@ -87,8 +83,7 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
                                           .labels = labels};
     if (provenance && (labels || !labelled) && stack_open(&state->stack, path, &options, err))
         state->stages.stack = &state->stack;
-    free(labels);
-    free(provenance);
+    FREE_ALL(labels, provenance);
     clock_in(&state->since, &state->stages.seconds.write);
     return state->stages.stack != NULL;
 }
@@ -200,9 +195,8 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
 /* Refuses samples that no page can hold. */
 static bool are_finite(const struct render_result *result, struct error *err)
 {
-    errno = 0;
     return result->odd.undefined == 0 ||
-           error_system(err,
+           error_failed(err,
                         "%llu samples are not finite (or too large for a float page); "
                         "nothing was written",
                         (unsigned long long)result->odd.undefined);

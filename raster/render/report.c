@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reports a render: as a table, as one line for the stack, and as one JSON object. */
 #include <math.h>
-#include <stdarg.h>
 #include <string.h>
 
 #include "data/method/method.h"

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The verdict in words: for the table, for the stack, and for the message of a render that failed.
  */
-#include <math.h>
 #include <string.h>
 
 #include "raster/render/render.h"

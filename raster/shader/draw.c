@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Batches of passes: four passes of three bands are drawn at once, in the order in which `draw`
  * will be asked for them. `draw` exchanges its buffer with the one that holds the pass. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/scene/scene.h"
@@ -185,9 +184,8 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
 bool shader_expect(struct renderer *renderer, const int *first_bands, int n, struct error *err)
 {
     struct shader *shader = (struct shader *)renderer;
-    shader->order = malloc(((size_t)n + 1) * sizeof *shader->order);
-    if (!shader->order)
-        return error_memory(err);
+    if (!MAKE_ARRAY(shader->order, n, err, "%d passes", n))
+        return false;
     memcpy(shader->order, first_bands, (size_t)n * sizeof *first_bands);
     shader->n_order = n;
     return true;

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens OpenGL with shaders for a plan. */
-#include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/context/context.h"
 #include "raster/shader/shader.h"
@@ -12,17 +10,16 @@
 static bool allocate(struct shader *shader, int n_buffers, struct error *err)
 {
     const struct plan *plan = shader->plan;
-    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height, size = 4 * sizeof(float);
+    const size_t n = 4 * (size_t)plan->tile_width * (size_t)plan->tile_height;
     bool done = true;
-    for (int i = 0; i < n_buffers; i++)
-        done = (shader->buffers[i] = calloc(n, size)) && done;
-    for (int i = 0; i < shader->n_passes; i++)
-        done = (shader->ready[i] = calloc(n, size)) && done;
-    if (plan->n_light_groups > 1)
-        done = (shader->part = calloc(n, size)) && done;
-    if (plan->options.check)
-        done = (shader->shown = calloc(n, size)) && done;
-    return done || error_memory(err);
+    for (int i = 0; i < n_buffers && done; i++)
+        done = MAKE_ARRAY(shader->buffers[i], n, err, "the pixels of a tile");
+    for (int i = 0; i < shader->n_passes && done; i++)
+        done = MAKE_ARRAY(shader->ready[i], n, err, "the pixels of a tile");
+    return done &&
+           (plan->n_light_groups == 1 ||
+            MAKE_ARRAY(shader->part, n, err, "the pixels of a tile")) &&
+           (!plan->options.check || MAKE_ARRAY(shader->shown, n, err, "the numbers of a tile"));
 }
 
 /* Depths can be read by OpenGL, and by OpenGL ES with an extension. */
@@ -35,9 +32,8 @@ static bool open_depths(struct shader *shader, struct error *err)
                                     !contexts_have(shader->contexts, "GL_NV_read_depth_stencil");
     if (shader->renderer.lacks.depths)
         return true;
-    shader->depths =
-        calloc((size_t)plan->tile_width * (size_t)plan->tile_height, sizeof *shader->depths);
-    return shader->depths || error_memory(err);
+    return MAKE_ARRAY(shader->depths, (size_t)plan->tile_width * (size_t)plan->tile_height, err,
+                      "the depths of a tile");
 }
 
 static bool open_canvas(struct shader *shader, struct error *err)
@@ -96,13 +92,8 @@ static void shader_close(struct renderer *renderer)
         free(shader->buffers[i]);
     for (int i = 0; i < MOST_PASSES; i++)
         free(shader->ready[i]);
-    free(shader->programs);
-    free(shader->textures);
-    free(shader->part);
-    free(shader->shown);
-    free(shader->depths);
-    free(shader->order);
-    free(shader);
+    FREE_ALL(shader->programs, shader->textures, shader->part, shader->shown, shader->depths,
+             shader->order, shader);
 }
 
 static const float *shader_pixels(const struct renderer *renderer, int buffer)
@@ -120,10 +111,11 @@ bool shader_open(const struct plan *plan, int n_buffers, struct renderer **out, 
                                               .identify = shader_identify,
                                               .shown = shader_shown,
                                               .close = shader_close};
-    struct shader *shader = calloc(1, sizeof *shader);
-    *out = shader ? &shader->renderer : NULL;
-    if (!shader)
-        return error_memory(err);
+    struct shader *shader;
+    *out = NULL;
+    if (!MAKE_ARRAY(shader, 1, err, "a renderer"))
+        return false;
+    *out = &shader->renderer;
     shader->renderer.kind = &kind;
     shader->plan = plan;
     shader->n_passes = plan->n_passes < MOST_PASSES ? plan->n_passes : MOST_PASSES;

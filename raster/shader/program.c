@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Programs of shaders, written for the effects of a scene. Lighting is that of OpenGL 1.x: section
  * 2.14.1 of the OpenGL 2.1 specification. Each light has the statements of its own kind only. */
-#include <stdlib.h>
 
 #include "data/base/base.h"
 #include "data/scene/scene.h"

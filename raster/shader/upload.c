@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Meshes and textures as the shaders get them. */
-#include <stdlib.h>
 
 #include "data/scene/scene.h"
 #include "raster/context/context.h"
@@ -93,11 +92,9 @@ bool shader_take_scene(struct renderer *renderer, const struct lit_scene *lit, s
     struct shader *shader = (struct shader *)renderer;
     const int n = shader->plan->n_textures;
     shader->lit = lit;
-    shader->textures = calloc((size_t)n * MOST_PASSES + 1, sizeof *shader->textures);
-    shader->programs = calloc((size_t)program_count(shader->plan), sizeof *shader->programs);
-    if (!shader->textures || !shader->programs)
-        return error_memory(err);
-    if (!vertex_buffers_fill(shader->call, lit, &shader->vertices, err))
+    if (!MAKE_ARRAY(shader->textures, n * MOST_PASSES, err, "%d textures", n) ||
+        !MAKE_ARRAY(shader->programs, program_count(shader->plan), err, "the shaders") ||
+        !vertex_buffers_fill(shader->call, lit, &shader->vertices, err))
         return false;
     for (int i = 0; i < n; i++)
         if (texture_is_drawn(shader->plan, &shader->plan->textures[i]) &&

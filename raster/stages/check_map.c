@@ -28,15 +28,6 @@ void check_map_print_colours(struct printed *to)
     print_text(to, "; background black; pixels that differ magenta");
 }
 
-/* Returns the description of the picture, allocated; NULL: no memory. */
-static char *picture_description(void)
-{
-    struct printed printed = {.text = NULL};
-    print_text(&printed, "Cross-check of OpenGL. ");
-    check_map_print_colours(&printed);
-    return printed_end(&printed);
-}
-
 /* ---- the file ---- */
 
 static bool open_planes(const char *path, const struct plan *plan, struct check_map *out,
@@ -57,15 +48,16 @@ static bool open_planes(const char *path, const struct plan *plan, struct check_
 static bool open_picture(const char *path, const struct plan *plan, struct check_map *out,
                          struct error *err)
 {
-    char *description = picture_description();
-    if (!description)
-        return error_memory(err);
+    struct printed printed = {.text = NULL};
+    print_text(&printed, "Cross-check of OpenGL. ");
+    check_map_print_colours(&printed);
+    char *description = printed_take(&printed, err);
     const struct picture_options options = {.width = 2 * plan->scene->width,
                                             .height = plan->scene->height,
                                             .samples = PICTURE_8,
                                             .srgb = true,
                                             .description = description};
-    const bool done = picture_open(&out->picture, path, &options, err);
+    const bool done = description && picture_open(&out->picture, path, &options, err);
     free(description);
     return done;
 }
@@ -74,10 +66,8 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
                     struct error *err)
 {
     *out = (struct check_map){.coloured = picture_is_png(path), .width = plan->scene->width};
-    out->samples = malloc((size_t)plan->tile_width * CHUNK_ROWS * sizeof *out->samples);
-    if (!out->samples)
-        return error_memory(err);
-    if ((out->coloured ? open_picture : open_planes)(path, plan, out, err))
+    if (MAKE_ARRAY(out->samples, plan->tile_width * CHUNK_ROWS, err, "rows of %s", path) &&
+        (out->coloured ? open_picture : open_planes)(path, plan, out, err))
         return true;
     free(out->samples);
     return false;

@@ -8,8 +8,8 @@
 
 /* Counts on their way to the stack: of some pages of a tile. */
 struct written {
-    struct rectangle at;     /* in pixels of the picture */
-    int first_page, n_pages; /* the object map is the page after the last one */
+    struct rectangle at;                    /* in pixels of the picture */
+    int first_page, n_pages;                /* the object map is the page after the last one */
     unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
 };
 enum { WRITTEN_PLACES = 2 }; /* one is filled while the other is written */
@@ -129,9 +129,9 @@ static bool expect_frames(const struct state *state, const int *frames, struct e
 {
     const struct passes *passes = state->stages->passes;
     struct renderer *renderer = state->stages->renderer;
-    int *first_bands = calloc((size_t)passes->n_frames + 1, sizeof *first_bands);
-    if (!first_bands)
-        return error_memory(err);
+    int *first_bands;
+    if (!MAKE_ARRAY(first_bands, passes->n_frames, err, "%d passes", passes->n_frames))
+        return false;
     for (int i = 0; i < passes->n_frames; i++)
         first_bands[i] = passes->first_pass[frames[i]] * BANDS_PER_PASS;
     const bool done = !renderer->kind->expect ||
@@ -146,9 +146,9 @@ static bool draw_tiles(void *context, struct error *err)
     const struct plan *plan = state->plan;
     const struct stages *stages = state->stages;
     const struct rectangle picture = plan_picture(plan);
-    int *frames = calloc((size_t)state->stages->passes->n_frames + 1, sizeof *frames);
-    if (!frames)
-        return error_memory(err);
+    int *frames;
+    if (!MAKE_ARRAY(frames, stages->passes->n_frames, err, "the order of passes"))
+        return false;
     order_frames(state, frames);
     bool done = expect_frames(state, frames, err);
     for (int i = 0; i < stages->n_tiles && done; i++) {
@@ -250,9 +250,8 @@ static bool open_checks(struct state *state, const struct tile *tile, struct err
 {
     struct tile_pass of = {.state = state, .tile = tile};
     double since = clock_seconds();
-    state->checks = calloc((size_t)tile->n_chunks, sizeof *state->checks);
-    if (!state->checks)
-        return error_memory(err);
+    if (!MAKE_ARRAY(state->checks, tile->n_chunks, err, "the check of a tile"))
+        return false;
     for (int i = 0; i < tile->n_chunks; i++)
         if (!check_open(state->stages->check_scene, &tile->chunks[i], &state->checks[i], err))
             return false;
@@ -509,17 +508,14 @@ static bool allocate(struct state *state, struct error *err)
     const struct plan *plan = state->plan;
     const size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height,
                  size = (size_t)plan->options.bits / 8, map = (size_t)plan->map_bytes;
-    state->black = calloc((size_t)plan->tile_width, 4 * sizeof *state->black);
-    if (!state->black)
-        return error_memory(err);
-    if (state->stages->check_scene &&
-        !totals_open(state->stages->check_scene, &state->sums.totals, err))
+    if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture") ||
+        (state->stages->check_scene &&
+         !totals_open(state->stages->check_scene, &state->sums.totals, err)))
         return false;
     for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->stages->stack; i++) {
         unsigned char **samples = &state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS];
-        *samples = malloc(n_samples * (size > map ? size : map));
-        if (!*samples)
-            return error_memory(err);
+        if (!MAKE_ARRAY(*samples, n_samples * (size > map ? size : map), err, "a page of a tile"))
+            return false;
     }
     return true;
 }

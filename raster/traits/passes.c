@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures whether the passes of a picture show the same triangles: one draws numbers as flat
  * colours from the program's memory, the others draw lit triangles from OpenGL's. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "raster/traits/traits.h"
@@ -54,25 +53,23 @@ static void draw_lit(struct target *target, const struct target_corner corners[C
 
 bool measure_passes(struct target *target, struct traits *out, struct error *err)
 {
-    struct target_corner *corners = calloc(CORNERS, sizeof *corners);
-    uint32_t *flat = malloc(sizeof target->depths);
-    if (corners && flat) {
-        place_perspective(target);
-        target->call->DepthFunc(GL_LESS);
-        for (int n = 0; n < 3; n++) {
-            make_triangles(target, corners);
-            draw_flat(target, corners);
-            memcpy(flat, target->depths, sizeof target->depths);
-            draw_lit(target, corners);
-            for (int i = 0; i < TARGET * TARGET; i++) {
-                const uint32_t lit = target->depths[i / TARGET][i % TARGET];
-                out->seen_pixels += (flat[i] & 0xff) > 0;
-                out->varying_pixels += lit != flat[i];
-            }
+    struct target_corner *corners;
+    uint32_t *flat = NULL;
+    const bool done = MAKE_ARRAY(corners, CORNERS, err, "a picture of triangles") &&
+                      MAKE_ARRAY(flat, TARGET * TARGET, err, "a picture of triangles");
+    place_perspective(target);
+    target->call->DepthFunc(GL_LESS);
+    for (int n = 0; n < 3 && done; n++) {
+        make_triangles(target, corners);
+        draw_flat(target, corners);
+        memcpy(flat, target->depths, sizeof target->depths);
+        draw_lit(target, corners);
+        for (int i = 0; i < TARGET * TARGET; i++) {
+            const uint32_t lit = target->depths[i / TARGET][i % TARGET];
+            out->seen_pixels += (flat[i] & 0xff) > 0;
+            out->varying_pixels += lit != flat[i];
         }
     }
-    const bool done = corners && flat;
-    free(corners);
-    free(flat);
-    return done || error_memory(err);
+    FREE_ALL(corners, flat);
+    return done;
 }

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A small picture to draw known triangles on. */
-#include <math.h>
 #include <stdlib.h>
 
 #include "raster/traits/traits.h"
@@ -33,11 +32,10 @@ static void set_state(struct target *target)
 bool target_open(struct contexts *contexts, struct target **out, struct error *err)
 {
     const struct canvas_size size = {32, TARGET, TARGET, 1};
-    struct target *target = calloc(1, sizeof *target);
+    struct target *target;
+    const bool made = MAKE_ARRAY(target, 1, err, "a picture of triangles");
     *out = target;
-    if (!target)
-        return error_memory(err);
-    if (!canvas_open(contexts, &size, &target->canvas, err) ||
+    if (!made || !canvas_open(contexts, &size, &target->canvas, err) ||
         !canvas_use(target->canvas, target->colours, err))
         return false;
     target->call = &contexts->call;

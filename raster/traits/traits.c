@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* All measurements, one after the other. */
-#include <errno.h>
 
 #include "raster/traits/traits.h"
 
@@ -19,9 +18,8 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
         measure_lighting(target, out);
         done = measure_passes(target, out, err);
         const GLenum code = target->call->GetError();
-        errno = 0;
         if (done && code != GL_NO_ERROR)
-            done = error_system(err, "OpenGL reports error 0x%04x on small targets", code);
+            done = error_failed(err, "OpenGL reports error 0x%04x on small targets", code);
     }
     target_close(target);
     return done;

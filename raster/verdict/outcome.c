@@ -2,7 +2,6 @@
 /* The verdict on the picture: how much of it was checked, and whether it agrees on average. */
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 
 #include "raster/verdict/verdict.h"
 
@@ -21,29 +20,23 @@ static size_t most_shown(const struct plan *plan, size_t n_triangles)
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err)
 {
     const struct plan *plan = scene->lit->plan;
-    size_t n_triangles = 0;
-    *out = (struct check_totals){.scene = scene,
-                                 .verdict = nothing,
-                                 .first = calloc((size_t)plan->n_instances + 1, sizeof *out->first),
-                                 .unchecked =
-                                     calloc((size_t)plan->n_instances + 1, sizeof *out->unchecked)};
-    for (int s = 0; s < plan->n_instances && out->first; s++) {
-        out->first[s] = n_triangles;
-        n_triangles += (size_t)plan->instances[s].instance.n_triangles;
+    const int n = plan->n_instances;
+    *out = (struct check_totals){.scene = scene, .verdict = nothing};
+    if (!MAKE_ARRAY(out->first, n, err, "%d objects", n) ||
+        !MAKE_ARRAY(out->unchecked, n, err, "%d objects", n))
+        return false;
+    for (int s = 0; s < n; s++) {
+        out->first[s] = out->n_triangles;
+        out->n_triangles += (size_t)plan->instances[s].instance.n_triangles;
     }
-    out->n_triangles = n_triangles;
-    out->most_shown = most_shown(plan, n_triangles);
-    out->varying = calloc(n_triangles + 1, sizeof *out->varying);
-    out->shown = calloc(out->most_shown + 1, sizeof *out->shown);
-    return (out->first && out->unchecked && out->varying && out->shown) || error_memory(err);
+    out->most_shown = most_shown(plan, out->n_triangles);
+    return MAKE_ARRAY(out->varying, out->n_triangles, err, "%zu triangles", out->n_triangles) &&
+           MAKE_ARRAY(out->shown, out->most_shown, err, "%zu triangles", out->most_shown);
 }
 
 void totals_free(struct check_totals *totals)
 {
-    free(totals->first);
-    free(totals->unchecked);
-    free(totals->varying);
-    free(totals->shown);
+    FREE_ALL(totals->first, totals->unchecked, totals->varying, totals->shown);
     *totals = (struct check_totals){.scene = NULL};
 }
 

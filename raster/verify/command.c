@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral verify: judges scenes on drivers, and reports the results. */
-#include <errno.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "raster/verify/verify.h"
@@ -36,11 +34,7 @@ static bool write_junit(const struct verification *of, struct options *options, 
 {
     struct printed printed = {.text = NULL};
     verify_junit(of, &printed);
-    char *text = printed_end(&printed);
-    const bool done = text ? file_write(options->junit, text, strlen(text), &options->outputs, err)
-                           : error_memory(err);
-    free(text);
-    return done;
+    return printed_write(&printed, options->junit, &options->outputs, err);
 }
 
 static bool write_json(const struct verification *of, struct options *options, struct error *err)
@@ -63,9 +57,8 @@ static bool conclude(const struct verification *of, struct error *err)
         if (result->outcome == VERIFY_FAILED)
             reason = result->text;
     }
-    errno = 0;
     if (failed == n)
-        return error_system(err, "no picture could be drawn: %s", reason);
+        return error_failed(err, "no picture could be drawn: %s", reason);
     if (failed > 0)
         return error_different(err,
                                "%d of %d pictures could not be drawn, and %d differ or are not "

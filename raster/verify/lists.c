@@ -120,19 +120,16 @@ static bool find_scenes(const struct options *options, struct verification *out,
 bool verification_open(const struct options *options, struct verification *out, struct error *err)
 {
     *out = (struct verification){.n_drivers = 0};
-    if (!find_scenes(options, out, err) || !find_drivers(options, out, err))
-        return false;
-    out->results = calloc((size_t)out->n_drivers * (size_t)out->n_scenes, sizeof *out->results);
-    return out->results || error_memory(err);
+    return find_scenes(options, out, err) && find_drivers(options, out, err) &&
+           MAKE_ARRAY(out->results, (size_t)out->n_drivers * (size_t)out->n_scenes, err,
+                      "the verdicts on %d scenes", out->n_scenes);
 }
 
 void verification_free(struct verification *of)
 {
     for (int i = 0; i < of->n_scenes; i++)
         free(of->scenes[i].path);
-    free(of->drivers);
-    free(of->scenes);
-    free(of->results);
+    FREE_ALL(of->drivers, of->scenes, of->results);
     *of = (struct verification){.n_drivers = 0};
 }
 

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Takes the place of the other files of this room in a program without OpenGL. */
-#include <errno.h>
 
 #include "raster/verify/verify.h"
 
 bool command_verify(struct options *options, struct error *err)
 {
     (void)options;
-    errno = 0;
-    return error_system(err, "this program was built without OpenGL; there is none to verify");
+    return error_failed(err, "this program was built without OpenGL; there is none to verify");
 }

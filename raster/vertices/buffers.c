@@ -28,15 +28,16 @@ static bool upload_vertices(const struct vertex_buffers *of, GLuint *name, const
                             size_t n_floats, void (*copy)(const struct vertex *from, float *to),
                             struct error *err)
 {
-    const size_t n = (size_t)mesh->n_vertices, size = n_floats * sizeof(float);
-    float *floats = *name ? NULL : malloc(n * size);
-    if (!floats)
-        return *name || error_memory(err);
+    const size_t n = (size_t)mesh->n_vertices;
+    float *floats;
+    if (*name || !MAKE_ARRAY(floats, n * n_floats, err, "%zu vertices of a mesh", n))
+        return *name;
     for (size_t i = 0; i < n; i++)
         copy(&mesh->vertices[i], floats + n_floats * i);
     of->call->GenBuffers(1, name);
     of->call->BindBuffer(GL_ARRAY_BUFFER, *name);
-    of->call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * size), floats, GL_STATIC_DRAW);
+    of->call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * n_floats * sizeof *floats), floats,
+                         GL_STATIC_DRAW);
     free(floats);
     return true;
 }
@@ -73,9 +74,10 @@ static bool upload_triangles(const struct vertex_buffers *of, int instance, stru
     const bool *hidden = of->lit->bounds[instance].hidden;
     const size_t size = sizeof *mesh->triangles;
     size_t n = 0;
-    char *indices = malloc((size_t)mesh->n_triangles * size + 1);
-    if (!indices)
-        return error_memory(err);
+    char *indices;
+    if (!MAKE_ARRAY(indices, (size_t)mesh->n_triangles * size, err, "the triangles of %s",
+                    object_name(of->plan, instance)))
+        return false;
     for (int i = 0; i < mesh->n_triangles; i++)
         if (!hidden || !hidden[i])
             memcpy(indices + size * n++, mesh->triangles[i], size);
@@ -102,16 +104,12 @@ bool vertex_buffers_fill(const struct gl_functions *call, const struct lit_scene
                          struct vertex_buffers *out, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    const size_t n_instances = (size_t)plan->n_instances, n_meshes = (size_t)plan->n_meshes;
-    *out = (struct vertex_buffers){.call = call,
-                                   .plan = plan,
-                                   .lit = lit,
-                                   .objects = calloc(BUFFERS * n_meshes + 1, sizeof *out->objects),
-                                   .indices =
-                                       calloc(n_meshes + n_instances + 1, sizeof *out->indices)};
-    if (!out->objects || !out->indices)
-        return error_memory(err);
-    for (int i = 0; i < plan->n_instances; i++)
+    const int n = plan->n_instances, n_meshes = plan->n_meshes;
+    *out = (struct vertex_buffers){.call = call, .plan = plan, .lit = lit};
+    if (!MAKE_ARRAY(out->objects, BUFFERS * n_meshes, err, "%d meshes", n_meshes) ||
+        !MAKE_ARRAY(out->indices, n_meshes + n, err, "%d objects", n))
+        return false;
+    for (int i = 0; i < n; i++)
         if (!upload_instance(out, i, err))
             return false;
     return true;
@@ -119,8 +117,7 @@ bool vertex_buffers_fill(const struct gl_functions *call, const struct lit_scene
 
 void vertex_buffers_free(struct vertex_buffers *buffers)
 {
-    free(buffers->objects);
-    free(buffers->indices);
+    FREE_ALL(buffers->objects, buffers->indices);
     *buffers = (struct vertex_buffers){.call = NULL};
 }
 

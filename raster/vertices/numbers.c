@@ -42,9 +42,9 @@ static void draw_instance(const struct lit_scene *lit, int instance, const struc
 bool numbers_draw(const struct lit_scene *lit, const struct rectangle *tile,
                   const struct numbered_draw *by, struct error *err)
 {
-    struct numbered_vertex *batch = malloc(3 * BATCH * sizeof *batch);
-    if (!batch)
-        return error_memory(err);
+    struct numbered_vertex *batch;
+    if (!MAKE_ARRAY(batch, 3 * BATCH, err, "%d triangles", BATCH))
+        return false;
     for (int i = 0; i < lit->plan->n_instances; i++)
         if (surface_reaches(&lit->bounds[i], tile))
             draw_instance(lit, i, by, batch);

@@ -30,9 +30,10 @@ bool texture_upload_bands(const struct gl_functions *call, const struct plan *pl
                           struct texture *texture, int first_band, struct error *err)
 {
     const int width = texture->image.width, height = texture->image.height;
-    float *texels = calloc((size_t)width * (size_t)height, BANDS_PER_PASS * sizeof *texels);
-    const bool done =
-        texels ? pass_texels(plan, texture, first_band, texels, err) : error_memory(err);
+    float *texels;
+    const bool done = MAKE_ARRAY(texels, (size_t)width * (size_t)height * BANDS_PER_PASS, err,
+                                 "the texels of %s", texture->image.path) &&
+                      pass_texels(plan, texture, first_band, texels, err);
     if (done)
         call->TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT,
                          texels);

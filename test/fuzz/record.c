@@ -28,8 +28,9 @@ static bool read_record(char *description, bool has_wavelengths, struct record *
 /* Returns the record as the description of a stack has it, allocated; NULL: no memory. */
 static char *describe(const struct record *record)
 {
-    char *text = record_text(record), *out = text == NULL ? NULL : malloc(6 * strlen(text) + 64),
-         *to = out;
+    struct error err = {.status = EXIT_AGREED};
+    char *text = record_text(record, &err),
+         *out = text == NULL ? NULL : malloc(6 * strlen(text) + 64), *to = out;
     if (out != NULL) {
         to += sprintf(to, "<Description>");
         for (const char *from = text; *from != '\0'; from++)

@@ -24,7 +24,7 @@ static bool read_rows(struct cube *cube, struct error *err)
     const size_t width = (size_t)image->width;
     float *row = malloc(3 * width * sizeof *row);
     int *objects = malloc(width * sizeof *objects);
-    bool done = (row != NULL && objects != NULL) || error_memory(err);
+    bool done = (row != NULL && objects != NULL) || memory_lacks(err, 0, "a row");
     for (int y = 0; done && y < image->height; y += 3)
         for (int page = 0; done && page < image->n_pages; page++) {
             const int rows = image->height - y < 3 ? image->height - y : 3;

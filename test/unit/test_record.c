@@ -23,7 +23,7 @@ static bool written(const char *path, const struct record *record, struct image 
     const struct place nowhere = {0};
     const uint16_t count = 1;
     const char *const label = "component 1";
-    char *text = record_text(record);
+    char *text = record_text(record, err);
     struct stack_writer writer;
     struct stack_options options = {.width = 1,
                                     .height = 1,

@@ -224,7 +224,8 @@ static void check_errors(void)
     CHECK(!error_at(&err, nowhere, "a %d", 1) && strcmp(err.text, "error: a 1") == 0 &&
               err.status == EXIT_INPUT,
           "an error without a file has no place");
-    CHECK(!error_memory(&err) && err.status == EXIT_INPUT && strcmp(err.text, "error: a 1") == 0,
+    CHECK(!memory_lacks(&err, 1, "a name") && err.status == EXIT_INPUT &&
+              strcmp(err.text, "error: a 1") == 0,
           "the first failure wins");
     err = (struct error){0};
     error_at(&err, whole, "x\ny");
@@ -242,7 +243,7 @@ static void check_errors(void)
               strstr(err.text, strerror(ENOSPC)) != NULL,
           "a long message keeps the cause");
     err = (struct error){0};
-    error_memory(&err);
+    memory_lacks(&err, 1, "a name");
     CHECK(err.status == EXIT_SYSTEM, "a lack of memory is a failure of the system");
 }
 
