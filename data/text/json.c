@@ -96,16 +96,15 @@ void json_numbers(struct json *json, const char *key, const double *values, int 
     json_close(json, ']');
 }
 
-char *json_end(struct json *json)
+char *json_take(struct json *json, struct error *err)
 {
     print(&json->printed, "\n");
-    return printed_end(&json->printed);
+    return printed_take(&json->printed, err);
 }
 
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)
 {
-    print(&json->printed, "\n");
-    char *text = printed_take(&json->printed, err);
+    char *text = json_take(json, err);
     const bool done = text && file_write(path, text, strlen(text), outputs, err);
     free(text);
     return done;

@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "data/invocation/invocation.h"
 #include "data/tiff/tiff.h"
@@ -220,7 +221,7 @@ bool command_view(struct options *options, struct error *err)
                            options_scene(options));
     char *marked = operand ? marked_name(operand) : NULL;
     if (operand && !marked)
-        return error_memory(err);
+        return memory_lacks(err, (double)strlen(operand), "the name of the scene");
     options->operand = marked;
     const bool done = view(options, kinds[ending], err);
     options->operand = operand;

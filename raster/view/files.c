@@ -36,10 +36,8 @@ static char *name_below(const struct page_files *files, const char *path, struct
 {
     const size_t above = strlen(files->above);
     const bool below = strncmp(path, files->above, above) == 0;
-    char *name = strdup(below ? path + above : path);
-    if (!name)
-        error_memory(err);
-    else if (!below || !simplify(name)) {
+    char *name;
+    if (string_copy(below ? path + above : path, &name, err) && !(below && simplify(name))) {
         error_usage(err,
                     "%s is not below the folder of the scene, and would not be found elsewhere; "
                     "copy it there, and name it by a relative path",

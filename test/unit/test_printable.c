@@ -102,9 +102,10 @@ int main(void)
     CHECK_TEXT(fact, "scene             a?verdict agreed?\n", "a fact stays in its line");
     free(fact);
     struct json json;
+    struct error err = {.status = EXIT_AGREED};
     json_begin(&json);
     json_string(&json, NULL, "\xc2\x9b\x9b\xc3\xa9\x7f");
-    char *value = json_end(&json);
+    char *value = json_take(&json, &err);
     CHECK_TEXT(value, "\"\\u009b\xef\xbf\xbd\xc3\xa9\\u007f\"\n", "JSON is valid UTF-8");
     free(value);
     return test_end();
