@@ -93,14 +93,6 @@ struct chart_grid chart_grid(int n, int longest, double sample)
                                (CHART_WIDTH - CHART_LEFT) / (double)columns};
 }
 
-char *chart_file(void (*draw)(void *plot, struct printed *to), void *plot)
-{
-    struct printed printed = {.text = NULL};
-    draw(plot, &printed);
-    print_text(&printed, "</svg>\n");
-    return printed_end(&printed);
-}
-
 /* ---- the plot ---- */
 
 struct plot {
@@ -307,32 +299,24 @@ static void draw_legend(const struct plot *plot, int top)
 
 /* ---- the file ---- */
 
-static void draw(void *of, struct printed *to)
+void chart_svg(const struct chart *chart, struct printed *to)
 {
-    struct plot *plot = of;
-    const struct chart *chart = plot->chart;
-    const int legend =
-        CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
-    const int height = legend + CHART_LEGEND_ROW * legend_grid(plot).rows;
-    plot->area.to = to;
-    chart_head(to, chart->title, height);
-    if (chart->wavelengths)
-        draw_visible(plot);
-    axis_draw_x(&plot->area, &plot->x, chart->x_label, chart->wavelengths ? STRIP : 0);
-    axis_draw_y(&plot->area, &plot->left, chart->y_label, false);
-    if (chart->right_label)
-        axis_draw_y(&plot->area, &plot->right, chart->right_label, true);
-    chart_frame(&plot->area);
-    for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
-        draw_line(plot, l);
-    draw_legend(plot, legend);
-}
-
-char *chart_svg(const struct chart *chart)
-{
-    struct plot plot = {.chart = chart, .area = {.height = PLOT_HEIGHT}};
+    struct plot plot = {.chart = chart, .area = {.to = to, .height = PLOT_HEIGHT}};
     plot.area.width =
         CHART_WIDTH - CHART_LEFT - (chart->right_label ? CHART_RIGHT_AXIS : CHART_MARGIN);
     fit_axes(&plot);
-    return chart_file(draw, &plot);
+    const int legend =
+        CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
+    chart_head(to, chart->title, legend + CHART_LEGEND_ROW * legend_grid(&plot).rows);
+    if (chart->wavelengths)
+        draw_visible(&plot);
+    axis_draw_x(&plot.area, &plot.x, chart->x_label, chart->wavelengths ? STRIP : 0);
+    axis_draw_y(&plot.area, &plot.left, chart->y_label, false);
+    if (chart->right_label)
+        axis_draw_y(&plot.area, &plot.right, chart->right_label, true);
+    chart_frame(&plot.area);
+    for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
+        draw_line(&plot, l);
+    draw_legend(&plot, legend);
+    print_text(to, "</svg>\n");
 }

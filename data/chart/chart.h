@@ -21,8 +21,7 @@ struct chart {
     int n_lines;
     bool wavelengths; /* x is in nm: a strip shows the colours of the visible range */
 };
-/* Returns a whole SVG 1.1 file, allocated; NULL: no memory. */
-char *chart_svg(const struct chart *chart);
+void chart_svg(const struct chart *chart, struct printed *to); /* prints a whole SVG 1.1 file */
 
 /* ---- frontier.c: what accuracy costs ---- */
 
@@ -38,10 +37,10 @@ struct frontier {
     const struct frontier_point *points;
     int n;
 };
-/* Returns a whole SVG 1.1 file, allocated; NULL: no memory. Both axes are logarithmic. Errors below
+/* Prints a whole SVG 1.1 file. Fails without memory. Both axes are logarithmic. Errors below
  * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
  * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
-char *frontier_svg(const struct frontier *frontier);
+bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err);
 
 /* ---- Inside this room: how all charts look, in chart.c ---- */
 
@@ -65,8 +64,6 @@ struct chart_area {
     double width;
     int height;
 };
-/* Returns the SVG file that `draw` writes, allocated; NULL: no memory. */
-char *chart_file(void (*draw)(void *plot, struct printed *to), void *plot);
 /* Writes the beginning of a file of this height, with the title. */
 void chart_head(struct printed *to, const char *title, int height);
 void chart_frame(const struct chart_area *area); /* draws its border */

@@ -195,13 +195,12 @@ static void draw_legend(const struct plot *plot, int top)
 
 /* ---- the file ---- */
 
-static void draw(void *of, struct printed *to)
+static void draw(const struct plot *plot)
 {
-    struct plot *plot = of;
     const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;
     const int legend = markers + CHART_LEGEND_ROW + 6;
-    plot->area.to = to;
-    chart_head(to, plot->frontier->title, legend + CHART_LEGEND_ROW * legend_grid(plot).rows);
+    chart_head(plot->area.to, plot->frontier->title,
+               legend + CHART_LEGEND_ROW * legend_grid(plot).rows);
     axis_draw_x(&plot->area, &plot->cost, plot->frontier->cost_label, 0);
     axis_draw_y(&plot->area, &plot->error, plot->frontier->error_label, false);
     chart_frame(&plot->area);
@@ -210,20 +209,19 @@ static void draw(void *of, struct printed *to)
         draw_point(plot, i);
     draw_markers(plot, markers);
     draw_legend(plot, legend);
+    print_text(plot->area.to, "</svg>\n");
 }
 
-char *frontier_svg(const struct frontier *frontier)
+bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err)
 {
     struct plot plot = {.frontier = frontier,
-                        .area = {.width = WIDTH, .height = HEIGHT},
+                        .area = {.to = to, .width = WIDTH, .height = HEIGHT},
                         .cost = cost_axis(frontier),
                         .error = error_axis(frontier)};
-    char *text = NULL;
-    plot.points = calloc((size_t)frontier->n + 1, sizeof *plot.points);
-    if (plot.points) {
-        number_points(&plot);
-        text = chart_file(draw, &plot);
-    }
+    if (!MAKE_ARRAY(plot.points, (size_t)frontier->n + 1, err, "the points of a chart"))
+        return false;
+    number_points(&plot);
+    draw(&plot);
     free(plot.points);
-    return text;
+    return true;
 }

@@ -71,9 +71,9 @@ static bool open_target(struct output *out, const char *path, struct error *err)
             return error_usage(err, "cannot write %s: it is a folder", path);
         if (access(path, W_OK) != 0)
             return write_fault(err, path);
-        return !S_ISREG(status.st_mode) ? open_copied(out, path, err)
-                                        : spares_inputs(path, err) &&
-                                              open_beside(out, path, &status, err);
+        return !S_ISREG(status.st_mode)
+                   ? open_copied(out, path, err)
+                   : spares_inputs(path, err) && open_beside(out, path, &status, err);
     }
     if (errno != ENOENT)
         return write_fault(err, path);
@@ -296,4 +296,13 @@ bool file_write(const char *path, const char *bytes, size_t length, struct outpu
         return false;
     }
     return output_pass(&output, outputs, err);
+}
+
+bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,
+                   struct error *err)
+{
+    char *text = printed_take(printed, err);
+    const bool done = text && file_write(path, text, printed->length, outputs, err);
+    free(text);
+    return done;
 }

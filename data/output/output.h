@@ -57,6 +57,9 @@ void outputs_discard(struct outputs *outputs); /* safe after commit */
  * reader closes the pipe, that is no failure. outputs as output_pass takes them. */
 bool file_write(const char *path, const char *bytes, size_t length, struct outputs *outputs,
                 struct error *err);
+/* Writes the whole text likewise, and frees it. */
+bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,
+                   struct error *err);
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
 bool output_can_open(const char *path, struct error *err);
 
@@ -86,10 +89,10 @@ bool output_is_stream(const char *path);   /* true of "-", and of what exists an
 
 struct folder {
     char path[4096]; /* Linux takes no longer one; "": there is none */
-    DIR *entries;    /* open, so that the folder can be emptied without memory; NULL: there is none */
+    DIR *entries; /* open, so that the folder can be emptied without memory; NULL: there is none */
 };
-/* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove): the caller tells the
- * guard of the files in it. Removes the folders of processes that were killed. */
+/* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove): the caller tells
+ * the guard of the files in it. Removes the folders of processes that were killed. */
 bool folder_open(struct folder *out, struct error *err);
 /* Makes a folder beside the path, which must not exist, for files that the user keeps. The caller
  * holds signals back until folder_close: see guard_hold. */
@@ -102,7 +105,8 @@ void folder_close(struct folder *folder); /* with all files in it, unless they a
 
 /* temporary.c: fills out->descriptor, temporary and named with a new file in the folder of a path.
  * Where the file system can, the file has no name, so that nothing stays behind if the program is
- * killed. Otherwise its name is .NAME.PID.N.tmp, which guard_remove knows. Returns false with errno.
+ * killed. Otherwise its name is .NAME.PID.N.tmp, which guard_remove knows. Returns false with
+ * errno.
  */
 bool temporary_create(struct output *out, const char *path, mode_t mode);
 /* Gives the file the path's name, in place of any file of that name. Returns false with errno. */

@@ -277,7 +277,7 @@ void probe_json(const struct probe *probe, struct json *json)
     json_close(json, '}');
 }
 
-char *probe_svg(const struct probe *probe)
+void probe_svg(const struct probe *probe, struct printed *to)
 {
     struct chart_line lines[1 + MAX_PROBE_CURVES];
     char region[96], title[512];
@@ -306,7 +306,7 @@ char *probe_svg(const struct probe *probe)
                                 .lines = lines,
                                 .n_lines = 1 + probe->n_curves,
                                 .wavelengths = true};
-    return chart_svg(&chart);
+    chart_svg(&chart, to);
 }
 
 void probe_free(struct probe *probe)

@@ -104,8 +104,6 @@ char *json_take(struct json *json, struct error *err)
 
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)
 {
-    char *text = json_take(json, err);
-    const bool done = text && file_write(path, text, strlen(text), outputs, err);
-    free(text);
-    return done;
+    print(&json->printed, "\n");
+    return printed_write(&json->printed, path, outputs, err);
 }

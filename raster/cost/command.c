@@ -87,17 +87,22 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
 
 /* ---- report ---- */
 
-/* Writes the files that are not NULL. Writes none if memory does not suffice for all. */
+/* Writes the files that the options name. */
 static bool write_files(const struct cost *cost, struct options *options, struct error *err)
 {
-    const char *csv = options->csv_file, *svg = options->svg_file;
-    char *table = csv ? cost_csv(cost) : NULL, *chart = svg ? cost_svg(cost) : NULL;
-    bool done = (!csv || table) && (!svg || chart) ? true : error_memory(err);
-    done = done && (!csv || file_write(csv, table, strlen(table), &options->outputs, err)) &&
-           (!svg || file_write(svg, chart, strlen(chart), &options->outputs, err));
-    free(table);
-    free(chart);
-    return done;
+    struct printed table = {.text = NULL}, chart = {.text = NULL};
+    struct json json;
+    if (options->csv_file) {
+        cost_csv(cost, &table);
+        if (!printed_write(&table, options->csv_file, &options->outputs, err))
+            return false;
+    }
+    if (options->svg_file && (!cost_svg(cost, &chart, err) ||
+                              !printed_write(&chart, options->svg_file, &options->outputs, err)))
+        return false;
+    if (options->json)
+        cost_json(cost, &json);
+    return !options->json || json_write(&json, options->json, &options->outputs, err);
 }
 
 static void print_advice(const struct options *options, const char *what,
@@ -142,17 +147,11 @@ static bool report(struct options *options, const struct cost *cost, double tole
     const bool taken = (csv && output_is_standard(csv)) || (svg && output_is_standard(svg));
     const int to = taken ? STDERR_FILENO : options_table(options, NULL);
     struct printed table = {.text = NULL}, advice = {.text = NULL};
-    struct json json;
     char what[80];
     if (!options->quiet)
         cost_print(cost, &table);
     if (!printed_show(&table, to, err) || !write_files(cost, options, err))
         return false;
-    if (options->json) {
-        cost_json(cost, &json);
-        if (!json_write(&json, options->json, &options->outputs, err))
-            return false;
-    }
     snprintf(what, sizeof what, "95 %% within %.10g CIEDE2000", tolerance);
     bool done = !options->tolerance || recommend(options, what, cost_within(cost, tolerance, false),
                                                  cost_within(cost, tolerance, true), &advice, err);

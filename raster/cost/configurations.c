@@ -137,13 +137,10 @@ static bool say(struct cost_entry *entry, const char *prefix, const char *option
         snprintf(entry->name + named, sizeof entry->name - named, "%s%s", prefix, value);
     if (!option)
         return true;
-    const size_t length = strlen(option) + strlen(value) + 1;
-    char *word = malloc(length);
-    if (!word)
-        return error_memory(err);
-    snprintf(word, length, "%s%s", option, value);
-    entry->words[entry->n_words++] = word;
-    return true;
+    struct printed word = {.text = NULL};
+    print(&word, "%s%s", option, value);
+    entry->words[entry->n_words] = printed_take(&word, err);
+    return entry->words[entry->n_words++] != NULL;
 }
 
 /* An accuracy stands in place of a sampling: wavelengths stay, and shapes are divided. */

@@ -38,11 +38,12 @@ bool cost_note(struct cost *cost, struct error *err, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    char *note = strdup(text);
-    if (note && array_add(&cost->notes, &cost->n_notes, &note, sizeof note, err))
+    char *note;
+    if (string_copy(text, &note, err) &&
+        array_add(&cost->notes, &cost->n_notes, &note, sizeof note, err))
         return true;
     free(note);
-    return error_memory(err);
+    return false;
 }
 
 /* ---- the frontier ---- */
@@ -206,15 +207,12 @@ static void print_csv_entry(const struct cost_entry *entry, struct printed *to)
     print(to, ",%d,%d\n", entry->best, entry->uncertain);
 }
 
-char *cost_csv(const struct cost *cost)
+void cost_csv(const struct cost *cost, struct printed *to)
 {
-    struct printed printed = {.text = NULL};
-    print_text(&printed, "name,options,seconds,processor,fastest,slowest,dE00_mean,dE00_95,dE00_"
-                         "largest,radiance_error,"
-                         "frontier,within_noise\n");
+    print_text(to, "name,options,seconds,processor,fastest,slowest,dE00_mean,dE00_95,dE00_largest,"
+                   "radiance_error,frontier,within_noise\n");
     for (int i = 0; i < cost->n; i++)
-        print_csv_entry(&cost->entries[i], &printed);
-    return printed_end(&printed);
+        print_csv_entry(&cost->entries[i], to);
 }
 
 static void json_entry(struct json *json, const struct cost_entry *entry)
@@ -262,11 +260,13 @@ void cost_json(const struct cost *cost, struct json *json)
 
 /* ---- the chart ---- */
 
-char *cost_svg(const struct cost *cost)
+bool cost_svg(const struct cost *cost, struct printed *to, struct error *err)
 {
     char title[512];
-    struct frontier_point *points = calloc((size_t)cost->n + 1, sizeof *points);
-    for (int i = 0; points && i < cost->n; i++) {
+    struct frontier_point *points;
+    if (!MAKE_ARRAY(points, (size_t)cost->n, err, "the points of a chart"))
+        return false;
+    for (int i = 0; i < cost->n; i++) {
         const struct cost_entry *entry = &cost->entries[i];
         points[i] = (struct frontier_point){.name = entry->name,
                                             .cost = entry->seconds,
@@ -280,7 +280,7 @@ char *cost_svg(const struct cost *cost)
              cost->survey.height, cost->survey.observer);
     const struct frontier frontier = {title, "seconds", "CIEDE2000, 95 % of the pixels", points,
                                       cost->n};
-    char *svg = points ? frontier_svg(&frontier) : NULL;
+    const bool done = frontier_svg(&frontier, to, err);
     free(points);
-    return svg;
+    return done;
 }

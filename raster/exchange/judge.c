@@ -39,10 +39,10 @@ static bool read_optional(const struct drawn *of, const char *name, size_t n, vo
                           struct error *err)
 {
     const size_t length = count_pixels(of->plan) * n * 4;
-    void *bytes = malloc(length);
+    char *bytes;
     bool found = false;
-    const bool done =
-        bytes ? drawn_read_file(of->folder, name, length, bytes, &found, err) : error_memory(err);
+    const bool done = MAKE_ARRAY(bytes, length, err, "%s", name) &&
+                      drawn_read_file(of->folder, name, length, bytes, &found, err);
     *out = found && done ? bytes : NULL;
     if (!*out)
         free(bytes);
@@ -108,8 +108,8 @@ static bool draw_image(struct drawn *of, float *out, int first_band, double full
 {
     const size_t n = count_pixels(of->plan);
     int exponent;
-    float *page = malloc(n * sizeof *page);
-    bool done = page || error_memory(err);
+    float *page;
+    bool done = MAKE_ARRAY(page, n, err, "a page of %s", of->image.path);
     if (done && frexp(full_scale, &exponent) != 0.5)
         done = error_usage(err,
                            "the radiances of a TIFF need a full scale that is a power of two, "
@@ -215,8 +215,8 @@ static bool allocate(struct drawn *of, int n_buffers, struct error *err)
                            "%d x %d pixels here; choose a smaller --size",
                            plan->tile_width, plan->tile_height);
     for (int i = 0; i < n_buffers; i++)
-        if (!(of->buffers[i] = malloc(count_pixels(plan) * 4 * sizeof(float))))
-            return error_memory(err);
+        if (!MAKE_ARRAY(of->buffers[i], 4 * count_pixels(plan), err, "the pixels of a pass"))
+            return false;
     return true;
 }
 
@@ -230,10 +230,11 @@ bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_
                                               .identify = drawn_identify,
                                               .shown = drawn_shown,
                                               .close = drawn_close};
-    struct drawn *of = calloc(1, sizeof *of);
-    *out = of ? &of->renderer : NULL;
-    if (!of)
-        return error_memory(err);
+    struct drawn *of;
+    *out = NULL;
+    if (!MAKE_ARRAY(of, 1, err, "the pixels of another program"))
+        return false;
+    *out = &of->renderer;
     of->renderer.kind = &kind;
     of->plan = plan;
     if (!allocate(of, n_buffers, err) || !open_pixels(of, names, err))

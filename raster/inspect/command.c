@@ -4,7 +4,6 @@
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
@@ -49,10 +48,10 @@ static bool probe_picture(const struct options *options, const struct probe_opti
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
     struct refine_result refined = {.levels = 0};
-    bool done =
-        scene_read_options(options, &scene, err) &&
-        plan_make(&scene, NULL, &plan_options, &plan, err) &&
-        refine_options(options, &plan, &refined, err) && probe_scene(&plan, region, out, err);
+    bool done = scene_read_options(options, &scene, err) &&
+                plan_make(&scene, NULL, &plan_options, &plan, err) &&
+                refine_options(options, &plan, &refined, err) &&
+                probe_scene(&plan, region, out, err);
     refine_result_free(&refined);
     plan_free(&plan);
     scene_free(&scene);
@@ -73,27 +72,16 @@ static bool probe_operand(const struct options *options, const struct probe_opti
     return probe_stack(options->operand, region, out, err);
 }
 
-/* Returns the probe as text or CSV, allocated; NULL: no memory. */
-static char *probe_text(const struct probe *probe, bool csv)
-{
-    struct printed printed = {.text = NULL};
-    (csv ? probe_print_csv : probe_print)(probe, &printed);
-    return printed_end(&printed);
-}
-
 static bool probe_write(struct options *options, const struct probe *probe, struct error *err)
 {
+    struct printed printed = {.text = NULL};
     struct json json;
     if (options->json) {
         probe_json(probe, &json);
         return json_write(&json, options->json, &options->outputs, err);
     }
-    char *text = options->svg ? probe_svg(probe) : probe_text(probe, options->csv);
-    bool done = text ? file_write(options->output ? options->output : "-", text, strlen(text),
-                                  &options->outputs, err)
-                     : error_memory(err);
-    free(text);
-    return done;
+    (options->svg ? probe_svg : options->csv ? probe_print_csv : probe_print)(probe, &printed);
+    return printed_write(&printed, options->output ? options->output : "-", &options->outputs, err);
 }
 
 bool command_probe(struct options *options, struct error *err)

@@ -100,9 +100,8 @@ static bool add_curve(struct probe *probe, const struct curve *curve, struct err
     struct probe_curve *out = &probe->curves[probe->n_curves];
     if (probe->n_curves == MAX_PROBE_CURVES)
         return true;
-    out->values = calloc((size_t)probe->n, sizeof *out->values);
-    if (!out->values)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a curve of %d bands", probe->n))
+        return false;
     snprintf(out->name, sizeof out->name, "%s", curve->name);
     out->relative = curve->relative;
     for (int i = 0; i < probe->n; i++)
@@ -160,9 +159,8 @@ static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
     if (!region->several) {
-        probe->object = strdup(object_name(&region->plan, region->surface));
-        if (!probe->object)
-            return error_memory(err);
+        if (!string_copy(object_name(&region->plan, region->surface), &probe->object, err))
+            return false;
         if (region->surface >= 0 &&
             !add_material(probe, region->lit.bounds[region->surface].shaded->material, err))
             return false;
@@ -180,9 +178,9 @@ static bool add_colour(struct probe *probe, const struct scene *scene,
     struct cube cube = {.image = {.path = scene->path,
                                   .n_pages = scene->n_wavelengths,
                                   .wavelengths_nm = scene->wavelengths_nm}};
-    double *white = calloc((size_t)probe->n, sizeof *white);
-    if (!white)
-        return error_memory(err);
+    double *white;
+    if (!MAKE_ARRAY(white, (size_t)probe->n, err, "a white of %d bands", probe->n))
+        return false;
     cube.record.white =
         (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
     bool done = probe_colour(probe, &cube, options, err);
@@ -198,11 +196,9 @@ static bool inspect(struct region *region, struct error *err)
     bool clips;
     if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
         region->plan.options.full_scale = 1;
-    region->samples = calloc(largest_chunk, sizeof *region->samples);
-    region->moments = calloc((size_t)plan->n_bands, sizeof *region->moments);
-    if (!region->samples || !region->moments)
-        return error_memory(err);
-    return lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
+    return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the region") &&
+           MAKE_ARRAY(region->moments, (size_t)plan->n_bands, err, "the means of the region") &&
+           lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
            find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
            inspect_pixels(region, err) && add_curves(region, err);
 }

@@ -39,9 +39,7 @@ static void make_triangles(struct target *target, struct target_corner out[CORNE
 static void draw_flat(struct target *target, const struct target_corner corners[CORNERS])
 {
     target_shade(target, TARGET_FLAT, 0);
-    target_clear(target);
-    target_draw(target, corners, BUFFERED_TRIANGLES);
-    target_read(target);
+    target_show(target, corners, BUFFERED_TRIANGLES);
 }
 
 static void draw_lit(struct target *target, const struct target_corner corners[CORNERS])

@@ -106,6 +106,13 @@ void target_read(struct target *target)
                              target->depths);
 }
 
+void target_show(struct target *target, const struct target_corner *corners, int n_triangles)
+{
+    target_clear(target);
+    target_draw(target, corners, n_triangles);
+    target_read(target);
+}
+
 static uint32_t depth_stencil(const struct target *target, int x, int y)
 {
     return target->depths[target->flipped ? y : TARGET - 1 - y][x];

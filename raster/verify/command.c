@@ -36,11 +36,7 @@ static bool write_junit(const struct verification *of, struct options *options, 
 {
     struct printed printed = {.text = NULL};
     verify_junit(of, &printed);
-    char *text = printed_end(&printed);
-    const bool done = text ? file_write(options->junit, text, strlen(text), &options->outputs, err)
-                           : error_memory(err);
-    free(text);
-    return done;
+    return printed_write(&printed, options->junit, &options->outputs, err);
 }
 
 static bool write_json(const struct verification *of, struct options *options, struct error *err)
@@ -54,15 +50,13 @@ static bool write_json(const struct verification *of, struct options *options, s
 static bool conclude(const struct verification *of, struct error *err)
 {
     const int n = of->n_drivers * of->n_scenes;
-    int different = 0, failed = 0;
+    const struct totals totals = totals_of(of->results, n);
+    const int failed = totals.n[VERIFY_FAILED],
+              different = totals.n[VERIFY_DIFFERS] + totals.n[VERIFY_NOT_VERIFIED];
     const char *reason = "";
-    for (int i = 0; i < n; i++) {
-        const struct verify_result *result = &of->results[i];
-        different += result->outcome == VERIFY_DIFFERS || result->outcome == VERIFY_NOT_VERIFIED;
-        failed += result->outcome == VERIFY_FAILED;
-        if (result->outcome == VERIFY_FAILED)
-            reason = result->text;
-    }
+    for (int i = 0; i < n; i++)
+        if (of->results[i].outcome == VERIFY_FAILED)
+            reason = of->results[i].text;
     errno = 0;
     if (failed == n)
         return error_system(err, "no picture could be drawn: %s", reason);

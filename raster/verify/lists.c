@@ -28,9 +28,9 @@ static bool is_listed(const struct driver_list *drivers, int index)
     const char *driver;
     for (int i = 0; i < index; i++) {
         const struct listed_driver *other = &drivers->list[i];
-        if (other->is && strcmp(other->is->names.library, listed->is->names.library) == 0 &&
-            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0 &&
-            strcmp(other->is->names.version, listed->is->names.version) == 0 &&
+        if (other->usable && strcmp(other->is.names.library, listed->is.names.library) == 0 &&
+            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0 &&
+            strcmp(other->is.names.version, listed->is.names.version) == 0 &&
             driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
             return true;
     }
@@ -44,9 +44,9 @@ static bool find_drivers(const struct options *options, struct verification *out
         return add_driver(out, options->gl ? options->gl : "auto", options->renderer, err);
     bool done = drivers_list(&drivers, err);
     for (int i = 0; i < drivers.n && done; i++)
-        if (drivers.list[i].is && !is_listed(&drivers, i))
+        if (drivers.list[i].usable && !is_listed(&drivers, i))
             done = add_driver(out, drivers.list[i].library, drivers.list[i].renderer, err);
-    drivers_free(&drivers);
+    free(drivers.list);
     return done && (out->n_drivers > 0 ||
                     error_unsupported(err, "no OpenGL can draw here; spectral drivers prints why"));
 }
@@ -122,8 +122,8 @@ bool verification_open(const struct options *options, struct verification *out, 
     *out = (struct verification){.n_drivers = 0};
     if (!find_scenes(options, out, err) || !find_drivers(options, out, err))
         return false;
-    out->results = calloc((size_t)out->n_drivers * (size_t)out->n_scenes, sizeof *out->results);
-    return out->results || error_memory(err);
+    const size_t n = (size_t)out->n_drivers * (size_t)out->n_scenes;
+    return MAKE_ARRAY(out->results, n, err, "the results of %zu pictures", n);
 }
 
 void verification_free(struct verification *of)
@@ -139,6 +139,16 @@ void verification_free(struct verification *of)
 const struct verify_result *result_of(const struct verification *of, int driver, int scene)
 {
     return &of->results[(size_t)driver * (size_t)of->n_scenes + (size_t)scene];
+}
+
+struct totals totals_of(const struct verify_result *results, int n)
+{
+    struct totals totals = {.seconds = 0};
+    for (int i = 0; i < n; i++) {
+        totals.n[results[i].outcome]++;
+        totals.seconds += results[i].seconds;
+    }
+    return totals;
 }
 
 void driver_options(const struct verify_driver *driver, char out[64])

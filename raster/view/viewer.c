@@ -147,13 +147,14 @@ static bool put_file(struct page *page, const char *name, struct error *err)
 bool page_write(enum page_kind kind, struct printed *data, const char *path, size_t *bytes,
                 struct outputs *outputs, struct error *err)
 {
-    char *owned = printed_take(data, err), *text = NULL;
+    char *owned = printed_take(data, err);
     struct page page = {.kind = kind, .data = owned, .n_data = data->length};
-    const bool put = owned && put_file(&page, "page.html", err);
-    text = put ? printed_take(&page.text, err) : printed_end(&page.text);
+    bool done = owned && put_file(&page, "page.html", err);
     *bytes = page.text.length;
-    const bool done = put && text && file_write(path, text, *bytes, outputs, err);
+    if (done)
+        done = printed_write(&page.text, path, outputs, err);
+    else
+        free(printed_end(&page.text));
     free(owned);
-    free(text);
     return done;
 }

@@ -6,7 +6,9 @@
 
 static char *svg_of(const struct chart *chart)
 {
-    char *svg = chart_svg(chart);
+    struct printed printed = {.text = NULL};
+    chart_svg(chart, &printed);
+    char *svg = printed_end(&printed);
     if (svg == NULL) {
         printf("Bail out! no memory\n");
         exit(1);

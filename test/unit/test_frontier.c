@@ -13,7 +13,9 @@ static char *svg_of(const struct frontier_point *points, int n)
                                       .error_label = "difference",
                                       .points = points,
                                       .n = n};
-    char *svg = frontier_svg(&frontier);
+    struct printed printed = {.text = NULL};
+    struct error err = {.status = EXIT_AGREED};
+    char *svg = frontier_svg(&frontier, &printed, &err) ? printed_end(&printed) : NULL;
     if (svg == NULL) {
         printf("Bail out! no memory\n");
         exit(1);
