@@ -14,117 +14,6 @@
 #include "raster/cost/cost.h"
 #include "raster/gl/gl.h"
 
-/* ---- the scene ---- */
-
-/* Surveys a material, and the partner that its file gives it. */
-static void survey_material(const struct material *material, struct survey *out, bool *glossy)
-{
-    for (; material; material = material->partner) {
-        out->fluorescent =
-            out->fluorescent || material->excitation.kind != SPECTRUM_NONE || material->donaldson;
-        out->spectral_texture = out->spectral_texture || material->spectral_texture;
-        *glossy = *glossy || material->gloss > 0;
-    }
-}
-
-/* Finds whether shadings differ. They do not on flat shapes without highlights under directional
- * lights, whose light is the same at every point of a shape. */
-static void survey_picture(const struct scene *scene, struct survey *out)
-{
-    bool varied = false, built_in = false, curved = false;
-    for (int i = 0; i < scene->n_materials; i++)
-        survey_material(&scene->materials[i], out, &varied);
-    for (int i = 0; i < scene->n_lights; i++)
-        varied = varied || !scene->lights[i].directional;
-    for (int i = 0; i < scene->n_objects; i++) {
-        const enum shape_kind kind = scene->objects[i].shape.kind;
-        varied = varied || kind == SHAPE_MESH || !shape_is_flat(kind);
-        built_in = built_in || kind != SHAPE_MESH;
-        curved = curved || !(shape_is_flat(kind) || kind == SHAPE_MESH) || kind == SHAPE_DISK;
-    }
-    out->tessellated = curved || (built_in && varied);
-    out->shaded = varied && scene->n_lights > 0;
-}
-
-/* Makes the sampling of the scene by a method. A method that refuses the scene leaves *out
- * empty. Fails only where the system does. */
-static bool read_sampling(const struct options *options, const char *method, struct sampling *out,
-                          struct error *err)
-{
-    struct error refusal = {.status = EXIT_AGREED};
-    struct configuration configuration = {.tessellation = 1, .renderer = BY_RASTER};
-    struct cost_entry entry = {.n_words = 0};
-    struct scene scene = {.path = NULL};
-    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", method);
-    const bool done =
-        configuration_entry(&configuration, options_detector(options), &entry, &refusal) &&
-        cost_read(options, &entry, &scene, out, &refusal);
-    cost_entry_free(&entry);
-    scene_free(&scene);
-    if (!done)
-        sampling_free(out);
-    if (!done && refusal.status == EXIT_SYSTEM)
-        *err = refusal;
-    return done || refusal.status != EXIT_SYSTEM;
-}
-
-/* Finds peaks and rank by making two samplings. A sampling that refuses the scene finds nothing. */
-static bool survey_spectra(const struct options *options, struct survey *out, struct error *err)
-{
-    struct sampling sampling = {.detector = NULL};
-    out->n_peaks = -1;
-    bool done = read_sampling(options, "adaptive:0.01", &sampling, err);
-    if (done && sampling.detector) {
-        out->n_peaks = sampling.n_peaks < MAX_SURVEY_PEAKS ? sampling.n_peaks : MAX_SURVEY_PEAKS;
-        for (int i = 0; i < out->n_peaks; i++)
-            out->peak_nm[i] = sampling.peak_nm[i];
-    }
-    sampling_free(&sampling);
-    if (done && !out->spectral_texture) {
-        done = read_sampling(options, "basis:1", &sampling, err);
-        out->rank = sampling.rank;
-        sampling_free(&sampling);
-    }
-    return done;
-}
-
-/* Leaves room for a standard of more positions. */
-static bool check_positions(const struct scene *scene, struct error *err)
-{
-    return 2 * scene->positions <= MOST_POSITIONS || scene->positions == 1 ||
-           error_usage(err, "cost takes --samples up to %d: its standard has twice as many",
-                       MOST_POSITIONS / 2);
-}
-
-static bool survey(void *context, void *result, struct error *err)
-{
-    const struct options *options = *(const struct options **)context;
-    struct survey *out = result;
-    struct scene scene = {.path = NULL};
-    struct sampling sampling = {.detector = NULL};
-    struct detector observer = {.name = NULL};
-    bool done = observer_read(out->observer, &observer, err) &&
-                cost_read(options, NULL, &scene, &sampling, err) && check_positions(&scene, err);
-    if (done) {
-        snprintf(out->scene, sizeof out->scene, "%s", scene.path);
-        out->width = scene.width;
-        out->height = scene.height;
-        out->positions = scene.positions;
-        survey_picture(&scene, out);
-        done = survey_spectra(options, out, err);
-    }
-    detector_free(&observer);
-    sampling_free(&sampling);
-    scene_free(&scene);
-    return done;
-}
-
-bool survey_scene(const struct options *options, struct survey *out, struct error *err)
-{
-    *out = (struct survey){.observer = options_detector(options)};
-    return process_run(survey, &options, out, sizeof *out, err);
-}
-
 /* ---- a configuration in words ---- */
 
 /* Adds an option to the words of an entry (NULL: none), and its value to the name behind `prefix`
@@ -200,6 +89,115 @@ bool configuration_standard(const struct cost *cost, struct cost_entry *out, str
         configuration.positions = 2 * cost->survey.positions;
     return configuration_entry(&configuration, cost->survey.observer, out, err) &&
            say(out, NULL, "--full-scale=", "65535", err);
+}
+
+/* ---- the scene ---- */
+
+/* Surveys a material, and the partner that its file gives it. */
+static void survey_material(const struct material *material, struct survey *out, bool *glossy)
+{
+    for (; material; material = material->partner) {
+        out->fluorescent =
+            out->fluorescent || material->excitation.kind != SPECTRUM_NONE || material->donaldson;
+        out->spectral_texture = out->spectral_texture || material->spectral_texture;
+        *glossy = *glossy || material->gloss > 0;
+    }
+}
+
+/* Finds whether shadings differ. They do not on flat shapes without highlights under directional
+ * lights, whose light is the same at every point of a shape. */
+static void survey_picture(const struct scene *scene, struct survey *out)
+{
+    bool varied = false, built_in = false, curved = false;
+    for (int i = 0; i < scene->n_materials; i++)
+        survey_material(&scene->materials[i], out, &varied);
+    for (int i = 0; i < scene->n_lights; i++)
+        varied = varied || !scene->lights[i].directional;
+    for (int i = 0; i < scene->n_objects; i++) {
+        const enum shape_kind kind = scene->objects[i].shape.kind;
+        varied = varied || kind == SHAPE_MESH || !shape_is_flat(kind);
+        built_in = built_in || kind != SHAPE_MESH;
+        curved = curved || !(shape_is_flat(kind) || kind == SHAPE_MESH) || kind == SHAPE_DISK;
+    }
+    out->tessellated = curved || (built_in && varied);
+    out->shaded = varied && scene->n_lights > 0;
+}
+
+/* Makes the sampling of the scene by a method. A method that refuses the scene leaves *out
+ * empty. Fails only where the system does. */
+static bool read_sampling(const struct options *options, const char *method, struct sampling *out,
+                          struct error *err)
+{
+    struct error refusal = {.status = EXIT_AGREED};
+    struct cost_entry entry = {.n_words = 0};
+    struct scene scene = {.path = NULL};
+    const bool done = say(&entry, NULL, "--sampling=", method, &refusal) &&
+                      say(&entry, NULL, "--detector=", options_detector(options), &refusal) &&
+                      cost_read(options, &entry, &scene, out, &refusal);
+    cost_entry_free(&entry);
+    scene_free(&scene);
+    if (!done)
+        sampling_free(out);
+    if (!done && refusal.status == EXIT_SYSTEM)
+        *err = refusal;
+    return done || refusal.status != EXIT_SYSTEM;
+}
+
+/* Finds peaks and rank by making two samplings. A sampling that refuses the scene finds nothing. */
+static bool survey_spectra(const struct options *options, struct survey *out, struct error *err)
+{
+    struct sampling sampling = {.detector = NULL};
+    out->n_peaks = -1;
+    bool done = read_sampling(options, "adaptive:0.01", &sampling, err);
+    if (done && sampling.detector) {
+        out->n_peaks = sampling.n_peaks < MAX_SURVEY_PEAKS ? sampling.n_peaks : MAX_SURVEY_PEAKS;
+        for (int i = 0; i < out->n_peaks; i++)
+            out->peak_nm[i] = sampling.peak_nm[i];
+    }
+    sampling_free(&sampling);
+    if (done && !out->spectral_texture) {
+        done = read_sampling(options, "basis:1", &sampling, err);
+        out->rank = sampling.rank;
+        sampling_free(&sampling);
+    }
+    return done;
+}
+
+/* Leaves room for a standard of more positions. */
+static bool check_positions(const struct scene *scene, struct error *err)
+{
+    return 2 * scene->positions <= MOST_POSITIONS || scene->positions == 1 ||
+           error_usage(err, "cost takes --samples up to %d: its standard has twice as many",
+                       MOST_POSITIONS / 2);
+}
+
+static bool survey(void *context, void *result, struct error *err)
+{
+    const struct options *options = *(const struct options **)context;
+    struct survey *out = result;
+    struct scene scene = {.path = NULL};
+    struct sampling sampling = {.detector = NULL};
+    struct detector observer = {.name = NULL};
+    bool done = observer_read(out->observer, &observer, err) &&
+                cost_read(options, NULL, &scene, &sampling, err) && check_positions(&scene, err);
+    if (done) {
+        snprintf(out->scene, sizeof out->scene, "%s", scene.path);
+        out->width = scene.width;
+        out->height = scene.height;
+        out->positions = scene.positions;
+        survey_picture(&scene, out);
+        done = survey_spectra(options, out, err);
+    }
+    detector_free(&observer);
+    sampling_free(&sampling);
+    scene_free(&scene);
+    return done;
+}
+
+bool survey_scene(const struct options *options, struct survey *out, struct error *err)
+{
+    *out = (struct survey){.observer = options_detector(options)};
+    return process_run(survey, &options, out, sizeof *out, err);
 }
 
 /* ---- one axis after the other ---- */
@@ -353,20 +351,21 @@ static bool is_on_axis(const struct survey *survey, const struct configuration *
 static const struct configuration smooth = {.tessellation = 1, .renderer = BY_RASTER},
                                   opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
-/* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
-static bool add_renderers(struct cost *cost, const char *sampling, struct error *err)
+/* OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
+static const struct configuration renderers[] = {
+    {.tessellation = 1, .renderer = BY_LLVMPIPE},
+    {.tessellation = 1, .renderer = BY_LLVMPIPE, .buffer_bits = 16},
+    {.tessellation = 1, .renderer = BY_LLVMPIPE, .buffer_bits = 8},
+    {.tessellation = 1, .renderer = BY_CHECKED_LLVMPIPE},
+    {.tessellation = 1, .renderer = BY_SOFTPIPE},
+    {.tessellation = 1, .renderer = BY_SHADERS}};
+
+static bool add_renderers(struct cost *cost, struct error *err)
 {
-    struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl,
-                         shaders = opengl;
-    eight.buffer_bits = 8;
-    sixteen.buffer_bits = 16;
-    checked.renderer = BY_CHECKED_LLVMPIPE;
-    softpipe.renderer = BY_SOFTPIPE;
-    shaders.renderer = BY_SHADERS;
-    return !gl_is_built() ||
-           (add(cost, opengl, sampling, err) && add(cost, sixteen, sampling, err) &&
-            add(cost, eight, sampling, err) && add(cost, checked, sampling, err) &&
-            add(cost, softpipe, sampling, err) && add(cost, shaders, sampling, err));
+    for (size_t i = 0; i < sizeof renderers / sizeof *renderers && gl_is_built(); i++)
+        if (!add(cost, renderers[i], cost->chosen[GOOD], err))
+            return false;
+    return true;
 }
 
 /* Adds the shadings of the finest tessellation, or the others. */
@@ -408,8 +407,7 @@ bool configurations_pictures(struct cost *cost, struct error *err)
 {
     if (!add_positions(cost, smooth, err) || (gl_is_built() && !add_positions(cost, opengl, err)))
         return false;
-    return add_shadings(cost, false, err) && add_accuracies(cost, err) &&
-           add_renderers(cost, cost->chosen[GOOD], err);
+    return add_shadings(cost, false, err) && add_accuracies(cost, err) && add_renderers(cost, err);
 }
 
 bool configurations_finest(struct cost *cost, struct error *err)

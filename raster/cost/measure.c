@@ -121,8 +121,8 @@ static bool make_standard(struct measurement *measurement, struct error *err)
     return done;
 }
 
-/* Runs a configuration once and measures its stack. Its seconds count until the first round. A
- * configuration that is refused, or that this system does not support, becomes a note. */
+/* Runs a configuration once and measures its stack. A configuration that is refused, or that this
+ * system does not support, becomes a note. */
 static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
 {
     struct task task = {measurement, entry};
@@ -141,8 +141,6 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
         return cost_note(measurement->cost, err, "without %s: %s", entry->name, error_words(&own));
     const size_t runs = (size_t)measurement->cost->runs;
     entry->accuracy = accuracy;
-    entry->seconds = seconds.wall;
-    entry->processor = seconds.processor;
     return MAKE_ARRAY(entry->walls, runs, err, "the seconds of runs") &&
            MAKE_ARRAY(entry->processors, runs, err, "the seconds of runs");
 }
@@ -241,7 +239,6 @@ static bool run_round(struct measurement *measurement, int round, struct error *
             return false;
         entry->walls[round] = seconds.wall;
         entry->processors[round] = seconds.processor;
-        take_seconds(entry, round + 1);
         unlink(measurement->stack);
         step(measurement, 1);
     }
@@ -269,6 +266,8 @@ static bool measure_all(struct measurement *measurement, struct error *err)
     for (int round = 0; round < cost->runs; round++)
         if (!run_round(measurement, round, err))
             return false;
+    for (int i = 0; i < cost->n; i++)
+        take_seconds(&cost->entries[i], cost->runs);
     return true;
 }
 
@@ -313,10 +312,10 @@ static bool describe(struct measurement *measurement, struct error *err)
 static bool measure(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    return open_folder(measurement, err) &&
-           survey_scene(measurement->options, &cost->survey, err) &&
-           make_standard(measurement, err) && describe(measurement, err) &&
-           announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
+    return survey_scene(measurement->options, &cost->survey, err) &&
+           open_folder(measurement, err) && make_standard(measurement, err) &&
+           describe(measurement, err) && announce(measurement, err) &&
+           measure_all(measurement, err) && conclude(cost, err);
 }
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)

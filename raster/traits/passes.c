@@ -52,25 +52,24 @@ static void draw_lit(struct target *target, const struct target_corner corners[C
 
 bool measure_passes(struct target *target, struct traits *out, struct error *err)
 {
-    struct target_corner *corners = calloc(CORNERS, sizeof *corners);
-    uint32_t *flat = malloc(sizeof target->depths);
-    if (corners && flat) {
-        place_perspective(target);
-        target->call->DepthFunc(GL_LESS);
-        for (int n = 0; n < 3; n++) {
-            make_triangles(target, corners);
-            draw_flat(target, corners);
-            memcpy(flat, target->depths, sizeof target->depths);
-            draw_lit(target, corners);
-            for (int i = 0; i < TARGET * TARGET; i++) {
-                const uint32_t lit = target->depths[i / TARGET][i % TARGET];
-                out->seen_pixels += (flat[i] & 0xff) > 0;
-                out->varying_pixels += lit != flat[i];
-            }
+    struct target_corner *corners;
+    uint32_t *flat = NULL;
+    const bool done = MAKE_ARRAY(corners, CORNERS, err, "corners of triangles") &&
+                      MAKE_ARRAY(flat, TARGET * TARGET, err, "depths of a small picture");
+    place_perspective(target);
+    target->call->DepthFunc(GL_LESS);
+    for (int n = 0; done && n < 3; n++) {
+        make_triangles(target, corners);
+        draw_flat(target, corners);
+        memcpy(flat, target->depths, sizeof target->depths);
+        draw_lit(target, corners);
+        for (int i = 0; i < TARGET * TARGET; i++) {
+            const uint32_t lit = target->depths[i / TARGET][i % TARGET];
+            out->seen_pixels += (flat[i] & 0xff) > 0;
+            out->varying_pixels += lit != flat[i];
         }
     }
-    const bool done = corners && flat;
     free(corners);
     free(flat);
-    return done || error_memory(err);
+    return done;
 }

@@ -33,10 +33,11 @@ static void set_state(struct target *target)
 bool target_open(struct contexts *contexts, struct target **out, struct error *err)
 {
     const struct canvas_size size = {32, TARGET, TARGET, 1};
-    struct target *target = calloc(1, sizeof *target);
+    struct target *target;
+    *out = NULL;
+    if (!MAKE_ARRAY(target, 1, err, "a small picture"))
+        return false;
     *out = target;
-    if (!target)
-        return error_memory(err);
     if (!canvas_open(contexts, &size, &target->canvas, err) ||
         !canvas_use(target->canvas, target->colours, err))
         return false;

@@ -98,8 +98,8 @@ char *marked_name(const char *scene)
 bool page_files_make(const struct scene *scene, struct page_files *out, struct error *err)
 {
     const char *path = scene->files[0].path;
-    *out = (struct page_files){.above = strdup(path_is_builtin(path) ? "" : path)};
-    bool done = out->above || error_memory(err);
+    *out = (struct page_files){.list = NULL};
+    bool done = string_copy(path_is_builtin(path) ? "" : path, &out->above, err);
     if (done) /* a built-in scene has no folder: its options name files from the working folder */
         out->above[path_name(out->above) - out->above] = '\0';
     done = done && inputs_list(scene, NULL, &out->inputs, err);

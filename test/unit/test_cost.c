@@ -139,7 +139,9 @@ static void csv(void)
     struct error err = {.status = EXIT_AGREED};
     const struct configuration configuration = {.sampling = "rgb", .tessellation = 1};
     configuration_entry(&configuration, "a \"film\".csv", &entries[0], &err);
-    char *text = cost_csv(&cost);
+    struct printed printed = {.text = NULL};
+    cost_csv(&cost, &printed);
+    char *text = printed_end(&printed);
     CHECK_TEXT(
         strchr(text, '\n') + 1,
         "\"rgb smooth\",\"--sampling=rgb --detector=a \"\"film\"\".csv --shading=smooth "

@@ -102,7 +102,6 @@ int main(void)
     CHECK_TEXT(fact, "scene             a?verdict agreed?\n", "a fact stays in its line");
     free(fact);
     struct json json;
-    struct error err = {.status = EXIT_AGREED};
     json_begin(&json);
     json_string(&json, NULL, "\xc2\x9b\x9b\xc3\xa9\x7f");
     char *value = json_take(&json, &err);
