@@ -250,7 +250,6 @@ void probe_json(const struct probe *probe, struct json *json)
 {
     double lab[3];
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "source", probe->source);
     json_count(json, "x", (uint64_t)probe->x);
     json_count(json, "y", (uint64_t)probe->y);
@@ -274,7 +273,6 @@ void probe_json(const struct probe *probe, struct json *json)
         json_close(json, '}');
     }
     json_close(json, ']');
-    json_close(json, '}');
 }
 
 void probe_svg(const struct probe *probe, struct printed *to)

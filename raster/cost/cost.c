@@ -239,7 +239,6 @@ static void json_entry(struct json *json, const struct cost_entry *entry)
 void cost_json(const struct cost *cost, struct json *json)
 {
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", cost->scene);
     json_count(json, "width", (uint64_t)cost->survey.width);
@@ -255,7 +254,6 @@ void cost_json(const struct cost *cost, struct json *json)
     for (int i = 0; i < cost->n_notes; i++)
         json_string(json, NULL, cost->notes[i]);
     json_close(json, ']');
-    json_close(json, '}');
 }
 
 /* ---- the chart ---- */

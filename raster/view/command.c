@@ -76,7 +76,6 @@ static bool write_json(struct options *options, const struct view_report *report
     const struct viewer_result *page = &report->page;
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_string(&json, "scene", options_scene(options));
     json_count(&json, "objects", (uint64_t)report->plan->n_instances);
     json_count(&json, "lights", (uint64_t)report->plan->n_lights);
@@ -90,7 +89,6 @@ static bool write_json(struct options *options, const struct view_report *report
     }
     notes_json(&report->notes, &json);
     json_string(&json, "output", options->output);
-    json_close(&json, '}');
     return json_write(&json, options->json, &options->outputs, err);
 }
 
@@ -161,7 +159,6 @@ static bool write_stack_json(struct options *options, const struct stack_result 
 {
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_string(&json, "stack", options->operand);
     json_count(&json, "width", (uint64_t)result->width);
     json_count(&json, "height", (uint64_t)result->height);
@@ -169,7 +166,6 @@ static bool write_stack_json(struct options *options, const struct stack_result 
     json_count(&json, "factor", (uint64_t)result->factor);
     json_count(&json, "bytes", result->bytes);
     json_string(&json, "output", options->output);
-    json_close(&json, '}');
     return json_write(&json, options->json, &options->outputs, err);
 }
 

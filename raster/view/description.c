@@ -400,7 +400,6 @@ static bool put_all(struct describer *describer, struct error *err)
     const struct scene *scene = describer->plan->scene;
     struct json *json = &describer->json;
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
@@ -411,7 +410,6 @@ static bool put_all(struct describer *describer, struct error *err)
         return false;
     put_adaptations(json);
     put_displays(json);
-    json_close(json, '}');
     return true;
 }
 

@@ -21,13 +21,11 @@ static char *shape_json(const struct plan *plan, const struct drawn *of, struct 
     const struct planes *planes = &of->planes;
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_count(&json, "width", (uint64_t)scene->width);
     json_count(&json, "height", (uint64_t)scene->height);
     json_count(&json, "positions", (uint64_t)scene->positions); /* a side of each pixel */
     json_numbers(&json, "weight_scales", of->scale, planes->n_weights);
     json_numbers(&json, "texture_scales", of->scale + planes->n_weights, planes->n_pages);
-    json_close(&json, '}');
     return json_take(&json, err);
 }
 

@@ -112,7 +112,6 @@ static char *start_json(const struct options *options, const struct scene *scene
     struct page_files files = {.list = NULL};
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_string(&json, "program", PROGRAM);
     json_string(&json, "scene", page_name(path_name(scene->path)));
     json_truth(&json, "gallery", options->gallery);
@@ -126,7 +125,6 @@ static char *start_json(const struct options *options, const struct scene *scene
         done = add_file(options, scene, &files.list[i], &json, bytes, err);
     page_files_free(&files);
     json_close(&json, ']');
-    json_close(&json, '}');
     char *text = json_take(&json, done ? err : &(struct error){.status = EXIT_AGREED});
     if (done)
         return text;

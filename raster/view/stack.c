@@ -227,7 +227,6 @@ static char *describe(const struct shown_stack *stack, const char *name, struct 
     const struct texts *objects = &stack->cube->record.objects;
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_string(&json, "program", PROGRAM);
     json_string(&json, "stack", path_name(name));
     json_string(&json, "scene", stack->cube->record.scene);
@@ -239,7 +238,6 @@ static char *describe(const struct shown_stack *stack, const char *name, struct 
     const bool done = put_white(stack->cube, &json, err) && put_detectors(stack->cube, &json, err);
     put_adaptations(&json);
     put_displays(&json);
-    json_close(&json, '}');
     if (done)
         return json_take(&json, err);
     free(printed_end(&json.printed));
