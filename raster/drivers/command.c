@@ -2,12 +2,13 @@
 /* spectral drivers: lists what OpenGL can draw here, and the options that choose it. */
 #include <errno.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include "data/text/text.h"
+#include "raster/context/context.h"
 #include "raster/driver/driver.h"
 #include "raster/drivers/drivers.h"
+#include "raster/traits/traits.h"
 
 /* Prints what was measured, and the bounds of a driver that does so. */
 static void print_traits(const struct traits *traits, struct printed *to)
@@ -33,10 +34,10 @@ static const char *profile_of(const struct context_description *is)
 /* Prints the options, and what they choose. */
 static void print_driver(const struct listed_driver *driver, struct printed *to)
 {
-    const struct context_description *is = &driver->is;
+    const struct context_description *is = driver->is;
     print(to, "--gl %s%s%s\n", driver->library, driver->renderer ? " --renderer " : "",
           driver->renderer ? driver->renderer : "");
-    if (!driver->usable) {
+    if (!is) {
         print(to, "  cannot draw: %s\n", driver->reason);
         return;
     }
@@ -46,8 +47,8 @@ static void print_driver(const struct listed_driver *driver, struct printed *to)
           is->names.renderer, is->names.library, is->names.version, is->vendor, profile_of(is),
           is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
           is->largest_texture);
-    if (driver->measured)
-        print_traits(&driver->traits, to);
+    if (driver->traits)
+        print_traits(driver->traits, to);
 }
 
 static void json_traits(const struct traits *traits, struct json *json)
@@ -72,13 +73,13 @@ static void json_traits(const struct traits *traits, struct json *json)
 
 static void json_driver(const struct listed_driver *driver, struct json *json)
 {
-    const struct context_description *is = &driver->is;
+    const struct context_description *is = driver->is;
     json_open(json, NULL, '{');
     json_string(json, "gl", driver->library);
     json_string(json, "renderer", driver->renderer);
-    json_truth(json, "usable", driver->usable);
-    json_string(json, "reason", driver->usable ? NULL : driver->reason);
-    if (driver->usable) {
+    json_truth(json, "usable", is != NULL);
+    json_string(json, "reason", is ? NULL : driver->reason);
+    if (is) {
         json_string(json, "gl_library", is->names.library);
         json_string(json, "gl_vendor", is->vendor);
         json_string(json, "gl_renderer", is->names.renderer);
@@ -87,8 +88,8 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
         json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
-        if (driver->measured)
-            json_traits(&driver->traits, json);
+        if (driver->traits)
+            json_traits(driver->traits, json);
     }
     json_close(json, '}');
 }
@@ -119,10 +120,10 @@ bool command_drivers(struct options *options, struct error *err)
     bool usable = false, done = drivers_list(&drivers, err) &&
                                 (!options->measure || drivers_measure(&drivers, err));
     for (int i = 0; done && i < drivers.n; i++)
-        usable = usable || drivers.list[i].usable;
+        usable = usable || drivers.list[i].is;
     done =
         done && (options->json ? write_json(options, &drivers, err) : print_drivers(&drivers, err));
-    free(drivers.list);
+    drivers_free(&drivers);
     errno = 0;
     return done && (usable || error_system(err, "no OpenGL can draw here; --renderer raster can"));
 }

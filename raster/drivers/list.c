@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Tries each library with each driver. A process can open one library only. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "data/base/base.h"
 #include "data/process/process.h"
+#include "raster/context/context.h"
 #include "raster/drivers/drivers.h"
+#include "raster/traits/traits.h"
 
 static bool describe(void *context, void *out, struct error *err)
 {
@@ -32,14 +35,13 @@ static bool is_new(const struct listed_driver *listed, const struct driver_list 
 {
     const char *driver;
     driver_way(listed->renderer, &driver);
-    if (!listed->usable ||
-        (driver && strncmp(listed->is.names.renderer, driver, strlen(driver)) != 0))
+    if (!listed->is || (driver && strncmp(listed->is->names.renderer, driver, strlen(driver)) != 0))
         return false;
     for (int i = 0; i < before->n; i++) {
         const struct listed_driver *other = &before->list[i];
-        if (other->usable && strcmp(other->library, listed->library) == 0 &&
+        if (other->is && strcmp(other->library, listed->library) == 0 &&
             way_of(other) == way_of(listed) &&
-            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0)
+            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0)
             return false;
     }
     return true;
@@ -51,13 +53,20 @@ static bool try_renderer(const char *library, const char *renderer, struct drive
                          struct error *err)
 {
     struct listed_driver listed = {.renderer = renderer};
+    struct context_description is;
     struct error own = {.status = EXIT_AGREED};
     snprintf(listed.library, sizeof listed.library, "%s", library);
-    listed.usable = process_run(describe, &listed, &listed.is, sizeof listed.is, &own);
-    if (!listed.usable)
+    if (process_run(describe, &listed, &is, sizeof is, &own)) {
+        if (!MAKE_ARRAY(listed.is, 1, err, "the list of drivers"))
+            return false;
+        *listed.is = is;
+    } else
         snprintf(listed.reason, sizeof listed.reason, "%.500s", error_words(&own));
-    return (renderer && !is_new(&listed, out)) ||
-           array_add(&out->list, &out->n, &listed, sizeof listed, err);
+    if ((!renderer || is_new(&listed, out)) &&
+        array_add(&out->list, &out->n, &listed, sizeof listed, err))
+        return true;
+    free(listed.is);
+    return err->status == EXIT_AGREED;
 }
 
 /* A library that cannot draw may still draw with shaders. */
@@ -110,10 +119,21 @@ bool drivers_measure(struct driver_list *drivers, struct error *err)
 {
     for (int i = 0; i < drivers->n; i++) {
         struct listed_driver *listed = &drivers->list[i];
-        listed->measured = listed->usable;
-        if (listed->usable &&
-            !process_run(measure, listed, &listed->traits, sizeof listed->traits, err))
+        if (!listed->is)
+            continue;
+        if (!MAKE_ARRAY(listed->traits, 1, err, "the traits of a driver") ||
+            !process_run(measure, listed, listed->traits, sizeof *listed->traits, err))
             return false;
     }
     return true;
+}
+
+void drivers_free(struct driver_list *drivers)
+{
+    for (int i = 0; i < drivers->n; i++) {
+        free(drivers->list[i].is);
+        free(drivers->list[i].traits);
+    }
+    free(drivers->list);
+    *drivers = (struct driver_list){.n = 0};
 }

@@ -28,9 +28,9 @@ static bool is_listed(const struct driver_list *drivers, int index)
     const char *driver;
     for (int i = 0; i < index; i++) {
         const struct listed_driver *other = &drivers->list[i];
-        if (other->usable && strcmp(other->is.names.library, listed->is.names.library) == 0 &&
-            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0 &&
-            strcmp(other->is.names.version, listed->is.names.version) == 0 &&
+        if (other->is && strcmp(other->is->names.library, listed->is->names.library) == 0 &&
+            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0 &&
+            strcmp(other->is->names.version, listed->is->names.version) == 0 &&
             driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
             return true;
     }
@@ -44,9 +44,9 @@ static bool find_drivers(const struct options *options, struct verification *out
         return add_driver(out, options->gl ? options->gl : "auto", options->renderer, err);
     bool done = drivers_list(&drivers, err);
     for (int i = 0; i < drivers.n && done; i++)
-        if (drivers.list[i].usable && !is_listed(&drivers, i))
+        if (drivers.list[i].is && !is_listed(&drivers, i))
             done = add_driver(out, drivers.list[i].library, drivers.list[i].renderer, err);
-    free(drivers.list);
+    drivers_free(&drivers);
     return done && (out->n_drivers > 0 ||
                     error_unsupported(err, "no OpenGL can draw here; spectral drivers prints why"));
 }
