@@ -299,31 +299,24 @@ static void draw_legend(const struct plot *plot, int top)
 
 /* ---- the file ---- */
 
-static void draw(struct plot *plot)
-{
-    const struct chart *chart = plot->chart;
-    const int legend =
-        CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
-    const int height = legend + CHART_LEGEND_ROW * legend_grid(plot).rows;
-    chart_head(plot->area.to, chart->title, height);
-    if (chart->wavelengths)
-        draw_visible(plot);
-    axis_draw_x(&plot->area, &plot->x, chart->x_label, chart->wavelengths ? STRIP : 0);
-    axis_draw_y(&plot->area, &plot->left, chart->y_label, false);
-    if (chart->right_label)
-        axis_draw_y(&plot->area, &plot->right, chart->right_label, true);
-    chart_frame(&plot->area);
-    for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
-        draw_line(plot, l);
-    draw_legend(plot, legend);
-}
-
 void chart_svg(const struct chart *chart, struct printed *to)
 {
     struct plot plot = {.chart = chart, .area = {.to = to, .height = PLOT_HEIGHT}};
     plot.area.width =
         CHART_WIDTH - CHART_LEFT - (chart->right_label ? CHART_RIGHT_AXIS : CHART_MARGIN);
     fit_axes(&plot);
-    draw(&plot);
+    const int legend =
+        CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
+    chart_head(to, chart->title, legend + CHART_LEGEND_ROW * legend_grid(&plot).rows);
+    if (chart->wavelengths)
+        draw_visible(&plot);
+    axis_draw_x(&plot.area, &plot.x, chart->x_label, chart->wavelengths ? STRIP : 0);
+    axis_draw_y(&plot.area, &plot.left, chart->y_label, false);
+    if (chart->right_label)
+        axis_draw_y(&plot.area, &plot.right, chart->right_label, true);
+    chart_frame(&plot.area);
+    for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
+        draw_line(&plot, l);
+    draw_legend(&plot, legend);
     print_text(to, "</svg>\n");
 }

@@ -37,9 +37,9 @@ struct frontier {
     const struct frontier_point *points;
     int n;
 };
-/* Prints a whole SVG 1.1 file. Both axes are logarithmic. Errors below 1/1000 of the largest, and
- * 0, lie on the lower edge, which has a label that says so. Points have numbers, and a legend names
- * them. Steps join the points of the frontier; the others are pale. */
+/* Prints a whole SVG 1.1 file. Fails without memory. Both axes are logarithmic. Errors below
+ * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
+ * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
 bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err);
 
 /* ---- Inside this room: how all charts look, in chart.c ---- */

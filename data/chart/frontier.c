@@ -195,7 +195,7 @@ static void draw_legend(const struct plot *plot, int top)
 
 /* ---- the file ---- */
 
-static void draw(struct plot *plot)
+static void draw(const struct plot *plot)
 {
     const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;
     const int legend = markers + CHART_LEGEND_ROW + 6;
@@ -209,6 +209,7 @@ static void draw(struct plot *plot)
         draw_point(plot, i);
     draw_markers(plot, markers);
     draw_legend(plot, legend);
+    print_text(plot->area.to, "</svg>\n");
 }
 
 bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err)
@@ -217,11 +218,10 @@ bool frontier_svg(const struct frontier *frontier, struct printed *to, struct er
                         .area = {.to = to, .width = WIDTH, .height = HEIGHT},
                         .cost = cost_axis(frontier),
                         .error = error_axis(frontier)};
-    if (!MAKE_ARRAY(plot.points, frontier->n, err, "the points of a chart"))
+    if (!MAKE_ARRAY(plot.points, (size_t)frontier->n + 1, err, "the points of a chart"))
         return false;
     number_points(&plot);
     draw(&plot);
-    print_text(to, "</svg>\n");
     free(plot.points);
     return true;
 }

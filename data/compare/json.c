@@ -27,7 +27,6 @@ void comparison_json(const struct comparison *comparison, bool within, struct js
 {
     static const char *const measures[] = {"angle_deg", "dE76", "dE94", "dE00"};
     json_begin(json);
-    json_open(json, NULL, '{');
     json_truth(json, "within_tolerance", within);
     json_count(json, "width", (uint64_t)comparison->width);
     json_count(json, "height", (uint64_t)comparison->height);
@@ -45,5 +44,4 @@ void comparison_json(const struct comparison *comparison, bool within, struct js
         json_close(json, '}');
     }
     json_close(json, ']');
-    json_close(json, '}');
 }

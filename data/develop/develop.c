@@ -235,7 +235,6 @@ void develop_json(const struct develop_options *options, const struct develop_re
 {
     static const char *const values[] = {"RGB", "XYZ", "Lab"};
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "detector", options->detector);
     json_truth(json, "observer", result->observer);
     json_numbers(json, "white", result->has_white ? result->white : NULL, 3);
@@ -250,7 +249,6 @@ void develop_json(const struct develop_options *options, const struct develop_re
     json_numbers(json, "unseen", result->lost, 3);
     json_count(json, "out_of_gamut_pixels", result->out_of_gamut);
     json_string(json, "output", output);
-    json_close(json, '}');
 }
 
 /* ---- the picture ---- */

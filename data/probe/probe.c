@@ -250,7 +250,6 @@ void probe_json(const struct probe *probe, struct json *json)
 {
     double lab[3];
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "source", probe->source);
     json_count(json, "x", (uint64_t)probe->x);
     json_count(json, "y", (uint64_t)probe->y);
@@ -274,10 +273,9 @@ void probe_json(const struct probe *probe, struct json *json)
         json_close(json, '}');
     }
     json_close(json, ']');
-    json_close(json, '}');
 }
 
-void probe_print_svg(const struct probe *probe, struct printed *to)
+void probe_svg(const struct probe *probe, struct printed *to)
 {
     struct chart_line lines[1 + MAX_PROBE_CURVES];
     char region[96], title[512];

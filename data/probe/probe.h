@@ -56,7 +56,7 @@ bool probe_colour(struct probe *probe, const struct cube *cube, const struct pro
 /* Print a probe as lines of text, as CSV (RFC 4180) and as a chart. */
 void probe_print(const struct probe *probe, struct printed *to);
 void probe_print_csv(const struct probe *probe, struct printed *to);
-void probe_print_svg(const struct probe *probe, struct printed *to);
+void probe_svg(const struct probe *probe, struct printed *to);
 /* Begins a text with one JSON object. */
 void probe_json(const struct probe *probe, struct json *json);
 void probe_free(struct probe *probe);

@@ -9,17 +9,18 @@
 /* ---- guard.c: the end of this process ---- */
 
 /* Call once, first of all. From then on:
- * - SIGINT, SIGTERM and SIGHUP end the process at once, unless it ignores them, and remove the names
- *   that guard_remove knows.
- * - A crash, or an exit that is not by guard_exit, removes these names, prints one line and ends the
- *   process with EXIT_SYSTEM: a library may end its process, as LLVM does without memory. */
+ * - SIGINT, SIGTERM and SIGHUP end the process at once, unless it ignores them, and remove the
+ * names that guard_remove knows.
+ * - A crash, or an exit that is not by guard_exit, removes these names, prints one line and ends
+ * the process with EXIT_SYSTEM: a library may end its process, as LLVM does without memory. */
 void guard_begin(void);
 /* Ends the process with the exit status of a command. Does not return. */
 void guard_exit(int status);
 
 /* Remembers the name of a file or of an empty folder that must not outlive the process; the latest
- * is removed first. Returns false where there is no room for it: the caller then makes no such file.
- * The name is absolute, or relative to a working folder that stays. guard_forget takes it back. */
+ * is removed first. Returns false where there is no room for it: the caller then makes no such
+ * file. The name is absolute, or relative to a working folder that stays. guard_forget takes it
+ * back. */
 bool guard_remove(const char *path);
 void guard_forget(const char *path);
 
@@ -32,9 +33,9 @@ bool is_interrupted(void); /* such a signal waits */
 /* ---- process.c: a job in a process of its own ---- */
 
 /* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
- * What the job has read counts as read by this process: see file_was_read. This process may start no
- * thread and no OpenGL: a copy of a process has none of its threads, and OpenGL would wait for
- * them. */
+ * What the job has read counts as read by this process: see file_was_read. No other thread of this
+ * process runs now, and it starts no OpenGL: a copy of a process has none of its threads, and
+ * OpenGL would wait for them. */
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
                  size_t size, struct error *err);
 

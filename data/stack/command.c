@@ -65,7 +65,6 @@ static void json_texts(struct json *json, const char *key, const char *const *te
 static void info_json(const struct image *image, const struct record *record, struct json *json)
 {
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "program", record->program);
     json_string(json, "scene", record->scene);
     json_string(json, "scene_sha256", record->scene_sha256);
@@ -84,7 +83,6 @@ static void info_json(const struct image *image, const struct record *record, st
     json_numbers(json, "white", record->white.n > 0 ? record->white.value : NULL, record->white.n);
     json_number(json, "radiance_of_full_count", image->scale);
     json_string(json, "verdict", image->verdict);
-    json_close(json, '}');
 }
 
 bool command_info(struct options *options, struct error *err)

@@ -7,6 +7,7 @@
 void json_begin(struct json *json)
 {
     *json = (struct json){.separated = false};
+    print_text(&json->printed, "{");
 }
 
 static void json_key(struct json *json, const char *key)
@@ -94,14 +95,14 @@ void json_numbers(struct json *json, const char *key, const double *values, int 
     json_close(json, ']');
 }
 
-char *json_end(struct json *json)
+char *json_take(struct json *json, struct error *err)
 {
-    print(&json->printed, "\n");
-    return printed_end(&json->printed);
+    print_text(&json->printed, "}\n");
+    return printed_take(&json->printed, err);
 }
 
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)
 {
-    print(&json->printed, "\n");
+    print_text(&json->printed, "}\n");
     return printed_write(&json->printed, path, outputs, err);
 }

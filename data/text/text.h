@@ -125,7 +125,8 @@ struct json {
     struct printed printed;
     bool separated; /* the next member needs a comma before it */
 };
-/* Begins a text. When memory runs out, here or later, only json_end reports it. */
+/* Begins a text, which is an object. When memory runs out, here or later, only json_take reports
+ * it. */
 void json_begin(struct json *json);
 /* Each writes one member of an object, or of an array, whose members have no key: key NULL.
  * Brackets are '{' or '[' to open, '}' or ']' to close. */
@@ -138,10 +139,9 @@ void json_count(struct json *json, const char *key, uint64_t value);
 void json_truth(struct json *json, const char *key, bool value);
 /* An array; null where values is NULL. */
 void json_numbers(struct json *json, const char *key, const double *values, int n);
-/* Ends the text. Returns it, and it then belongs to the caller; NULL: no memory. Safe on a zeroed
- * struct. */
-char *json_end(struct json *json);
-/* Ends the text and writes it to a file, as file_write. */
+/* Ends the object and the text. Returns it, and it then belongs to the caller; NULL: no memory. */
+char *json_take(struct json *json, struct error *err);
+/* Ends both and writes the text to a file, as file_write. */
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err);
 
 #endif

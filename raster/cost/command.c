@@ -85,17 +85,22 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
 
 /* ---- report ---- */
 
-/* Writes the files that options name. */
+/* Writes the files that the options name. */
 static bool write_files(const struct cost *cost, struct options *options, struct error *err)
 {
     struct printed table = {.text = NULL}, chart = {.text = NULL};
-    if (options->csv_file)
+    struct json json;
+    if (options->csv_file) {
         cost_csv(cost, &table);
-    return (!options->csv_file ||
-            printed_write(&table, options->csv_file, &options->outputs, err)) &&
-           (!options->svg_file ||
-            (cost_svg(cost, &chart, err) &&
-             printed_write(&chart, options->svg_file, &options->outputs, err)));
+        if (!printed_write(&table, options->csv_file, &options->outputs, err))
+            return false;
+    }
+    if (options->svg_file && (!cost_svg(cost, &chart, err) ||
+                              !printed_write(&chart, options->svg_file, &options->outputs, err)))
+        return false;
+    if (options->json)
+        cost_json(cost, &json);
+    return !options->json || json_write(&json, options->json, &options->outputs, err);
 }
 
 static void print_advice(const struct options *options, const char *what,
@@ -140,17 +145,11 @@ static bool report(struct options *options, const struct cost *cost, double tole
     const bool taken = (csv && output_is_standard(csv)) || (svg && output_is_standard(svg));
     const int to = taken ? STDERR_FILENO : options_table(options, NULL);
     struct printed table = {.text = NULL}, advice = {.text = NULL};
-    struct json json;
     char what[80];
     if (!options->quiet)
         cost_print(cost, &table);
     if (!printed_show(&table, to, err) || !write_files(cost, options, err))
         return false;
-    if (options->json) {
-        cost_json(cost, &json);
-        if (!json_write(&json, options->json, &options->outputs, err))
-            return false;
-    }
     snprintf(what, sizeof what, "95 %% within %.10g CIEDE2000", tolerance);
     bool done = !options->tolerance || recommend(options, what, cost_within(cost, tolerance, false),
                                                  cost_within(cost, tolerance, true), &advice, err);
@@ -163,18 +162,11 @@ static bool report(struct options *options, const struct cost *cost, double tole
 
 /* ---- the command ---- */
 
-/* Refuses a broken scene, and an output that cannot be written. A measurement takes minutes, so
- * these mistakes must be found before it begins. */
+/* Refuses an output that cannot be written, before minutes of measurement. */
 static bool check_files(struct options *options, struct error *err)
 {
-    struct scene scene = {.path = NULL};
-    struct sampling sampling = {.detector = NULL};
-    bool done = cost_read(options, NULL, &scene, &sampling, err) &&
-                output_can_open(options->csv_file, err) &&
-                output_can_open(options->svg_file, err) && output_can_open(options->json, err);
-    sampling_free(&sampling);
-    scene_free(&scene);
-    return done;
+    return output_can_open(options->csv_file, err) && output_can_open(options->svg_file, err) &&
+           output_can_open(options->json, err);
 }
 
 /* Reads a tolerance of CIEDE2000, the measure of the table. */

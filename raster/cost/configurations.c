@@ -13,6 +13,83 @@
 #include "raster/cost/cost.h"
 #include "raster/gl/gl.h"
 
+/* ---- a configuration in words ---- */
+
+/* Adds an option to the words of an entry (NULL: none), and its value to the name behind `prefix`
+ * (NULL: the name leaves it out). */
+static bool say(struct cost_entry *entry, const char *prefix, const char *option, const char *value,
+                struct error *err)
+{
+    const size_t named = strlen(entry->name);
+    if (prefix)
+        snprintf(entry->name + named, sizeof entry->name - named, "%s%s", prefix, value);
+    if (!option)
+        return true;
+    struct printed word = {.text = NULL};
+    print(&word, "%s%s", option, value);
+    entry->words[entry->n_words] = printed_take(&word, err);
+    return entry->words[entry->n_words++] != NULL;
+}
+
+/* An accuracy stands in place of a sampling: wavelengths stay, and shapes are divided. */
+static const char accuracy_prefix[] = "accuracy:";
+
+static bool say_sampling(const struct configuration *configuration, const char *observer,
+                         struct cost_entry *out, struct error *err)
+{
+    const char *name = configuration->sampling;
+    const size_t length = strlen(accuracy_prefix);
+    if (!name[0])
+        return say(out, "", NULL, "own wavelengths", err);
+    return (strncmp(name, accuracy_prefix, length) == 0
+                ? say(out, "", NULL, name, err) && say(out, NULL, "--accuracy=", name + length, err)
+                : say(out, "", "--sampling=", name, err)) &&
+           (strcmp(observer, "cie1931") == 0 || say(out, NULL, "--detector=", observer, err));
+}
+
+bool configuration_entry(const struct configuration *configuration, const char *observer,
+                         struct cost_entry *out, struct error *err)
+{
+    static const char *const renderer[] = {[BY_RASTER] = "raster",
+                                           [BY_LLVMPIPE] = "llvmpipe",
+                                           [BY_CHECKED_LLVMPIPE] = "llvmpipe",
+                                           [BY_SOFTPIPE] = "softpipe",
+                                           [BY_SHADERS] = "gl-shader:llvmpipe"};
+    const char *const buffer = configuration->buffer_bits == 8 ? "8" : "16";
+    const char *const depth = configuration->bits == 8 ? "8" : "32f";
+    char factor[16], positions[16];
+    snprintf(factor, sizeof factor, "%d", configuration->tessellation);
+    snprintf(positions, sizeof positions, "%d", configuration->positions);
+    out->configuration = *configuration;
+    return say_sampling(configuration, observer, out, err) &&
+           say(out, " ", "--shading=", shading_words[configuration->shading], err) &&
+           (configuration->tessellation == 1 || say(out, " x", "--tessellation=", factor, err)) &&
+           (configuration->positions == 0 || say(out, " samples ", "--samples=", positions, err)) &&
+           say(out, configuration->renderer == BY_RASTER ? NULL : " ",
+               "--renderer=", renderer[configuration->renderer], err) &&
+           (configuration->renderer == BY_CHECKED_LLVMPIPE
+                ? say(out, " checked", NULL, "", err)
+                : say(out, NULL, "--no-check", "", err)) &&
+           (configuration->buffer_bits == 0 || say(out, " buffer ", "--buffer=", buffer, err)) &&
+           (configuration->bits == 0 || say(out, " depth ", "--depth=", depth, err));
+}
+
+static const struct configuration every_nm = {
+    .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
+
+/* Means are judged by those of twice as many positions a side. Float pages hold the same radiances
+ * at any full scale. Without --full-scale, render refuses phong shading where it finds no largest
+ * radiance. */
+bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err)
+{
+    struct configuration configuration = every_nm;
+    configuration.bits = 32;
+    if (cost->survey.positions > 1)
+        configuration.positions = 2 * cost->survey.positions;
+    return configuration_entry(&configuration, cost->survey.observer, out, err) &&
+           say(out, NULL, "--full-scale=", "65535", err);
+}
+
 /* ---- the scene ---- */
 
 /* Surveys a material, and the partner that its file gives it. */
@@ -51,13 +128,11 @@ static bool read_sampling(const struct options *options, const char *method, str
                           struct error *err)
 {
     struct error refusal = {.status = EXIT_AGREED};
-    struct configuration configuration = {.tessellation = 1, .renderer = BY_RASTER};
     struct cost_entry entry = {.n_words = 0};
     struct scene scene = {.path = NULL};
-    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", method);
-    const bool done =
-        configuration_entry(&configuration, options_detector(options), &entry, &refusal) &&
-        cost_read(options, &entry, &scene, out, &refusal);
+    const bool done = say(&entry, NULL, "--sampling=", method, &refusal) &&
+                      say(&entry, NULL, "--detector=", options_detector(options), &refusal) &&
+                      cost_read(options, &entry, &scene, out, &refusal);
     cost_entry_free(&entry);
     scene_free(&scene);
     if (!done)
@@ -122,86 +197,6 @@ bool survey_scene(const struct options *options, struct survey *out, struct erro
 {
     *out = (struct survey){.observer = options_detector(options)};
     return process_run(survey, &options, out, sizeof *out, err);
-}
-
-/* ---- a configuration in words ---- */
-
-/* Adds an option to the words of an entry (NULL: none), and its value to the name behind `prefix`
- * (NULL: the name leaves it out). */
-static bool say(struct cost_entry *entry, const char *prefix, const char *option, const char *value,
-                struct error *err)
-{
-    const size_t named = strlen(entry->name);
-    if (prefix)
-        snprintf(entry->name + named, sizeof entry->name - named, "%s%s", prefix, value);
-    if (!option)
-        return true;
-    const size_t length = strlen(option) + strlen(value) + 1;
-    char *word;
-    if (!MAKE_ARRAY(word, length, err, "an option"))
-        return false;
-    snprintf(word, length, "%s%s", option, value);
-    entry->words[entry->n_words++] = word;
-    return true;
-}
-
-/* An accuracy stands in place of a sampling: wavelengths stay, and shapes are divided. */
-static const char accuracy_prefix[] = "accuracy:";
-
-static bool say_sampling(const struct configuration *configuration, const char *observer,
-                         struct cost_entry *out, struct error *err)
-{
-    const char *name = configuration->sampling;
-    const size_t length = strlen(accuracy_prefix);
-    if (!name[0])
-        return say(out, "", NULL, "own wavelengths", err);
-    return (strncmp(name, accuracy_prefix, length) == 0
-                ? say(out, "", NULL, name, err) && say(out, NULL, "--accuracy=", name + length, err)
-                : say(out, "", "--sampling=", name, err)) &&
-           (strcmp(observer, "cie1931") == 0 || say(out, NULL, "--detector=", observer, err));
-}
-
-bool configuration_entry(const struct configuration *configuration, const char *observer,
-                         struct cost_entry *out, struct error *err)
-{
-    static const char *const renderer[] = {[BY_RASTER] = "raster",
-                                           [BY_LLVMPIPE] = "llvmpipe",
-                                           [BY_CHECKED_LLVMPIPE] = "llvmpipe",
-                                           [BY_SOFTPIPE] = "softpipe",
-                                           [BY_SHADERS] = "gl-shader:llvmpipe"};
-    const char *const buffer = configuration->buffer_bits == 8 ? "8" : "16";
-    const char *const depth = configuration->bits == 8 ? "8" : "32f";
-    char factor[16], positions[16];
-    snprintf(factor, sizeof factor, "%d", configuration->tessellation);
-    snprintf(positions, sizeof positions, "%d", configuration->positions);
-    out->configuration = *configuration;
-    return say_sampling(configuration, observer, out, err) &&
-           say(out, " ", "--shading=", shading_words[configuration->shading], err) &&
-           (configuration->tessellation == 1 || say(out, " x", "--tessellation=", factor, err)) &&
-           (configuration->positions == 0 || say(out, " samples ", "--samples=", positions, err)) &&
-           say(out, configuration->renderer == BY_RASTER ? NULL : " ",
-               "--renderer=", renderer[configuration->renderer], err) &&
-           (configuration->renderer == BY_CHECKED_LLVMPIPE
-                ? say(out, " checked", NULL, "", err)
-                : say(out, NULL, "--no-check", "", err)) &&
-           (configuration->buffer_bits == 0 || say(out, " buffer ", "--buffer=", buffer, err)) &&
-           (configuration->bits == 0 || say(out, " depth ", "--depth=", depth, err));
-}
-
-static const struct configuration every_nm = {
-    .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
-
-/* Means are judged by those of twice as many positions a side. Float pages hold the same radiances
- * at any full scale. Without --full-scale, render refuses phong shading where it finds no largest
- * radiance. */
-bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err)
-{
-    struct configuration configuration = every_nm;
-    configuration.bits = 32;
-    if (cost->survey.positions > 1)
-        configuration.positions = 2 * cost->survey.positions;
-    return configuration_entry(&configuration, cost->survey.observer, out, err) &&
-           say(out, NULL, "--full-scale=", "65535", err);
 }
 
 /* ---- one axis after the other ---- */
@@ -355,20 +350,21 @@ static bool is_on_axis(const struct survey *survey, const struct configuration *
 static const struct configuration smooth = {.tessellation = 1, .renderer = BY_RASTER},
                                   opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
-/* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
-static bool add_renderers(struct cost *cost, const char *sampling, struct error *err)
+/* OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
+static const struct configuration renderers[] = {
+    {.tessellation = 1, .renderer = BY_LLVMPIPE},
+    {.tessellation = 1, .renderer = BY_LLVMPIPE, .buffer_bits = 16},
+    {.tessellation = 1, .renderer = BY_LLVMPIPE, .buffer_bits = 8},
+    {.tessellation = 1, .renderer = BY_CHECKED_LLVMPIPE},
+    {.tessellation = 1, .renderer = BY_SOFTPIPE},
+    {.tessellation = 1, .renderer = BY_SHADERS}};
+
+static bool add_renderers(struct cost *cost, struct error *err)
 {
-    struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl,
-                         shaders = opengl;
-    eight.buffer_bits = 8;
-    sixteen.buffer_bits = 16;
-    checked.renderer = BY_CHECKED_LLVMPIPE;
-    softpipe.renderer = BY_SOFTPIPE;
-    shaders.renderer = BY_SHADERS;
-    return !gl_is_built() ||
-           (add(cost, opengl, sampling, err) && add(cost, sixteen, sampling, err) &&
-            add(cost, eight, sampling, err) && add(cost, checked, sampling, err) &&
-            add(cost, softpipe, sampling, err) && add(cost, shaders, sampling, err));
+    for (size_t i = 0; i < sizeof renderers / sizeof *renderers && gl_is_built(); i++)
+        if (!add(cost, renderers[i], cost->chosen[GOOD], err))
+            return false;
+    return true;
 }
 
 /* Adds the shadings of the finest tessellation, or the others. */
@@ -408,9 +404,9 @@ static bool add_positions(struct cost *cost, struct configuration configuration,
 
 bool configurations_pictures(struct cost *cost, struct error *err)
 {
-    return add_positions(cost, smooth, err) &&
-           (!gl_is_built() || add_positions(cost, opengl, err)) && add_shadings(cost, false, err) &&
-           add_accuracies(cost, err) && add_renderers(cost, cost->chosen[GOOD], err);
+    if (!add_positions(cost, smooth, err) || (gl_is_built() && !add_positions(cost, opengl, err)))
+        return false;
+    return add_shadings(cost, false, err) && add_accuracies(cost, err) && add_renderers(cost, err);
 }
 
 bool configurations_finest(struct cost *cost, struct error *err)

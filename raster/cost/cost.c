@@ -205,9 +205,8 @@ static void print_csv_entry(const struct cost_entry *entry, struct printed *to)
 
 void cost_csv(const struct cost *cost, struct printed *to)
 {
-    print_text(to, "name,options,seconds,processor,fastest,slowest,dE00_mean,dE00_95,dE00_"
-                   "largest,radiance_error,"
-                   "frontier,within_noise\n");
+    print_text(to, "name,options,seconds,processor,fastest,slowest,dE00_mean,dE00_95,dE00_largest,"
+                   "radiance_error,frontier,within_noise\n");
     for (int i = 0; i < cost->n; i++)
         print_csv_entry(&cost->entries[i], to);
 }
@@ -236,7 +235,6 @@ static void json_entry(struct json *json, const struct cost_entry *entry)
 void cost_json(const struct cost *cost, struct json *json)
 {
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", cost->scene);
     json_count(json, "width", (uint64_t)cost->survey.width);
@@ -252,7 +250,6 @@ void cost_json(const struct cost *cost, struct json *json)
     for (int i = 0; i < cost->n_notes; i++)
         json_string(json, NULL, cost->notes[i]);
     json_close(json, ']');
-    json_close(json, '}');
 }
 
 /* ---- the chart ---- */
@@ -261,7 +258,7 @@ bool cost_svg(const struct cost *cost, struct printed *to, struct error *err)
 {
     char title[512];
     struct frontier_point *points;
-    if (!MAKE_ARRAY(points, cost->n, err, "the points of a chart"))
+    if (!MAKE_ARRAY(points, (size_t)cost->n, err, "the points of a chart"))
         return false;
     for (int i = 0; i < cost->n; i++) {
         const struct cost_entry *entry = &cost->entries[i];

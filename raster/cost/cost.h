@@ -51,6 +51,21 @@ struct accuracy {
     double mean, quantile_95, largest;
     double radiance; /* NaN: the pages determine no radiances */
 };
+struct standard_pixel {
+    double lab[3];
+    bool shown; /* an object; not the background */
+};
+/* What is kept of the standard: see standard.c. */
+struct standard {
+    int width, height;
+    bool lit;        /* the observer sees some light */
+    double white[3]; /* XYZ of the lights, or of a radiance of 1 where the observer sees none */
+    double first_nm;
+    int n_nm;
+    int step, columns;             /* of the lattice */
+    struct standard_pixel *pixels; /* owned */
+    float *lattice;                /* [row][column][nm]; owned */
+};
 struct cost_entry {
     struct configuration configuration;
     char name[128];
@@ -111,16 +126,17 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
 
 /* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
 struct standard_request {
-    const char *stack, *summary; /* files: a stack; what is kept of the standard */
-    const char *observer;
-    const struct sampling *sampling; /* zeroed: none */
+    const char *stack, *observer;
+    const struct sampling *sampling; /* of a stack that is compared; zeroed: none */
     int threads;
 };
-/* Write the summary of the standard's stack (*lit: the observer sees some light); measure a stack
- * of the standard's size. */
-bool standard_summarize(const struct standard_request *request, bool *lit, struct error *err);
-bool standard_compare(const struct standard_request *request, struct accuracy *out,
-                      struct error *err);
+/* Summarize the stack of the standard; measure a stack of the standard's size. The caller always
+ * frees the standard. */
+bool standard_summarize(const struct standard_request *request, struct standard *out,
+                        struct error *err);
+bool standard_compare(const struct standard_request *request, struct standard *standard,
+                      struct accuracy *out, struct error *err);
+void standard_free(struct standard *standard);
 
 /* ---- configurations.c ---- */
 /* Survey the scene in a process of its own, and add notes on what it suggests. */

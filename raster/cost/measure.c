@@ -16,7 +16,8 @@ struct measurement {
     struct progress_line line;
     bool shown; /* the line of progress */
     struct folder folder;
-    char stack[sizeof(struct folder) + 16], summary[sizeof(struct folder) + 16]; /* files in it */
+    char stack[sizeof(struct folder) + 16]; /* a file in it */
+    struct standard standard;
     long steps, all_steps;
     struct cost *cost;
 };
@@ -36,24 +37,20 @@ static bool open_folder(struct measurement *measurement, struct error *err)
         return false;
     snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
              measurement->folder.path);
-    snprintf(measurement->summary, sizeof measurement->summary, "%s/standard",
-             measurement->folder.path);
     guard_remove(measurement->stack);
-    guard_remove(measurement->summary);
     return true;
 }
 
 static void close_folder(struct measurement *measurement)
 {
     guard_forget(measurement->stack);
-    guard_forget(measurement->summary);
     folder_close(&measurement->folder);
 }
 
 /* ---- jobs for processes of their own ---- */
 
 struct task {
-    const struct measurement *measurement;
+    struct measurement *measurement;
     const struct cost_entry *entry;
 };
 
@@ -64,15 +61,9 @@ static bool render_job(void *context, void *out, struct error *err)
     return cost_render(task->measurement->options, task->entry, task->measurement->stack, err);
 }
 
-static bool summarize_job(void *context, void *out, struct error *err)
-{
-    return standard_summarize(context, out, err);
-}
-
 static struct standard_request request_of(const struct measurement *measurement)
 {
     return (struct standard_request){.stack = measurement->stack,
-                                     .summary = measurement->summary,
                                      .observer = measurement->cost->survey.observer,
                                      .threads = measurement->options->threads};
 }
@@ -85,7 +76,7 @@ static bool compare_job(void *context, void *out, struct error *err)
     struct standard_request request = request_of(task->measurement);
     request.sampling = &sampling;
     const bool done = cost_read(task->measurement->options, task->entry, &scene, &sampling, err) &&
-                      standard_compare(&request, out, err);
+                      standard_compare(&request, &task->measurement->standard, out, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;
@@ -93,7 +84,7 @@ static bool compare_job(void *context, void *out, struct error *err)
 
 /* Renders an entry to the stack. A program says why it failed in words
  * only. So this process, in a copy, learns whether the system lacks what the entry needs. */
-static bool render_entry(const struct measurement *measurement, const struct cost_entry *entry,
+static bool render_entry(struct measurement *measurement, const struct cost_entry *entry,
                          struct run_seconds *seconds, struct error *err)
 {
     struct task task = {measurement, entry};
@@ -110,7 +101,7 @@ static bool render_entry(const struct measurement *measurement, const struct cos
 
 /* Renders the standard, and summarizes its stack. A failure that names a temporary file is for want
  * of room. */
-static bool make_standard(struct measurement *measurement, bool *lit, struct error *err)
+static bool make_standard(struct measurement *measurement, struct error *err)
 {
     struct cost_entry entry = {.n_words = 0};
     struct standard_request request = request_of(measurement);
@@ -118,7 +109,7 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     struct run_seconds seconds = {.wall = 0};
     const bool done = configuration_standard(measurement->cost, &entry, &own) &&
                       render_entry(measurement, &entry, &seconds, &own) &&
-                      process_run(summarize_job, &request, lit, sizeof *lit, &own);
+                      standard_summarize(&request, &measurement->standard, &own);
     measurement->cost->standard_seconds = seconds.wall;
     unlink(measurement->stack);
     cost_entry_free(&entry);
@@ -129,24 +120,8 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     return done;
 }
 
-/* Notes why there is no such configuration. Those that fail one after the other for the same reason
- * share a note. */
-static bool note_failure(struct cost *cost, const char *name, const char *why, struct error *err)
-{
-    static const char prefix[] = "without ";
-    const char *last = cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "";
-    const size_t length = strlen(last), end = strlen(": ") + strlen(why);
-    if (strncmp(last, prefix, strlen(prefix)) != 0 || length <= end ||
-        strcmp(last + length - strlen(why), why) != 0)
-        return cost_note(cost, err, "%s%s: %s", prefix, name, why);
-    char *shared = cost->notes[--cost->n_notes];
-    const bool done = cost_note(cost, err, "%.*s, %s: %s", (int)(length - end), shared, name, why);
-    free(shared);
-    return done;
-}
-
-/* Runs a configuration once and measures its stack. Its seconds count until the first round. A
- * configuration that is refused, or that this system does not support, becomes a note. */
+/* Runs a configuration once and measures its stack. A configuration that is refused, or that this
+ * system does not support, becomes a note. */
 static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
 {
     struct task task = {measurement, entry};
@@ -162,13 +137,11 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
         return false;
     }
     if (!done)
-        return note_failure(measurement->cost, entry->name, error_words(&own), err);
+        return cost_note(measurement->cost, err, "without %s: %s", entry->name, error_words(&own));
     const size_t runs = (size_t)measurement->cost->runs;
     entry->accuracy = accuracy;
-    entry->seconds = seconds.wall;
-    entry->processor = seconds.processor;
-    return MAKE_ARRAY(entry->walls, runs, err, "the seconds of %s", entry->name) &&
-           MAKE_ARRAY(entry->processors, runs, err, "the seconds of %s", entry->name);
+    return MAKE_ARRAY(entry->walls, runs, err, "the seconds of runs") &&
+           MAKE_ARRAY(entry->processors, runs, err, "the seconds of runs");
 }
 
 /* Adds configurations and warms them up. `add` may choose by the errors measured before. */
@@ -265,7 +238,6 @@ static bool run_round(struct measurement *measurement, int round, struct error *
             return false;
         entry->walls[round] = seconds.wall;
         entry->processors[round] = seconds.processor;
-        take_seconds(entry, round + 1);
         unlink(measurement->stack);
         step(measurement, 1);
     }
@@ -293,6 +265,8 @@ static bool measure_all(struct measurement *measurement, struct error *err)
     for (int round = 0; round < cost->runs; round++)
         if (!run_round(measurement, round, err))
             return false;
+    for (int i = 0; i < cost->n; i++)
+        take_seconds(&cost->entries[i], cost->runs);
     return true;
 }
 
@@ -312,7 +286,7 @@ static bool conclude(struct cost *cost, struct error *err)
                                        cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 
-/* Returns the scene's name with the changes of the command line, allocated; NULL: no memory. */
+/* Returns the scene's name with the changes of the command line, allocated. */
 static char *name_scene(const struct measurement *measurement, struct error *err)
 {
     struct printed printed = {.text = NULL};
@@ -322,26 +296,24 @@ static char *name_scene(const struct measurement *measurement, struct error *err
     return printed_take(&printed, err);
 }
 
-static bool describe(struct measurement *measurement, bool lit, struct error *err)
+static bool describe(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    cost->scene = name_scene(measurement, err);
     cost->runs = measurement->options->runs ? measurement->options->runs : DEFAULT_RUNS;
-    return cost->scene &&
-           MAKE_ARRAY(cost->entries, MAX_CONFIGURATIONS, err, "the configurations of a cost") &&
+    return (cost->scene = name_scene(measurement, err)) &&
+           MAKE_ARRAY(cost->entries, MAX_CONFIGURATIONS, err, "the table of configurations") &&
            survey_notes(cost, err) &&
-           (lit ||
+           (measurement->standard.lit ||
             cost_note(cost, err, "the observer sees no light: the white is a radiance of 1"));
 }
 
 static bool measure(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    bool lit = false;
-    return open_folder(measurement, err) &&
-           survey_scene(measurement->options, &cost->survey, err) &&
-           make_standard(measurement, &lit, err) && describe(measurement, lit, err) &&
-           announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
+    return survey_scene(measurement->options, &cost->survey, err) &&
+           open_folder(measurement, err) && make_standard(measurement, err) &&
+           describe(measurement, err) && announce(measurement, err) &&
+           measure_all(measurement, err) && conclude(cost, err);
 }
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)
@@ -351,5 +323,6 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
     *out = (struct cost){.scene = NULL};
     const bool done = measure(&measurement, err);
     close_folder(&measurement);
+    standard_free(&measurement.standard);
     return done;
 }

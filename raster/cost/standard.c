@@ -2,18 +2,15 @@
 /* The standard, and the difference of a configuration's stack from it.
  *
  * render draws the standard as it draws any configuration: a stack of floats with a page at every
- * nm. That stack is too large to be read again for each measurement, so a summary is kept in a file
- * instead: a struct standard; a struct standard_pixel of each pixel, row by row; and the radiances
- * at every nm of a lattice of pixels, again row by row. The lattice is every step-th pixel of every
- * step-th row.
+ * nm. That stack is too large to be read again for each measurement, so a summary is kept: a struct
+ * standard_pixel of each pixel, row by row; and the radiances at every nm of a lattice of pixels,
+ * again row by row. The lattice is every step-th pixel of every step-th row.
  *
  * A float is off by up to 6e-8 of a radiance, which moves L*, a* and b* by some 1e-6. Only errors
  * of that size, of stacks of floats, are measured less exactly by this. */
-#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "data/base/base.h"
 #include "data/colour/colour.h"
@@ -31,32 +28,17 @@ enum { BLOCK_PIXELS = 1024 }; /* that a thread takes at a time */
 /* Samples of a chunk of rows: 8 MiB. */
 static const size_t chunk_samples = (size_t)1 << 21;
 
-struct standard {
-    int width, height;
-    double white[3]; /* XYZ of the lights, or of a radiance of 1 where the observer sees none */
-    double first_nm;
-    int n_nm;
-    int step, columns; /* of the lattice */
-};
-struct standard_pixel {
-    double lab[3];
-    bool shown; /* an object; not the background */
-};
-
-/* Reads a stack, and writes or reads the summary beside it. */
+/* Reads a stack, and makes the summary or compares with it. */
 struct walk {
     const struct standard_request *request;
-    struct standard standard;
+    struct standard *standard;
     struct stack_rows rows;
     struct sight sight;
-    int summary;     /* its descriptor; -1: it is not open */
-    uint64_t passed; /* bytes of it so far */
-    bool writes;     /* writes the summary; otherwise reads it */
     int threads;
-    struct standard_pixel *pixels; /* of a chunk */
-    float *lattice;                /* [column][nm]: of a row of the lattice */
-    float *pages;                  /* [column][page]: the same of the stack */
+    struct standard_pixel *pixels; /* those of the current rows in the standard */
+    float *lattice;                /* [column][nm]: the next row of the lattice in the standard */
     /* While a stack is compared: */
+    float *pages;            /* [column][page]: a row of the lattice of the stack */
     double *linear;          /* synthesis of a stack without sampling */
     const double *synthesis; /* radiances at every nm from pages, [nm][page]; NULL: there is none */
     double (*squares)[2];    /* [column]: of the errors of radiances, and of radiances */
@@ -70,82 +52,49 @@ static bool open_walk(struct walk *walk, struct error *err)
     const struct standard_request *request = walk->request;
     const struct white_request white = {NULL, false};
     walk->threads = threads_count(request->threads);
-    if (!cube_open(request->stack, &walk->rows.cube, err) ||
-        !rows_allocate(&walk->rows, chunk_samples, err) ||
-        !sight_make(&walk->rows.cube, request->observer, &white, &walk->sight, err))
-        return false;
-    UNTIL_DONE(walk->summary,
-               open(request->summary,
-                    (walk->writes ? O_WRONLY | O_CREAT | O_TRUNC : O_RDONLY) | O_CLOEXEC, 0600));
-    return walk->summary >= 0 || error_system(err, "cannot open %s", request->summary);
-}
-
-/* Writes n elements to the summary, or reads them. */
-static bool pass(struct walk *walk, void *elements, size_t size, size_t n, struct error *err)
-{
-    const size_t length = size * n;
-    errno = 0;
-    const bool done =
-        walk->writes ? write_all(walk->summary, elements, length)
-                     : read_at(walk->summary, elements, length, walk->passed) == (ssize_t)length;
-    walk->passed += length;
-    return done || error_system(err, "cannot %s %s", walk->writes ? "write" : "read",
-                                walk->request->summary);
+    return cube_open(request->stack, &walk->rows.cube, err) &&
+           rows_allocate(&walk->rows, chunk_samples, err) &&
+           sight_make(&walk->rows.cube, request->observer, &white, &walk->sight, err);
 }
 
 static size_t chunk_pixels(const struct walk *walk)
 {
-    return (size_t)walk->rows.n * (size_t)walk->standard.width;
+    return (size_t)walk->rows.n * (size_t)walk->standard->width;
 }
 
-static bool pass_pixels(struct walk *walk, struct error *err)
+static size_t lattice_samples(const struct walk *walk)
 {
-    return pass(walk, walk->pixels, sizeof *walk->pixels, chunk_pixels(walk), err);
+    return (size_t)walk->standard->columns * (size_t)walk->standard->n_nm;
 }
 
-static bool pass_lattice(struct walk *walk, struct error *err)
+static void close_walk(struct walk *walk)
 {
-    return pass(walk, walk->lattice, sizeof *walk->lattice,
-                (size_t)walk->standard.columns * (size_t)walk->standard.n_nm, err);
-}
-
-/* Passes the struct standard, which holds the sizes of the arrays. */
-static bool allocate(struct walk *walk, struct error *err)
-{
-    struct standard *standard = &walk->standard;
-    if (!pass(walk, standard, sizeof *standard, 1, err))
-        return false;
-    const size_t columns = (size_t)standard->columns, n_nm = (size_t)standard->n_nm;
-    const size_t n_pages = (size_t)walk->rows.cube.image.n_pages;
-    const size_t n_pixels = (size_t)standard->width * (size_t)standard->height;
-    return MAKE_ARRAY(walk->pixels, walk->rows.stride, err, "rows of a stack") &&
-           MAKE_ARRAY(walk->lattice, columns * n_nm, err, "a standard observer") &&
-           MAKE_ARRAY(walk->pages, columns * n_pages, err, "a standard observer") &&
-           MAKE_ARRAY(walk->squares, columns, err, "a standard observer") &&
-           MAKE_ARRAY(walk->differences, n_pixels, err, "the differences of a stack");
-}
-
-static bool close_walk(struct walk *walk, struct error *err)
-{
-    const bool closed = walk->summary < 0 || close(walk->summary) == 0 || errno == EINTR;
     rows_close(&walk->rows);
     sight_free(&walk->sight);
-    FREE_ALL(walk->pixels, walk->lattice, walk->pages, walk->linear, walk->squares,
-             walk->differences);
-    return closed || error_system(err, "cannot write %s", walk->request->summary);
+    free(walk->pages);
+    free(walk->linear);
+    free(walk->squares);
+    free(walk->differences);
 }
 
 /* Calls a function for each chunk of rows, and then one for each row of the lattice. */
 static bool walk_rows(struct walk *walk, bool (*chunk)(struct walk *walk, struct error *err),
-                      bool (*lattice_row)(struct walk *walk, struct error *err), struct error *err)
+                      void (*lattice_row)(struct walk *walk), struct error *err)
 {
-    for (int y = 0; y < walk->standard.height; y += walk->rows.most)
+    walk->pixels = walk->standard->pixels;
+    for (int y = 0; y < walk->standard->height; y += walk->rows.most) {
         if (!rows_read(&walk->rows, y, err) || !chunk(walk, err))
             return false;
+        walk->pixels += chunk_pixels(walk);
+    }
     walk->rows.most = 1;
-    for (int y = 0; y < walk->standard.height; y += walk->standard.step)
-        if (!rows_read(&walk->rows, y, err) || !lattice_row(walk, err))
+    walk->lattice = walk->standard->lattice;
+    for (int y = 0; y < walk->standard->height; y += walk->standard->step) {
+        if (!rows_read(&walk->rows, y, err))
             return false;
+        lattice_row(walk);
+        walk->lattice += lattice_samples(walk);
+    }
     return true;
 }
 
@@ -164,7 +113,7 @@ static bool find_xyz(const struct walk *walk, size_t pixel, double xyz[3])
 /* Copies the samples of the lattice's pixels in the current row: out[column * n_pages + page]. */
 static void copy_lattice(const struct walk *walk, float *out)
 {
-    for (int x = 0; x < walk->standard.width; x += walk->standard.step)
+    for (int x = 0; x < walk->standard->width; x += walk->standard->step)
         for (int page = 0; page < walk->rows.cube.image.n_pages; page++)
             *out++ = walk->rows.samples[(size_t)page * walk->rows.stride + (size_t)x];
 }
@@ -174,9 +123,9 @@ static void copy_lattice(const struct walk *walk, float *out)
 static bool find_shown(struct walk *walk, struct error *err)
 {
     struct standard_pixel *pixel = walk->pixels;
-    const int width = walk->standard.width;
+    const int width = walk->standard->width;
     int *objects;
-    bool done = MAKE_ARRAY(objects, width, err, "a row of the object map");
+    bool done = MAKE_ARRAY(objects, (size_t)width, err, "a row of objects");
     for (int row = 0; done && row < walk->rows.n; row++) {
         done = cube_objects(&walk->rows.cube, 0, walk->rows.first + row, width, objects, err);
         for (int x = 0; x < width; x++, pixel++)
@@ -193,7 +142,7 @@ static void summarize_pixels(void *context, size_t first, size_t end)
         struct standard_pixel *pixel = &walk->pixels[i];
         double xyz[3];
         pixel->shown = find_xyz(walk, i, xyz) || pixel->shown;
-        cielab(xyz, walk->standard.white, pixel->lab);
+        cielab(xyz, walk->standard->white, pixel->lab);
     }
 }
 
@@ -202,43 +151,54 @@ static bool summarize_chunk(struct walk *walk, struct error *err)
     if (!find_shown(walk, err))
         return false;
     threads_blocks(walk->threads, chunk_pixels(walk), BLOCK_PIXELS, summarize_pixels, walk);
-    return pass_pixels(walk, err);
+    return true;
 }
 
-static bool summarize_lattice(struct walk *walk, struct error *err)
+static void summarize_lattice(struct walk *walk)
 {
     copy_lattice(walk, walk->lattice);
-    return pass_lattice(walk, err);
 }
 
-/* Returns whether the observer sees some light. */
-static bool describe(struct walk *walk)
+/* Describes the standard, and makes room for it. */
+static bool describe(struct walk *walk, struct error *err)
 {
     const struct image *image = &walk->rows.cube.image;
-    const double pixels = (double)image->width * (double)image->height;
-    const int step = (int)ceil(sqrt(pixels / lattice_pixels));
+    const size_t n_pixels = (size_t)image->width * (size_t)image->height;
+    const int step = (int)ceil(sqrt((double)n_pixels / lattice_pixels));
     const double *white = walk->sight.white;
-    const bool lit = walk->sight.has_white && (white[0] > 0 || white[1] > 0 || white[2] > 0);
-    walk->standard = (struct standard){.width = image->width,
-                                       .height = image->height,
-                                       .first_nm = image->wavelengths_nm[0],
-                                       .n_nm = image->n_pages,
-                                       .step = step,
-                                       .columns = (image->width + step - 1) / step};
-    detector_response(walk->sight.weights, NULL, image->n_pages, walk->standard.white);
-    if (lit)
-        memcpy(walk->standard.white, white, sizeof walk->standard.white);
-    return lit;
+    struct standard *out = walk->standard;
+    *out = (struct standard){.width = image->width,
+                             .height = image->height,
+                             .lit = walk->sight.has_white &&
+                                    (white[0] > 0 || white[1] > 0 || white[2] > 0),
+                             .first_nm = image->wavelengths_nm[0],
+                             .n_nm = image->n_pages,
+                             .step = step,
+                             .columns = (image->width + step - 1) / step};
+    detector_response(walk->sight.weights, NULL, image->n_pages, out->white);
+    if (out->lit)
+        memcpy(out->white, white, sizeof out->white);
+    const size_t rows = (size_t)((image->height + step - 1) / step);
+    return MAKE_ARRAY(out->pixels, n_pixels, err, "the pixels of the standard") &&
+           MAKE_ARRAY(out->lattice, rows * lattice_samples(walk), err,
+                      "the radiances of the standard");
 }
 
-bool standard_summarize(const struct standard_request *request, bool *lit, struct error *err)
+bool standard_summarize(const struct standard_request *request, struct standard *out,
+                        struct error *err)
 {
-    struct walk walk = {.request = request, .summary = -1, .writes = true};
-    bool done = open_walk(&walk, err);
-    *lit = done && describe(&walk);
-    done =
-        done && allocate(&walk, err) && walk_rows(&walk, summarize_chunk, summarize_lattice, err);
-    return close_walk(&walk, err) && done;
+    struct walk walk = {.request = request, .standard = out};
+    const bool done = open_walk(&walk, err) && describe(&walk, err) &&
+                      walk_rows(&walk, summarize_chunk, summarize_lattice, err);
+    close_walk(&walk);
+    return done;
+}
+
+void standard_free(struct standard *standard)
+{
+    free(standard->pixels);
+    free(standard->lattice);
+    *standard = (struct standard){.width = 0};
 }
 
 /* ---- the difference of a stack ---- */
@@ -249,7 +209,7 @@ static float difference_at(const struct walk *walk, size_t pixel)
     double xyz[3], lab[3];
     if (!find_xyz(walk, pixel, xyz) && !walk->pixels[pixel].shown)
         return -1;
-    cielab(xyz, walk->standard.white, lab);
+    cielab(xyz, walk->standard->white, lab);
     return (float)ciede2000_difference(walk->pixels[pixel].lab, lab);
 }
 
@@ -266,8 +226,7 @@ static bool compare_chunk(struct walk *walk, struct error *err)
     const size_t n_pixels = chunk_pixels(walk);
     float *differences = walk->differences + walk->n_differences;
     size_t n = 0;
-    if (!pass_pixels(walk, err))
-        return false;
+    (void)err;
     threads_blocks(walk->threads, n_pixels, BLOCK_PIXELS, compare_pixels, walk);
     for (size_t i = 0; i < n_pixels; i++)
         if (differences[i] >= 0)
@@ -280,7 +239,7 @@ static bool compare_chunk(struct walk *walk, struct error *err)
 static void square(void *context, int column)
 {
     const struct walk *walk = context;
-    const int n_pages = walk->rows.cube.image.n_pages, n_nm = walk->standard.n_nm;
+    const int n_pages = walk->rows.cube.image.n_pages, n_nm = walk->standard->n_nm;
     const double *synthesis = walk->synthesis;
     const float *pages = walk->pages + (size_t)column * (size_t)n_pages;
     const float *expected = walk->lattice + (size_t)column * (size_t)n_nm;
@@ -297,20 +256,17 @@ static void square(void *context, int column)
 }
 
 /* Adds the sums in the order of the columns, so that the number of threads does not matter. */
-static bool compare_lattice(struct walk *walk, struct error *err)
+static void compare_lattice(struct walk *walk)
 {
-    const int columns = walk->standard.columns;
+    const int columns = walk->standard->columns;
     if (!walk->synthesis)
-        return true;
-    if (!pass_lattice(walk, err))
-        return false;
+        return;
     copy_lattice(walk, walk->pages);
     threads_each(walk->threads, columns, square, walk);
     for (int column = 0; column < columns; column++) {
         walk->error += walk->squares[column][0];
         walk->all += walk->squares[column][1];
     }
-    return true;
 }
 
 /* Without a sampling, radiances are linear between the wavelengths of the stack. */
@@ -320,7 +276,7 @@ static bool find_synthesis(struct walk *walk, struct error *err)
     const struct sampling *sampling = sampling_or_none(walk->request->sampling);
     if (!sampling)
         walk->linear = linear_synthesis(image->wavelengths_nm, image->n_pages,
-                                        walk->standard.first_nm, walk->standard.n_nm, err);
+                                        walk->standard->first_nm, walk->standard->n_nm, err);
     walk->synthesis = sampling ? sampling->synthesis : walk->linear;
     return sampling || walk->linear;
 }
@@ -351,13 +307,25 @@ static void conclude(const struct walk *walk, struct accuracy *out)
                                       : 0;
 }
 
-bool standard_compare(const struct standard_request *request, struct accuracy *out,
-                      struct error *err)
+static bool allocate(struct walk *walk, struct error *err)
 {
-    struct walk walk = {.request = request, .summary = -1};
+    const struct standard *standard = walk->standard;
+    const size_t columns = (size_t)standard->columns,
+                 n_pages = (size_t)walk->rows.cube.image.n_pages,
+                 n_pixels = (size_t)standard->width * (size_t)standard->height;
+    return MAKE_ARRAY(walk->pages, columns * n_pages, err, "a row of radiances") &&
+           MAKE_ARRAY(walk->squares, columns, err, "a row of radiances") &&
+           MAKE_ARRAY(walk->differences, n_pixels, err, "differences from the standard");
+}
+
+bool standard_compare(const struct standard_request *request, struct standard *standard,
+                      struct accuracy *out, struct error *err)
+{
+    struct walk walk = {.request = request, .standard = standard};
     const bool done = open_walk(&walk, err) && allocate(&walk, err) && find_synthesis(&walk, err) &&
                       walk_rows(&walk, compare_chunk, compare_lattice, err);
     if (done)
         conclude(&walk, out);
-    return close_walk(&walk, err) && done;
+    close_walk(&walk);
+    return done;
 }

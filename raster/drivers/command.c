@@ -98,12 +98,10 @@ static bool write_json(struct options *options, const struct driver_list *driver
 {
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_open(&json, "drivers", '[');
     for (int i = 0; i < drivers->n; i++)
         json_driver(&drivers->list[i], &json);
     json_close(&json, ']');
-    json_close(&json, '}');
     return json_write(&json, options->json, &options->outputs, err);
 }
 

@@ -57,7 +57,7 @@ static bool try_renderer(const char *library, const char *renderer, struct drive
     struct error own = {.status = EXIT_AGREED};
     snprintf(listed.library, sizeof listed.library, "%s", library);
     if (process_run(describe, &listed, &is, sizeof is, &own)) {
-        if (!MAKE_ARRAY(listed.is, 1, err, "the names of a driver"))
+        if (!MAKE_ARRAY(listed.is, 1, err, "the list of drivers"))
             return false;
         *listed.is = is;
     } else

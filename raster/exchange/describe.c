@@ -26,6 +26,12 @@ static void digest_bytes(const void *bytes, size_t length, char out[DIGEST_TEXT]
     digest_end(&digest, out);
 }
 
+static bool take(const struct description *of, const char *name, const void *bytes, size_t length,
+                 struct error *err)
+{
+    return !of->taker || of->taker->take(of->taker->of, name, bytes, length, err);
+}
+
 /* Adds a complete file. */
 static bool add_file(struct description *to, const char *name, const void *bytes, size_t length,
                      struct error *err)
@@ -33,7 +39,7 @@ static bool add_file(struct description *to, const char *name, const void *bytes
     char digest[DIGEST_TEXT];
     digest_bytes(bytes, length, digest);
     print(&to->scene, "file %s %zu %s\n", name, length, digest);
-    return !to->taker || to->taker->take(to->taker->of, name, bytes, length, err);
+    return take(to, name, bytes, length, err);
 }
 
 /* ---- meshes ---- */
@@ -46,7 +52,7 @@ static bool add_vertices(struct description *to, int index, struct error *err)
     const size_t n = (size_t)mesh->n_vertices;
     float *floats;
     char name[FILE_NAME];
-    if (!MAKE_ARRAY(floats, VERTEX_FLOATS * n, err, "the vertices of mesh %d", index))
+    if (!MAKE_ARRAY(floats, n * VERTEX_FLOATS, err, "the corners of a mesh"))
         return false;
     for (size_t i = 0; i < n; i++) {
         const struct vertex *v = &mesh->vertices[i];
@@ -79,9 +85,9 @@ static bool add_mesh(struct description *to, int index, struct error *err)
 static bool add_texels(struct description *to, int index, struct error *err)
 {
     struct texture *texture = &to->plan->textures[index];
-    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height * BANDS_PER_PASS;
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
     float *texels;
-    bool done = MAKE_ARRAY(texels, n, err, "the texels of %s", texture->image.path);
+    bool done = MAKE_ARRAY(texels, n * BANDS_PER_PASS, err, "the texels of a texture");
     for (int band = 0; band < to->plan->n_bands && done; band += BANDS_PER_PASS) {
         char name[FILE_NAME];
         snprintf(name, sizeof name, "texture-%d-%d.bin", index, band);
@@ -147,9 +153,8 @@ static bool add_passes(struct description *to, struct error *err)
                 if (plan->materials[m].shown)
                     print_material(to, m, group, band, &lines);
     print_text(&lines, "end\n");
-    const size_t length = lines.length;
     char *bytes = printed_take(&lines, err);
-    const bool done = bytes && add_file(to, "passes.txt", bytes, length, err);
+    const bool done = bytes && add_file(to, "passes.txt", bytes, lines.length, err);
     free(bytes);
     return done;
 }
@@ -239,19 +244,15 @@ static bool print_scene(struct description *to, struct error *err)
 /* Puts the first lines before the others. */
 static bool finish(struct description *of, char id[DIGEST_TEXT], struct error *err)
 {
-    const size_t length = of->scene.length;
-    char *lines = printed_take(&of->scene, err);
     struct printed whole = {.text = NULL};
-    if (!lines)
-        return false;
-    digest_bytes(lines, length, id);
-    print(&whole, "spectral-scene 1\nid %s\n", id);
-    print_bytes(&whole, lines, length);
+    char *lines = printed_take(&of->scene, err), *bytes = NULL;
+    if (lines) {
+        digest_bytes(lines, of->scene.length, id);
+        print(&whole, "spectral-scene 1\nid %s\n%s", id, lines);
+        bytes = printed_take(&whole, err);
+    }
+    const bool done = bytes && take(of, "scene.txt", bytes, whole.length, err);
     free(lines);
-    const size_t whole_length = whole.length;
-    char *bytes = printed_take(&whole, err);
-    const bool done = bytes && (!of->taker || of->taker->take(of->taker->of, "scene.txt", bytes,
-                                                              whole_length, err));
     free(bytes);
     return done;
 }

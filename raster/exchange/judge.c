@@ -38,15 +38,14 @@ static size_t count_pixels(const struct plan *plan)
 static bool read_optional(const struct drawn *of, const char *name, size_t n, void **out,
                           struct error *err)
 {
-    const size_t length = count_pixels(of->plan) * n;
-    float *numbers;
+    const size_t length = count_pixels(of->plan) * n * 4;
+    char *bytes;
     bool found = false;
-    const bool done =
-        MAKE_ARRAY(numbers, length, err, "the numbers of %s/%s", of->folder, name) &&
-        drawn_read_file(of->folder, name, length * sizeof *numbers, numbers, &found, err);
-    *out = found && done ? numbers : NULL;
+    const bool done = MAKE_ARRAY(bytes, length, err, "%s", name) &&
+                      drawn_read_file(of->folder, name, length, bytes, &found, err);
+    *out = found && done ? bytes : NULL;
     if (!*out)
-        free(numbers);
+        free(bytes);
     return done;
 }
 
@@ -215,7 +214,7 @@ static bool allocate(struct drawn *of, int n_buffers, struct error *err)
                            "%d x %d pixels here; choose a smaller --size",
                            plan->tile_width, plan->tile_height);
     for (int i = 0; i < n_buffers; i++)
-        if (!MAKE_ARRAY(of->buffers[i], 4 * count_pixels(plan), err, "a picture"))
+        if (!MAKE_ARRAY(of->buffers[i], 4 * count_pixels(plan), err, "the pixels of a pass"))
             return false;
     return true;
 }
@@ -232,7 +231,7 @@ bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_
                                               .close = drawn_close};
     struct drawn *of;
     *out = NULL;
-    if (!MAKE_ARRAY(of, 1, err, "a renderer"))
+    if (!MAKE_ARRAY(of, 1, err, "the pixels of another program"))
         return false;
     *out = &of->renderer;
     of->renderer.kind = &kind;

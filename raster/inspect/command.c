@@ -3,6 +3,7 @@
  * lies in raster/ because the reference draws the scene. */
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
@@ -79,9 +80,7 @@ static bool probe_write(struct options *options, const struct probe *probe, stru
         probe_json(probe, &json);
         return json_write(&json, options->json, &options->outputs, err);
     }
-    (options->svg   ? probe_print_svg
-     : options->csv ? probe_print_csv
-                    : probe_print)(probe, &printed);
+    (options->svg ? probe_svg : options->csv ? probe_print_csv : probe_print)(probe, &printed);
     return printed_write(&printed, options->output ? options->output : "-", &options->outputs, err);
 }
 

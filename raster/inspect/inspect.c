@@ -99,7 +99,7 @@ static bool add_curve(struct probe *probe, const struct curve *curve, struct err
     struct probe_curve *out = &probe->curves[probe->n_curves];
     if (probe->n_curves == MAX_PROBE_CURVES)
         return true;
-    if (!MAKE_ARRAY(out->values, probe->n, err, "the curve %s", curve->name))
+    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a curve of %d bands", probe->n))
         return false;
     snprintf(out->name, sizeof out->name, "%s", curve->name);
     out->relative = curve->relative;
@@ -157,12 +157,14 @@ static bool add_material(struct probe *probe, const struct material *material, s
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
-    const int surface = region->surface;
-    return (region->several ||
-            (string_copy(object_name(&region->plan, surface), &probe->object, err) &&
-             (surface < 0 ||
-              add_material(probe, region->lit.bounds[surface].shaded->material, err)))) &&
-           add_lights(probe, region->plan.scene, err);
+    if (!region->several) {
+        if (!string_copy(object_name(&region->plan, region->surface), &probe->object, err))
+            return false;
+        if (region->surface >= 0 &&
+            !add_material(probe, region->lit.bounds[region->surface].shaded->material, err))
+            return false;
+    }
+    return add_lights(probe, region->plan.scene, err);
 }
 
 /* ---- the whole ---- */
@@ -176,7 +178,7 @@ static bool add_colour(struct probe *probe, const struct scene *scene,
                                   .n_pages = scene->n_wavelengths,
                                   .wavelengths_nm = scene->wavelengths_nm}};
     double *white;
-    if (!MAKE_ARRAY(white, probe->n, err, "a white"))
+    if (!MAKE_ARRAY(white, (size_t)probe->n, err, "a white of %d bands", probe->n))
         return false;
     cube.record.white =
         (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
@@ -193,8 +195,8 @@ static bool inspect(struct region *region, struct error *err)
     bool clips;
     if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
         region->plan.options.full_scale = 1;
-    return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the picture") &&
-           MAKE_ARRAY(region->moments, plan->n_bands, err, "%d bands", plan->n_bands) &&
+    return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the region") &&
+           MAKE_ARRAY(region->moments, (size_t)plan->n_bands, err, "the means of the region") &&
            lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
            find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
            inspect_pixels(region, err) && add_curves(region, err);

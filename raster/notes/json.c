@@ -73,7 +73,6 @@ bool plan_json(const struct plan *plan, const struct notes *notes, struct json *
         return false;
     }
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
     json_string(json, "scene_sha256", scene->sha256);
@@ -94,7 +93,6 @@ bool plan_json(const struct plan *plan, const struct notes *notes, struct json *
     accuracy_json(plan, notes, json);
     notes_json(notes, json);
     json_files(json, files, n_files);
-    json_close(json, '}');
     free(files);
     return true;
 }

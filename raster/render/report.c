@@ -368,7 +368,6 @@ void report_json(const struct plan *plan, const struct render_result *result, co
                  const char *sha256, uint64_t peak_bytes, struct json *json)
 {
     json_begin(json);
-    json_open(json, NULL, '{');
     json_picture(json, plan, result);
     json_effects(json, plan);
     json_work(json, plan, result);
@@ -388,5 +387,4 @@ void report_json(const struct plan *plan, const struct render_result *result, co
     json_count(json, "peak_bytes", peak_bytes);
     json_string(json, "output", output);
     json_string(json, "sha256", sha256);
-    json_close(json, '}');
 }

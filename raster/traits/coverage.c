@@ -72,9 +72,7 @@ static bool is_beside(const struct target_corner corners[3], const int pixel[2])
 static void compare_pixels(struct target *target, const struct target_corner corners[3], bool exact,
                            struct traits *of)
 {
-    target_clear(target);
-    target_draw(target, corners, 1);
-    target_read(target);
+    target_show(target, corners, 1);
     for (int y = 0; y < TARGET; y++)
         for (int x = 0; x < TARGET; x++) {
             const int pixel[2] = {x, y};
@@ -95,9 +93,7 @@ static void measure_rectangle(struct target *target, struct traits *out)
     const struct target_corner like = {.position = {0, 0, 0.5F}};
     struct target_corner corners[6];
     rectangle_corners(2.5, 2.5, 6.5, 6.5, &like, corners);
-    target_clear(target);
-    target_draw(target, corners, 2);
-    target_read(target);
+    target_show(target, corners, 2);
     out->draws[SIDE_LEFT] = target_fragments(target, 2, 4);
     out->draws[SIDE_RIGHT] = target_fragments(target, 6, 4);
     out->draws[SIDE_TOP] = target_fragments(target, 4, 2);
@@ -175,9 +171,7 @@ static void measure_shared_edges(struct target *target, struct traits *out)
     for (int n = 0; n < 100; n++) {
         const int kind = n % 2;
         make_net(target, cell[kind], corners);
-        target_clear(target);
-        target_draw(target, corners, NET_TRIANGLES);
-        target_read(target);
+        target_show(target, corners, NET_TRIANGLES);
         for (int y = border[kind] + 1; y < TARGET - border[kind] - 1; y++)
             for (int x = border[kind] + 1; x < TARGET - border[kind] - 1; x++) {
                 out->shared_pixels++;
@@ -214,9 +208,7 @@ static void measure_slivers(struct target *target, struct traits *out)
     for (int n = 0; n < 30; n++) {
         for (int i = 0; i < SLIVERS; i++)
             make_sliver(target, corners + 3 * i);
-        target_clear(target);
-        target_draw(target, corners, SLIVERS);
-        target_read(target);
+        target_show(target, corners, SLIVERS);
         for (int y = 0; y < TARGET; y++)
             for (int x = 0; x < TARGET; x++) {
                 const float *c = target->colours[y][x];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures whether the passes of a picture show the same triangles: one draws numbers as flat
  * colours from the program's memory, the others draw lit triangles from OpenGL's. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "raster/traits/traits.h"
@@ -38,9 +39,7 @@ static void make_triangles(struct target *target, struct target_corner out[CORNE
 static void draw_flat(struct target *target, const struct target_corner corners[CORNERS])
 {
     target_shade(target, TARGET_FLAT, 0);
-    target_clear(target);
-    target_draw(target, corners, BUFFERED_TRIANGLES);
-    target_read(target);
+    target_show(target, corners, BUFFERED_TRIANGLES);
 }
 
 static void draw_lit(struct target *target, const struct target_corner corners[CORNERS])
@@ -55,11 +54,11 @@ bool measure_passes(struct target *target, struct traits *out, struct error *err
 {
     struct target_corner *corners;
     uint32_t *flat = NULL;
-    const bool done = MAKE_ARRAY(corners, CORNERS, err, "a picture of triangles") &&
-                      MAKE_ARRAY(flat, TARGET * TARGET, err, "a picture of triangles");
+    const bool done = MAKE_ARRAY(corners, CORNERS, err, "corners of triangles") &&
+                      MAKE_ARRAY(flat, TARGET * TARGET, err, "depths of a small picture");
     place_perspective(target);
     target->call->DepthFunc(GL_LESS);
-    for (int n = 0; n < 3 && done; n++) {
+    for (int n = 0; done && n < 3; n++) {
         make_triangles(target, corners);
         draw_flat(target, corners);
         memcpy(flat, target->depths, sizeof target->depths);
@@ -70,6 +69,7 @@ bool measure_passes(struct target *target, struct traits *out, struct error *err
             out->varying_pixels += lit != flat[i];
         }
     }
-    FREE_ALL(corners, flat);
+    free(corners);
+    free(flat);
     return done;
 }

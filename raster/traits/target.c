@@ -33,9 +33,11 @@ bool target_open(struct contexts *contexts, struct target **out, struct error *e
 {
     const struct canvas_size size = {32, TARGET, TARGET, 1};
     struct target *target;
-    const bool made = MAKE_ARRAY(target, 1, err, "a picture of triangles");
+    *out = NULL;
+    if (!MAKE_ARRAY(target, 1, err, "a small picture"))
+        return false;
     *out = target;
-    if (!made || !canvas_open(contexts, &size, &target->canvas, err) ||
+    if (!canvas_open(contexts, &size, &target->canvas, err) ||
         !canvas_use(target->canvas, target->colours, err))
         return false;
     target->call = &contexts->call;
@@ -102,6 +104,13 @@ void target_read(struct target *target)
     canvas_fill(target->canvas);
     target->call->ReadPixels(0, 0, TARGET, TARGET, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8,
                              target->depths);
+}
+
+void target_show(struct target *target, const struct target_corner *corners, int n_triangles)
+{
+    target_clear(target);
+    target_draw(target, corners, n_triangles);
+    target_read(target);
 }
 
 static uint32_t depth_stencil(const struct target *target, int x, int y)

@@ -96,6 +96,8 @@ void target_draw_buffered(const struct target *target, const struct target_corne
 /* Replaces both matrices, given by columns: corners are then those of an object. */
 void target_place(struct target *target, const double projection[16], const double model[16]);
 void target_read(struct target *target);
+/* Clears the target, draws the triangles, and reads it. */
+void target_show(struct target *target, const struct target_corner *corners, int n_triangles);
 uint32_t target_depth(const struct target *target, int x, int y); /* in steps of 24 bits */
 int target_fragments(const struct target *target, int x, int y);
 /* Numbers that are the same on every machine. */

@@ -40,9 +40,7 @@ static void measure_provoking(struct target *target, struct traits *out)
                                        {{8, 80, 0.5F}, {0, 1, 0}, {0, 0, 1}, {0, 0}},
                                        {{80, 80, 0.5F}, {0, 0, 1}, {0, 0, 1}, {0, 0}}};
     target_shade(target, TARGET_FLAT, 0);
-    target_clear(target);
-    target_draw(target, corners, 1);
-    target_read(target);
+    target_show(target, corners, 1);
     target_shade(target, TARGET_COLOURS, 0);
     const float *seen = target->colours[60][20];
     out->provoking = seen[0] == 1 ? 0 : seen[1] == 1 ? 1 : 2;
@@ -53,9 +51,7 @@ static void measure_clamp(struct target *target, struct traits *out)
     const struct target_corner like = {.position = {0, 0, 0.5F}, .colour = {2, -1, 3.5F}};
     struct target_corner corners[6];
     rectangle_corners(0, 0, TARGET, TARGET, &like, corners);
-    target_clear(target);
-    target_draw(target, corners, 2);
-    target_read(target);
+    target_show(target, corners, 2);
     const float *seen = target->colours[TARGET / 2][TARGET / 2];
     out->clamps =
         seen[0] != like.colour[0] || seen[1] != like.colour[1] || seen[2] != like.colour[2];
@@ -108,9 +104,7 @@ static void measure_interpolation(struct target *target, struct traits *out)
             }
         if (fabs(plane_of(corners, 0).area) < 0.2 * TARGET * TARGET)
             continue;
-        target_clear(target);
-        target_draw(target, corners, 1);
-        target_read(target);
+        target_show(target, corners, 1);
         for (int channel = 0; channel < 3; channel++)
             compare_plane(target, corners, channel, out);
         n++;
@@ -131,9 +125,7 @@ static double filter_error(struct target *target, bool across)
     rectangle_corners(0, 0, TARGET, TARGET, &like, corners);
     for (int i = 0; i < 6; i++)
         corners[i].s_t[!across] = corners[i].position[!across] > 0 ? 0.7F : 0.25F;
-    target_clear(target);
-    target_draw(target, corners, 2);
-    target_read(target);
+    target_show(target, corners, 2);
     for (int y = 0; y < TARGET; y++)
         for (int x = 0; x < TARGET; x++) {
             const double expected = 0.9 * ((across ? x : y) + 0.5) / TARGET;

@@ -48,15 +48,14 @@ static bool write_json(const struct verification *of, struct options *options, s
 static bool conclude(const struct verification *of, struct error *err)
 {
     const int n = of->n_drivers * of->n_scenes;
-    int different = 0, failed = 0;
+    const struct totals totals = totals_of(of->results, n);
+    const int failed = totals.n[VERIFY_FAILED],
+              different = totals.n[VERIFY_DIFFERS] + totals.n[VERIFY_NOT_VERIFIED];
     const char *reason = "";
-    for (int i = 0; i < n; i++) {
-        const struct verify_result *result = &of->results[i];
-        different += result->outcome == VERIFY_DIFFERS || result->outcome == VERIFY_NOT_VERIFIED;
-        failed += result->outcome == VERIFY_FAILED;
-        if (result->outcome == VERIFY_FAILED)
-            reason = result->text;
-    }
+    for (int i = 0; i < n; i++)
+        if (of->results[i].outcome == VERIFY_FAILED)
+            reason = of->results[i].text;
+    errno = 0;
     if (failed == n)
         return error_failed(err, "no picture could be drawn: %s", reason);
     if (failed > 0)

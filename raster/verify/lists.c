@@ -120,9 +120,10 @@ static bool find_scenes(const struct options *options, struct verification *out,
 bool verification_open(const struct options *options, struct verification *out, struct error *err)
 {
     *out = (struct verification){.n_drivers = 0};
-    return find_scenes(options, out, err) && find_drivers(options, out, err) &&
-           MAKE_ARRAY(out->results, (size_t)out->n_drivers * (size_t)out->n_scenes, err,
-                      "the verdicts on %d scenes", out->n_scenes);
+    if (!find_scenes(options, out, err) || !find_drivers(options, out, err))
+        return false;
+    const size_t n = (size_t)out->n_drivers * (size_t)out->n_scenes;
+    return MAKE_ARRAY(out->results, n, err, "the results of %zu pictures", n);
 }
 
 void verification_free(struct verification *of)
@@ -136,6 +137,16 @@ void verification_free(struct verification *of)
 const struct verify_result *result_of(const struct verification *of, int driver, int scene)
 {
     return &of->results[(size_t)driver * (size_t)of->n_scenes + (size_t)scene];
+}
+
+struct totals totals_of(const struct verify_result *results, int n)
+{
+    struct totals totals = {.seconds = 0};
+    for (int i = 0; i < n; i++) {
+        totals.n[results[i].outcome]++;
+        totals.seconds += results[i].seconds;
+    }
+    return totals;
 }
 
 void driver_options(const struct verify_driver *driver, char out[64])

@@ -82,10 +82,7 @@ static void print_hard(const struct verification *of, int driver, struct printed
 
 static int count_agreed(const struct verification *of, int driver)
 {
-    int n = 0;
-    for (int s = 0; s < of->n_scenes; s++)
-        n += result_of(of, driver, s)->outcome == VERIFY_AGREED;
-    return n;
+    return totals_of(result_of(of, driver, 0), of->n_scenes).n[VERIFY_AGREED];
 }
 
 static void print_driver(const struct verification *of, int driver, struct printed *to)
@@ -181,7 +178,6 @@ static void json_result(const char *name, const struct verify_result *result, st
 void verify_json(const struct verification *of, struct json *json)
 {
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
     json_open(json, "drivers", '[');
     for (int d = 0; d < of->n_drivers; d++) {
@@ -202,7 +198,6 @@ void verify_json(const struct verification *of, struct json *json)
     }
     json_close(json, ']');
     json_number(json, "seconds", of->seconds);
-    json_close(json, '}');
 }
 
 /* ---- JUnit ---- */
@@ -233,29 +228,24 @@ static void print_case(const struct verify_driver *by, const char *scene,
     print_text(to, "/>\n    </testcase>\n");
 }
 
-static void count_failures(const struct verification *of, int driver, int *failures, int *errors,
-                           double *seconds)
+/* Prints the numbers of a suite, or of all of them. */
+static void print_counts(const struct verify_result *results, int n, struct printed *to)
 {
-    for (int s = 0; s < of->n_scenes; s++) {
-        const struct verify_result *result = result_of(of, driver, s);
-        *errors += result->outcome == VERIFY_FAILED;
-        *failures += result->outcome == VERIFY_DIFFERS || result->outcome == VERIFY_NOT_VERIFIED;
-        *seconds += result->seconds;
-    }
+    const struct totals totals = totals_of(results, n);
+    print(to, " tests=\"%d\" failures=\"%d\" errors=\"%d\" time=\"%.3f\">\n", n,
+          totals.n[VERIFY_DIFFERS] + totals.n[VERIFY_NOT_VERIFIED], totals.n[VERIFY_FAILED],
+          totals.seconds);
 }
 
 static void print_suite(const struct verification *of, int driver, struct printed *to)
 {
     const struct verify_driver *by = &of->drivers[driver];
     char options[64];
-    int failures = 0, errors = 0;
-    double seconds = 0;
     driver_options(by, options);
-    count_failures(of, driver, &failures, &errors, &seconds);
     print_text(to, "  <testsuite");
     print_attribute(to, "name", options + 1);
-    print(to, " tests=\"%d\" failures=\"%d\" errors=\"%d\" time=\"%.3f\">\n    <properties>\n",
-          of->n_scenes, failures, errors, seconds);
+    print_counts(result_of(of, driver, 0), of->n_scenes, to);
+    print_text(to, "    <properties>\n");
     const char *const properties[][2] = {{"program", PROGRAM},
                                          {"gl_library", by->names.library},
                                          {"gl_renderer", by->names.renderer},
@@ -275,14 +265,9 @@ static void print_suite(const struct verification *of, int driver, struct printe
 
 void verify_junit(const struct verification *of, struct printed *to)
 {
-    int failures = 0, errors = 0;
-    double seconds = 0;
-    for (int d = 0; d < of->n_drivers; d++)
-        count_failures(of, d, &failures, &errors, &seconds);
-    print(to,
-          "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"spectral verify\" "
-          "tests=\"%d\" failures=\"%d\" errors=\"%d\" time=\"%.3f\">\n",
-          of->n_drivers * of->n_scenes, failures, errors, seconds);
+    print_text(to,
+               "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"spectral verify\"");
+    print_counts(of->results, of->n_drivers * of->n_scenes, to);
     for (int d = 0; d < of->n_drivers; d++)
         print_suite(of, d, to);
     print_text(to, "</testsuites>\n");

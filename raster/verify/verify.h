@@ -25,11 +25,17 @@ struct verify_driver {
     struct renderer_names names;    /* known when a scene was drawn */
     char profile[16];               /* whose bounds the check uses; likewise */
 };
-enum verify_outcome { VERIFY_AGREED, VERIFY_DIFFERS, VERIFY_NOT_VERIFIED, VERIFY_FAILED };
-extern const char *const verify_words[]; /* of enum verify_outcome */
+enum { /* those of a check; or no picture was drawn */
+       VERIFY_AGREED = OUTCOME_AGREED,
+       VERIFY_DIFFERS = OUTCOME_DIFFERS,
+       VERIFY_NOT_VERIFIED = OUTCOME_NOT_VERIFIED,
+       VERIFY_FAILED,
+       VERIFY_OUTCOMES
+};
+extern const char *const verify_words[]; /* of these outcomes */
 /* The result of a scene on a driver; it owns nothing. */
 struct verify_result {
-    enum verify_outcome outcome;
+    int outcome;
     struct check_verdict check;
     struct renderer_names names;
     char profile[16];
@@ -66,6 +72,12 @@ struct verification {
 bool verification_open(const struct options *options, struct verification *out, struct error *err);
 void verification_free(struct verification *of);
 const struct verify_result *result_of(const struct verification *of, int driver, int scene);
+/* Counts the results of each outcome, and sums up their seconds. */
+struct totals {
+    int n[VERIFY_OUTCOMES];
+    double seconds;
+};
+struct totals totals_of(const struct verify_result *results, int n);
 /* Writes the driver's options: " --gl egl --renderer softpipe". */
 void driver_options(const struct verify_driver *driver, char out[64]);
 

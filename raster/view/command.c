@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "data/invocation/invocation.h"
 #include "data/tiff/tiff.h"
@@ -75,7 +76,6 @@ static bool write_json(struct options *options, const struct view_report *report
     const struct viewer_result *page = &report->page;
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_string(&json, "scene", options_scene(options));
     json_count(&json, "objects", (uint64_t)report->plan->n_instances);
     json_count(&json, "lights", (uint64_t)report->plan->n_lights);
@@ -89,7 +89,6 @@ static bool write_json(struct options *options, const struct view_report *report
     }
     notes_json(&report->notes, &json);
     json_string(&json, "output", options->output);
-    json_close(&json, '}');
     return json_write(&json, options->json, &options->outputs, err);
 }
 
@@ -160,7 +159,6 @@ static bool write_stack_json(struct options *options, const struct stack_result 
 {
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_string(&json, "stack", options->operand);
     json_count(&json, "width", (uint64_t)result->width);
     json_count(&json, "height", (uint64_t)result->height);
@@ -168,7 +166,6 @@ static bool write_stack_json(struct options *options, const struct stack_result 
     json_count(&json, "factor", (uint64_t)result->factor);
     json_count(&json, "bytes", result->bytes);
     json_string(&json, "output", options->output);
-    json_close(&json, '}');
     return json_write(&json, options->json, &options->outputs, err);
 }
 
@@ -222,7 +219,7 @@ bool command_view(struct options *options, struct error *err)
                            options_scene(options));
     char *marked = operand ? marked_name(operand) : NULL;
     if (operand && !marked)
-        return error_memory(err);
+        return memory_lacks(err, (double)strlen(operand), "the name of the scene");
     options->operand = marked;
     const bool done = view(options, kinds[ending], err);
     options->operand = operand;

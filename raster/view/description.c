@@ -123,7 +123,7 @@ static bool put_word(struct describer *describer, const struct spectrum *spectru
 {
     char *word = spectrum->path ? file_relative(spectrum->place.path, spectrum->name) : NULL;
     if (spectrum->path && !word)
-        return error_memory(err);
+        return memory_lacks(err, (double)strlen(spectrum->name), "the name of a file");
     json_string(&describer->json, "word", word ? word : spectrum->name);
     free(word);
     return true;
@@ -212,9 +212,8 @@ static bool put_texture(struct describer *describer, const struct texture *textu
                             .factor = 1,
                             .count = texture->image.n_pages,
                             .wavelength_nm = texture->image.wavelengths_nm};
-    part.value = calloc((size_t)part.count, sizeof *part.value);
-    if (!part.value)
-        return error_memory(err);
+    if (!MAKE_ARRAY(part.value, (size_t)part.count, err, "the spectra of a page"))
+        return false;
     json_open(&describer->json, "texture", '[');
     for (int i = 0; i < part.count; i++) {
         part.value[i] = 1;
@@ -401,7 +400,6 @@ static bool put_all(struct describer *describer, struct error *err)
     const struct scene *scene = describer->plan->scene;
     struct json *json = &describer->json;
     json_begin(json);
-    json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
@@ -412,7 +410,6 @@ static bool put_all(struct describer *describer, struct error *err)
         return false;
     put_adaptations(json);
     put_displays(json);
-    json_close(json, '}');
     return true;
 }
 
@@ -420,12 +417,10 @@ char *description_make(const struct plan *plan, struct viewer_result *result, st
 {
     struct describer describer = {.plan = plan, .result = result};
     char *text = NULL;
-    describer.row = calloc(3 * (size_t)plan->n_bands, sizeof *describer.row);
-    const bool done = (describer.row || error_memory(err)) && put_all(&describer, err);
-    if (done && !(text = json_end(&describer.json)))
-        error_memory(err);
-    else if (!done)
-        free(json_end(&describer.json));
+    if (MAKE_ARRAY(describer.row, 3 * (size_t)plan->n_bands, err, "the spectra of a page") &&
+        put_all(&describer, err))
+        text = json_take(&describer.json, err);
+    free(printed_end(&describer.json.printed));
     result->n_illuminants = describer.n_illuminants;
     for (int i = 0; i < describer.n_owned; i++)
         spectrum_free(&describer.illuminants[i]);

@@ -7,79 +7,76 @@
 #include "data/text/text.h"
 #include "raster/view/view.h"
 
-/* Returns the shape of planes as JSON, allocated; NULL: no memory. */
-static char *planes_json(const struct plan *plan, const struct planes *planes, const double *scale)
+/* Planes, and their shape as JSON. */
+struct drawn {
+    struct planes planes;
+    double *scale; /* the value of count 1 in each plane; owned */
+    char *shape;   /* owned */
+};
+
+/* Describes the shape of planes. */
+static char *shape_json(const struct plan *plan, const struct drawn *of, struct error *err)
 {
     const struct scene *scene = plan->scene;
+    const struct planes *planes = &of->planes;
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_count(&json, "width", (uint64_t)scene->width);
     json_count(&json, "height", (uint64_t)scene->height);
     json_count(&json, "positions", (uint64_t)scene->positions); /* a side of each pixel */
-    json_numbers(&json, "weight_scales", scale, planes->n_weights);
-    json_numbers(&json, "texture_scales", scale + planes->n_weights, planes->n_pages);
-    json_close(&json, '}');
-    return json_end(&json);
+    json_numbers(&json, "weight_scales", of->scale, planes->n_weights);
+    json_numbers(&json, "texture_scales", of->scale + planes->n_weights, planes->n_pages);
+    return json_take(&json, err);
 }
 
-/* Allocates the values of count 1 in all planes: of planes in counts, or in floats. */
-static double *scales_of(const struct planes *planes, bool counts)
+/* Draws the planes of a plan. counts: as counts of 16 bits; otherwise as floats. notes NULL: makes
+ * none. The caller frees *out, also after a failure. */
+static bool draw(const struct plan *plan, bool counts, struct drawn *out, struct notes *notes,
+                 struct error *err)
 {
-    const int n = planes->n_weights + planes->n_pages;
-    double *scale = calloc((size_t)n, sizeof *scale);
-    for (int i = 0; scale && i < n; i++)
-        scale[i] = counts ? plane_scale(planes, i) : 1;
-    return scale;
+    if (!planes_rasterize(plan, &out->planes, notes, err))
+        return false;
+    const int n = out->planes.n_weights + out->planes.n_pages;
+    if (!MAKE_ARRAY(out->scale, (size_t)n, err, "the scales of a page"))
+        return false;
+    for (int i = 0; i < n; i++)
+        out->scale[i] = counts ? plane_scale(&out->planes, i) : 1;
+    return (out->shape = shape_json(plan, out, err)) != NULL;
+}
+
+static void drawn_free(struct drawn *drawn)
+{
+    planes_free(&drawn->planes);
+    free(drawn->scale);
+    free(drawn->shape);
 }
 
 /* ---- in a page ---- */
 
-struct still_page {
-    struct page page; /* the first member */
-    const struct plan *plan;
-    const struct planes *planes;
-    struct viewer_result *result;
-};
-
-static bool put_planes(struct still_page *still, struct error *err)
+static bool put_planes(const struct drawn *drawn, struct printed *to, struct error *err)
 {
-    struct printed *to = &still->page.text;
-    double *scale = scales_of(still->planes, true);
-    char *shape = scale ? planes_json(still->plan, still->planes, scale) : NULL;
     size_t length;
-    char *text = shape ? planes_text(still->planes, scale, &length) : NULL;
-    const bool done = text != NULL;
-    if (done) {
-        put_json(to, "shape", shape);
-        put_base64(to, "planes", text, length);
-    }
-    free(shape);
-    free(scale);
-    free(text);
-    return done || error_memory(err);
-}
-
-static bool put_still(struct page *page, struct error *err)
-{
-    struct still_page *still = (struct still_page *)page;
-    char *json = description_make(still->plan, still->result, err);
-    if (!json)
-        return false;
-    put_json(&page->text, "scene", json);
-    free(json);
-    return put_planes(still, err);
+    unsigned char *bytes = planes_bytes(&drawn->planes, drawn->scale, &length, err);
+    put_json(to, "shape", drawn->shape);
+    const bool done = bytes && put_packed(to, "planes", bytes, length, err);
+    free(bytes);
+    return done;
 }
 
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
                   struct notes *notes, struct outputs *outputs, struct error *err)
 {
-    struct planes planes = {.n_positions = 0};
-    struct still_page still = {{.kind = PAGE_STILL, .put_data = put_still}, plan, &planes, out};
+    struct drawn drawn = {.shape = NULL};
+    struct printed data = {.text = NULL};
     *out = (struct viewer_result){.bytes = 0};
-    const bool done = planes_rasterize(plan, &planes, notes, err) &&
-                      page_write(&still.page, path, &out->bytes, outputs, err);
-    planes_free(&planes);
+    char *scene = draw(plan, true, &drawn, notes, err) ? description_make(plan, out, err) : NULL;
+    if (scene)
+        put_json(&data, "scene", scene);
+    const bool done = scene && put_planes(&drawn, &data, err) &&
+                      page_write(PAGE_STILL, &data, path, &out->bytes, outputs, err);
+    free(scene);
+    free(printed_end(&data));
+    drawn_free(&drawn);
     return done;
 }
 
@@ -102,46 +99,34 @@ void put_head(struct printed *to, const char *json)
     print_bytes(to, "   ", filled - length);
 }
 
-static bool write_parts(const struct planes *planes, const char *head, size_t length,
-                        const struct output *out, struct error *err)
+static bool write_parts(const struct drawn *drawn, const struct output *out, struct error *err)
 {
+    const struct planes *planes = &drawn->planes;
     const size_t n_values = (size_t)(planes->n_weights + planes->n_pages) * planes->n_positions;
-    return (write_all(out->descriptor, head, length) &&
-            write_all(out->descriptor, planes->values, n_values * sizeof *planes->values) &&
-            write_all(out->descriptor, planes->surface,
-                      planes->n_positions * sizeof *planes->surface)) ||
-           error_system(err, "cannot write %s", out->path);
-}
-
-static bool write_planes(const struct plan *plan, const struct planes *planes, const char *path,
-                         struct outputs *outputs, struct error *err)
-{
-    struct output out;
     struct printed printed = {.text = NULL};
-    double *scale = scales_of(planes, false);
-    char *json = scale ? planes_json(plan, planes, scale) : NULL;
-    if (json)
-        put_head(&printed, json);
-    char *head = json ? printed_end(&printed) : NULL;
-    const bool opened = head ? output_open(&out, path, err) : error_memory(err),
-               done = opened && write_parts(planes, head, printed.length, &out, err) &&
-                      output_sync(&out, err);
-    free(scale);
-    free(json);
+    put_head(&printed, drawn->shape);
+    char *head = printed_take(&printed, err);
+    const bool done =
+        head && ((write_all(out->descriptor, head, printed.length) &&
+                  write_all(out->descriptor, planes->values, n_values * sizeof *planes->values) &&
+                  write_all(out->descriptor, planes->surface,
+                            planes->n_positions * sizeof *planes->surface)) ||
+                 error_system(err, "cannot write %s", out->path));
     free(head);
-    if (done)
-        return output_pass(&out, outputs, err);
-    if (opened)
-        output_discard(&out);
-    return false;
+    return done;
 }
 
 bool weights_write(const struct plan *plan, const char *path, struct outputs *outputs,
                    struct error *err)
 {
-    struct planes planes = {.n_positions = 0};
-    const bool done = planes_rasterize(plan, &planes, NULL, err) &&
-                      write_planes(plan, &planes, path, outputs, err);
-    planes_free(&planes);
-    return done;
+    struct drawn drawn = {.shape = NULL};
+    struct output out;
+    const bool opened = draw(plan, false, &drawn, NULL, err) && output_open(&out, path, err);
+    const bool written = opened && write_parts(&drawn, &out, err) && output_sync(&out, err);
+    drawn_free(&drawn);
+    if (written)
+        return output_pass(&out, outputs, err);
+    if (opened)
+        output_discard(&out);
+    return false;
 }

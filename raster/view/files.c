@@ -36,10 +36,8 @@ static char *name_below(const struct page_files *files, const char *path, struct
 {
     const size_t above = strlen(files->above);
     const bool below = strncmp(path, files->above, above) == 0;
-    char *name = strdup(below ? path + above : path);
-    if (!name)
-        error_memory(err);
-    else if (!below || !simplify(name)) {
+    char *name;
+    if (string_copy(below ? path + above : path, &name, err) && !(below && simplify(name))) {
         error_usage(err,
                     "%s is not below the folder of the scene, and would not be found elsewhere; "
                     "copy it there, and name it by a relative path",
@@ -100,8 +98,8 @@ char *marked_name(const char *scene)
 bool page_files_make(const struct scene *scene, struct page_files *out, struct error *err)
 {
     const char *path = scene->files[0].path;
-    *out = (struct page_files){.above = strdup(path_is_builtin(path) ? "" : path)};
-    bool done = out->above || error_memory(err);
+    *out = (struct page_files){.list = NULL};
+    bool done = string_copy(path_is_builtin(path) ? "" : path, &out->above, err);
     if (done) /* a built-in scene has no folder: its options name files from the working folder */
         out->above[path_name(out->above) - out->above] = '\0';
     done = done && inputs_list(scene, NULL, &out->inputs, err);

@@ -10,12 +10,6 @@
 #include "raster/driver/driver.h"
 #include "raster/view/view.h"
 
-struct live_page {
-    struct page page; /* the first member */
-    const struct options *options;
-    const struct scene *scene;
-};
-
 /* ---- the program ---- */
 
 static const struct builtin_file *find_module(void)
@@ -33,16 +27,10 @@ bool has_live_pages(void)
     return find_module() != NULL;
 }
 
-bool put_module(struct page *page, struct error *err)
+void put_module(struct printed *to)
 {
     const struct builtin_file *file = find_module();
-    size_t length;
-    char *text = base64_text(file->bytes, file->length, &length);
-    if (!text)
-        return error_memory(err);
-    put_base64(&page->text, "module", text, length);
-    free(text);
-    return true;
+    put_base64(to, "module", file->bytes, file->length);
 }
 
 /* ---- the files ---- */
@@ -50,19 +38,18 @@ bool put_module(struct page *page, struct error *err)
 static bool add_bytes(struct printed *to, int descriptor, const char *path, struct error *err)
 {
     struct stat status;
-    char *bytes = NULL;
+    char *bytes;
     const struct place place = {path, 0, 0};
     if (fstat(descriptor, &status) != 0)
         return error_system(err, "cannot read %s", path);
     const size_t length = (size_t)status.st_size;
-    if (!memory_suffices(3 * (double)status.st_size, place, err, "a page with %s", path))
+    if (!memory_suffices(3 * (double)status.st_size, place, err, "a page with %s", path) ||
+        !MAKE_ARRAY(bytes, length + 1, err, "%s", path))
         return false;
-    bytes = malloc(length + 1);
-    const ssize_t got = bytes ? read_at(descriptor, bytes, length, 0) : 0;
+    const ssize_t got = read_at(descriptor, bytes, length, 0);
     const bool done =
-        !bytes    ? error_memory(err)
-        : got < 0 ? error_system(err, "cannot read %s", path)
-                  : (size_t)got == length || error_system(err, "%s has become shorter", path);
+        got < 0 ? error_system(err, "cannot read %s", path)
+                : (size_t)got == length || error_system(err, "%s has become shorter", path);
     if (done)
         print_bytes(to, bytes, length);
     free(bytes);
@@ -101,71 +88,62 @@ static bool is_in_options(const struct options *options, const char *path)
     return false;
 }
 
-static bool add_file(const struct live_page *live, const struct page_file *file,
-                     struct json *json, struct printed *bytes, struct error *err)
+static bool add_file(const struct options *options, const struct scene *scene,
+                     const struct page_file *file, struct json *json, struct printed *bytes,
+                     struct error *err)
 {
     const size_t before = bytes->length;
-    if (!add_content(bytes, live->scene, file->path, err))
+    if (!add_content(bytes, scene, file->path, err))
         return false;
     json_open(json, NULL, '{');
     json_string(json, "name", page_name(file->name));
     json_count(json, "length", bytes->length - before);
-    if (is_in_options(live->options, file->path))
+    if (is_in_options(options, file->path))
         json_string(json, "also", file->path);
     json_close(json, '}');
     return true;
 }
 
-static bool add_files(const struct live_page *live, struct json *json, struct printed *bytes,
-                      struct error *err)
+/* Describes the start of a page. The bytes of all files, one after the other, are added to *bytes.
+ */
+static char *start_json(const struct options *options, const struct scene *scene,
+                        struct printed *bytes, struct error *err)
 {
-    const struct scene *scene = live->scene;
     struct page_files files = {.list = NULL};
-    json_open(json, "files", '[');
+    struct json json;
+    json_begin(&json);
+    json_string(&json, "program", PROGRAM);
+    json_string(&json, "scene", page_name(path_name(scene->path)));
+    json_truth(&json, "gallery", options->gallery);
+    json_open(&json, "options", '[');
+    for (int i = 0; i < options->n_recorded; i++)
+        json_string(&json, NULL, options->recorded[i]);
+    json_close(&json, ']');
+    json_open(&json, "files", '[');
     bool done = page_files_make(scene, &files, err);
     for (int i = 0; done && i < files.n; i++)
-        done = add_file(live, &files.list[i], json, bytes, err);
-    json_close(json, ']');
+        done = add_file(options, scene, &files.list[i], &json, bytes, err);
     page_files_free(&files);
-    return done;
-}
-
-static bool put_files(struct live_page *live, struct error *err)
-{
-    struct page *page = &live->page;
-    struct printed bytes = {.text = NULL};
-    struct json json;
-    size_t length = 0;
-    json_begin(&json);
-    json_open(&json, NULL, '{');
-    json_string(&json, "program", PROGRAM);
-    json_string(&json, "scene", page_name(path_name(live->scene->path)));
-    json_truth(&json, "gallery", live->options->gallery);
-    json_open(&json, "options", '[');
-    for (int i = 0; i < live->options->n_recorded; i++)
-        json_string(&json, NULL, live->options->recorded[i]);
     json_close(&json, ']');
-    const bool listed = add_files(live, &json, &bytes, err);
-    json_close(&json, '}');
-    char *facts = json_end(&json), *all = printed_end(&bytes);
-    char *text = facts && all && listed
-                     ? packed_text((const unsigned char *)all, bytes.length, &length)
-                     : NULL;
-    const bool done = text != NULL;
-    if (done) {
-        put_json(&page->text, "start", facts);
-        put_base64(&page->text, "files", text, length);
-    }
+    char *text = json_take(&json, done ? err : &(struct error){.status = EXIT_AGREED});
+    if (done)
+        return text;
     free(text);
-    free(all);
-    free(facts);
-    return done || (listed && error_memory(err));
+    return NULL;
 }
 
-static bool put_live(struct page *page, struct error *err)
+static bool put_files(const struct options *options, const struct scene *scene,
+                      struct printed *data, struct error *err)
 {
-    struct live_page *live = (struct live_page *)page;
-    return put_files(live, err) && put_module(page, err);
+    struct printed bytes = {.text = NULL};
+    char *start = start_json(options, scene, &bytes, err);
+    char *all = start ? printed_take(&bytes, err) : printed_end(&bytes);
+    if (start)
+        put_json(data, "start", start);
+    const bool done = start && all && put_packed(data, "files", all, bytes.length, err);
+    free(all);
+    free(start);
+    return done;
 }
 
 /* ---- the page ---- */
@@ -173,8 +151,14 @@ static bool put_live(struct page *page, struct error *err)
 bool live_write(const struct plan *plan, struct options *options, struct viewer_result *out,
                 struct notes *notes, struct error *err)
 {
-    struct live_page live = {{.kind = PAGE_LIVE, .put_data = put_live}, options, plan->scene};
+    struct printed data = {.text = NULL};
     *out = (struct viewer_result){.bytes = 0};
-    return page_allows(plan, err) && notes_of_plan(plan, SOME_PIXELS, notes, err) &&
-           page_write(&live.page, options->output, &out->bytes, &options->outputs, err);
+    bool done = page_allows(plan, err) && notes_of_plan(plan, SOME_PIXELS, notes, err) &&
+                put_files(options, plan->scene, &data, err);
+    if (done)
+        put_module(&data);
+    done =
+        done && page_write(PAGE_LIVE, &data, options->output, &out->bytes, &options->outputs, err);
+    free(printed_end(&data));
+    return done;
 }

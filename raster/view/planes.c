@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes planes of weights from the reference's picture, and writes them as text. Weights depend on
- * geometry only. */
+/* Makes planes of weights from the reference's picture, and stores them as counts. Weights depend
+ * on geometry only. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <zlib.h>
 
 #include "data/texture/texture.h"
 #include "data/threads/threads.h"
@@ -37,14 +36,13 @@ static bool planes_allocate(const struct plan *plan, struct planes *out, struct 
     if (!memory_suffices((double)out->n_positions * (8 * n_values + 14), (struct place){NULL, 0, 0},
                          err, "a page of %dx%d pixels", plan->view.width, plan->view.height))
         return false;
-    out->surface = calloc(out->n_positions, sizeof *out->surface);
-    out->values =
-        calloc(out->n_positions * (size_t)(out->n_weights + out->n_pages), sizeof *out->values);
+    if (!MAKE_ARRAY(out->surface, out->n_positions, err, "the pixels of a page") ||
+        !MAKE_ARRAY(out->values, out->n_positions * (size_t)n_values, err, "the pixels of a page"))
+        return false;
     for (int i = 0; i < 2 && out->n_pages > 0; i++)
-        out->place[i] = calloc(out->n_positions, sizeof *out->place[i]);
-    return (out->surface && out->values &&
-            (out->n_pages == 0 || (out->place[0] && out->place[1]))) ||
-           error_memory(err);
+        if (!MAKE_ARRAY(out->place[i], out->n_positions, err, "the pixels of a page"))
+            return false;
+    return true;
 }
 
 static int plane_of(const struct term *term)
@@ -153,7 +151,7 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes 
     return done;
 }
 
-/* ---- planes as text ---- */
+/* ---- planes as counts ---- */
 
 double plane_scale(const struct planes *planes, int plane)
 {
@@ -174,13 +172,20 @@ void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
     }
 }
 
-/* Returns the plane of surfaces, then all other planes, allocated; NULL: no memory. */
-static unsigned char *planes_bytes(const struct planes *planes, const double *scale, size_t *length)
+unsigned char *planes_bytes(const struct planes *planes, const double *scale, size_t *length,
+                            struct error *err)
 {
-    size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages);
-    unsigned char *bytes = malloc(2 * n * (1 + n_values));
-    uint16_t *samples = malloc(n * sizeof *samples);
-    for (size_t plane = 0; bytes && samples && plane < n_values; plane++) {
+    const size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages);
+    unsigned char *bytes;
+    uint16_t *samples = NULL;
+    *length = 2 * n * (1 + n_values);
+    if (!MAKE_ARRAY(bytes, *length, err, "the pixels of a page") ||
+        !MAKE_ARRAY(samples, n, err, "the pixels of a page")) {
+        free(bytes);
+        return NULL;
+    }
+    put_differences(planes->surface, n, bytes);
+    for (size_t plane = 0; plane < n_values; plane++) {
         const float *values = planes->values + plane * n;
         for (size_t i = 0; i < n; i++)
             samples[i] =
@@ -188,57 +193,6 @@ static unsigned char *planes_bytes(const struct planes *planes, const double *sc
                                             : 0);
         put_differences(samples, n, bytes + 2 * n * (1 + plane));
     }
-    if (bytes)
-        put_differences(planes->surface, n, bytes);
-    if (!samples) {
-        free(bytes);
-        bytes = NULL;
-    }
     free(samples);
-    *length = 2 * n * (1 + n_values);
     return bytes;
-}
-
-/* Encodes bytes as RFC 4648 does. out has room for 4 characters for each group of 3 bytes, also for
- * an incomplete one. Writes no NUL. */
-static void base64(const unsigned char *bytes, size_t length, char *out)
-{
-    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (size_t i = 0; i < length; i += 3) {
-        size_t left = length - i;
-        unsigned group = (unsigned)bytes[i] << 16 | (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0) |
-                         (left > 2 ? bytes[i + 2] : 0);
-        for (size_t j = 0; j < 4; j++)
-            *out++ = j <= left ? digits[group >> (18 - 6 * j) & 63] : '=';
-    }
-}
-
-char *base64_text(const unsigned char *bytes, size_t length, size_t *out_length)
-{
-    char *out = malloc((length + 2) / 3 * 4 + 1);
-    *out_length = (length + 2) / 3 * 4;
-    if (out)
-        base64(bytes, length, out);
-    return out;
-}
-
-char *packed_text(const unsigned char *bytes, size_t length, size_t *out_length)
-{
-    uLongf packed_length = compressBound((uLong)length);
-    unsigned char *packed = malloc(packed_length);
-    char *out = NULL;
-    if (packed &&
-        compress2(packed, &packed_length, bytes, (uLong)length, Z_DEFAULT_COMPRESSION) == Z_OK)
-        out = base64_text(packed, packed_length, out_length);
-    free(packed);
-    return out;
-}
-
-char *planes_text(const struct planes *planes, const double *scale, size_t *length)
-{
-    size_t raw_length;
-    unsigned char *raw = planes_bytes(planes, scale, &raw_length);
-    char *out = raw ? packed_text(raw, raw_length, length) : NULL;
-    free(raw);
-    return out;
 }

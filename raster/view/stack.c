@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/invocation/invocation.h"
+#include "data/compare/compare.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
 #include "raster/view/view.h"
@@ -14,7 +14,8 @@
 
 /* A stack as a page shows it. */
 struct shown_stack {
-    struct cube cube;
+    struct stack_rows rows; /* those of one row of the page at a time */
+    struct cube *cube;      /* of these rows */
     int factor, width, height;
     bool counts; /* samples are 16-bit counts; otherwise floats */
     size_t n_pixels;
@@ -28,7 +29,7 @@ static const double text_per_byte = 4.0 / 3;
 
 static void find_size(struct shown_stack *out, double budget_bytes)
 {
-    const struct image *image = &out->cube.image;
+    const struct image *image = &out->cube->image;
     const double pixel = image->n_pages * (out->counts ? 2 : 4) * text_per_byte;
     do {
         out->factor++;
@@ -39,56 +40,53 @@ static void find_size(struct shown_stack *out, double budget_bytes)
     out->n_bytes = out->n_pixels * (size_t)image->n_pages * (out->counts ? 2 : 4);
 }
 
-/* Room for the rows of one row of a page. */
-struct stack_rows {
-    float *rows;  /* as they are read; owned */
-    double *sums; /* owned */
-};
-
-/* Stores the means of `rows` rows at row y of a page. */
-static void store_row(const struct shown_stack *of, struct stack_rows *room, int rows, float *out)
+/* Stores the means of the current rows of a page of the stack. `sums` is room for a row. */
+static void store_row(const struct shown_stack *of, int page, double *sums, float *out)
 {
-    const int width = of->cube.image.width;
-    memset(room->sums, 0, (size_t)of->width * sizeof *room->sums);
-    for (int row = 0; row < rows; row++)
+    const int width = of->cube->image.width;
+    const float *row = of->rows.samples + (size_t)page * of->rows.stride;
+    memset(sums, 0, (size_t)of->width * sizeof *sums);
+    for (int y = 0; y < of->rows.n; y++, row += width)
         for (int x = 0; x < width; x++)
-            room->sums[x / of->factor] +=
-                (double)room->rows[(size_t)row * (size_t)width + (size_t)x];
+            sums[x / of->factor] += (double)row[x];
     for (int x = 0; x < of->width; x++) {
         const int left = width - x * of->factor, columns = left < of->factor ? left : of->factor;
-        out[x] = (float)(room->sums[x] / ((double)columns * rows));
+        out[x] = (float)(sums[x] / ((double)columns * of->rows.n));
     }
 }
 
-static bool read_pages(struct shown_stack *of, struct stack_rows *room, float *out,
-                       struct error *err)
+static bool read_pages(struct shown_stack *of, float *out, struct error *err)
 {
-    struct image *image = &of->cube.image;
-    for (int y = 0; y < of->height; y++) {
-        const int first = y * of->factor, left = image->height - first,
-                  rows = left < of->factor ? left : of->factor;
-        for (int page = 0; page < image->n_pages; page++) {
-            if (!image_read(image, page, first, rows, room->rows, err))
-                return false;
-            store_row(of, room, rows,
-                      out + (size_t)page * of->n_pixels + (size_t)y * (size_t)of->width);
-        }
+    const int n_pages = of->cube->image.n_pages;
+    const size_t width = (size_t)of->width,
+                 most = (size_t)of->factor * (size_t)of->cube->image.width * (size_t)n_pages;
+    double *sums;
+    bool done =
+        MAKE_ARRAY(sums, width, err, "a row of a page") && rows_allocate(&of->rows, most, err);
+    for (int y = 0; done && y < of->height; y++) {
+        done = rows_read(&of->rows, y * of->factor, err);
+        for (int page = 0; done && page < n_pages; page++)
+            store_row(of, page, sums, out + (size_t)page * of->n_pixels + (size_t)y * width);
     }
-    return true;
+    free(sums);
+    return done;
 }
 
 /* Turns floats into counts of scale / LARGEST_SAMPLE, page by page. */
 static bool store_counts(struct shown_stack *of, const float *values, struct error *err)
 {
-    uint16_t *counts = calloc(of->n_pixels, sizeof *counts);
-    if (!counts)
-        return error_memory(err);
-    for (int page = 0; page < of->cube.image.n_pages; page++) {
+    uint16_t *counts;
+    if (!MAKE_ARRAY(counts, of->n_pixels, err, "the pixels of a page") ||
+        !MAKE_ARRAY(of->samples, of->n_bytes, err, "the pixels of a page")) {
+        free(counts);
+        return false;
+    }
+    for (int page = 0; page < of->cube->image.n_pages; page++) {
         const float *from = values + (size_t)page * of->n_pixels;
         for (size_t i = 0; i < of->n_pixels; i++)
             counts[i] = (uint16_t)fmin(
                 LARGEST_SAMPLE,
-                floor((double)from[i] / of->cube.image.scale * LARGEST_SAMPLE + 0.5));
+                floor((double)from[i] / of->cube->image.scale * LARGEST_SAMPLE + 0.5));
         put_differences(counts, of->n_pixels, of->samples + (size_t)page * 2 * of->n_pixels);
     }
     free(counts);
@@ -97,43 +95,36 @@ static bool store_counts(struct shown_stack *of, const float *values, struct err
 
 static bool read_samples(struct shown_stack *of, struct error *err)
 {
-    const struct image *image = &of->cube.image;
+    const struct image *image = &of->cube->image;
     const size_t n = of->n_pixels * (size_t)image->n_pages;
-    struct stack_rows room = {.rows = NULL};
+    float *values;
     if (!memory_suffices((double)n * 4 + 2.0 * (double)of->n_bytes, (struct place){NULL, 0, 0}, err,
                          "a page of %d bands of %dx%d pixels", image->n_pages, of->width,
-                         of->height))
+                         of->height) ||
+        !MAKE_ARRAY(values, n, err, "the pixels of a page"))
         return false;
-    float *values = calloc(n, sizeof *values);
-    room.rows = calloc((size_t)image->width * (size_t)of->factor, sizeof *room.rows);
-    room.sums = calloc((size_t)of->width, sizeof *room.sums);
-    bool done = (values && room.rows && room.sums) || error_memory(err);
-    done = done && read_pages(of, &room, values, err);
-    if (done && of->counts) {
-        of->samples = malloc(of->n_bytes);
-        done = of->samples ? store_counts(of, values, err) : error_memory(err);
-    } else if (done) {
+    bool done = read_pages(of, values, err);
+    if (done && !of->counts) {
         of->samples = (unsigned char *)values;
-        values = NULL;
+        return true;
     }
+    done = done && store_counts(of, values, err);
     free(values);
-    free(room.rows);
-    free(room.sums);
     return done;
 }
 
 /* Reads the object at the middle of each shown pixel. */
 static bool read_objects(struct shown_stack *of, struct error *err)
 {
-    const struct image *image = &of->cube.image;
-    if (of->cube.record.objects.n == 0)
+    const struct image *image = &of->cube->image;
+    if (of->cube->record.objects.n == 0)
         return true;
-    int *row = calloc((size_t)image->width, sizeof *row);
-    of->objects = calloc(of->n_pixels, sizeof *of->objects);
-    bool done = (row && of->objects) || error_memory(err);
+    int *row;
+    bool done = MAKE_ARRAY(row, (size_t)image->width, err, "a row of objects") &&
+                MAKE_ARRAY(of->objects, of->n_pixels, err, "the objects of a page");
     for (int y = 0; done && y < of->height; y++) {
         const int at = y * of->factor + of->factor / 2;
-        done = cube_objects(&of->cube, 0, at < image->height ? at : image->height - 1, image->width,
+        done = cube_objects(of->cube, 0, at < image->height ? at : image->height - 1, image->width,
                             row, err);
         for (int x = 0; done && x < of->width; x++) {
             const int from = x * of->factor + of->factor / 2,
@@ -150,7 +141,7 @@ static void stack_free(struct shown_stack *stack)
 {
     free(stack->samples);
     free(stack->objects);
-    cube_close(&stack->cube);
+    rows_close(&stack->rows);
 }
 
 /* ---- the description ---- */
@@ -187,8 +178,8 @@ static bool put_detector(const struct cube *cube, const char *name, double *row,
 static bool put_detectors(const struct cube *cube, struct json *json, struct error *err)
 {
     char name[BUILTIN_NAME];
-    double *row = calloc(3 * (size_t)cube->image.n_pages, sizeof *row);
-    bool done = row || error_memory(err);
+    double *row;
+    bool done = MAKE_ARRAY(row, 3 * (size_t)cube->image.n_pages, err, "the weights of a detector");
     json_open(json, "detectors", '[');
     for (size_t i = 0; done && i < builtin_file_count; i++)
         if (table_is_detector(&builtin_files[i]) &&
@@ -203,9 +194,9 @@ static bool put_detectors(const struct cube *cube, struct json *json, struct err
 static bool put_white(const struct cube *cube, struct json *json, struct error *err)
 {
     struct error refused;
-    double *white = calloc((size_t)cube->image.n_pages, sizeof *white);
-    if (!white)
-        return error_memory(err);
+    double *white;
+    if (!MAKE_ARRAY(white, (size_t)cube->image.n_pages, err, "the white of a page"))
+        return false;
     if (!cube->components && cube_white(cube, NULL, white, &refused))
         json_numbers(json, "white", white, cube->image.n_pages);
     if (cube->record.illumination.n > 0)
@@ -216,14 +207,14 @@ static bool put_white(const struct cube *cube, struct json *json, struct error *
 
 static void put_size(const struct shown_stack *stack, struct json *json)
 {
-    const struct image *image = &stack->cube.image;
+    const struct image *image = &stack->cube->image;
     json_count(json, "width", (uint64_t)stack->width);
     json_count(json, "height", (uint64_t)stack->height);
     json_count(json, "full_width", (uint64_t)image->width);
     json_count(json, "full_height", (uint64_t)image->height);
     json_count(json, "factor", (uint64_t)stack->factor);
     json_count(json, "bands", (uint64_t)image->n_pages);
-    json_truth(json, "components", stack->cube.components);
+    json_truth(json, "components", stack->cube->components);
     json_truth(json, "counts", stack->counts);
     json_number(json, "unit", stack->counts ? image->scale / LARGEST_SAMPLE : 1);
     json_truth(json, "has_objects", stack->objects != NULL);
@@ -233,29 +224,23 @@ static void put_size(const struct shown_stack *stack, struct json *json)
 /* Returns the description as JSON, allocated. */
 static char *describe(const struct shown_stack *stack, const char *name, struct error *err)
 {
-    const struct texts *objects = &stack->cube.record.objects;
+    const struct texts *objects = &stack->cube->record.objects;
     struct json json;
     json_begin(&json);
-    json_open(&json, NULL, '{');
     json_string(&json, "program", PROGRAM);
     json_string(&json, "stack", path_name(name));
-    json_string(&json, "scene", stack->cube.record.scene);
+    json_string(&json, "scene", stack->cube->record.scene);
     put_size(stack, &json);
     json_open(&json, "objects", '[');
     for (int i = 0; i < objects->n; i++)
         json_string(&json, NULL, objects->text[i]);
     json_close(&json, ']');
-    const bool done =
-        put_white(&stack->cube, &json, err) && put_detectors(&stack->cube, &json, err);
+    const bool done = put_white(stack->cube, &json, err) && put_detectors(stack->cube, &json, err);
     put_adaptations(&json);
     put_displays(&json);
-    json_close(&json, '}');
-    char *text = json_end(&json);
-    if (done && text)
-        return text;
-    free(text);
     if (done)
-        error_memory(err);
+        return json_take(&json, err);
+    free(printed_end(&json.printed));
     return NULL;
 }
 
@@ -270,64 +255,51 @@ static char *stack_bytes(const struct shown_stack *stack, const char *name, size
     if (!json)
         return NULL;
     put_head(&bytes, json);
+    free(json);
     print_bytes(&bytes, stack->samples, stack->n_bytes);
     if (stack->objects)
         print_bytes(&bytes, stack->objects, stack->n_pixels * sizeof *stack->objects);
-    free(json);
-    char *text = printed_end(&bytes);
+    char *text = printed_take(&bytes, err);
     *length = bytes.length;
-    if (!text)
-        error_memory(err);
     return text;
 }
 
-struct stack_page {
-    struct page page; /* the first member */
-    const char *bytes;
-    size_t length;
-};
-
-static bool put_stack(struct page *page, struct error *err)
+static bool write_page(const char *bytes, size_t length, const char *path, size_t *n_bytes,
+                       struct outputs *outputs, struct error *err)
 {
-    const struct stack_page *of = (struct stack_page *)page;
-    size_t length;
-    char *text = packed_text((const unsigned char *)of->bytes, of->length, &length);
-    if (!text)
-        return error_memory(err);
-    put_base64(&page->text, "stack", text, length);
-    free(text);
-    return page->kind == PAGE_STACK || put_module(page, err);
-}
-
-static bool write_bytes(struct stack_page *page, const char *path, bool alone, size_t *bytes,
-                        struct outputs *outputs, struct error *err)
-{
-    *bytes = page->length;
-    return alone ? file_write(path, page->bytes, page->length, outputs, err)
-                 : page_write(&page->page, path, bytes, outputs, err);
+    const bool live = has_live_pages();
+    struct printed data = {.text = NULL};
+    bool done = put_packed(&data, "stack", bytes, length, err);
+    if (done && live)
+        put_module(&data);
+    done = done && page_write(live ? PAGE_LIVE : PAGE_STACK, &data, path, n_bytes, outputs, err);
+    free(printed_end(&data));
+    return done;
 }
 
 bool stack_page_write(const char *stack, const char *path, const struct stack_page_options *options,
                       struct stack_result *out, struct outputs *outputs, struct error *err)
 {
     struct shown_stack shown = {.factor = 0};
-    struct stack_page page = {
-        .page = {.kind = has_live_pages() ? PAGE_LIVE : PAGE_STACK, .put_data = put_stack}};
     char *bytes = NULL;
+    shown.cube = &shown.rows.cube;
     *out = (struct stack_result){.bytes = 0};
-    bool done = cube_open(stack, &shown.cube, err);
+    bool done = cube_open(stack, shown.cube, err);
     if (done) {
-        shown.counts = !image_is_float(&shown.cube.image);
+        const struct image *image = &shown.cube->image;
+        shown.counts = !image_is_float(image);
         find_size(&shown, options->budget_bytes);
-        *out = (struct stack_result){.width = shown.cube.image.width,
-                                     .height = shown.cube.image.height,
-                                     .n_bands = shown.cube.image.n_pages,
+        *out = (struct stack_result){.width = image->width,
+                                     .height = image->height,
+                                     .n_bands = image->n_pages,
                                      .factor = shown.factor};
     }
     done = done && read_samples(&shown, err) && read_objects(&shown, err) &&
-           (bytes = stack_bytes(&shown, stack, &page.length, err));
-    page.bytes = bytes;
-    done = done && write_bytes(&page, path, options->alone, &out->bytes, outputs, err);
+           (bytes = stack_bytes(&shown, stack, &out->bytes, err)) != NULL;
+    if (options->alone)
+        done = done && file_write(path, bytes, out->bytes, outputs, err);
+    else
+        done = done && write_page(bytes, out->bytes, path, &out->bytes, outputs, err);
     free(bytes);
     stack_free(&shown);
     return done;

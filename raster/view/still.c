@@ -135,13 +135,11 @@ static bool prepare(struct still *still, struct error *err)
     const struct plan *plan = &still->plan;
     const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
     struct light_work work;
-    still->weights = calloc(3 * (size_t)plan->n_bands, sizeof *still->weights);
-    still->radiance = calloc(n, sizeof *still->radiance);
-    still->rgb = calloc(n, sizeof *still->rgb);
-    still->codes = calloc(n, sizeof *still->codes);
-    return ((still->weights && still->radiance && still->rgb && still->codes) ||
-            error_memory(err)) &&
-           find_weights(still, err) && lit_make(plan, driver_of(NULL), &still->lit, &work, err);
+    return MAKE_ARRAY(still->weights, 3 * (size_t)plan->n_bands, err, "the weights of a picture") &&
+           MAKE_ARRAY(still->radiance, n, err, "a tile of a picture") &&
+           MAKE_ARRAY(still->rgb, n, err, "a tile of a picture") &&
+           MAKE_ARRAY(still->codes, n, err, "a tile of a picture") && find_weights(still, err) &&
+           lit_make(plan, driver_of(NULL), &still->lit, &work, err);
 }
 
 /* Returns the description of the picture, allocated; NULL: no memory. */
@@ -159,7 +157,7 @@ static bool open_picture(struct still *still, const char *path, struct error *er
 {
     char *description = still_description(&still->plan);
     if (!description)
-        return error_memory(err);
+        return memory_lacks(err, 1024, "the description of the picture");
     const struct picture_options options = {.width = still->plan.scene->width,
                                             .height = still->plan.scene->height,
                                             .samples = PICTURE_8,

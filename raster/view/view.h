@@ -127,15 +127,11 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes 
 void put_differences(const uint16_t *samples, size_t n, unsigned char *out);
 /* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
 double plane_scale(const struct planes *planes, int plane);
-/* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: differences
- * between neighbours, all low bytes before all high bytes, deflated (RFC 1950), in base64.
- * Allocated and not terminated; NULL: no memory. */
-char *planes_text(const struct planes *planes, const double *scale, size_t *length);
+/* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: see
+ * put_differences. Allocated; NULL: no memory. */
+unsigned char *planes_bytes(const struct planes *planes, const double *scale, size_t *length,
+                            struct error *err);
 void planes_free(struct planes *planes);
-/* Return bytes as base64 (RFC 4648); the first deflates them before (RFC 1950). Allocated and not
- * terminated; NULL: no memory. */
-char *packed_text(const unsigned char *bytes, size_t length, size_t *out_length);
-char *base64_text(const unsigned char *bytes, size_t length, size_t *out_length);
 
 /* description.c. Describes a scene as JSON, allocated: its spectra, lights, objects, detectors, ...
  * Counts illuminants and detectors in *result. NULL: see err. */
@@ -150,18 +146,16 @@ void put_displays(struct json *json);
  * description, filled up with blanks so that numbers can follow. */
 void put_head(struct printed *to, const char *json);
 
-/* viewer.c: a page from its parts. The kinds of pages embed it as their first member. */
-struct page {
-    enum { PAGE_STILL, PAGE_STACK, PAGE_LIVE } kind;
-    bool (*put_data)(struct page *page, struct error *err); /* puts the data of this page */
-    struct printed text;
-};
-/* Put an element of a page: a text in JSON, or in base64. */
+/* viewer.c: a page from its parts. Put an element of its data: a text in JSON, or bytes in base64
+ * (RFC 4648); put_packed deflates them before (RFC 1950). */
 void put_json(struct printed *to, const char *id, const char *json);
-void put_base64(struct printed *to, const char *id, const char *text, size_t length);
-bool put_module(struct page *page, struct error *err); /* live.c: if this has_live_pages */
-/* Writes the page. outputs get it: see output_pass. */
-bool page_write(struct page *page, const char *path, size_t *bytes, struct outputs *outputs,
+void put_base64(struct printed *to, const char *id, const unsigned char *bytes, size_t length);
+bool put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
                 struct error *err);
+void put_module(struct printed *to); /* live.c: if this has_live_pages */
+enum page_kind { PAGE_STILL, PAGE_STACK, PAGE_LIVE };
+/* Writes a page with these data, which it ends. outputs get it: see output_pass. */
+bool page_write(enum page_kind kind, struct printed *data, const char *path, size_t *bytes,
+                struct outputs *outputs, struct error *err);
 
 #endif

@@ -4,6 +4,7 @@
  * policy, its data. */
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #include "raster/view/view.h"
 
@@ -31,11 +32,42 @@ void put_json(struct printed *to, const char *id, const char *json)
     print_text(to, "</script>\n");
 }
 
-void put_base64(struct printed *to, const char *id, const char *text, size_t length)
+/* Encodes bytes as RFC 4648 does. */
+static void print_base64(const unsigned char *bytes, size_t length, struct printed *to)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < length; i += 3) {
+        const size_t left = length - i;
+        const unsigned group = (unsigned)bytes[i] << 16 |
+                               (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0) |
+                               (left > 2 ? bytes[i + 2] : 0);
+        char text[4];
+        for (size_t j = 0; j < 4; j++)
+            text[j] = j <= left ? digits[group >> (18 - 6 * j) & 63] : '=';
+        print_bytes(to, text, sizeof text);
+    }
+}
+
+void put_base64(struct printed *to, const char *id, const unsigned char *bytes, size_t length)
 {
     print(to, "<script id=\"%s\" type=\"text/plain\">", id);
-    print_bytes(to, text, length);
+    print_base64(bytes, length, to);
     print_text(to, "</script>\n");
+}
+
+bool put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
+                struct error *err)
+{
+    uLongf packed_length = compressBound((uLong)length);
+    unsigned char *packed;
+    bool done = MAKE_ARRAY(packed, packed_length, err, "the data of a page");
+    if (done &&
+        compress2(packed, &packed_length, bytes, (uLong)length, Z_DEFAULT_COMPRESSION) != Z_OK)
+        done = memory_lacks(err, 0, "the data of a page");
+    if (done)
+        put_base64(to, id, packed, packed_length);
+    free(packed);
+    return done;
 }
 
 /* ---- the page ---- */
@@ -46,6 +78,13 @@ static const char policy[] =
     "<meta http-equiv=\"Content-Security-Policy\"\n"
     "  content=\"default-src 'none'; script-src 'unsafe-inline'%s; style-src 'unsafe-inline'; "
     "img-src blob: data:%s; base-uri 'none'; form-action 'none'\">\n";
+
+struct page {
+    enum page_kind kind;
+    const char *data;
+    size_t n_data;
+    struct printed text;
+};
 
 static bool put_file(struct page *page, const char *name, struct error *err);
 
@@ -61,10 +100,12 @@ static bool put_marked(struct page *page, const char *name, struct error *err)
 {
     const bool live = page->kind == PAGE_LIVE;
     if (strcmp(name, "data") == 0)
-        return page->put_data(page, err);
-    if (strcmp(name, "policy") != 0)
+        print_bytes(&page->text, page->data, page->n_data);
+    else if (strcmp(name, "policy") == 0)
+        print(&page->text, policy, live ? " 'wasm-unsafe-eval'" : "",
+              live ? "; worker-src blob:" : "");
+    else
         return is_left_out(page, name) || put_file(page, name, err);
-    print(&page->text, policy, live ? " 'wasm-unsafe-eval'" : "", live ? "; worker-src blob:" : "");
     return true;
 }
 
@@ -103,14 +144,17 @@ static bool put_file(struct page *page, const char *name, struct error *err)
     return done;
 }
 
-bool page_write(struct page *page, const char *path, size_t *bytes, struct outputs *outputs,
-                struct error *err)
+bool page_write(enum page_kind kind, struct printed *data, const char *path, size_t *bytes,
+                struct outputs *outputs, struct error *err)
 {
-    const bool put = put_file(page, "page.html", err);
-    char *text = printed_end(&page->text);
-    *bytes = page->text.length;
-    const bool done =
-        put && (text ? file_write(path, text, *bytes, outputs, err) : error_memory(err));
-    free(text);
+    char *owned = printed_take(data, err);
+    struct page page = {.kind = kind, .data = owned, .n_data = data->length};
+    bool done = owned && put_file(&page, "page.html", err);
+    *bytes = page.text.length;
+    if (done)
+        done = printed_write(&page.text, path, outputs, err);
+    else
+        free(printed_end(&page.text));
+    free(owned);
     return done;
 }

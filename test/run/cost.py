@@ -351,7 +351,7 @@ def interrupt(number, whole_group, wait, *options):
                                env={**os.environ, "TMPDIR": folder}, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE,  # shells ignore SIGINT in background jobs
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-    while not glob.glob(folder + "/*/standard") and process.poll() is None:
+    while not glob.glob(folder + "/*/stack.tif") and process.poll() is None:
         time.sleep(0.01)
     time.sleep(wait)
     (os.killpg if whole_group else os.kill)(process.pid, number)

@@ -103,9 +103,9 @@ int main(void)
     free(fact);
     struct json json;
     json_begin(&json);
-    json_string(&json, NULL, "\xc2\x9b\x9b\xc3\xa9\x7f");
-    char *value = json_end(&json);
-    CHECK_TEXT(value, "\"\\u009b\xef\xbf\xbd\xc3\xa9\\u007f\"\n", "JSON is valid UTF-8");
+    json_string(&json, "key", "\xc2\x9b\x9b\xc3\xa9\x7f");
+    char *value = json_take(&json, &err);
+    CHECK_TEXT(value, "{\"key\": \"\\u009b\xef\xbf\xbd\xc3\xa9\\u007f\"}\n", "JSON is valid UTF-8");
     free(value);
     return test_end();
 }
