@@ -379,8 +379,8 @@ void report_json(const struct plan *plan, const struct render_result *result, co
     else
         json_string(json, "check", NULL);
     if (result->notes) {
-        accuracy_json(plan, result->notes, json);
-        notes_json(result->notes, json);
+        accuracy_put(plan, result->notes, json);
+        notes_put(result->notes, json);
     }
     json_again(json, &result->difference);
     json_part(json, &result->rows);
