@@ -47,8 +47,9 @@ void print_text(struct printed *to, const char *text)
 
 void print_shell(struct printed *to, const char *word)
 {
-    const bool plain = *word && word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
-                                         "0123456789%+,-./:=@_")] == '\0';
+    const bool plain =
+        *word && word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                   "0123456789%+,-./:=@_")] == '\0';
     print_text(to, plain ? " " : " '");
     for (; *word; word++)
         if (*word == '\'')

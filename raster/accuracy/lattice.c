@@ -126,9 +126,8 @@ bool seen_find(const struct plan *plan, const struct surface *surfaces, int want
 {
     *out = (struct seen_pixels){.lattice = lattice_of(&plan->view, wanted)};
     out->n = out->lattice.rows * out->lattice.columns;
-    out->pixels = malloc(((size_t)out->n + 1) * sizeof *out->pixels);
-    if (!out->pixels)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->pixels, (size_t)out->n + 1, err, "the pixels that are judged"))
+        return false;
     for (int i = 0; i < out->n; i++)
         out->pixels[i] = (struct lattice_pixel){.depth = 1, .surface = -1};
     for (int s = 0; s < plan->n_instances; s++)

@@ -2,8 +2,8 @@
 /* Notes on darkness: nothing is in view, or an object in view is black in all bands. */
 #include "raster/notes/notes.h"
 
-/* Returns the sum of what all lights may give all vertices of a surface. Phong shading lights points
- * between vertices: there each light that the material shows counts. */
+/* Returns the sum of what all lights may give all vertices of a surface. Phong shading lights
+ * points between vertices: there each light that the material shows counts. */
 static double light_of(const struct lit_scene *lit, int index)
 {
     const struct surface *surface = &lit->surfaces[index];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The facts of a plan, as JSON or in words: its work, each effect with the reason why it is
- * simulated or not, each light, each file; in words also each value that is guessed, not measured. */
+ * simulated or not, each light, each file; in words also each value that is guessed, not measured.
+ */
 #include <stdlib.h>
 #include <string.h>
 

@@ -45,7 +45,8 @@ void notes_free(struct notes *notes);
 
 /* ---- facts.c: the plan as JSON or in words ---- */
 
-/* Puts one object. notes NULL: leaves them out. Fails only where memory or a file of the scene does.
+/* Puts one object. notes NULL: leaves them out. Fails only where memory or a file of the scene
+ * does.
  */
 bool plan_facts(const struct plan *plan, const struct notes *notes, struct json *json,
                 struct error *err);

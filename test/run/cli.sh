@@ -268,5 +268,5 @@ ok $? "a closed standard output, for the table, is a failure of the system, and 
 printf '%s\n' "$PWD/data/builtin/materials/colorchecker/01-dark-skin.txt" \
     "$PWD/data/builtin/materials/colorchecker/15-red.txt" >"$tmp/two.list"
 exits 0 "a thesis list file is a scene" "$SPECTRAL" plan "$tmp/two.list"
-prints '^materials +3 ' "plan counts its materials and the background"
+prints '^  materials +3$' "plan counts its materials and the background"
 done_testing

@@ -229,7 +229,7 @@ def reasons():
                  "effect bispectral: simulated no, reason no material has a Donaldson matrix", "effect spot: simulated no, reason no light is a spot",
                  "effect texture: simulated no, reason no lit material has a texture", "effect emission: simulated no, reason no material emits",
                  "effect metamer: simulated no, reason no material has a partner", "effect flat: simulated no, reason shading is smooth",
-                 "excitation_integrals 0", "materials 2", "terms 3",
+                 "excitation integrals 0", "materials 2", "terms 3",
                  "light d65: intensity 1", "light d65: intensity 0, off intensity 0",
                  "light 0: intensity 1, off spectrum 0 at every wavelength shown",
                  "light gaussian:300,1: intensity 2, off spectrum 0 at every wavelength shown"):
