@@ -86,10 +86,10 @@ bool output_is_stream(const char *path);   /* true of "-", and of what exists an
 
 struct folder {
     char path[4096]; /* Linux takes no longer one; "": there is none */
-    DIR *entries;    /* open, so that the folder can be emptied without memory; NULL: there is none */
+    DIR *entries; /* open, so that the folder can be emptied without memory; NULL: there is none */
 };
-/* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove): the caller tells the
- * guard of the files in it. Removes the folders of processes that were killed. */
+/* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove): the caller tells
+ * the guard of the files in it. */
 bool folder_open(struct folder *out, struct error *err);
 /* Makes a folder beside the path, which must not exist, for files that the user keeps. The caller
  * holds signals back until folder_close: see guard_hold. */
@@ -100,9 +100,14 @@ void folder_close(struct folder *folder); /* with all files in it, unless they a
 
 /* ---- Inside this room ---- */
 
+/* output.c: syncs the folder of a path, so that its new name outlives a crash of the machine. The
+ * file is whole in any case, so a failure is none of the output. */
+void folder_sync(const char *path);
+
 /* temporary.c: fills out->descriptor, temporary and named with a new file in the folder of a path.
  * Where the file system can, the file has no name, so that nothing stays behind if the program is
- * killed. Otherwise its name is .NAME.PID.N.tmp, which guard_remove knows. Returns false with errno.
+ * killed. Otherwise its name is .NAME.PID.N.tmp, which guard_remove knows. Returns false with
+ * errno.
  */
 bool temporary_create(struct output *out, const char *path, mode_t mode);
 /* Gives the file the path's name, in place of any file of that name. Returns false with errno. */

@@ -39,28 +39,23 @@ static void note_refined(const struct plan *plan, struct notes *notes)
              reached->objects[0].quantile_95, unit_of(reached), name, limit);
 }
 
+/* The worst object comes first. */
 void note_shading(const struct plan *plan, struct notes *notes)
 {
     const struct accuracy_estimate *shading = &notes->shading;
-    const struct accuracy_object *worst = NULL;
     char name[256];
-    int n = 0;
+    int worst = 0;
     if (notes->refined)
         note_refined(plan, notes);
-    for (int i = 0; i < shading->n_objects; i++) {
-        const struct accuracy_object *object = &shading->objects[i];
-        if (!(object->quantile_95 > just_seen) || object->points < FEWEST_POINTS)
-            continue;
-        worst = worst ? worst : object;
-        n++;
-    }
-    if (!worst)
+    while (worst < shading->n_objects && shading->objects[worst].points < FEWEST_POINTS)
+        worst++;
+    if (worst == shading->n_objects || !(shading->objects[worst].quantile_95 > just_seen))
         return;
-    object_text(plan, worst->surface, name, sizeof name);
+    object_text(plan, shading->objects[worst].surface, name, sizeof name);
     note_add(notes, "shading",
-             "the shading of %s%s is off by up to %.2g CIEDE2000 at 95 %% of its pixels "
+             "the shading of %s is off by up to %.2g CIEDE2000 at 95 %% of its pixels "
              "(see --accuracy)",
-             name, n > 1 ? ", the worst of several objects," : "", worst->quantile_95);
+             name, shading->objects[worst].quantile_95);
 }
 
 void refined_print(const struct notes *notes, struct printed *to)
