@@ -95,9 +95,6 @@ bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, 
         if (!pages_write(&writer->pages, to->page, runs.at + (uint64_t)i * runs.pitch,
                          (const char *)samples + (size_t)i * runs.length, runs.length, err))
             return false;
-    if (runs.n > 0)
-        pages_written(&writer->pages, to->page, runs.at,
-                      (uint64_t)(runs.n - 1) * runs.pitch + runs.length);
     return true;
 }
 

@@ -133,7 +133,6 @@ struct seen_pixels {
 /* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
 bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
                struct seen_pixels *out, struct error *err);
-void seen_free(struct seen_pixels *seen);
 /* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
 bool lattice_place(const struct lattice *lattice, int index, double at[2]);
 

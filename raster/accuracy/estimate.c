@@ -170,7 +170,7 @@ bool accuracy_judge(const struct measure *measure, const struct surface *surface
         patches_close(&of.patches[i]);
     free(of.patches);
     free(of.points);
-    seen_free(&of.seen);
+    free(of.seen.pixels);
     if (!done)
         accuracy_estimate_free(out);
     return done;

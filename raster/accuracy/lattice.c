@@ -126,9 +126,3 @@ bool seen_find(const struct plan *plan, const struct surface *surfaces, int want
             draw_surface(plan, surfaces, s, out);
     return true;
 }
-
-void seen_free(struct seen_pixels *seen)
-{
-    free(seen->pixels);
-    *seen = (struct seen_pixels){.pixels = NULL};
-}

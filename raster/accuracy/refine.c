@@ -6,8 +6,8 @@
 
 #include "data/base/base.h"
 #include "data/text/text.h"
-#include "data/threads/threads.h"
 #include "raster/accuracy/accuracy.h"
+#include "raster/bounds/bounds.h"
 
 /* ---- the words of the option ---- */
 
@@ -39,54 +39,20 @@ struct refinement {
     int *halvings; /* of each object of the scene; owned */
 };
 
-/* Vertices of a surface, which threads light in blocks. */
-struct lighting {
-    const struct view *view;
-    struct surface *surface;
-};
-
-static void light_block(void *context, size_t first, size_t end)
-{
-    const struct lighting *of = context;
-    struct light_work ignored = {0};
-    for (size_t i = first; i < end; i++)
-        surface_light(of->view, of->surface, (int)i, &ignored);
-}
-
-/* Lights the surfaces of all instances in view. */
-static bool light_surfaces(const struct plan *plan, struct surface *surfaces, struct error *err)
-{
-    enum { BLOCK_VERTICES = 256 };
-    for (int i = 0; i < plan->n_instances; i++) {
-        const struct instance *instance = &plan->instances[i].instance;
-        struct lighting of = {&plan->view, &surfaces[i]};
-        if (!plan->instances[i].in_view)
-            continue;
-        if (!surface_open(instance, &surfaces[i]))
-            return memory_lacks(err, 0, "%d vertices", instance->n_vertices);
-        threads_blocks(plan->options.threads, (size_t)instance->n_vertices, BLOCK_VERTICES,
-                       light_block, &of);
-    }
-    return true;
-}
-
 /* Judges the picture of the plan as it is now. */
 static bool look(struct refinement *of, struct error *err)
 {
     enum { MANY_PIXELS = 8192 };
-    const struct plan *plan = of->plan;
-    struct surface *surfaces;
-    accuracy_estimate_free(&of->result->estimate);
-    bool done = MAKE_ARRAY(surfaces, (size_t)plan->n_instances + 1, err, "the surfaces of %s",
-                           plan->scene->path) &&
-                light_surfaces(plan, surfaces, err);
+    struct accuracy_estimate *estimate = &of->result->estimate;
+    struct lit_scene lit;
+    struct light_work work;
+    accuracy_estimate_free(estimate);
+    bool done = lit_make(of->plan, driver_of(NULL), &lit, &work, err);
     if (done) {
-        measure_scale(&of->measure, surfaces);
-        done = accuracy_judge(&of->measure, surfaces, MANY_PIXELS, &of->result->estimate, err);
+        measure_scale(&of->measure, lit.surfaces);
+        done = accuracy_judge(&of->measure, lit.surfaces, MANY_PIXELS, estimate, err);
     }
-    for (int i = 0; surfaces && i < plan->n_instances; i++)
-        surface_close(&surfaces[i]);
-    free(surfaces);
+    lit_free(&lit);
     return done;
 }
 
@@ -122,14 +88,6 @@ static bool is_divisible(const struct refinement *of, int object)
     return shape->kind == SHAPE_MESH || memcmp(a.parameter, b.parameter, sizeof a.parameter) != 0;
 }
 
-/* Returns at most how many more triangles an object gets when it is divided. A triangle becomes
- * four; those at poles and rims of built-in shapes become six. */
-static long growth(const struct refinement *of, int object)
-{
-    return (of->plan->scene->objects[object].shape.kind == SHAPE_MESH ? 3 : 5) *
-           of->result->objects[object].after;
-}
-
 /* Finds the objects to divide, those of the largest errors first, as long as there is room for
  * their triangles. Returns whether there are any. */
 static bool choose(const struct refinement *of)
@@ -142,11 +100,14 @@ static bool choose(const struct refinement *of)
         const int object = object_of(of->plan, estimate->objects[i].surface);
         if (estimate->objects[i].quantile_95 <= result->wanted.error || !is_divisible(of, object))
             continue;
-        if (growth(of, object) > room) {
+        /* a triangle becomes four; at poles and rims of built-in shapes, six at most */
+        const bool is_mesh = of->plan->scene->objects[object].shape.kind == SHAPE_MESH;
+        const long growth = (is_mesh ? 3 : 5) * result->objects[object].after;
+        if (growth > room) {
             result->stopped = true;
             continue;
         }
-        room -= growth(of, object);
+        room -= growth;
         of->halvings[object]++;
         any = true;
     }

@@ -100,23 +100,17 @@ static void print_guesses(const struct plan *plan, struct printed *to)
     }
 }
 
-static void put_picture(struct json *json, const struct plan *plan)
+void scene_put(const struct plan *plan, struct json *json)
 {
     const struct scene *scene = plan->scene;
-    json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
     json_string(json, "scene_sha256", scene->sha256);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
     json_count(json, "positions_per_pixel",
                (uint64_t)scene->positions * (uint64_t)scene->positions);
-    json_count(json, "bands", (uint64_t)plan->n_bands);
     json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
                  scene->n_wavelengths);
-    if (json->words && plan->sampling) {
-        print_text(&json->printed, "sampling          ");
-        sampling_print(plan->sampling, &json->printed);
-    }
 }
 
 bool plan_facts(const struct plan *plan, const struct notes *notes, struct json *json,
@@ -125,7 +119,13 @@ bool plan_facts(const struct plan *plan, const struct notes *notes, struct json 
     struct passes passes;
     bool done = passes_make(plan, &passes, err);
     json_open(json, NULL, '{');
-    put_picture(json, plan);
+    json_string(json, "program", PROGRAM);
+    scene_put(plan, json);
+    json_count(json, "bands", (uint64_t)plan->n_bands);
+    if (json->words && plan->sampling) {
+        print_text(&json->printed, "sampling          ");
+        sampling_print(plan->sampling, &json->printed);
+    }
     if (done) {
         put_work(json, plan, &passes);
         left_out_put(plan, &passes, json);

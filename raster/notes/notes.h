@@ -50,6 +50,8 @@ void notes_free(struct notes *notes);
  */
 bool plan_facts(const struct plan *plan, const struct notes *notes, struct json *json,
                 struct error *err);
+/* Puts the members on the scene, and on the size and the wavelengths of its picture. */
+void scene_put(const struct plan *plan, struct json *json);
 /* shading.c: puts the shading's error of the picture and of its objects, and how triangles were
  * divided, as the object "accuracy". */
 void accuracy_put(const struct plan *plan, const struct notes *notes, struct json *json);

@@ -176,14 +176,7 @@ static void json_picture(struct json *json, const struct plan *plan,
     char sampling[SAMPLING_NAME];
     json_string(json, "program", "spectral");
     json_string(json, "version", SPECTRAL_VERSION);
-    json_string(json, "scene", scene->path);
-    json_string(json, "scene_sha256", scene->sha256);
-    json_count(json, "width", (uint64_t)scene->width);
-    json_count(json, "height", (uint64_t)scene->height);
-    json_count(json, "positions_per_pixel",
-               (uint64_t)scene->positions * (uint64_t)scene->positions);
-    json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
-                 scene->n_wavelengths);
+    scene_put(plan, json);
     if (plan->sampling)
         sampling_name(&plan->sampling->method, sampling);
     json_string(json, "sampling", plan->sampling ? sampling : NULL);
