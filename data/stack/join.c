@@ -17,9 +17,9 @@ struct joined {
     struct stack_verdict sums;
     bool has_sums; /* the parts' lines have numbers */
     struct stack_writer writer;
-    int bits;            /* of a sample, in all parts */
-    unsigned char *has;  /* of each row of the picture: a part had it; owned */
-    char *bytes;         /* COPIED_BYTES; owned */
+    int bits;           /* of a sample, in all parts */
+    unsigned char *has; /* of each row of the picture: a part had it; owned */
+    char *bytes;        /* COPIED_BYTES; owned */
 };
 
 /* ---- records ---- */
@@ -39,8 +39,9 @@ static bool check_layout(const struct joined *joined, const struct cube *part,
 {
     const struct cube *first = &joined->first;
     const struct record *record = &part->record;
-    return (part->image.width == first->image.width && part->image.n_pages == first->image.n_pages &&
-            layout->bits == joined->bits && !layout->by_pixels && !layout->big_endian &&
+    return (part->image.width == first->image.width &&
+            part->image.n_pages == first->image.n_pages && layout->bits == joined->bits &&
+            !layout->by_pixels && !layout->big_endian &&
             record->rows.value[2] == first->record.rows.value[2] &&
             record->map_bytes == first->record.map_bytes &&
             (record->map_bytes > 0) == (record->object_map != NULL)) ||
@@ -115,23 +116,6 @@ static bool conclude(struct joined *joined, const struct options *options, struc
 
 /* ---- rows ---- */
 
-/* Makes the options of the whole stack, as the first part describes it. */
-static struct stack_options whole_options(const struct joined *joined, const char *provenance,
-                                          const char *const *labels)
-{
-    const struct cube *part = &joined->first;
-    return (struct stack_options){.width = part->image.width,
-                                  .height = (int)part->record.rows.value[2],
-                                  .n_wavelengths = part->image.n_pages,
-                                  .wavelengths_nm = part->record.wavelengths.value,
-                                  .full_scale = strtod(part->record.full_scale, NULL),
-                                  .bits = joined->bits,
-                                  .scene = part->record.scene,
-                                  .provenance = provenance,
-                                  .map_bytes = part->record.map_bytes,
-                                  .labels = labels};
-}
-
 /* Lays out the whole stack. The lines of its scale and of its object map are stack_open's. */
 static bool open_whole(struct joined *joined, const char *path, struct error *err)
 {
@@ -148,7 +132,16 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
     if (done && part->components)
         done = sampling_read(part->image.path, part->record.sampling, &sampling.method, err) &&
                (labels = sampling_labels(&sampling, part->image.n_pages, err));
-    const struct stack_options options = whole_options(joined, provenance, labels);
+    const struct stack_options options = {.width = part->image.width,
+                                          .height = (int)part->record.rows.value[2],
+                                          .n_wavelengths = part->image.n_pages,
+                                          .wavelengths_nm = part->record.wavelengths.value,
+                                          .full_scale = strtod(part->record.full_scale, NULL),
+                                          .bits = joined->bits,
+                                          .scene = part->record.scene,
+                                          .provenance = provenance,
+                                          .map_bytes = part->record.map_bytes,
+                                          .labels = labels};
     done = done && stack_open(&joined->writer, path, &options, err);
     free(provenance);
     free(labels);

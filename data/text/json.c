@@ -71,12 +71,11 @@ static void words_close(struct json *json, char bracket)
 
 static void json_key(struct json *json, const char *key)
 {
-    if (json->words) {
+    if (json->words)
         words_key(json, key);
-        return;
-    }
-    print(&json->printed, "%s", json->separated ? ", " : "");
-    if (key)
+    else
+        print(&json->printed, "%s", json->separated ? ", " : "");
+    if (!json->words && key)
         print(&json->printed, "\"%s\": ", key);
     json->separated = true;
 }
@@ -105,11 +104,10 @@ void json_open(struct json *json, const char *key, char bracket)
 
 void json_close(struct json *json, char bracket)
 {
-    if (json->words) {
+    if (json->words)
         words_close(json, bracket);
-        return;
-    }
-    print(&json->printed, "%c", bracket);
+    else
+        print(&json->printed, "%c", bracket);
     json->separated = true;
 }
 

@@ -25,17 +25,6 @@ struct estimating {
     struct counter failed; /* threads that found no memory */
 };
 
-/* ---- surfaces ---- */
-
-/* Opens the patches of an instance's shape, unless they are open. */
-static bool open_patches(struct estimating *of, int surface, struct error *err)
-{
-    const struct placed_instance *placed = &of->plan->instances[surface];
-    const struct plan_mesh *mesh = &of->plan->meshes[placed->mesh];
-    struct patches *patches = &of->patches[placed->mesh];
-    return patches->shape || !mesh->mesh.parametric || patches_open(&mesh->shape, patches, err);
-}
-
 /* ---- points ---- */
 
 /* Judges a pixel of the lattice; none: background, and where the true surface is not seen. */
@@ -70,12 +59,18 @@ static void judge_block(void *context, size_t first, size_t end)
     free(attributes);
 }
 
-/* Opens the patches of all surfaces that are seen. */
+/* Opens the patches of all shapes that are seen. */
 static bool open_seen(struct estimating *of, struct error *err)
 {
-    for (int i = 0; i < of->seen.n; i++)
-        if (of->seen.pixels[i].surface >= 0 && !open_patches(of, of->seen.pixels[i].surface, err))
+    for (int i = 0; i < of->seen.n; i++) {
+        if (of->seen.pixels[i].surface < 0)
+            continue;
+        const int index = of->plan->instances[of->seen.pixels[i].surface].mesh;
+        const struct plan_mesh *mesh = &of->plan->meshes[index];
+        if (mesh->mesh.parametric && !of->patches[index].shape &&
+            !patches_open(&mesh->shape, &of->patches[index], err))
             return false;
+    }
     return true;
 }
 
