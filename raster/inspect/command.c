@@ -14,16 +14,6 @@
 
 /* ---- operands ---- */
 
-static bool pixels_read(const char *name, const char *value, double lowest, int *out,
-                        struct error *err)
-{
-    double number;
-    if (!option_number(name, value, lowest, INT32_MAX, &number, err))
-        return false;
-    *out = (int)number;
-    return number == *out || error_usage(err, "%s must be a whole number, not '%s'", name, value);
-}
-
 static bool region_read(const struct options *options, struct probe_options *out, struct error *err)
 {
     static const char *const names[] = {"X", "Y", "W", "H"};
@@ -35,7 +25,8 @@ static bool region_read(const struct options *options, struct probe_options *out
                            "probe takes a STACK or SCENE, X and Y, and optionally W and H; see "
                            "spectral probe --help");
     for (int i = 0; i + 1 < options->n_operands; i++)
-        if (!pixels_read(names[i], options->operands[1 + i], i < 2 ? 0 : 1, numbers[i], err))
+        if (!option_count(names[i], options->operands[1 + i], i < 2 ? 0 : 1, INT32_MAX, numbers[i],
+                          err))
             return false;
     return true;
 }
@@ -49,10 +40,10 @@ static bool probe_picture(const struct options *options, const struct probe_opti
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
     struct refine_result refined = {.levels = 0};
-    bool done =
-        scene_read_options(options, &scene, err) &&
-        plan_make(&scene, NULL, &plan_options, &plan, err) &&
-        refine_options(options, &plan, &refined, err) && probe_scene(&plan, region, out, err);
+    bool done = scene_read_options(options, &scene, err) &&
+                plan_make(&scene, NULL, &plan_options, &plan, err) &&
+                refine_options(options, &plan, &refined, err) &&
+                probe_scene(&plan, region, out, err);
     refine_result_free(&refined);
     plan_free(&plan);
     scene_free(&scene);
