@@ -78,8 +78,6 @@ bool error_unsupported(struct error *err, const char *format, ...) PRINTF_LIKE(2
  * that the user gave, as for ENOENT, and EXIT_SYSTEM for any other cause, as EIO. */
 bool error_cause(struct error *err, struct place place, int cause, const char *format, ...)
     PRINTF_LIKE(4, 5);
-/* "out of memory". Sets EXIT_SYSTEM. */
-bool error_memory(struct error *err);
 /* Returns the text without "error: ", to be quoted in another message. */
 const char *error_words(const struct error *err);
 /* Sets EXIT_SYSTEM without a text: the reader of a pipe has closed it, and expects no message. */

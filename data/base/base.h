@@ -26,6 +26,7 @@ struct printed {
 };
 void print(struct printed *to, const char *format, ...) PRINTF_LIKE(2, 3);
 void print_text(struct printed *to, const char *text);
+void print_printable(struct printed *to, const char *text); /* without unprintable characters */
 /* Prints "NAME  VALUE" in a line of its own, without the value's unprintable characters. */
 void print_fact(struct printed *to, const char *name, const char *value);
 void print_bytes(struct printed *to, const void *bytes, size_t length);

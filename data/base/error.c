@@ -122,11 +122,6 @@ bool error_cause(struct error *err, struct place place, int cause, const char *f
     return false;
 }
 
-bool error_memory(struct error *err)
-{
-    return error_failed(err, "out of memory; --memory sets the limit");
-}
-
 bool error_unread(struct error *err)
 {
     if (err->status == EXIT_AGREED)

@@ -67,15 +67,20 @@ void print(struct printed *to, const char *format, ...)
     }
 }
 
-void print_fact(struct printed *to, const char *name, const char *value)
+void print_printable(struct printed *to, const char *text)
 {
-    print(to, "%-17s ", name);
     const size_t start = to->length;
-    print_text(to, value);
+    print_text(to, text);
     if (to->failed)
         return;
     hide_unprintable(to->text + start, "");
     to->length = start + strlen(to->text + start);
+}
+
+void print_fact(struct printed *to, const char *name, const char *value)
+{
+    print(to, "%-17s ", name);
+    print_printable(to, value);
     print_text(to, "\n");
 }
 

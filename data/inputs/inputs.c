@@ -9,11 +9,11 @@
 
 /* ---- finding ---- */
 
-/* Adds a copy of the path, unless it is NULL or built in. */
+/* Adds a copy of the path, unless it is NULL, built in or missing. */
 static bool add(struct inputs *to, const char *path, struct error *err)
 {
     char *copy = NULL;
-    if (!path || path_is_builtin(path))
+    if (!path || path_is_builtin(path) || file_is_missing(path))
         return true;
     if (!string_copy(path, &copy, err))
         return false;
@@ -97,24 +97,10 @@ bool inputs_list(const struct scene *scene, const char *detector, struct inputs 
     return done;
 }
 
-bool inputs_find(const struct scene *scene, const char *detector, struct inputs *out,
-                 struct error *err)
-{
-    const bool done = inputs_list(scene, detector, out, err);
-    int n = 0;
-    for (int i = 0; i < out->n; i++)
-        if (file_is_missing(out->path[i]))
-            free(out->path[i]);
-        else
-            out->path[n++] = out->path[i];
-    out->n = n;
-    return done;
-}
-
 bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,
                 struct error *err)
 {
-    bool done = inputs_find(scene, detector, out, err), regular;
+    bool done = inputs_list(scene, detector, out, err), regular;
     for (int i = 0; done && i < scene->n_texts; i++)
         done = file_is_regular(scene->files[i].path, &regular, err) &&
                (!regular || add(out, scene->files[i].path, err));

@@ -11,14 +11,11 @@ struct inputs {
     char **path; /* in the order of strcmp, each once; both are owned */
     int n;
 };
-/* Lists the files that the scene's text and its options name, as far as the picture needs them: a
- * material that no object uses is not read. detector: a file or a built-in name; NULL: the scene is
- * not sampled for one. The caller frees *out, also after a failure. */
+/* Lists the files that the scene's text and its options name, as far as the picture needs them and
+ * they are there: a material that no object uses is not read, and a plan refuses a missing file
+ * that it needs. detector: a file or a built-in name; NULL: the scene is not sampled for one. The
+ * caller frees *out, also after a failure. */
 bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
-                 struct error *err);
-/* Lists those of them that are there. A plan refuses a missing file that it needs, so that the
- * picture does not depend on the others. */
-bool inputs_find(const struct scene *scene, const char *detector, struct inputs *out,
                  struct error *err);
 /* Lists these and the files of the scene's text, unless that came from a pipe. */
 bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,

@@ -25,8 +25,8 @@ bool option_number(const char *option, const char *value, double lowest, double 
     return done;
 }
 
-static bool read_count(const char *option, const char *value, double lowest, double highest,
-                       int *out, struct error *err)
+bool option_count(const char *option, const char *value, double lowest, double highest, int *out,
+                  struct error *err)
 {
     double count;
     if (!option_number(option, value, lowest, highest, &count, err))
@@ -135,7 +135,7 @@ static bool store_value(struct options *options, const struct option *option, co
     case OPTION_NUMBER:
         return option_number(name, value, option->lowest, option->highest, (double *)at, err);
     case OPTION_COUNT:
-        return read_count(name, value, option->lowest, option->highest, (int *)at, err);
+        return option_count(name, value, option->lowest, option->highest, (int *)at, err);
     case OPTION_FLAG:
         *(bool *)at = true;
         return true;

@@ -127,6 +127,8 @@ int options_table(const struct options *options, const char *output);
 /* Reads the one number of an option or operand, from lowest to highest. Messages name `option`. */
 bool option_number(const char *option, const char *value, double lowest, double highest,
                    double *out, struct error *err);
+bool option_count(const char *option, const char *value, double lowest, double highest, int *out,
+                  struct error *err); /* a whole number, up to INT_MAX */
 
 /* ---- help.c: the explanations of --help ---- */
 

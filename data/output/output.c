@@ -141,9 +141,7 @@ bool output_sync(const struct output *output, struct error *err)
     return sync_descriptor(output->descriptor) || write_fault(err, output->path);
 }
 
-/* Syncs the folder, so that the new name outlives a crash of the machine. The file is whole in any
- * case, so a failure is none of the output. */
-static void sync_folder(const char *path)
+void folder_sync(const char *path)
 {
     char *folder = file_relative(path, ".");
     const int descriptor = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
@@ -163,7 +161,7 @@ static bool commit_name(struct output *out, struct error *err)
     guard_release();
     if (!done)
         return false;
-    sync_folder(out->path);
+    folder_sync(out->path);
     return true;
 }
 

@@ -10,11 +10,6 @@
 
 /* ---- output.c: files that appear whole or not at all ---- */
 
-/* Bytes at .. at + length of a file. */
-struct output_piece {
-    uint64_t at, length;
-};
-enum { LATE_PIECES = 32 };
 /* A regular or new file is written beside its place, and gets its name at the end; anything else (a
  * pipe, a device, "-" for standard output) receives a copy of a temporary file. */
 struct output {
@@ -24,10 +19,6 @@ struct output {
                         name; NULL: no file is open */
     bool named;      /* the temporary name stands in the folder, and must be removed */
     bool copied;     /* path is no regular file, or "-": copy at the end */
-    struct output_piece
-        pieces[LATE_PIECES]; /* writeback.c: the last ones on their way to the disk */
-    int n_pieces;
-    uint64_t written; /* bytes that output_written has heard of */
 };
 /* Creates the file. Refuses a path that cannot be written, a terminal, and a file that this process
  * has read: see file_was_read. */
@@ -63,7 +54,7 @@ bool printed_write(struct printed *printed, const char *path, struct outputs *ou
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
 bool output_can_open(const char *path, struct error *err);
 
-/* ---- writeback.c: large files on their way to the disk ---- */
+/* ---- disk.c: room on the disk ---- */
 
 /* Refuses a disk that has no room for so many bytes more, before hours of rendering are lost. */
 bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err);
@@ -71,8 +62,6 @@ bool output_fits(int descriptor, const char *path, uint64_t needed, struct error
  * work begins. Returns false with errno where the disk is too full; true, too, where a file system
  * cannot reserve, or a file is small. */
 bool output_reserve(const struct output *output, uint64_t length);
-/* Says that these bytes are written and do not change any more, and will not be read soon. */
-void output_written(struct output *output, uint64_t at, uint64_t length);
 
 /* ---- paths.c: the names of files that a command writes ---- */
 
@@ -92,7 +81,7 @@ struct folder {
     DIR *entries; /* open, so that the folder can be emptied without memory; NULL: there is none */
 };
 /* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove). The caller lets the
- * guard know the files in it. Removes the folders of processes that were killed. */
+ * guard know the files in it. */
 bool folder_open(struct folder *out, struct error *err);
 /* Makes a folder beside the path, which must not exist, for files that the user keeps. The caller
  * holds signals back until folder_close: see guard_hold. */
@@ -102,6 +91,10 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err);
 void folder_close(struct folder *folder); /* with all files in it, unless they are kept */
 
 /* ---- Inside this room ---- */
+
+/* output.c: syncs the folder of a path, so that its new name outlives a crash of the machine. The
+ * file is whole in any case, so a failure is none of the output. */
+void folder_sync(const char *path);
 
 /* temporary.c: fills out->descriptor, temporary and named with a new file in the folder of a path.
  * Where the file system can, the file has no name, so that nothing stays behind if the program is

@@ -255,11 +255,6 @@ bool pages_write(const struct pages *pages, int page, uint64_t at, const void *b
     return put(pages, bytes, length, pages_offset(pages, page) + at, err);
 }
 
-void pages_written(struct pages *pages, int page, uint64_t at, uint64_t length)
-{
-    output_written(&pages->output, pages_offset(pages, page) + at, length);
-}
-
 /* ---- the check at the end ---- */
 
 /* Returns true if the current directory describes this page and has its offset. */

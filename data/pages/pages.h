@@ -41,8 +41,6 @@ uint64_t pages_end(const struct pages *pages); /* the size of the whole file */
 /* Writes bytes into a page, from byte `at` of its pixels on. */
 bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
                  struct error *err);
-/* Says that the writing of so many bytes of a page is over: see output_written. */
-void pages_written(struct pages *pages, int page, uint64_t at, uint64_t length);
 /* Fills the room with a text (NULL: there is no room). Reads all directories again, and fails if
  * one of them is not complete. */
 bool pages_finish(struct pages *pages, const char *room, struct error *err);

@@ -189,7 +189,7 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, co
 {
     struct inputs inputs;
     *out = (struct record){.scene = scene->path, .scene_sha256 = scene->sha256};
-    bool done = inputs_find(scene, detector, &inputs, err) &&
+    bool done = inputs_list(scene, detector, &inputs, err) &&
                 record_texts(scene, sampling, &inputs, out, err);
     inputs_free(&inputs);
     if (!sampling || sampling->spectral)
@@ -242,7 +242,7 @@ bool record_find_change(const struct record *record, const struct scene *scene,
     struct inputs inputs;
     struct printed printed = {.text = NULL};
     const int n = record->files.n;
-    bool done = inputs_find(scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
+    bool done = inputs_list(scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
     char *text = printed_take(&printed, err);
     const char *now = text;
     done = done && text;

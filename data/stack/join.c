@@ -115,23 +115,6 @@ static bool conclude(struct joined *joined, const struct options *options, struc
 
 /* ---- rows ---- */
 
-/* Makes the options of the whole stack, as the first part describes it. */
-static struct stack_options whole_options(const struct joined *joined, const char *provenance,
-                                          const char *const *labels)
-{
-    const struct cube *part = &joined->first;
-    return (struct stack_options){.width = part->image.width,
-                                  .height = (int)part->record.rows.value[2],
-                                  .n_wavelengths = part->image.n_pages,
-                                  .wavelengths_nm = part->record.wavelengths.value,
-                                  .full_scale = strtod(part->record.full_scale, NULL),
-                                  .bits = joined->bits,
-                                  .scene = part->record.scene,
-                                  .provenance = provenance,
-                                  .map_bytes = part->record.map_bytes,
-                                  .labels = labels};
-}
-
 /* Lays out the whole stack. The lines of its scale and of its object map are stack_open's. */
 static bool open_whole(struct joined *joined, const char *path, struct error *err)
 {
@@ -148,7 +131,16 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
     if (done && part->components)
         done = sampling_read(part->image.path, part->record.sampling, &sampling.method, err) &&
                (labels = sampling_labels(&sampling, part->image.n_pages, err));
-    const struct stack_options options = whole_options(joined, provenance, labels);
+    const struct stack_options options = {.width = part->image.width,
+                                          .height = (int)part->record.rows.value[2],
+                                          .n_wavelengths = part->image.n_pages,
+                                          .wavelengths_nm = part->record.wavelengths.value,
+                                          .full_scale = strtod(part->record.full_scale, NULL),
+                                          .bits = joined->bits,
+                                          .scene = part->record.scene,
+                                          .provenance = provenance,
+                                          .map_bytes = part->record.map_bytes,
+                                          .labels = labels};
     done = done && stack_open(&joined->writer, path, &options, err);
     FREE_ALL(provenance, labels);
     return done;

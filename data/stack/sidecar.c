@@ -2,7 +2,6 @@
 /* Writes the ENVI header of a stack. The pages of a stack lie raw and without gaps, so that ENVI,
  * SPy, GDAL and MATLAB can map the TIFF file itself: the header says where its samples begin. */
 #include <ctype.h>
-#include <errno.h>
 #include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
@@ -151,15 +150,10 @@ bool sidecar_can_open(const char *stack, struct error *err)
 bool stack_commit_envi(struct stack_writer *writer, const char *path, struct outputs *outputs,
                        struct error *err)
 {
-    struct output output = {.path = NULL};
     char *name = sidecar_name(path, err);
     char *header = name ? header_make(writer->pages.output.temporary, err) : NULL;
-    bool done = header && output_open(&output, name, err);
-    errno = 0;
-    if (done && !write_all(output.descriptor, header, strlen(header)))
-        done = error_system(err, "cannot write %s", name);
-    done = done && stack_commit(writer, outputs, err) && output_pass(&output, outputs, err);
-    output_discard(&output);
+    const bool done = header && stack_commit(writer, outputs, err) &&
+                      file_write(name, header, strlen(header), outputs, err);
     FREE_ALL(header, name);
     return done;
 }

@@ -64,39 +64,23 @@ static size_t sample_bytes(const struct stack_options *options, int page)
     return (size_t)options->bits / 8;
 }
 
-/* The runs of a rectangle: whole rows of the page lie together in the file. */
-struct runs {
-    int n;
-    size_t length;      /* of a run, in bytes */
-    uint64_t at, pitch; /* of the first one in its page; from one to the next */
-};
-
-static struct runs runs_of(const struct stack_writer *writer, const struct stack_rectangle *to)
+/* Whole rows of a page lie together in the file. */
+bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
+                 struct error *err)
 {
     const struct stack_options *options = &writer->options;
     const size_t sample = sample_bytes(options, to->page);
     const bool together = to->width == options->width;
-    const uint64_t pitch = (uint64_t)options->width * sample;
+    const size_t length = (size_t)to->width * sample * (together ? (size_t)to->height : 1);
+    const char *from = samples;
     assert(to->page >= 0 && to->page < options->n_wavelengths + (options->map_bytes > 0) &&
            to->x >= 0 && to->y >= 0 && to->width >= 0 && to->height >= 0 &&
            to->x <= options->width - to->width && to->y <= options->height - to->height);
-    return (struct runs){.n = together ? 1 : to->height,
-                         .length = (size_t)to->width * sample * (together ? (size_t)to->height : 1),
-                         .at = (uint64_t)to->y * pitch + (uint64_t)to->x * sample,
-                         .pitch = pitch};
-}
-
-bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
-                 struct error *err)
-{
-    const struct runs runs = runs_of(writer, to);
-    for (int i = 0; i < runs.n; i++)
-        if (!pages_write(&writer->pages, to->page, runs.at + (uint64_t)i * runs.pitch,
-                         (const char *)samples + (size_t)i * runs.length, runs.length, err))
+    for (int y = to->y; y < to->y + (together ? 1 : to->height); y++, from += length) {
+        const uint64_t first = (uint64_t)y * (uint64_t)options->width + (uint64_t)to->x;
+        if (!pages_write(&writer->pages, to->page, first * sample, from, length, err))
             return false;
-    if (runs.n > 0)
-        pages_written(&writer->pages, to->page, runs.at,
-                      (uint64_t)(runs.n - 1) * runs.pitch + runs.length);
+    }
     return true;
 }
 

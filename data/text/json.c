@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes JSON into a text that grows. The caller is responsible for the structure. */
+/* Writes facts into a text that grows: as JSON, or as words in lines. The caller is responsible for
+ * the structure. */
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
 
 #include "data/text/text.h"
 
@@ -10,16 +14,90 @@ void json_begin(struct json *json)
     print_text(&json->printed, "{");
 }
 
+void words_begin(struct json *json)
+{
+    *json = (struct json){.words = true};
+}
+
+/* ---- lines of words ---- */
+
+/* Begins a line: "scene_sha256" becomes "scene sha256", and an entry of the list "files" a "file".
+ */
+static void put_name(struct json *json, const char *key)
+{
+    char name[32];
+    const size_t length = (size_t)snprintf(name, sizeof name, "%s", key ? key : json->list);
+    if (!key && name[length - 1] == 's')
+        name[length - 1] = '\0';
+    for (char *at = name; *at; at++)
+        *at = *at == '_' ? ' ' : *at;
+    print(&json->printed, "%*s%-*s ", 2 * json->depth, "", 17 - 2 * json->depth, name);
+}
+
+/* An entry of a list has all members in one line: "first: name second, name third". */
+static void words_key(struct json *json, const char *key)
+{
+    if (json->n_row == 0)
+        put_name(json, key);
+    else if (json->n_row++ > 1 && key)
+        print(&json->printed, "%s%s ", json->n_row == 3 ? ": " : ", ", key);
+}
+
+static void words_open(struct json *json, const char *key, char bracket)
+{
+    if (bracket == '[')
+        json->list = key;
+    else if (json->list) {
+        put_name(json, NULL);
+        json->n_row = 1;
+    } else {
+        if (key)
+            print(&json->printed, "%*s%s\n", 2 * json->depth, "", key);
+        json->depth++;
+    }
+}
+
+static void words_close(struct json *json, char bracket)
+{
+    if (bracket == ']')
+        json->list = NULL;
+    else if (json->list) {
+        print_text(&json->printed, "\n");
+        json->n_row = 0;
+    } else
+        json->depth--;
+}
+
+/* ---- either ---- */
+
 static void json_key(struct json *json, const char *key)
 {
-    print(&json->printed, "%s", json->separated ? ", " : "");
-    if (key)
+    if (json->words)
+        words_key(json, key);
+    else
+        print(&json->printed, "%s", json->separated ? ", " : "");
+    if (!json->words && key)
         print(&json->printed, "\"%s\": ", key);
     json->separated = true;
 }
 
+/* Puts a whole value: one text for JSON, another for words. Words leave out what is "null". */
+static void put_value(struct json *json, const char *key, const char *value, const char *words)
+{
+    if (json->words && strcmp(value, "null") == 0)
+        return;
+    json_key(json, key);
+    print_printable(&json->printed, json->words ? words : value);
+    if (json->words && json->n_row == 0)
+        print_text(&json->printed, "\n");
+}
+
 void json_open(struct json *json, const char *key, char bracket)
 {
+    if (json->words) {
+        words_open(json, key, bracket);
+        return;
+    }
     json_key(json, key);
     print(&json->printed, "%c", bracket);
     json->separated = false;
@@ -27,7 +105,10 @@ void json_open(struct json *json, const char *key, char bracket)
 
 void json_close(struct json *json, char bracket)
 {
-    print(&json->printed, "%c", bracket);
+    if (json->words)
+        words_close(json, bracket);
+    else
+        print(&json->printed, "%c", bracket);
     json->separated = true;
 }
 
@@ -51,11 +132,11 @@ static int put_character(struct printed *to, const unsigned char *at)
 
 void json_string(struct json *json, const char *key, const char *value)
 {
-    json_key(json, key);
-    if (!value) {
-        print(&json->printed, "null");
+    if (!value || json->words) {
+        put_value(json, key, value ? "" : "null", value);
         return;
     }
+    json_key(json, key);
     print_text(&json->printed, "\"");
     for (const unsigned char *at = (const unsigned char *)value; *at;)
         at += put_character(&json->printed, at);
@@ -64,29 +145,32 @@ void json_string(struct json *json, const char *key, const char *value)
 
 void json_number(struct json *json, const char *key, double value)
 {
-    json_key(json, key);
+    char exact[32] = "null", words[32];
     if (isfinite(value))
-        print(&json->printed, "%.17g", value);
-    else
-        print(&json->printed, "null");
+        snprintf(exact, sizeof exact, "%.17g", value);
+    snprintf(words, sizeof words, "%.6g", value);
+    put_value(json, key, exact, words);
 }
 
 void json_count(struct json *json, const char *key, uint64_t value)
 {
-    json_key(json, key);
-    print(&json->printed, "%llu", (unsigned long long)value);
+    char text[24];
+    snprintf(text, sizeof text, "%llu", (unsigned long long)value);
+    put_value(json, key, text, text);
 }
 
 void json_truth(struct json *json, const char *key, bool value)
 {
-    json_key(json, key);
-    print(&json->printed, value ? "true" : "false");
+    put_value(json, key, value ? "true" : "false", value ? "yes" : "no");
 }
 
 void json_numbers(struct json *json, const char *key, const double *values, int n)
 {
-    if (!values) {
-        json_string(json, key, NULL);
+    char words[64];
+    if (!values || json->words) {
+        if (values)
+            snprintf(words, sizeof words, "%.10g to %.10g", values[0], values[n - 1]);
+        put_value(json, key, values ? "" : "null", words);
         return;
     }
     json_open(json, key, '[');
@@ -103,6 +187,8 @@ char *json_take(struct json *json, struct error *err)
 
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)
 {
+    if (json->words)
+        return printed_show(&json->printed, STDOUT_FILENO, err);
     print_text(&json->printed, "}\n");
     return printed_write(&json->printed, path, outputs, err);
 }

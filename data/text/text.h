@@ -118,16 +118,23 @@ bool text_direction(struct text *text, const char *what, struct vector *out, str
 /* Prints a text within a quoted field of CSV (RFC 4180): doubles its quotation marks. */
 void csv_text(const char *text, struct printed *to);
 
-/* ---- json.c: JSON out (RFC 8259) ---- */
+/* ---- json.c: facts out, as JSON (RFC 8259) or in words ---- */
 
-/* A JSON text that grows as it is written. */
+/* A text that grows as it is written. */
 struct json {
     struct printed printed;
-    bool separated; /* the next member needs a comma before it */
+    bool separated;   /* the next member needs a comma before it */
+    bool words;       /* lines for a reader in place of JSON */
+    int depth;        /* of words: objects around the next line */
+    const char *list; /* of words: the key of the list whose entries are written; NULL: none */
+    int n_row;        /* of words: 1 and the members of the entry so far; 0: no entry is open */
 };
 /* Begins a text, which is an object. When memory runs out, here or later, only json_take reports
  * it. */
 void json_begin(struct json *json);
+/* Begins a text in words: the member "scene_sha256" becomes a line "scene sha256   VALUE", and each
+ * entry of the list "files" a line "file   VALUE". A value that is null gets no line. */
+void words_begin(struct json *json);
 /* Each writes one member of an object, or of an array, whose members have no key: key NULL.
  * Brackets are '{' or '[' to open, '}' or ']' to close. */
 void json_open(struct json *json, const char *key, char bracket);
@@ -137,11 +144,11 @@ void json_string(struct json *json, const char *key, const char *value); /* NULL
 void json_number(struct json *json, const char *key, double value);
 void json_count(struct json *json, const char *key, uint64_t value);
 void json_truth(struct json *json, const char *key, bool value);
-/* An array; null where values is NULL. */
+/* An array; null where values is NULL. Words name the first and the last number. */
 void json_numbers(struct json *json, const char *key, const double *values, int n);
 /* Ends the object and the text. Returns it, and it then belongs to the caller; NULL: no memory. */
 char *json_take(struct json *json, struct error *err);
-/* Ends both and writes the text to a file, as file_write. */
+/* Ends both and writes the text to a file, as file_write; words appear on standard output. */
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err);
 
 #endif

@@ -70,16 +70,17 @@ void refine_result_free(struct refine_result *result);
 struct measure {
     const struct plan *plan;
     enum measure_unit unit;
+    bool known;        /* false: the detector is no observer, which CIEDE2000 needs */
     double full_scale; /* of counts; 0 until measure_scale has found it */
     double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
     int *first;        /* of each shaded material: where its terms are in xyz; owned */
     double (*xyz)[3];  /* of a term of weight 1; owned */
 };
 /* Makes the measure of a plan: for its sampling's observer, or for `observer`, a detector's name,
- * where the scene is not sampled. *known: false if the detector is no observer, which CIEDE2000
- * needs; *out is then undefined. The caller always frees *out. */
+ * where the scene is not sampled. A measure that is not known measures nothing. The caller always
+ * frees *out. */
 bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
-                  struct measure *out, bool *known, struct error *err);
+                  struct measure *out, struct error *err);
 /* Finds the full scale of counts: the plan's, or the largest radiance of a lit vertex. */
 void measure_scale(struct measure *measure, const struct surface *surfaces);
 void measure_free(struct measure *measure);
@@ -96,12 +97,10 @@ double measure_difference(const struct measure *measure, int shaded, const struc
 /* A surface whose shading is judged, and the surface that its mesh approximates. */
 struct judged_surface {
     const struct plan *plan;
-    int shaded;                          /* index of its material */
-    const struct surface *surface;       /* lit */
-    const struct parameters *parameters; /* of its vertices; NULL: its facets are exact */
-    const struct patches *patches;       /* of its shape, if there are parameters */
-    struct vector centre;                /* of plan_mesh, as the next */
-    double unit;
+    const struct placed_instance *placed;
+    const struct plan_mesh *mesh;  /* without parameters its facets are exact */
+    const struct surface *surface; /* lit */
+    const struct patches *patches; /* of its shape, if there are parameters */
 };
 /* Compares a place of a triangle, with its barycentric coordinates there: the drawn light, and the
  * light of the point of the true surface that the window shows. On a mesh file the facets are true,
@@ -134,15 +133,13 @@ struct seen_pixels {
 /* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
 bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
                struct seen_pixels *out, struct error *err);
-void seen_free(struct seen_pixels *seen);
 /* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
 bool lattice_place(const struct lattice *lattice, int index, double at[2]);
 
 /* ---- estimate.c ---- */
 
-/* Judges pixels that are seen, of surfaces that are lit at the corners that are needed. */
-bool accuracy_judge(const struct measure *measure, const struct surface *surfaces,
-                    const struct seen_pixels *seen, struct accuracy_estimate *out,
-                    struct error *err);
+/* Judges about `wanted` pixels of surfaces that are lit. */
+bool accuracy_judge(const struct measure *measure, const struct surface *surfaces, int wanted,
+                    struct accuracy_estimate *out, struct error *err);
 
 #endif

@@ -17,7 +17,7 @@ struct estimating {
     const struct plan *plan;
     const struct surface *surfaces;
     const struct measure *measure;
-    const struct seen_pixels *seen;
+    struct seen_pixels seen;
     struct patches *patches;     /* of each mesh of the plan that is seen; owned */
     struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
                                     owned */
@@ -25,81 +25,66 @@ struct estimating {
     struct counter failed; /* threads that found no memory */
 };
 
-/* ---- surfaces ---- */
-
-/* Opens the patches of an instance's shape, unless they are open. */
-static bool open_patches(struct estimating *of, int surface, struct error *err)
-{
-    const struct placed_instance *placed = &of->plan->instances[surface];
-    const struct plan_mesh *mesh = &of->plan->meshes[placed->mesh];
-    struct patches *patches = &of->patches[placed->mesh];
-    return patches->shape || !mesh->mesh.parametric || patches_open(&mesh->shape, patches, err);
-}
-
-static struct judged_surface judged_surface(const struct estimating *of, int surface)
-{
-    const struct placed_instance *placed = &of->plan->instances[surface];
-    const struct plan_mesh *mesh = &of->plan->meshes[placed->mesh];
-    return (struct judged_surface){.plan = of->plan,
-                                   .shaded = placed->shaded,
-                                   .surface = &of->surfaces[surface],
-                                   .parameters = mesh->mesh.parameters,
-                                   .patches = &of->patches[placed->mesh],
-                                   .centre = mesh->centre,
-                                   .unit = mesh->unit};
-}
-
 /* ---- points ---- */
 
 /* Judges a pixel of the lattice; none: background, and where the true surface is not seen. */
 static void judge_pixel(const struct estimating *of, int index, double *attributes,
                         struct judged_point *out)
 {
-    const struct lattice_pixel *pixel = &of->seen->pixels[index];
+    const struct lattice_pixel *pixel = &of->seen.pixels[index];
     struct compared_point point;
     double at[2], share[3];
     out->surface = -1;
-    if (pixel->surface < 0 || !lattice_place(&of->seen->lattice, index, at))
+    if (pixel->surface < 0 || !lattice_place(&of->seen.lattice, index, at))
         return;
-    const struct judged_surface surface = judged_surface(of, pixel->surface);
+    const struct placed_instance *placed = &of->plan->instances[pixel->surface];
+    const struct judged_surface surface = {of->plan, placed, &of->plan->meshes[placed->mesh],
+                                           &of->surfaces[pixel->surface],
+                                           &of->patches[placed->mesh]};
     shares_at(&pixel->triangle, at[0], at[1], share);
     if (compare_point(&surface, &pixel->triangle, at, share, attributes, &point))
         *out = (struct judged_point){
-            pixel->surface, of->plan->instances[pixel->surface].object,
-            (float)measure_difference(of->measure, surface.shaded, &point.drawn, &point.exact)};
+            pixel->surface, placed->object,
+            (float)measure_difference(of->measure, placed->shaded, &point.drawn, &point.exact)};
 }
 
 static void judge_block(void *context, size_t first, size_t end)
 {
     struct estimating *of = context;
-    double *attributes = calloc(2 * ((size_t)of->plan->max_rows + 2), sizeof *attributes);
-    if (!attributes)
+    double *attributes;
+    if (!memory_make(&attributes, 2 * ((size_t)of->plan->max_rows + 2), sizeof *attributes))
         counter_add(&of->failed, 1);
     for (size_t i = first; i < end && attributes; i++)
         judge_pixel(of, (int)i, attributes, &of->points[i]);
     free(attributes);
 }
 
-/* Opens the patches of all surfaces that are seen. */
+/* Opens the patches of all shapes that are seen. */
 static bool open_seen(struct estimating *of, struct error *err)
 {
-    for (int i = 0; i < of->seen->n; i++)
-        if (of->seen->pixels[i].surface >= 0 && !open_patches(of, of->seen->pixels[i].surface, err))
+    for (int i = 0; i < of->seen.n; i++) {
+        if (of->seen.pixels[i].surface < 0)
+            continue;
+        const int index = of->plan->instances[of->seen.pixels[i].surface].mesh;
+        const struct plan_mesh *mesh = &of->plan->meshes[index];
+        if (mesh->mesh.parametric && !of->patches[index].shape &&
+            !patches_open(&mesh->shape, &of->patches[index], err))
             return false;
+    }
     return true;
 }
 
 static bool judge_pixels(struct estimating *of, struct error *err)
 {
     enum { BLOCK_PIXELS = 128 };
-    const int n = of->seen->n;
+    const int n = of->seen.n;
     if (!open_seen(of, err))
         return false;
     threads_blocks(of->plan->options.threads, (size_t)n, BLOCK_PIXELS, judge_block, of);
     for (int i = 0; i < n && of->failed.n == 0; i++)
         if (of->points[i].surface >= 0)
             of->points[of->n_points++] = of->points[i];
-    return of->failed.n == 0 || error_memory(err);
+    return of->failed.n == 0 || memory_lacks(err, 0, "the pixels that are judged");
 }
 
 /* ---- conclusions ---- */
@@ -164,33 +149,23 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
 
 /* ---- all of it ---- */
 
-static bool allocate(struct estimating *of, struct error *err)
+bool accuracy_judge(const struct measure *measure, const struct surface *surfaces, int wanted,
+                    struct accuracy_estimate *out, struct error *err)
 {
-    of->patches = calloc((size_t)of->plan->n_meshes + 1, sizeof *of->patches);
-    of->points = calloc((size_t)of->seen->n + 1, sizeof *of->points);
-    return (of->patches && of->points) || error_memory(err);
-}
-
-static void free_all(struct estimating *of)
-{
-    for (int i = 0; of->patches && i < of->plan->n_meshes; i++)
-        patches_close(&of->patches[i]);
-    free(of->patches);
-    free(of->points);
-}
-
-bool accuracy_judge(const struct measure *measure, const struct surface *surfaces,
-                    const struct seen_pixels *seen, struct accuracy_estimate *out,
-                    struct error *err)
-{
-    struct estimating of = {.plan = measure->plan,
-                            .surfaces = surfaces,
-                            .measure = measure,
-                            .seen = seen,
-                            .failed = COUNTER};
+    const struct plan *plan = measure->plan;
+    struct estimating of = {
+        .plan = plan, .surfaces = surfaces, .measure = measure, .failed = COUNTER};
     *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
-    const bool done = allocate(&of, err) && judge_pixels(&of, err) && conclude(&of, out, err);
-    free_all(&of);
+    const bool done =
+        seen_find(plan, surfaces, wanted, &of.seen, err) &&
+        MAKE_ARRAY(of.patches, (size_t)plan->n_meshes + 1, err, "the shapes that are judged") &&
+        MAKE_ARRAY(of.points, (size_t)of.seen.n + 1, err, "the pixels that are judged") &&
+        judge_pixels(&of, err) && conclude(&of, out, err);
+    for (int i = 0; of.patches && i < plan->n_meshes; i++)
+        patches_close(&of.patches[i]);
+    free(of.patches);
+    free(of.points);
+    free(of.seen.pixels);
     if (!done)
         accuracy_estimate_free(out);
     return done;
@@ -202,17 +177,13 @@ bool accuracy_estimate(const struct plan *plan, const struct surface *surfaces, 
                        struct accuracy_estimate *out, struct error *err)
 {
     struct measure measure;
-    struct seen_pixels seen = {.pixels = NULL};
-    bool known;
     *out = (struct accuracy_estimate){.objects = NULL};
     if (plan->view.shading != GOURAUD)
         return true;
-    bool done = measure_make(plan, MEASURE_CIEDE2000, "cie1931", &measure, &known, err);
-    if (done && known)
-        done = seen_find(plan, surfaces, wanted, &seen, err) &&
-               accuracy_judge(&measure, surfaces, &seen, out, err);
+    bool done = measure_make(plan, MEASURE_CIEDE2000, "cie1931", &measure, err);
+    if (done && measure.known)
+        done = accuracy_judge(&measure, surfaces, wanted, out, err);
     measure_free(&measure);
-    seen_free(&seen);
     return done;
 }
 

@@ -49,7 +49,7 @@ static bool place_point(const struct judged_surface *of, int patch, const double
     patch_enter(of->patches->shape, &u, &v);
     out->vertex = patch_vertex(of->patches, patch, u, v);
     struct vector *position = &out->vertex.position;
-    *position = vector_scale(vector_subtract(*position, of->centre), 1 / of->unit);
+    *position = vector_scale(vector_subtract(*position, of->mesh->centre), 1 / of->mesh->unit);
     if (!window_of(of, *position, &window))
         return false;
     out->x = window.x;
@@ -94,7 +94,7 @@ static void parameters_at(const struct judged_surface *of, const struct screen_t
 {
     u_v[0] = u_v[1] = 0;
     for (int j = 0; j < 3; j++) {
-        const struct parameters *corner = &of->parameters[triangle->vertex[j]];
+        const struct parameters *corner = &of->mesh->mesh.parameters[triangle->vertex[j]];
         u_v[0] += share[j] * corner->u / PARAMETER_CELL;
         u_v[1] += share[j] * corner->v / PARAMETER_CELL;
     }
@@ -117,7 +117,7 @@ static void follow_plane(const struct judged_surface *of, const struct screen_tr
 static bool find_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                        const double at[2], const double share[3], struct vertex *out)
 {
-    const int patch = of->parameters[triangle->vertex[0]].patch;
+    const int patch = of->mesh->mesh.parameters[triangle->vertex[0]].patch;
     struct exact_point point;
     double u_v[2], place[2] = {at[0], at[1]};
     parameters_at(of, triangle, share, u_v);
@@ -139,8 +139,8 @@ static bool find_point(const struct judged_surface *of, const struct screen_tria
 
 static bool is_curved(const struct judged_surface *of, const struct screen_triangle *triangle)
 {
-    return of->parameters &&
-           !patch_is_flat(of->patches->shape, of->parameters[triangle->vertex[0]].patch);
+    return of->mesh->mesh.parameters &&
+           !patch_is_flat(of->patches->shape, of->mesh->mesh.parameters[triangle->vertex[0]].patch);
 }
 
 static void light_facet(const struct judged_surface *of, const struct screen_triangle *triangle,
@@ -195,7 +195,7 @@ static bool exact_attributes(const struct judged_surface *of,
 static double texel_of(const struct judged_surface *of, const double *attributes)
 {
     const struct instance *instance = of->surface->instance;
-    const struct texture *texture = of->plan->materials[of->shaded].texture;
+    const struct texture *texture = of->plan->materials[of->placed->shaded].texture;
     double place[2];
     if (!instance->textured)
         return 1;

@@ -42,27 +42,18 @@ bool lattice_place(const struct lattice *lattice, int index, double at[2])
     return at[0] > 0 && at[0] < lattice->width && at[1] < lattice->height;
 }
 
-/* Returns whether there is no half-integer from the least to the greatest of three numbers. */
-static bool misses(double a, double b, double c)
-{
-    const double v[3] = {a - 0.5, b - 0.5, c - 0.5};
-    return ceil(least_of(v)) > floor(most_of(v));
-}
-
-/* Returns whether a triangle in front of the eye lies between the places of the lattice. */
+/* Returns whether a triangle in front of the eye lies between two rows of the lattice. */
 static bool lies_between(const struct lattice *lattice, const struct surface *surface,
                          const int32_t vertex[3])
 {
-    const double shear = lattice->shear, step = lattice->step;
-    double x[3], y[3];
+    double row[3];
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *corner = &surface->vertices[vertex[i]];
         if (!(corner->clip[3] > 0))
             return false;
-        y[i] = corner->y / step;
-        x[i] = (corner->x - shear * y[i]) / step;
+        row[i] = corner->y / lattice->step - 0.5;
     }
-    return misses(y[0], y[1], y[2]) || misses(x[0], x[1], x[2]);
+    return ceil(least_of(row)) > floor(most_of(row));
 }
 
 /* A triangle that is scanned. */
@@ -126,19 +117,12 @@ bool seen_find(const struct plan *plan, const struct surface *surfaces, int want
 {
     *out = (struct seen_pixels){.lattice = lattice_of(&plan->view, wanted)};
     out->n = out->lattice.rows * out->lattice.columns;
-    out->pixels = malloc(((size_t)out->n + 1) * sizeof *out->pixels);
-    if (!out->pixels)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->pixels, (size_t)out->n + 1, err, "the pixels that are judged"))
+        return false;
     for (int i = 0; i < out->n; i++)
         out->pixels[i] = (struct lattice_pixel){.depth = 1, .surface = -1};
     for (int s = 0; s < plan->n_instances; s++)
         if (plan->instances[s].in_view && !plan->instances[s].twin)
             draw_surface(plan, surfaces, s, out);
     return true;
-}
-
-void seen_free(struct seen_pixels *seen)
-{
-    free(seen->pixels);
-    *seen = (struct seen_pixels){.pixels = NULL};
 }

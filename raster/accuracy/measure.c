@@ -11,27 +11,21 @@
 #include "data/spectra/spectra.h"
 #include "raster/accuracy/accuracy.h"
 
-/* Finds the observer's weights of the pages, allocated: [channel * n + page]. NULL with *known
- * false if the detector of the sampling is no observer, or after an error. */
-static double *page_weights(const struct plan *plan, const char *observer, bool *known,
-                            struct error *err)
+/* Finds the observer's weights of the pages: [channel * n + page]. *known: false if the detector of
+ * the sampling is no observer. */
+static bool find_weights(const struct plan *plan, const char *observer, double *out, bool *known,
+                         struct error *err)
 {
     const struct sampling *sampling = plan->sampling;
-    const size_t n = (size_t)plan->n_bands;
     struct detector detector = {.name = NULL};
-    double *out = calloc(3 * n, sizeof *out);
-    bool done = out || error_memory(err);
-    done = done && detector_read(sampling ? sampling->detector : observer, &detector, err);
+    const bool done = detector_read(sampling ? sampling->detector : observer, &detector, err);
     *known = done && detector.observer;
     if (*known && sampling)
-        memcpy(out, sampling->weights, 3 * n * sizeof *out);
+        memcpy(out, sampling->weights, 3 * (size_t)plan->n_bands * sizeof *out);
     else if (*known)
         detector_weights(&detector, plan->scene->wavelengths_nm, plan->n_bands, out);
     detector_free(&detector);
-    if (*known)
-        return out;
-    free(out);
-    return NULL;
+    return done;
 }
 
 /* Finds the white of the lights, or of a radiance of 1 where the observer sees none. */
@@ -39,9 +33,9 @@ static bool find_white(const struct plan *plan, const double *weights, double wh
                        struct error *err)
 {
     const struct spectral_pages *pages = &plan->illumination.pages;
-    double *radiance = calloc((size_t)pages->n, sizeof *radiance);
-    if (!radiance)
-        return error_memory(err);
+    double *radiance;
+    if (!MAKE_ARRAY(radiance, (size_t)pages->n, err, "the white of %s", plan->scene->path))
+        return false;
     const bool lit = scene_white(plan->scene, pages, radiance) > 0;
     detector_response(weights, lit ? radiance : NULL, pages->n, white);
     if (!(white[0] > 0 || white[1] > 0 || white[2] > 0))
@@ -54,15 +48,16 @@ static bool find_terms(const struct plan *plan, const double *weights, struct me
                        struct error *err)
 {
     const size_t n_bands = (size_t)plan->n_bands;
+    const char *scene = plan->scene->path;
     int n = 0;
-    out->first = calloc((size_t)plan->n_materials + 1, sizeof *out->first);
-    for (int m = 0; out->first && m < plan->n_materials; m++) {
+    if (!MAKE_ARRAY(out->first, (size_t)plan->n_materials + 1, err, "the materials of %s", scene))
+        return false;
+    for (int m = 0; m < plan->n_materials; m++) {
         out->first[m] = n;
         n += plan->materials[m].n_terms;
     }
-    out->xyz = calloc((size_t)n + 1, sizeof *out->xyz);
-    if (!out->first || !out->xyz)
-        return error_memory(err);
+    if (!MAKE_ARRAY(out->xyz, (size_t)n + 1, err, "the colours of %s", scene))
+        return false;
     for (int m = 0; m < plan->n_materials; m++)
         for (int t = 0; t < plan->materials[m].n_terms; t++)
             detector_response(weights, plan->materials[m].made.spectra + (size_t)t * n_bands,
@@ -71,17 +66,18 @@ static bool find_terms(const struct plan *plan, const double *weights, struct me
 }
 
 bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
-                  struct measure *out, bool *known, struct error *err)
+                  struct measure *out, struct error *err)
 {
-    *out = (struct measure){.plan = plan, .unit = unit};
-    *known = true;
+    double *weights;
+    *out = (struct measure){.plan = plan, .unit = unit, .known = true};
     if (unit == MEASURE_COUNTS)
         return true;
-    double *weights = page_weights(plan, observer, known, err);
-    const bool done = weights && find_white(plan, weights, out->white, err) &&
-                      find_terms(plan, weights, out, err);
+    bool done = MAKE_ARRAY(weights, 3 * (size_t)plan->n_bands, err, "the weights of an observer") &&
+                find_weights(plan, observer, weights, &out->known, err);
+    if (done && out->known)
+        done = find_white(plan, weights, out->white, err) && find_terms(plan, weights, out, err);
     free(weights);
-    return done || (!*known && err->status == EXIT_AGREED);
+    return done;
 }
 
 /* ---- counts ---- */

@@ -55,7 +55,7 @@ struct standard_pixel {
     double lab[3];
     bool shown; /* an object; not the background */
 };
-/* What is kept of the standard: see standard.c. */
+/* The colours of the standard: see standard.c. */
 struct standard {
     int width, height;
     bool lit;        /* the observer sees some light */

@@ -13,16 +13,6 @@
 
 /* ---- operands ---- */
 
-static bool pixels_read(const char *name, const char *value, double lowest, int *out,
-                        struct error *err)
-{
-    double number;
-    if (!option_number(name, value, lowest, INT32_MAX, &number, err))
-        return false;
-    *out = (int)number;
-    return number == *out || error_usage(err, "%s must be a whole number, not '%s'", name, value);
-}
-
 static bool region_read(const struct options *options, struct probe_options *out, struct error *err)
 {
     static const char *const names[] = {"X", "Y", "W", "H"};
@@ -34,7 +24,8 @@ static bool region_read(const struct options *options, struct probe_options *out
                            "probe takes a STACK or SCENE, X and Y, and optionally W and H; see "
                            "spectral probe --help");
     for (int i = 0; i + 1 < options->n_operands; i++)
-        if (!pixels_read(names[i], options->operands[1 + i], i < 2 ? 0 : 1, numbers[i], err))
+        if (!option_count(names[i], options->operands[1 + i], i < 2 ? 0 : 1, INT32_MAX, numbers[i],
+                          err))
             return false;
     return true;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral plan: what would be simulated, and why. */
-#include <stdio.h>
-#include <unistd.h>
+#include <stdlib.h>
 
 #include "data/invocation/invocation.h"
 #include "raster/notes/notes.h"
@@ -16,20 +15,14 @@ bool command_plan(struct options *options, struct error *err)
     struct refine_result refined = {.levels = 0};
     struct notes notes = {.refined = options->accuracy ? &refined : NULL};
     struct json json;
+    (options->json ? json_begin : words_begin)(&json);
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
                 plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
                 refine_options(options, &plan, &refined, err) &&
-                notes_of_plan(&plan, MANY_PIXELS, &notes, err);
-    if (done && options->json) {
-        done = plan_json(&plan, &notes, &json, err) &&
-               json_write(&json, options->json, &options->outputs, err);
-    } else if (done) {
-        struct printed printed = {.text = NULL};
-        done = plan_print(&plan, &printed, err);
-        shading_print(&plan, &notes, &printed);
-        notes_print(&notes, &printed);
-        done = printed_show(&printed, STDOUT_FILENO, err) && done;
-    }
+                notes_of_plan(&plan, MANY_PIXELS, &notes, err) &&
+                plan_facts(&plan, &notes, &json, err) &&
+                json_write(&json, options->json, &options->outputs, err);
+    free(printed_end(&json.printed)); /* after a failure */
     notes_free(&notes);
     refine_result_free(&refined);
     plan_free(&plan);

@@ -49,8 +49,12 @@ void notes_print(const struct notes *notes, struct printed *to)
         print(to, "note              %s\n", notes->list[i].text);
 }
 
-void notes_json(const struct notes *notes, struct json *json)
+void notes_put(const struct notes *notes, struct json *json)
 {
+    if (json->words) {
+        notes_print(notes, &json->printed);
+        return;
+    }
     json_open(json, "notes", '[');
     for (int i = 0; i < notes->n; i++) {
         json_open(json, NULL, '{');

@@ -7,6 +7,7 @@
 #include "data/options/options.h"
 #include "data/text/text.h"
 #include "raster/bounds/bounds.h"
+#include "raster/passes/passes.h"
 #include "raster/plan/plan.h"
 #include "raster/accuracy/accuracy.h"
 #include "spectral.h"
@@ -38,17 +39,22 @@ bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out
 void notes_of_nothing(struct notes *notes);
 /* Prints a line for each note. */
 void notes_print(const struct notes *notes, struct printed *to);
-/* Writes the array "notes" of objects with the members "code" and "text". */
-void notes_json(const struct notes *notes, struct json *json);
+/* Prints the lines; as JSON: the array "notes" of objects with the members "code" and "text". */
+void notes_put(const struct notes *notes, struct json *json);
 void notes_free(struct notes *notes);
 
-/* ---- print.c: the plan in words ---- */
+/* ---- facts.c: the plan as JSON or in words ---- */
 
-/* Fail only where memory runs out. */
-bool plan_print(const struct plan *plan, struct printed *to, struct error *err);
-/* json.c: begins a text with one JSON object. */
-bool plan_json(const struct plan *plan, const struct notes *notes, struct json *json,
-               struct error *err);
+/* Puts one object. notes NULL: leaves them out. Fails only where memory or a file of the scene
+ * does.
+ */
+bool plan_facts(const struct plan *plan, const struct notes *notes, struct json *json,
+                struct error *err);
+/* Puts the members on the scene, and on the size and the wavelengths of its picture. */
+void scene_put(const struct plan *plan, struct json *json);
+/* shading.c: puts the shading's error of the picture and of its objects, and how triangles were
+ * divided, as the object "accuracy". */
+void accuracy_put(const struct plan *plan, const struct notes *notes, struct json *json);
 
 /* ---- command.c: spectral plan ---- */
 
@@ -59,37 +65,8 @@ bool command_plan(struct options *options, struct error *err);
 
 void note_add(struct notes *notes, const char *code, const char *format, ...) PRINTF_LIKE(3, 4);
 
-/* print.c: returns why a light does not shine; NULL: it shines. Ask for all lights in the order of
- * the scene; *shining counts those of the plan, from 0. */
-const char *why_off(const struct plan *plan, const struct light *light, int *shining);
-
-/* print.c: finds "SHA-256 PATH" of each of the n files of the scene, each with a NUL behind it. The
- * caller frees *text, also after a failure. */
-bool plan_files(const struct plan *plan, char **text, int *n, struct error *err);
-
-/* print.c: the work of a plan in numbers, with their names. */
-enum { PLAN_COUNTS = 11 };
-struct plan_count {
-    const char *name;
-    uint64_t n;
-};
-/* passes: those of a tile. */
-void count_work(const struct plan *plan, int passes, struct plan_count out[PLAN_COUNTS]);
-
-/* left_out.c: work that the scene does not call for. */
-
-enum { LEFT_OUT_REASON = 128 };
-struct left_out {
-    const char *what; /* "instances", in the plural */
-    long n, of;       /* so many of all */
-    char reason[LEFT_OUT_REASON];
-};
-struct left_out_list {
-    struct left_out list[16];
-    int n, drawn_passes; /* drawn_passes: of a tile, by OpenGL */
-};
-/* Fails only where memory runs out. */
-bool left_out_make(const struct plan *plan, struct left_out_list *out, struct error *err);
+/* left_out.c: puts the work that the scene does not call for, as the list "left_out". */
+void left_out_put(const struct plan *plan, const struct passes *passes, struct json *json);
 
 /* dark.c, tables.c: add notes on a black picture, on black objects in view, and on tables that end
  * before the picture's wavelengths do. */
@@ -100,11 +77,7 @@ void tables_print(const struct plan *plan, struct printed *to);
 
 /* shading.c. Adds a note on the object whose shading is worst, if it is seen to be wrong. */
 void note_shading(const struct plan *plan, struct notes *notes);
-/* Print the refinement in a line, and the shading's error of the picture and of the worst objects.
- */
+/* Prints the refinement in a line. */
 void refined_print(const struct notes *notes, struct printed *to);
-void shading_print(const struct plan *plan, const struct notes *notes, struct printed *to);
-/* Writes both for all objects, as the object "accuracy". */
-void accuracy_json(const struct plan *plan, const struct notes *notes, struct json *json);
 
 #endif

@@ -76,22 +76,17 @@ static void look_at_texture(struct tables *tables, const struct texture *texture
         look_at(tables, "texture", image->path, &pages, true);
 }
 
-static void look_at_light(struct tables *tables, const char *what, const struct spectrum *spectrum,
-                          double intensity)
-{
-    if (intensity != 0)
-        look_at(tables, what, spectrum->name, spectrum, false);
-}
-
 static void look_at_all(struct tables *tables)
 {
     const struct plan *plan = tables->plan;
-    const struct scene *scene = plan->scene;
-    for (int i = 0; i < scene->n_lights; i++)
-        look_at_light(tables, "light", &scene->lights[i].spectrum, scene->lights[i].intensity);
-    for (int i = 0; i < scene->n_ambients; i++)
-        look_at_light(tables, "ambient", &scene->ambients[i].spectrum,
-                      scene->ambients[i].intensity);
+    const struct light *light = plan->scene->lights;
+    const struct ambient *ambient = plan->scene->ambients;
+    for (int i = 0; i < plan->scene->n_lights; i++, light++)
+        if (light->intensity != 0)
+            look_at(tables, "light", light->spectrum.name, &light->spectrum, false);
+    for (int i = 0; i < plan->scene->n_ambients; i++, ambient++)
+        if (ambient->intensity != 0)
+            look_at(tables, "ambient", ambient->spectrum.name, &ambient->spectrum, false);
     for (int i = 0; i < plan->n_materials; i++)
         look_at_material(tables, &plan->materials[i]);
     for (int i = 0; i < plan->n_textures; i++)

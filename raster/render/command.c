@@ -169,11 +169,12 @@ static bool report(const struct options *options, const struct plan *plan,
         output->check_map && output_is_stream(output->check_map) ? output->check_map : stored);
     if (options->json && !write_json(options, plan, result, stored, output->outputs, err))
         return false;
-    struct printed printed = {.text = NULL};
-    if (!options->quiet && ((options->verbose && !plan_print(plan, &printed, err)) ||
-                            !print_report(plan, result, output, stored, &printed, err)))
+    struct json words;
+    words_begin(&words);
+    if (!options->quiet && ((options->verbose && !plan_facts(plan, NULL, &words, err)) ||
+                            !print_report(plan, result, output, stored, &words.printed, err)))
         return false;
-    if (!printed_show(&printed, table, err))
+    if (!printed_show(&words.printed, table, err))
         return false;
     if (agreed)
         return true;

@@ -23,7 +23,6 @@
 
 struct render_result {
     double full_scale;
-    bool clips;                  /* a vertex is brighter than full_scale */
     struct renderer_names names; /* empty: OpenGL did not draw */
     struct driver driver;        /* whose bounds the check uses */
     struct renderer_work gl;

@@ -175,14 +175,7 @@ static void json_picture(struct json *json, const struct plan *plan,
     char sampling[SAMPLING_NAME];
     json_string(json, "program", "spectral");
     json_string(json, "version", SPECTRAL_VERSION);
-    json_string(json, "scene", scene->path);
-    json_string(json, "scene_sha256", scene->sha256);
-    json_count(json, "width", (uint64_t)scene->width);
-    json_count(json, "height", (uint64_t)scene->height);
-    json_count(json, "positions_per_pixel",
-               (uint64_t)scene->positions * (uint64_t)scene->positions);
-    json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
-                 scene->n_wavelengths);
+    scene_put(plan, json);
     if (plan->sampling)
         sampling_name(&plan->sampling->method, sampling);
     json_string(json, "sampling", plan->sampling ? sampling : NULL);
@@ -377,8 +370,8 @@ void report_json(const struct plan *plan, const struct render_result *result, co
     else
         json_string(json, "check", NULL);
     if (result->notes) {
-        accuracy_json(plan, result->notes, json);
-        notes_json(result->notes, json);
+        accuracy_put(plan, result->notes, json);
+        notes_put(result->notes, json);
     }
     json_again(json, &result->difference);
     json_part(json, &result->rows);

@@ -87,7 +87,7 @@ static bool write_json(struct options *options, const struct view_report *report
         json_count(&json, "illuminants", (uint64_t)page->n_illuminants);
         json_count(&json, "detectors", (uint64_t)page->n_detectors);
     }
-    notes_json(&report->notes, &json);
+    notes_put(&report->notes, &json);
     json_string(&json, "output", options->output);
     return json_write(&json, options->json, &options->outputs, err);
 }

@@ -32,18 +32,15 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     struct notes notes = {.list = NULL};
     struct lit_scene lit = {0};
     struct light_work work;
-    struct printed printed = {.text = NULL};
-    struct json json;
+    struct json words, json;
+    words_begin(&words);
+    json_begin(&json);
     bool done = plan_make(scene, NULL, &options, &plan, err) &&
                 lit_make(&plan, driver_of(NULL), &lit, &work, err) &&
-                notes_make(&lit, 256, &notes, err);
-    if (done) {
-        done = plan_print(&plan, &printed, err);
-        notes_print(&notes, &printed);
-        done = plan_json(&plan, &notes, &json, err) && json_write(&json, "/dev/null", NULL, err) &&
-               done;
-    }
-    free(printed_end(&printed));
+                notes_make(&lit, 256, &notes, err) && plan_facts(&plan, &notes, &words, err) &&
+                plan_facts(&plan, &notes, &json, err) && json_write(&json, "/dev/null", NULL, err);
+    free(printed_end(&words.printed));
+    free(printed_end(&json.printed));
     lit_free(&lit);
     notes_free(&notes);
     plan_free(&plan);

@@ -233,7 +233,7 @@ def other_commands():
     page = run("view", scene, "--accuracy", "0.5", "-o", os.path.join(TMP, "page.html"))
     check(page.returncode == 0 and "2 triangles became" in page.stdout, "view refines, too", page.stdout, page.stderr)
     plan = run("plan", scene, "--accuracy", "0.5")
-    check(re.search(r"^refined +2 triangles became \d+ on floor ", plan.stdout, re.MULTILINE),
+    check(re.search(r"^  refined\n(    .*\n)*    object +floor \(.*\): triangles_before 2, triangles_after \d+$", plan.stdout, re.MULTILINE),
           "plan lists the refined objects", plan.stdout)
 
 

@@ -74,12 +74,12 @@ small="--size 40x30 --wavelengths 400:700:50"
     ok $? "no output was written"
     exits 2 "an unknown list is bad usage" "$SPECTRAL" list lamps
     exits 0 "plan works without a picture" "$SPECTRAL" plan patches $small
-    prints '^bands +7 ' "plan prints the number of bands"
-    prints '^passes +3$' "plan prints the number of passes"
+    prints '^bands +7$' "plan prints the number of bands"
+    prints '^  passes +3$' "plan prints the number of passes"
     prints '^specular +no \(no lit material has gloss\)' "plan prints why an effect is not simulated"
     exits 0 "plan leaves out a light of intensity 0" \
         "$SPECTRAL" plan patches $small --light '1=d65*0'
-    prints '^light 1 +off: intensity 0' "plan says that the light is off"
+    prints '^light +d65: intensity 0, off intensity 0$' "plan says that the light is off"
 
     # Outputs.
     exits 0 "render writes a stack" "$SPECTRAL" render patches $small -o "$tmp/a.tif" --quiet
@@ -269,5 +269,5 @@ ok $? "a closed standard output, for the table, is a failure of the system, and 
 printf '%s\n' "$PWD/data/builtin/materials/colorchecker/01-dark-skin.txt" \
     "$PWD/data/builtin/materials/colorchecker/15-red.txt" >"$tmp/two.list"
 exits 0 "a thesis list file is a scene" "$SPECTRAL" plan "$tmp/two.list"
-prints '^materials +3 ' "plan counts its materials and the background"
+prints '^  materials +3$' "plan counts its materials and the background"
 done_testing

@@ -32,7 +32,7 @@ ROOMS = """
     data/base data/threads data/index data/digest data/process data/output data/maths data/text data/names data/options data/spectra data/colour data/polygon data/mesh data/shape data/tiff
     data/texture data/pages data/material data/scene data/terms data/method data/sampling data/inputs data/invocation
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
-    raster/reference raster/driver raster/plan raster/accuracy raster/passes raster/bounds raster/setup
+    raster/reference raster/driver raster/plan raster/passes raster/bounds raster/accuracy raster/setup
     raster/fragments raster/candidates raster/radiance raster/notes raster/fit raster/renderer raster/library raster/context raster/traits raster/vertices raster/gl raster/shader raster/drivers raster/verdict
     raster/check raster/stages raster/render raster/exchange raster/verify raster/inspect raster/cost raster/view
     """.split()

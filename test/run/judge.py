@@ -297,7 +297,7 @@ def whole_or_not():
     check(statuses == {0, 3} and not left, "without memory, it leaves no folder", statuses, left)
     run("export", "patches", "-o", os.path.join(folder, "new"))
     check(sorted(os.listdir(folder)) == sorted((*own, "new")),
-          "the next export removes what an interrupted one has left, and no other folder",
+          "a whole export leaves its folder alone",
           os.listdir(folder))
 
 

@@ -74,7 +74,7 @@ def no_light():
     for name, light in (("no light", ""), ("a light of intensity 0", "light d65 0 direction 0 0 1\n"),
                         ("a light beyond the picture", "light gaussian:300,1 1 direction 0 0 1\n"),
                         ("ambient light of intensity 0", "ambient d65 0\n")):
-        _, _, pages = gets(name, HEAD + light + GREY + BALL, "no-light", "^the picture is black: no light shines")
+        _, _, pages = gets(name, HEAD + light + GREY + BALL, "black", "^1 object is black, first m ")
         is_black(name, pages)
     for name, scene in (("ambient light", "ambient d65 0.1\n" + GREY + BALL),
                         ("emission", "material m { diffuse 0.5 emission 0.1 }\n" + BALL),
@@ -98,7 +98,7 @@ def out_of_view():
         _, _, pages = gets(name, scene, "nothing-in-view", "^the picture is black: no object is in view$")
     _, pages = gets_none("one of two objects beside the view", HEAD + LIGHT + GREY + BALL + far)
     shows("one of two objects", pages)
-    check(re.search(r"^left out +1 of 2 instances \(right of the view;", run("plan", HEAD + LIGHT + GREY + BALL + far).stdout, re.MULTILINE),
+    check(re.search(r"^left out +instances: count 1, of 2, reason right of the view;", run("plan", HEAD + LIGHT + GREY + BALL + far).stdout, re.MULTILINE),
           "plan says where the other one lies")
 
 

@@ -171,7 +171,7 @@ def other_commands():
     again = run("render", "--again", stack, "-o", os.path.join(TMP, "again.tif"))
     check(again.returncode == 0, "--again makes it again", again.stderr)
     plan = run("plan", "room", "--samples", "4").stdout
-    check(re.search(r"^picture +\d+ x \d+ pixels of 4 x 4 positions$", plan, re.MULTILINE), "plan prints the positions", plan)
+    check(re.search(r"^positions per pixel +16$", plan, re.MULTILINE), "plan prints the positions", plan)
     for threads in ("1", "3"):
         render("room", *words, "--threads", threads, stack=f"{threads}.tif")
     with open(os.path.join(TMP, "1.tif"), "rb") as one, open(os.path.join(TMP, "3.tif"), "rb") as two:

@@ -17,7 +17,7 @@ prints '^components +of 400 to 700 nm$' "info prints the range of components"
 run "$SPECTRAL" info "$tmp/gauss:3.tif"
 prints '^sampled for +cie1931$' "info prints the detector of other samplings"
 run "$SPECTRAL" plan patches --sampling basis:2
-prints '^bands +2 \(components\)$' "plan prints components"
+prints '^bands +2$' "plan prints components"
 
 refuses() { # WORDS NAME COMMAND...
     words=$1
@@ -94,7 +94,7 @@ refuses 'a page shows at most 65535 objects and parts; this scene has 65537' "vi
     for i in $(seq 70); do echo "light blackbody:$((2000 + i)) 1 position 0 0 $i"; done
 } >"$tmp/wide.scene"
 run "$SPECTRAL" plan "$tmp/wide.scene"
-prints '^tiles +2$' "a pixel with many terms has narrower tiles"
+prints '^  tiles +2$' "a pixel with many terms has narrower tiles"
 refuses 'the file has 257 MB; a text file has at most 256 MB' "a pipe that gives too long a text" \
     sh -c 'yes "# a comment" | head -c 268435457 | "$SPECTRAL" plan -'
 printf '%s\n' 'material m { diffuse 0.5 }' 'material black { diffuse 0 }' 'object plane 2 2 material m' \

@@ -201,7 +201,7 @@ def left_out():
           "passes that show the same are drawn once", work, plan["left_out"])
     for options, lit in ((), "lit all the same"), (("--full-scale", "1"), "not lit"):
         words = run("render", scene, "-o", "/dev/null", "--verbose", *options).stdout
-        check("left out 1 of 3 instances (right of the view; " + lit in " ".join(words.split()),
+        check("left out instances: count 1, of 3, reason right of the view; " + lit in " ".join(words.split()),
               f"an object out of view is {lit} {' '.join(options)}", words)
 
 
@@ -224,16 +224,16 @@ def reasons():
         "light 0 1 direction 0 0 1\nlight gaussian:300,1 2 direction 0 0 1",
         objects=PLANE + "\nobject plane 1 1 material n")).stdout
     lines = {" ".join(line.split()) for line in words.splitlines()}
-    for line in ("specular yes (1 of 2 materials)", "lights yes (1 of 4 shine)",
-                 "ambient no (no ambient light reflected)",
-                 "fluorescence no (no material has excitation)",
-                 "bispectral no (no material has a Donaldson matrix)", "spot no (no light is a spot)",
-                 "texture no (no lit material has a texture)", "emission no (no material emits)",
-                 "metamer no (no material has a partner)", "flat no (shading is smooth)",
-                 "excitation_integrals 0", "materials 2", "terms 3",
-                 "light 1 on (d65, intensity 1)", "light 2 off: intensity 0 (d65, intensity 0)",
-                 "light 3 off: spectrum 0 at every wavelength shown (0, intensity 1)",
-                 "light 4 off: spectrum 0 at every wavelength shown (gaussian:300,1, intensity 2)"):
+    for line in ("effect specular: simulated yes, reason 1 of 2 materials", "effect lights: simulated yes, reason 1 of 4 shine",
+                 "effect ambient: simulated no, reason no ambient light reflected",
+                 "effect fluorescence: simulated no, reason no material has excitation",
+                 "effect bispectral: simulated no, reason no material has a Donaldson matrix", "effect spot: simulated no, reason no light is a spot",
+                 "effect texture: simulated no, reason no lit material has a texture", "effect emission: simulated no, reason no material emits",
+                 "effect metamer: simulated no, reason no material has a partner", "effect flat: simulated no, reason shading is smooth",
+                 "excitation integrals 0", "materials 2", "terms 3",
+                 "light d65: intensity 1", "light d65: intensity 0, off intensity 0",
+                 "light 0: intensity 1, off spectrum 0 at every wavelength shown",
+                 "light gaussian:300,1: intensity 2, off spectrum 0 at every wavelength shown"):
         check(line in lines, "plan says: " + line, words)
     words = run("plan", scene_of("emission 1")).stdout
     check("no material reflects it" in words and "no light shines" in words,

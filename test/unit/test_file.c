@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads fail cleanly, names resolve, outputs appear whole or not at all, and digests agree with
  * FIPS 180-4's own examples. */
-#define _GNU_SOURCE /* flock */
 #include <dirent.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
-#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -333,14 +331,6 @@ static void check_folders(void)
     folder_close(&other);
     CHECK(access(file, F_OK) != 0 && count_entries() == before + 1,
           "a folder goes with all that is in it");
-    const int copy = dup(dirfd(own.entries)); /* as if its process had been killed */
-    flock(copy, LOCK_UN);
-    close(copy);
-    snprintf(file, sizeof file, "%s/file", own.path);
-    put(file, "x", 1);
-    CHECK(folder_open(&other, &err) && access(own.path, F_OK) != 0,
-          "the next one removes the folder of one that was killed");
-    folder_close(&other);
     folder_close(&own);
     CHECK(count_entries() == before, "no folder is left");
     unsetenv("TMPDIR");
