@@ -160,7 +160,7 @@ def check_metals():
     check(all(abs(at["aluminium"][nm] - r) < 0.005 for nm, r in ((500, 0.918), (550, 0.915), (600, 0.911))),
           "aluminium at 500, 550 and 600 nm agrees with specifications of mirror coatings")
     plan = subprocess.run([SPECTRAL, "plan", f"{FOLDER}/metals.list"], capture_output=True, text=True)
-    check(plan.returncode == 0 and "effect            specular: simulated yes, reason 4 of " in plan.stdout,
+    check(plan.returncode == 0 and "specular          yes (4 of " in plan.stdout,
           "the program reads the four metals and draws their highlights")
 
 

@@ -224,12 +224,12 @@ def reasons():
         "light 0 1 direction 0 0 1\nlight gaussian:300,1 2 direction 0 0 1",
         objects=PLANE + "\nobject plane 1 1 material n")).stdout
     lines = {" ".join(line.split()) for line in words.splitlines()}
-    for line in ("effect specular: simulated yes, reason 1 of 2 materials", "effect lights: simulated yes, reason 1 of 4 shine",
-                 "effect ambient: simulated no, reason no ambient light reflected",
-                 "effect fluorescence: simulated no, reason no material has excitation",
-                 "effect bispectral: simulated no, reason no material has a Donaldson matrix", "effect spot: simulated no, reason no light is a spot",
-                 "effect texture: simulated no, reason no lit material has a texture", "effect emission: simulated no, reason no material emits",
-                 "effect metamer: simulated no, reason no material has a partner", "effect flat: simulated no, reason shading is smooth",
+    for line in ("specular yes (1 of 2 materials)", "lights yes (1 of 4 shine)",
+                 "ambient no (no ambient light reflected)",
+                 "fluorescence no (no material has excitation)",
+                 "bispectral no (no material has a Donaldson matrix)", "spot no (no light is a spot)",
+                 "texture no (no lit material has a texture)", "emission no (no material emits)",
+                 "metamer no (no material has a partner)", "flat no (shading is smooth)",
                  "excitation integrals 0", "materials 2", "terms 3",
                  "light d65: intensity 1", "light d65: intensity 0, off intensity 0",
                  "light 0: intensity 1, off spectrum 0 at every wavelength shown",
