@@ -20,16 +20,10 @@ static bool make(const char *parent, const char *prefix, struct folder *out)
     }
     if (!mkdtemp(path))
         return false;
-    int folder;
     memcpy(out->path, path, sizeof path);
-    UNTIL_DONE(folder, open(path, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC));
-    if (folder < 0)
-        return false;
     do
-        out->entries = fdopendir(folder);
+        out->entries = opendir(path);
     while (!out->entries && errno == EINTR);
-    if (!out->entries)
-        close(folder);
     return out->entries;
 }
 

@@ -25,7 +25,7 @@ static bool take(void *to, const struct plan *plan, const struct render_result *
     out->check = result->check;
     out->names = result->names;
     snprintf(out->profile, sizeof out->profile, "%s", result->driver.name);
-    out->outcome = check_outcome(plan, &result->check);
+    out->outcome = (int)check_outcome(plan, &result->check);
     if (out->outcome == VERIFY_AGREED)
         return true;
     report_disagreement(plan, &result->check, NULL, &words);
