@@ -85,9 +85,9 @@ static bool add_mesh(struct description *to, int index, struct error *err)
 static bool add_texels(struct description *to, int index, struct error *err)
 {
     struct texture *texture = &to->plan->textures[index];
-    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height * BANDS_PER_PASS;
     float *texels;
-    bool done = MAKE_ARRAY(texels, n * BANDS_PER_PASS, err, "the texels of a texture");
+    bool done = MAKE_ARRAY(texels, n, err, "the texels of %s", texture->image.path);
     for (int band = 0; band < to->plan->n_bands && done; band += BANDS_PER_PASS) {
         char name[FILE_NAME];
         snprintf(name, sizeof name, "texture-%d-%d.bin", index, band);

@@ -537,7 +537,9 @@ static void filter_calls(void)
         filter[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_TRAP);
     }
     filter[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
-    const struct sigaction on_trap = {.sa_sigaction = on_call, .sa_flags = SA_SIGINFO};
+    /* another handler would make calls while the trap is blocked, which ends the process */
+    struct sigaction on_trap = {.sa_sigaction = on_call, .sa_flags = SA_SIGINFO};
+    sigfillset(&on_trap.sa_mask);
     const struct sock_fprog program = {(unsigned short)n, filter};
     if (sigaction(SIGSYS, &on_trap, NULL) != 0 || prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
         prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
