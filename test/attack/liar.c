@@ -3,16 +3,15 @@
  * LD_PRELOAD. GL_RENDERER is "Liar", or LIAR_NAME. The environment variable LIE says what else is
  * not as in Mesa:
  *
- *     fill      the fill rule takes the other edges
  *     low       a depth in four is a step too low
  *     coarse    depths have 16 bits
  *     filter    linear filtering has weights of 8 bits, cut off
- *     clamp     clamps cannot be switched off
- *     first     the first corner gives a flat triangle its colour
  *     passes    triangles that are drawn by numbers lie a step of depth further back
  *     gloss     shininess is off by 1/1000000
  *     dull      shininess is off by 1/1000
- *     shift     pixels' centres are off by 1/10 pixel */
+ *     shift     pixels' centres are off by 1/10 pixel
+ *
+ * Other lies are faults of fault.c, which is then loaded behind this library. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <math.h>
@@ -24,13 +23,6 @@
 #include <GL/osmesa.h>
 /* after GL/gl.h, which osmesa.h includes */
 #include <GL/glext.h>
-
-enum { PIXEL_BYTES = 4 * sizeof(float) };
-
-static unsigned char *buffer; /* floats; NULL: there is none */
-static size_t n_pixels;
-static GLsizei buffer_width;
-static GLenum matrix_mode;
 
 static bool lies(const char *about)
 {
@@ -46,36 +38,6 @@ static void real(const char *name, void *function)
     memcpy(function, &symbol, sizeof symbol);
 }
 
-GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GLsizei width,
-                            GLsizei height)
-{
-    GLboolean (*next)(OSMesaContext, void *, GLenum, GLsizei, GLsizei);
-    const bool lied = lies("fill") && buffer;
-    const size_t size = n_pixels * PIXEL_BYTES;
-    unsigned char *old = buffer, *kept = lied ? malloc(size) : NULL;
-    real("OSMesaMakeCurrent", &next);
-    if (kept) /* OSMesa fills the buffer of a context once more when another becomes current */
-        memcpy(kept, old, size);
-    const GLboolean done = next(context, pixels, type, width, height);
-    if (kept)
-        memcpy(old, kept, size);
-    free(kept);
-    buffer = type == GL_FLOAT ? pixels : NULL;
-    n_pixels = (size_t)width * (size_t)height;
-    buffer_width = width;
-    if (lies("first"))
-        glProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
-    return done;
-}
-
-void OSMesaDestroyContext(OSMesaContext context)
-{
-    void (*next)(OSMesaContext);
-    real("OSMesaDestroyContext", &next);
-    next(context);
-    buffer = NULL;
-}
-
 const GLubyte *glGetString(GLenum name)
 {
     const GLubyte *(*next)(GLenum);
@@ -86,48 +48,18 @@ const GLubyte *glGetString(GLenum name)
 
 /* ---- where things are drawn ---- */
 
-void glMatrixMode(GLenum mode)
-{
-    void (*next)(GLenum);
-    real("glMatrixMode", &next);
-    matrix_mode = mode;
-    next(mode);
-}
-
-/* The other fill rule: the picture is drawn turned by 180 degrees, and turned back at the end. */
 void glLoadMatrixd(const GLdouble *matrix)
 {
     void (*next)(const GLdouble *);
     GLdouble spoiled[16];
+    GLint mode, viewport[4];
     real("glLoadMatrixd", &next);
     memcpy(spoiled, matrix, sizeof spoiled);
-    for (int i = 0; i < 16 && matrix_mode == GL_PROJECTION; i++) {
-        if (i % 4 < 2 && lies("fill"))
-            spoiled[i] = -spoiled[i];
-        if (i % 4 == 0 && lies("shift"))
-            spoiled[i] += 0.2 / buffer_width * spoiled[i + 3];
-    }
+    glGetIntegerv(GL_MATRIX_MODE, &mode);
+    glGetIntegerv(GL_VIEWPORT, viewport);
+    for (int i = 0; i < 16 && mode == GL_PROJECTION && lies("shift"); i += 4)
+        spoiled[i] += 0.2 / viewport[2] * spoiled[i + 3];
     next(spoiled);
-}
-
-static void turn_back(unsigned char *picture, size_t pixel_bytes)
-{
-    for (size_t i = 0; i < n_pixels / 2; i++)
-        for (size_t b = 0; b < pixel_bytes; b++) {
-            unsigned char *one = picture + i * pixel_bytes + b,
-                          *other = picture + (n_pixels - 1 - i) * pixel_bytes + b, kept = *one;
-            *one = *other;
-            *other = kept;
-        }
-}
-
-void glFinish(void)
-{
-    void (*next)(void);
-    real("glFinish", &next);
-    next();
-    if (lies("fill") && buffer)
-        turn_back(buffer, PIXEL_BYTES);
 }
 
 void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
@@ -138,8 +70,6 @@ void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format
     GLuint *depths = pixels;
     real("glReadPixels", &next);
     next(x, y, width, height, format, type, pixels);
-    if (lies("fill"))
-        turn_back(pixels, sizeof *depths);
     for (size_t i = 0; i < (size_t)width * (size_t)height && (coarse || low); i++) {
         if (coarse)
             depths[i] &= 0xffff00ffu;
@@ -210,14 +140,6 @@ void glMaterialf(GLenum face, GLenum name, GLfloat value)
     if (name == GL_SHININESS && (lies("gloss") || lies("dull")))
         value *= lies("dull") ? 0.999F : 0.999999F;
     next(face, name, value);
-}
-
-void glClampColorARB(GLenum target, GLenum clamp)
-{
-    void (*next)(GLenum, GLenum);
-    real("glClampColorARB", &next);
-    if (!lies("clamp"))
-        next(target, clamp);
 }
 
 void glDrawElements(GLenum mode, GLsizei count, GLenum type, const void *indices)
