@@ -1,47 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
-"""Renders pictures of light, surfaces and perspective with both renderers and compares every band with
-radiances in closed form. Prints TAP."""
+"""Renders a closed surface of many triangles and a surface in perspective with both renderers, and compares every band with
+radiances in closed form; effects.py has those of lights and materials. Prints TAP."""
 import sys
 
 import numpy as np
 
 sys.dont_write_bytecode = True
-from rendered import D65, LAMP_A, RED, Picture, check, done, per_band, write
-
-HEAD = "size 61 61\ncamera ortho 2\nmaterial red RED\n"
-SQUARE = "object plane 4 4 material red"
-
-
-def matt(renderer):
-    picture = Picture("facing", renderer, HEAD + "light d65 1 direction 0 0 1\n" + SQUARE)
-    picture.agrees(per_band(D65 * RED), f"{renderer}: a matt square facing the light is light x reflectance")
-    picture = Picture("oblique", renderer,
-                      HEAD + "light d65 1 direction 0 0 1\n" + SQUARE + " rotate 60 0 1 0")
-    picture.agrees(per_band(0.5 * D65 * RED), f"{renderer}: a square turned by 60 degrees has half of that radiance")
-    picture = Picture("ambient", renderer, HEAD + "ambient a 0.3\n" + SQUARE)
-    picture.agrees(per_band(0.3 * LAMP_A * RED), f"{renderer}: ambient light alone is intensity x light x reflectance")
-
-
-def plastic(renderer):
-    scene = ("size 61 61\ncamera ortho 2\nlight d65 1 position 0 0 8\n"
-             "material shiny { diffuse RED gloss 64 }\nobject disk 1.5 30 material shiny")
-    picture = Picture("plastic", renderer, scene)
-    picture.agrees(per_band(D65 * RED + D65), f"{renderer}: a plastic highlight at a vertex adds the light itself",
-                   np.s_[:, 30:31, 30:31])
-
-
-def two_lights(renderer):
-    first, second = "light d65 1 position 2 1 8\n", "light a 0.5 direction -1 0 1\n"
-    surface = "material shiny { diffuse RED gloss 20 }\nobject sphere 0.9 30 30 material shiny"
-    head = "size 61 61\ncamera ortho 2\n"
-    both, one, other = (Picture(name, renderer, head + lights + surface, "--full-scale", "8")
-                        for name, lights in (("both", first + second), ("first", first), ("second", second)))
-    error = np.abs(both.radiance - one.radiance - other.radiance).max()
-    tolerance = both.tolerance + one.tolerance + other.tolerance
-    check(error <= tolerance and both.radiance.max() > 1,
-          f"{renderer}: two lights equal the sum of each alone", f"error {error}, tolerance {tolerance}")
+from rendered import D65, RED, Picture, check, done, per_band, write
 
 
 def watertight(renderer):
@@ -95,9 +62,6 @@ def perspective(renderer):
 
 
 for each in ("raster", "gl"):
-    matt(each)
-    plastic(each)
-    two_lights(each)
     watertight(each)
     perspective(each)
 done()
