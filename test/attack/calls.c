@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Counts the calls of the running program to OpenGL and to libtiff, from outside. LD_PRELOAD loads
- * this library before theirs. At the end of the process it writes a line for each kind of call to
- * the file named by CALLS:
+/* Counts the calls of the running program to OpenGL, and those that move pixels to and from libtiff,
+ * from outside. LD_PRELOAD loads this library before theirs. At the end of the process it writes a
+ * line for each kind of call to the file named by CALLS:
  *
  *   NAME DETAIL COUNT AGAIN
  *
@@ -11,7 +11,6 @@
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <pthread.h>
-#include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -385,29 +384,6 @@ void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format
 
 /* ---- libtiff ---- */
 
-TIFF *TIFFClientOpenExt(const char *name, const char *mode, thandle_t client,
-                        TIFFReadWriteProc read, TIFFReadWriteProc write, TIFFSeekProc seek,
-                        TIFFCloseProc closing, TIFFSizeProc size, TIFFMapFileProc map,
-                        TIFFUnmapFileProc unmap, TIFFOpenOptions *options)
-{
-    TIFF *(*next)(const char *, const char *, thandle_t, TIFFReadWriteProc, TIFFReadWriteProc,
-                  TIFFSeekProc, TIFFCloseProc, TIFFSizeProc, TIFFMapFileProc, TIFFUnmapFileProc,
-                  TIFFOpenOptions *);
-    real("TIFFClientOpenExt", &next);
-    count("TIFFClientOpenExt", (unsigned char)mode[0]);
-    return next(name, mode, client, read, write, seek, closing, size, map, unmap, options);
-}
-
-int TIFFSetField(TIFF *tiff, uint32_t tag, ...)
-{
-    va_list rest;
-    count("TIFFSetField", tag);
-    va_start(rest, tag);
-    const int done = TIFFVSetField(tiff, tag, rest);
-    va_end(rest);
-    return done;
-}
-
 tmsize_t TIFFWriteRawStrip(TIFF *tiff, uint32_t strip, void *data, tmsize_t size)
 {
     tmsize_t (*next)(TIFF *, uint32_t, void *, tmsize_t);
@@ -416,42 +392,10 @@ tmsize_t TIFFWriteRawStrip(TIFF *tiff, uint32_t strip, void *data, tmsize_t size
     return next(tiff, strip, data, size);
 }
 
-int TIFFWriteDirectory(TIFF *tiff)
-{
-    int (*next)(TIFF *);
-    real("TIFFWriteDirectory", &next);
-    count("TIFFWriteDirectory", 0);
-    return next(tiff);
-}
-
-int TIFFForceStrileArrayWriting(TIFF *tiff)
-{
-    int (*next)(TIFF *);
-    real("TIFFForceStrileArrayWriting", &next);
-    count("TIFFForceStrileArrayWriting", 0);
-    return next(tiff);
-}
-
-int TIFFReadDirectory(TIFF *tiff)
-{
-    int (*next)(TIFF *);
-    real("TIFFReadDirectory", &next);
-    count("TIFFReadDirectory", 0);
-    return next(tiff);
-}
-
 tmsize_t TIFFReadEncodedStrip(TIFF *tiff, uint32_t strip, void *data, tmsize_t size)
 {
     tmsize_t (*next)(TIFF *, uint32_t, void *, tmsize_t);
     real("TIFFReadEncodedStrip", &next);
     count("TIFFReadEncodedStrip", 0);
     return next(tiff, strip, data, size);
-}
-
-void TIFFClose(TIFF *tiff)
-{
-    void (*next)(TIFF *);
-    real("TIFFClose", &next);
-    count("TIFFClose", 0);
-    next(tiff);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# Makes data/builtin/materials/metals/*.txt and metals.list again, from the optical constants below:
+# Makes data/builtin/materials/metals/*.txt and metals.list again, from the optical constants in metals.csv:
 # `python3 -B test/make/metals.py FOLDER` writes both into FOLDER.
 import sys
 from decimal import Decimal
@@ -23,96 +23,20 @@ HEAD = """\
 # Licence: CC0 1.0, as the database. Made by test/make/metals.py.
 """
 
-# name: symbol, source, page of the database, rows of micrometres, n and k, digit by digit
+# name: symbol, source, page of the database
 METALS = {
-    "aluminium": ("Al", RAKIC, "Rakic", """
-        2.4797E-01 1.8137E-01 2.9029E+00
-        3.0996E-01 2.8003E-01 3.7081E+00
-        3.2628E-01 3.1474E-01 3.9165E+00
-        3.6466E-01 3.9877E-01 4.3957E+00
-        4.1328E-01 5.2135E-01 5.0008E+00
-        4.4280E-01 6.0790E-01 5.3676E+00
-        4.7687E-01 7.2780E-01 5.7781E+00
-        5.1660E-01 8.7340E-01 6.2418E+00
-        5.6357E-01 1.0728E+00 6.7839E+00
-        6.1993E-01 1.3660E+00 7.4052E+00
-        6.5225E-01 1.5724E+00 7.7354E+00
-        6.8881E-01 1.8301E+00 8.0601E+00
-        7.2932E-01 2.1606E+00 8.3565E+00
-        7.7491E-01 2.6154E+00 8.4914E+00"""),
-    "copper": ("Cu", JOHNSON, "Johnson", """
-        0.2924 1.42 1.633
-        0.3009 1.40 1.679
-        0.3107 1.38 1.729
-        0.3204 1.38 1.783
-        0.3315 1.34 1.821
-        0.3425 1.36 1.864
-        0.3542 1.37 1.916
-        0.3679 1.36 1.975
-        0.3815 1.33 2.045
-        0.3974 1.32 2.116
-        0.4133 1.28 2.207
-        0.4305 1.25 2.305
-        0.4509 1.24 2.397
-        0.4714 1.25 2.483
-        0.4959 1.22 2.564
-        0.5209 1.18 2.608
-        0.5486 1.02 2.577
-        0.5821 0.70 2.704
-        0.6168 0.30 3.205
-        0.6595 0.22 3.747
-        0.7045 0.21 4.205
-        0.7560 0.24 4.665
-        0.8211 0.26 5.180"""),
-    "gold": ("Au", JOHNSON, "Johnson", """
-        0.2924 1.49 1.878
-        0.3009 1.53 1.889
-        0.3107 1.53 1.893
-        0.3204 1.54 1.898
-        0.3315 1.48 1.883
-        0.3425 1.48 1.871
-        0.3542 1.50 1.866
-        0.3679 1.48 1.895
-        0.3815 1.46 1.933
-        0.3974 1.47 1.952
-        0.4133 1.46 1.958
-        0.4305 1.45 1.948
-        0.4509 1.38 1.914
-        0.4714 1.31 1.849
-        0.4959 1.04 1.833
-        0.5209 0.62 2.081
-        0.5486 0.43 2.455
-        0.5821 0.29 2.863
-        0.6168 0.21 3.272
-        0.6595 0.14 3.697
-        0.7045 0.13 4.103
-        0.7560 0.14 4.542
-        0.8211 0.16 5.083"""),
-    "silver": ("Ag", JOHNSON, "Johnson", """
-        0.2924 1.39 1.161
-        0.3009 1.34 0.964
-        0.3107 1.13 0.616
-        0.3204 0.81 0.392
-        0.3315 0.17 0.829
-        0.3425 0.14 1.142
-        0.3542 0.10 1.419
-        0.3679 0.07 1.657
-        0.3815 0.05 1.864
-        0.3974 0.05 2.070
-        0.4133 0.05 2.275
-        0.4305 0.04 2.462
-        0.4509 0.04 2.657
-        0.4714 0.05 2.869
-        0.4959 0.05 3.093
-        0.5209 0.05 3.324
-        0.5486 0.06 3.586
-        0.5821 0.05 3.858
-        0.6168 0.06 4.152
-        0.6595 0.05 4.483
-        0.7045 0.04 4.838
-        0.7560 0.03 5.242
-        0.8211 0.04 5.727"""),
+    "aluminium": ("Al", RAKIC, "Rakic"),
+    "copper": ("Cu", JOHNSON, "Johnson"),
+    "gold": ("Au", JOHNSON, "Johnson"),
+    "silver": ("Ag", JOHNSON, "Johnson"),
 }
+
+
+def constants(name):
+    """[micrometres, n, k] of each row of metals.csv for a metal"""
+    with open("test/make/metals.csv", encoding="ascii") as source:
+        rows = [line.split(",") for line in source]
+    return [[Decimal(figure) for figure in row[1:]] for row in rows if row[0] == name]
 
 
 def reflectance(nm, rows):
@@ -124,8 +48,8 @@ def reflectance(nm, rows):
 
 
 def material(name):
-    symbol, source, page, text = METALS[name]
-    rows = [[Decimal(word) for word in line.split()] for line in text.split("\n")[1:]]
+    symbol, source, page = METALS[name]
+    rows = constants(name)
     spectrum = {nm: reflectance(nm, rows) for nm in WAVELENGTHS}
     head = HEAD.format(title=name.capitalize(), diffuse=round(100 * DIFFUSE_SHARE),
                        specular=round(100 * (1 - DIFFUSE_SHARE)), gloss=GLOSS, source=source,

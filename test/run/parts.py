@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile; makes: spoil fail faults
+# level: full; packages: python3-numpy python3-tifffile; makes: faults
 """Draws pictures in parts, and joins them: the stack is that of one process, byte for byte, with its verdict. Parts that are
 missing, double, cut, changed or of another render are refused in one line, and leave no file. With FULL, more kinds of
 pictures. Prints TAP."""

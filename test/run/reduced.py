@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
+# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults spoil
 """Runs data/samples/reduce.py on planted faults: the scene that it leaves is small, fails with the fault and agrees without
 it; the program in C compiles by one line, and says the same about OpenGL as the scene does. Prints TAP."""
 import os

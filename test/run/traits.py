@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults mutants liar
+# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults liar
 """Checks the measurements of a driver (raster/traits): of Mesa's two drivers they find what test_mesa.c finds by another
 program; the bounds made of them hold, of an OpenGL of another name (test/attack/liar.c), too; and an OpenGL that does
 something else gets wider bounds, or is refused with the reason. Prints TAP."""
