@@ -211,7 +211,6 @@ run_bench() {
     effects | '' | quick | '--csv '?* | 'quick --csv '?*) ;;
     *) refuse ;;
     esac
-    [ "$*" != live ] || (live=-live && build)
     build
     if [ "${1:-}" = effects ]; then
         need python3-tifffile python3-numpy

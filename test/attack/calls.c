@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Counts the calls of the running program to OpenGL, and those that move pixels to and from libtiff,
- * from outside. LD_PRELOAD loads this library before theirs. At the end of the process it writes a
- * line for each kind of call to the file named by CALLS:
+/* Counts the calls of the running program to OpenGL, and those that move pixels to and from
+ * libtiff, from outside. LD_PRELOAD loads this library before theirs. At the end of the process it
+ * writes a line for each kind of call to the file named by CALLS:
  *
  *   NAME DETAIL COUNT AGAIN
  *

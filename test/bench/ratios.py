@@ -19,15 +19,15 @@ import sys
 import tempfile
 import time
 
-Sizes = collections.namedtuple("Sizes", "large small bands band_side sides triangles triangle_side n_bands rays rounds enough parts_side")
-# Rounds of the rows (a), (b) and (h); (c) and (f); (d), (g), (i) and (j); (k). Sweeps compare runs with enough samples: of pixels,
+Sizes = collections.namedtuple("Sizes", "large small bands band_side sides triangles triangle_side n_bands rays rounds enough "
+                                        "parts_side parts")
+# Rounds of the rows (a), (b) and (h); (c) and (f); (d), (g) and (i); (k). Sweeps compare runs with enough samples: of pixels,
 # so that the start of the program, some 0.05 s, is at most a few per cent; of bands, so that 0.01 s of noise are.
 FULL = Sizes(2000, 512, (3, 33, 93, 186, 461), 1000, (500, 1000, 2000, 4000, 8000), (71, 224, 707), 1000, 93, 0,
-             (5, 9, 3, 2), {"pixels": 10e6, "bands": 90e6}, 8000)
+             (5, 9, 3, 2), {"pixels": 10e6, "bands": 90e6}, 8000, (1, 2, 4, 8))
 QUICK = Sizes(200, 64, (3, 6, 12), 100, (50, 100, 200), (7, 22, 71), 100, 6, 100000, (3, 3, 2, 2),
-              {"pixels": 1, "bands": 1}, 100)
+              {"pixels": 1, "bands": 1}, 100, (1,))  # a small picture has one row of tiles, and so one part
 MOST_MIB = 300
-NUMBERS_OF_PARTS = 1, 2, 4, 8
 REFERENCE = ("--renderer", "raster", "--no-check")  # with the check, OpenGL would draw, too
 NO_FILE = ("-o", "/dev/null")
 PARTS = "read", "plan", "gl", "raster", "check", "write"
@@ -111,9 +111,9 @@ class Bench:
     def of(self, letters, name):
         return self.runs[letters, name]
 
-    def ratios(self, letters, above, below, seconds=lambda run: run.wall):
-        """The ratios of two programs, one a round."""
-        return [seconds(a) / seconds(b) for a, b in zip(self.of(letters, above), self.of(letters, below))]
+    def ratios(self, letters, above, below):
+        """The ratios of the seconds of two programs, one a round."""
+        return [a.wall / b.wall for a, b in zip(self.of(letters, above), self.of(letters, below))]
 
 
 # ---- the programs ----
@@ -173,22 +173,11 @@ def processors(bench):
         "render, checked, no file, one processor": bench.render(*chart, one_processor=True)})
 
 
-def ways(bench):
-    """OpenGL by each library, and by shaders, which draw several bands at once."""
-    chart = ("colorchecker", "--size", f"{bench.sizes.large}x{bench.sizes.large}", "--wavelengths",
-             wavelengths(bench.sizes.n_bands), *NO_FILE)
-    options = {"OSMesa": ("--gl", "osmesa"), "EGL": ("--gl", "egl"), "shaders": ("--renderer", "gl-shader"),
-               "shaders, OpenGL ES": ("--renderer", "es-shader")}
-    return Group("j", bench.sizes.rounds[2], {
-        f"{name}, {checked}checked": bench.render(*chart, *words, *(("--no-check",) if checked else ()))
-        for name, words in options.items() for checked in ("not ", "")})
-
-
 def parts(bench):
     """Parts one after the other, as if each had a machine of its own. A join reads the parts that the program before it has drawn."""
     chart = ("colorchecker", "--size", f"{bench.sizes.parts_side}x{bench.sizes.parts_side}", "--wavelengths", wavelengths(31))
     programs = {"whole": bench.render(*chart, "-q")}
-    for n in NUMBERS_OF_PARTS:
+    for n in bench.sizes.parts:
         words = " ".join(bench.render(*chart, "-q", "-o", f"{bench.output}.$i-of-{n}").words)
         programs[f"{n} parts"] = Program(("sh", "-ec", f"for i in $(seq {n}); do {words} --part $i/{n}; done"))
     programs["join"] = Program(("sh", "-c", f"{bench.spectral} join -q -o {bench.output} {bench.output}.*-of-*"))
@@ -225,20 +214,18 @@ def linear_ratios(bench):
     """More pixels are compared by all seconds and all samples; more bands by seconds and samples beyond those of the run
     with the fewest bands, since finding the pixels of triangles takes the same time for any number of bands."""
     sizes = bench.sizes
+    few, side = sizes.bands[0], sizes.band_side
     for kind in "checked", "reference":
-        for attribute in "wall", "processor":
-            def rounds(letters, side, n):
-                return [getattr(run, attribute) for run in bench.of(letters, (kind, side, n))]
-            few, side = sizes.bands[0], sizes.band_side
-            base = rounds("d bands", side, few)
-            by_bands = [[(more - less) / ((n - few) * side * side) for more, less in zip(rounds("d bands", side, n), base)]
-                        for n in sizes.bands[1:] if n * side * side >= sizes.enough["bands"]]
-            by_pixels = [[seconds / (few * s * s) for seconds in rounds("d pixels", s, few)]
-                         for s in sizes.sides if few * s * s >= sizes.enough["pixels"]]
-            unit, goal = ("seconds", 1.1) if attribute == "wall" else ("processor seconds", None)
-            for name, by_size in ("band", by_bands), ("pixel", by_pixels):
-                yield Figure("d", f"{unit} per sample, largest / smallest, more {name}s, {kind}", "",
-                             [spread(rates) for rates in zip(*by_size)], goal)
+        def rounds(letters, a_side, n):
+            return [run.wall for run in bench.of(letters, (kind, a_side, n))]
+        base = rounds("d bands", side, few)
+        by_bands = [[(more - less) / ((n - few) * side * side) for more, less in zip(rounds("d bands", side, n), base)]
+                    for n in sizes.bands[1:] if n * side * side >= sizes.enough["bands"]]
+        by_pixels = [[seconds / (few * s * s) for seconds in rounds("d pixels", s, few)]
+                     for s in sizes.sides if few * s * s >= sizes.enough["pixels"]]
+        for name, by_size in ("band", by_bands), ("pixel", by_pixels):
+            yield Figure("d", f"seconds per sample, largest / smallest, more {name}s, {kind}", "",
+                         [spread(rates) for rates in zip(*by_size)], 1.1)
 
 
 def peaks(bench):
@@ -278,18 +265,8 @@ def processor_ratios(bench):
                  [all_ / single for all_, single in zip(checked, one)])
 
 
-def way_ratios(bench):
-    samples = bench.sizes.large ** 2 * bench.sizes.n_bands
-    for name in "EGL", "shaders", "shaders, OpenGL ES":
-        for checked in "not checked", "checked":
-            yield Figure("j", f"{name} / OSMesa, {checked}", "", bench.ratios("j", f"{name}, {checked}", f"OSMesa, {checked}"))
-    for name in "OSMesa", "EGL", "shaders", "shaders, OpenGL ES":
-        yield Figure("j", f"{name}, not checked, processor milliseconds a band and megapixel", "ms",
-                     [1e9 * run.processor / samples for run in bench.of("j", f"{name}, not checked")])
-
-
 def part_ratios(bench):
-    for n in NUMBERS_OF_PARTS:
+    for n in bench.sizes.parts:
         yield Figure("k", f"{n} parts, one after the other / one render", "", bench.ratios("k", f"{n} parts", "whole"), 1.1)
     yield Figure("k", "join / one render", "", bench.ratios("k", "join", "whole"))
 
@@ -307,7 +284,6 @@ def ratios(bench):
     yield Figure("f", "patches, 64 x 64 x 3 / bare OSMesa program", "", bench.ratios("f", "patches", "bare OSMesa"), 1.5)
     yield from processor_ratios(bench)
     yield from triangle_ratios(bench)
-    yield from way_ratios(bench)
     yield from part_ratios(bench)
 
 
@@ -387,7 +363,8 @@ def main():
     chosen = options.parse_args()
     bench = Bench(chosen.build, QUICK if chosen.quick else FULL)
     print_machine(chosen.quick)
-    for group in (large_picture(bench), small_picture(bench), *linear(bench), start_up(bench), processors(bench), triangles(bench), ways(bench), parts(bench)):
+    for group in (large_picture(bench), small_picture(bench), *linear(bench), start_up(bench), processors(bench), triangles(bench),
+                  parts(bench)):
         bench.run(group)
     figures = list(ratios(bench))
     print_programs(bench)
