@@ -21,7 +21,7 @@
  * FAIL_DEPTH restricts failures to processes of one generation: 0 is the first process, 1 its
  * children. With FAIL_NAMELESS no file system keeps files without a name (O_TMPFILE). FAIL_REPORT
  * names a file of sizeof(struct report) bytes, which test/run/attacked.py reads. It receives the
- * counts, and the return addresses at the failure and at a crash. */
+ * counts. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -46,7 +46,7 @@
 #include <unwind.h>
 
 enum { OWN, GL, THREAD, FORK, CALLS }; /* kinds; then the rows of calls */
-enum { KINDS = 64, PROCESSES = 64, OBJECTS = 128, FRAMES = 40, NAME = 16, TEXT = 4096 };
+enum { KINDS = 64, PROCESSES = 64, OBJECTS = 128, NAME = 16 };
 
 /* flags of a system call */
 enum { INTERRUPTIBLE = 1, MOVES_BYTES = 2, DONE_ANYWAY = 4 };
@@ -123,13 +123,11 @@ struct report {
     struct process {
         uint64_t depth, counts[KINDS];
     } processes[PROCESSES];
-    uint64_t n_failures;             /* calls that failed or were cut */
-    char failure[TEXT], crash[TEXT]; /* return addresses: lines of OBJECT+OFFSET, innermost first */
 };
 
 static struct object {
     const char *name;
-    uintptr_t base, begin, end;
+    uintptr_t begin, end;
     int kind; /* OWN, GL, or -1 for libraries that work for others */
 } objects[OBJECTS];
 static int n_objects;
@@ -148,7 +146,7 @@ static bool counts; /* from the start of main */
 
 /* ---- the way back to the caller ---- */
 
-static void add_object(const char *path, uintptr_t base, uintptr_t begin, uintptr_t end)
+static void add_object(const char *path, uintptr_t begin, uintptr_t end)
 {
     static const char *const own[] = {"spectral", "libtiff.",   "libz.",    "libzstd.",
                                       "libwebp.", "liblzma.",   "libLerc.", "libjbig.",
@@ -156,7 +154,7 @@ static void add_object(const char *path, uintptr_t base, uintptr_t begin, uintpt
     static const char *const servants[] = {"libc.", "ld-linux", "fail.so"};
     const char *slash = strrchr(path, '/');
     struct object *object = &objects[n_objects++];
-    *object = (struct object){*path ? slash ? slash + 1 : path : "spectral", base, begin, end, GL};
+    *object = (struct object){*path ? slash ? slash + 1 : path : "spectral", begin, end, GL};
     for (size_t i = 0; i < sizeof own / sizeof *own; i++)
         if (strncmp(object->name, own[i], strlen(own[i])) == 0)
             object->kind = OWN;
@@ -178,23 +176,17 @@ static int note_object(struct dl_phdr_info *info, size_t size, void *context)
         end = from + info->dlpi_phdr[i].p_memsz > end ? from + info->dlpi_phdr[i].p_memsz : end;
     }
     if (n_objects < OBJECTS)
-        add_object(info->dlpi_name, info->dlpi_addr, begin, end);
+        add_object(info->dlpi_name, begin, end);
     return 0;
-}
-
-static const struct object *object_at(uintptr_t address)
-{
-    for (int i = 0; i < n_objects; i++)
-        if (address >= objects[i].begin && address < objects[i].end)
-            return &objects[i];
-    return NULL;
 }
 
 /* Code outside of all objects was made by a driver. */
 static int kind_at(uintptr_t address)
 {
-    const struct object *object = object_at(address);
-    return object ? object->kind : GL;
+    for (int i = 0; i < n_objects; i++)
+        if (address >= objects[i].begin && address < objects[i].end)
+            return objects[i].kind;
+    return GL;
 }
 
 static _Unwind_Reason_Code find_kind(struct _Unwind_Context *frame, void *kind)
@@ -211,35 +203,6 @@ static int kind_of_caller(void *address)
     return kind < 0 ? GL : kind;
 }
 
-struct trace {
-    char *text;
-    size_t length;
-    int n_frames;
-};
-
-static _Unwind_Reason_Code print_frame(struct _Unwind_Context *frame, void *context)
-{
-    struct trace *trace = context;
-    const uintptr_t address = _Unwind_GetIP(frame);
-    const struct object *object = object_at(address);
-    const int n = snprintf(trace->text + trace->length, TEXT - trace->length, "%s+%llx\n",
-                           object ? object->name : "?",
-                           (unsigned long long)(address - (object ? object->base : 0)));
-    if (n < 0 || trace->length + (size_t)n >= TEXT) {
-        trace->text[trace->length] = '\0'; /* no part of a line */
-        return _URC_NORMAL_STOP;
-    }
-    trace->length += (size_t)n;
-    return ++trace->n_frames < FRAMES ? _URC_NO_REASON : _URC_NORMAL_STOP;
-}
-
-static void print_trace(char text[TEXT])
-{
-    struct trace trace = {text, 0, 0};
-    if (*text == '\0')
-        _Unwind_Backtrace(print_frame, &trace);
-}
-
 /* ---- counting ---- */
 
 /* Counts a call; returns whether it must fail. */
@@ -250,11 +213,7 @@ static bool strikes(int kind)
     const uint64_t n = __atomic_add_fetch(&self->counts[kind], 1, __ATOMIC_RELAXED);
     if (kind != attack.kind || (attack.depth >= 0 && self->depth != (uint64_t)attack.depth))
         return false;
-    if (attack.storm ? n % attack.n != 0 : attack.later ? n < attack.n : n != attack.n)
-        return false;
-    if (__atomic_fetch_add(&report->n_failures, 1, __ATOMIC_RELAXED) == 0)
-        print_trace(report->failure);
-    return true;
+    return attack.storm ? n % attack.n == 0 : attack.later ? n >= attack.n : n == attack.n;
 }
 
 static void begin_process(uint64_t depth)
@@ -548,50 +507,6 @@ static void filter_calls(void)
 
 /* ---- start ---- */
 
-static struct sigaction own_crash; /* of the program, which finds no other */
-
-static int next_sigaction(int number, const struct sigaction *new, struct sigaction *old)
-{
-    int (*next)(int, const struct sigaction *, struct sigaction *);
-    void *symbol = dlsym(RTLD_NEXT, "sigaction");
-    memcpy(&next, &symbol, sizeof next);
-    return next(number, new, old);
-}
-
-/* Then the program's own handler ends the process; without one, the crash happens again. */
-static void on_crash(int number)
-{
-    counts = false;
-    print_trace(report->crash);
-    if (own_crash.sa_handler != SIG_DFL)
-        own_crash.sa_handler(number);
-}
-
-static void watch_crashes(void)
-{
-    static const int crashes[] = {SIGSEGV, SIGBUS, SIGABRT, SIGFPE, SIGILL};
-    const struct sigaction on = {.sa_handler = on_crash, .sa_flags = (int)SA_RESETHAND};
-    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++)
-        next_sigaction(crashes[i], &on, NULL);
-}
-
-static bool is_crash(int number)
-{
-    return number == SIGSEGV || number == SIGBUS || number == SIGABRT || number == SIGFPE ||
-           number == SIGILL;
-}
-
-int sigaction(int number, const struct sigaction *new, struct sigaction *old)
-{
-    if (!report || !is_crash(number))
-        return next_sigaction(number, new, old);
-    if (old)
-        *old = own_crash;
-    if (new)
-        own_crash = *new;
-    return 0;
-}
-
 static int kind_named(const char *name)
 {
     static const char *const kinds[CALLS] = {"own", "gl", "thread", "fork"};
@@ -651,7 +566,6 @@ static int begin_main(int n, char **words, char **environment)
     const char *generation = getenv("FAIL_GENERATION");
     begin_process(generation ? strtoull(generation, NULL, 10) : 0);
     pthread_atfork(NULL, NULL, begin_child);
-    watch_crashes();
     if (attack.on_calls || attack.nameless || attack.kind < 0)
         filter_calls();
     counts = true;

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile binutils libosmesa6; makes: fail
+# level: full; packages: python3-numpy python3-tifffile libosmesa6; makes: fail
 """Lets calls fail, one a run, in each command of the program: allocations, system calls, starts of threads and processes.
 The result must be the right one, byte by byte, or exit status 3 with one line, where no output has changed and no file is
 left. Calls that a signal interrupts, and those that move only a half, must give the right result.
 
-Without FULL=1 only some calls of each kind are tried. PLACES=1 prints where the program was when a failure showed a fault.
+Without FULL=1 only some calls of each kind are tried. A fault is printed with the words of FAIL that show it again.
 Words behind test/run/attack.py are the names of the commands to run. Prints TAP, and a table of all runs."""
 import collections
 import concurrent.futures
@@ -17,7 +17,7 @@ import sys
 import time
 
 sys.dont_write_bytecode = True
-from attacked import FORMS, OLDER, TMP, Place, chain, error_lines, faults, normal, results
+from attacked import FORMS, OLDER, TMP, Place, error_lines, faults, normal, results
 from tap import check, done
 
 FULL = "FULL" in os.environ
@@ -158,19 +158,6 @@ def print_table(table):
         print("#", family, "all", *(sums[column] for column in COLUMNS), sep=" | ")
 
 
-def print_places(table):
-    """Groups the faults by the place of the crash, or else of the failure. Storms have many places: the message stands for
-    them."""
-    places = collections.defaultdict(list)
-    for (_, name), tried in table.items():
-        for attack, run, found in tried.wrong:
-            place = " ".join(error_lines(run)) if attack.family == "storm" else chain(run.report.crash or run.report.failure)
-            key = ", ".join(sorted(found)), attack.fail.split(":")[0], place
-            places[key].append(f"{name} {attack.fail}{'' if attack.depth == 0 else f' @{attack.depth}'}")
-    for (found, kind, where), examples in sorted(places.items(), key=lambda item: (item[0][0], -len(item[1]))):
-        print(f"# {len(examples)} x {found} | {kind} | {where} | {'; '.join(examples[:3])}")
-
-
 def main():
     forms = [form for form in FORMS if not sys.argv[1:] or form.name in sys.argv[1:]]
     shutil.rmtree(TMP, ignore_errors=True)
@@ -195,8 +182,6 @@ def main():
                     check(not tried.wrong, f"{form.name}: {words}: the right result{' or none' if may_refuse else ''}",
                           f"{len(tried.wrong)} of {tried.sums['tried']}", *tried.remarks())
     print_table(table)
-    if "PLACES" in os.environ:
-        print_places(table)
     shutil.rmtree(TMP, ignore_errors=True)
     done()
 

@@ -18,8 +18,8 @@ SPECTRAL = os.path.abspath(os.environ.get("SPECTRAL", "build/spectral"))
 LIBRARY = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
 TMP = os.path.abspath(os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
                                    os.path.splitext(os.path.basename(sys.argv[0]))[0]))
-KINDS, PROCESSES, NAME, TEXT = 64, 64, 16, 4096  # of struct report in fail.c
-REPORT_BYTES = KINDS * NAME + 8 + PROCESSES * 8 * (KINDS + 1) + 8 + 2 * TEXT
+KINDS, PROCESSES, NAME = 64, 64, 16  # of struct report in fail.c
+REPORT_BYTES = KINDS * NAME + 8 + PROCESSES * 8 * (KINDS + 1)
 OLDER = b"This file was here before.\n"
 ERROR_LINE = re.compile(r"(\S.*: )?error: ")
 MEASURED = re.compile(rb'^seconds .*$|"(seconds|peak_bytes)": (\{[^}]*\}?|[-+.e\d]*)', re.MULTILINE)
@@ -242,12 +242,12 @@ class Place:
 
 
 class Report:
-    """The report of the library: calls by generation and kind, and the places of the first failure and of a crash."""
+    """The report of the library: calls by generation and kind."""
 
     def __init__(self, path):
         with open(path, "rb") as file:
             data = file.read()
-        names = [text(data[i * NAME:(i + 1) * NAME]) for i in range(KINDS)]
+        names = [data[i * NAME:(i + 1) * NAME].split(b"\0")[0].decode() for i in range(KINDS)]
         at = KINDS * NAME
         n_processes, = struct.unpack_from("Q", data, at)
         self.counts = {}
@@ -256,35 +256,6 @@ class Report:
             kinds = self.counts.setdefault(depth, collections.Counter())
             for name, count in zip(names, counts):
                 kinds[name] = max(kinds[name], count)
-        at += 8 + PROCESSES * 8 * (KINDS + 1)
-        self.n_failures, = struct.unpack_from("Q", data, at)
-        self.failure = text(data[at + 8:at + 8 + TEXT]).splitlines()
-        self.crash = text(data[at + 8 + TEXT:]).splitlines()
-
-
-def text(data):
-    return data.split(b"\0")[0].decode()
-
-
-# ---- places of failures ----
-
-def functions(object_name, offsets):
-    """The functions around offsets in the program, the innermost first, with those that were inlined."""
-    if object_name != "spectral":
-        return [f"{object_name}+{offset}" for offset in offsets]
-    found = subprocess.run(["addr2line", "-f", "-i", "-a", "-e", SPECTRAL, *offsets], capture_output=True, text=True,
-                           check=False).stdout
-    return ["<".join(block.splitlines()[1::2]) for block in re.split(r"^0x", found, flags=re.MULTILINE)[1:]]
-
-
-def chain(trace, longest=7):
-    """Says in one line where a failure was: the functions from the failing call to main. A frame has the address behind
-    its call."""
-    frames = [line.rsplit("+", 1) for line in trace]  # libstdc++ has the sign in its name
-    frames = [(name, f"{int(offset, 16) - 1:x}") for name, offset in frames if name != "fail.so" and offset != "0"]
-    while frames and frames[0][0] == "libc.so.6":
-        frames.pop(0)
-    return " < ".join(functions(name, [offset])[0] for name, offset in frames[:longest])
 
 
 # ---- judgement ----

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile binutils libosmesa6; makes: fail
+# level: full; packages: python3-numpy python3-tifffile libosmesa6; makes: fail
 """Ends renders at random moments, by signals, and lets the disk become full and files reach their limit of size. The stack
 that was there before stays as it was, or the new one replaces it, byte by byte, and no other file stays behind.
 
