@@ -71,9 +71,7 @@ says 'no built-in file .nothing.; spectral list prints the names' "it says how t
 meant() { # MEANT WORD...
     meant=$1
     shift
-    exits 2 "refused: spectral $*" "$SPECTRAL" "$@"
-    says "did you mean $meant[?]" "it proposes $meant"
-    one_line "spectral $*"
+    refuses "did you mean $meant[?]" "refused: spectral $*" "$SPECTRAL" "$@"
 }
 meant render rendr patches
 meant --size render patches --siez 4x4

@@ -19,13 +19,6 @@ prints '^sampled for +cie1931$' "info prints the detector of other samplings"
 run "$SPECTRAL" plan patches --sampling basis:2
 prints '^bands +2$' "plan prints components"
 
-refuses() { # WORDS NAME COMMAND...
-    words=$1
-    shift
-    exits 2 "$@"
-    says "$words" "the message: $words"
-    one_line "the message: $words"
-}
 refuses 'envi takes a STACK' "envi without a stack" "$SPECTRAL" envi
 refuses 'exclude each other' "probe in two forms" "$SPECTRAL" probe patches 1 1 --csv --svg
 refuses '--detector needs --sampling' "a detector without sampling" "$SPECTRAL" plan patches --detector cie1964

@@ -53,7 +53,14 @@ MORE = [("render", ["--again", "stack.tif"], ("stack.tif", *READ)),
 DESTROYED = ["verify a.scene --json a.scene", "verify a.scene --junit a.scene", "render --again stack.tif --json stack.tif",
              "render a.scene --sampling riemann:50 --detector eye.csv --json eye.csv",
              "develop stack.tif --white white.csv --json white.csv", "probe stack.tif 1 1 --white white.csv -o white.csv",
-             "join part.tif -o part.tif", "verify a.scene --json both --junit both", "render a.scene --envi -o a.tif --json a.tif.hdr"]
+             "join part.tif -o part.tif", "info stack.tif --json ../in/stack.tif",
+             "info stack.tif --json hard"]
+# Two outputs of one file. `soft` is another name of this folder, `hard` one of a stack.
+ONE_FILE = ["verify a.scene --json both --junit both", "render a.scene --envi -o both.tif --json both.tif.hdr",
+            "render a.scene -o both.tif --json soft/both.tif", "render a.scene -o both.tif --json ../in/both.tif",
+            "view a.scene -o both.html --json both.html", "develop stack.tif -o both.png --json ./both.png",
+            "cost a.scene --csv both.csv --svg ./both.csv", "compare stack.tif other.tif --map both.png --json both.png"]
+REFUSED = "(would replace an input.*|name the same file; expected two files|would be written twice; expected two files)"
 
 
 def make(folder):
@@ -104,21 +111,21 @@ class Place:
         self.tries, self.harmed = 0, []
 
     def run(self, words):
-        """Runs the words among fresh inputs. Returns the exit status; notes whether an input has changed."""
+        """Runs the words among fresh inputs. Returns the exit status and the message; notes whether an input has changed."""
         shutil.rmtree(self.folder, ignore_errors=True)
         shutil.copytree(self.kept, self.folder)
         for name, other in (words[1] if isinstance(words, tuple) else ()):
             (os.symlink if name == "soft" else os.link)(
                 other if name == "soft" else os.path.join(self.folder, other), os.path.join(self.folder, name))
         line = words[0] if isinstance(words, tuple) else words
-        status = subprocess.run([SPECTRAL, *line], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL, timeout=300, check=False).returncode
+        result = subprocess.run([SPECTRAL, *line], cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, text=True, timeout=300, check=False)
         after = contents(self.folder)
         changed = [name for name, data in self.inputs.items() if after.get(name) != data]
         self.tries += 1
         if changed:
-            self.harmed.append((status, " ".join(line), changed))
-        return status
+            self.harmed.append((result.returncode, " ".join(line), changed))
+        return result.returncode, result.stderr
 
 
 def quick(command):
@@ -143,11 +150,12 @@ def main():
             place.run(([command, *words, *quick(command), option, value], [] if other == "./" else [(other, name)]))
         check(len(place.harmed) == before[0], f"{command} {' '.join(words)}: {place.tries - before[1]} combinations leave all inputs",
               *place.harmed[before[0]:][:5])
-    for line in DESTROYED:
-        status = place.run(line.split())
-        check(status == 2, f"{line}: is refused", status)
+    for line in DESTROYED + ONE_FILE:
+        status, said = place.run((line.split(), [("hard", "stack.tif"), ("soft", ".")]))
+        check(status == 2 and re.fullmatch(f"error: .* {REFUSED}\n", said) and
+              not any(name.startswith("both") for name in os.listdir(place.folder)), f"{line}: is refused, and writes nothing", status, said)
     check(not place.harmed, "no input has changed", len(place.harmed))
-    check(place.run("render --again stack.tif -o stack.tif".split()) == 0, "the same bytes may be written again")
+    check(place.run("render --again stack.tif -o stack.tif".split())[0] == 0, "the same bytes may be written again")
     print(f"# {place.tries} combinations")
     shutil.rmtree(TMP, ignore_errors=True)
     done()

@@ -53,6 +53,14 @@ one_line() {
     ok $? "$1: one line says so"
 }
 
+refuses() { # PATTERN NAME COMMAND...: the command ends with status 2 and one line that matches
+    pattern=$1
+    shift
+    exits 2 "$@"
+    says "$pattern" "the message: $pattern"
+    one_line "the message: $pattern"
+}
+
 absent() {
     [ ! -e "$1" ]
     ok $? "$2: no output file"

@@ -39,8 +39,7 @@ ok $? "the usual program writes the same still page, and says in a line how to g
 page "$SPECTRAL" --still
 ! grep -q 'build.sh live' "$tmp/out" && cmp -s "$tmp/page.html" "$tmp/still.html"
 ok $? "--still asks for such a page, so that there is nothing to say"
-exits 2 "a gallery needs the live program" "$SPECTRAL" view --gallery -o "$tmp/gallery.html"
-says '--gallery .* ./build.sh live' "and the message names the command that makes it"
+refuses '--gallery .* ./build.sh live' "a gallery needs the live program" "$SPECTRAL" view --gallery -o "$tmp/gallery.html"
 absent "$tmp/gallery.html" "a gallery"
 [ $(($(wc -c <"$LIVE") - $(wc -c <"$SPECTRAL"))) -gt 1000000 ] && ! grep -q "async function start_live" "$SPECTRAL"
 ok $? "the usual program holds neither module nor the scripts of live pages"
