@@ -4,9 +4,11 @@
 """Ends renders at random moments, by signals, and lets the disk become full and files reach their limit of size. The stack
 that was there before stays as it was, or the new one replaces it, byte by byte, and no other file stays behind.
 
-Signals end cost and export, which have folders, too. With FULL=1: 200 SIGKILLs, 100 of each signal that users send, and 100,000
-objects in a scene.
+Signals end cost and export, which have folders, too. With FULL=1: 200 SIGKILLs, 100 of each signal that users send for each
+command, and 100,000 objects in a scene.
 Prints TAP, and the seconds that the program took to end."""
+import collections
+import itertools
 import os
 import random
 import resource
@@ -17,11 +19,11 @@ import sys
 import time
 
 sys.dont_write_bytecode = True
-from attacked import TMP, Place, Run, error_lines, faults, form, on_old_file_systems, results
+from attacked import TMP, Place, Run, error_lines, faults, form, normal, on_old_file_systems, results
 from tap import check, done
 
 FULL = "FULL" in os.environ
-KILLS, SIGNALS, SIGNALS_OF_MANY = (200, 100, 30) if FULL else (20, 5, 2)
+KILLS, SIGNALS, SIGNALS_OF_MANY = (200, 300, 90) if FULL else (20, 6, 6)
 SIGNALS_OF_USERS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 LONGEST_END = 2     # seconds from a signal to the end: the machine may be busy
 LONGEST_ORPHAN = 10
@@ -30,6 +32,8 @@ PICTURE = "--size 240x160 --wavelengths 400:700:5 -q -o out/a.tif"
 RENDERS = [form("OpenGL", f"render in/plain.scene {PICTURE}", "a.tif"),
            form("the reference", f"render in/mesh.scene --renderer raster --no-check {PICTURE}", "a.tif")]
 RENDERS.append(on_old_file_systems(RENDERS[1]))
+FOLDERS = [form("cost", "cost in/tiny.scene --gl osmesa -q --csv out/cost.csv", "cost.csv"),
+           form("export", "export in/mesh.scene --size 600x400 -o out/folder")]
 MANY = form(f"{OBJECTS} objects", f"render in/many.scene --renderer raster {PICTURE}", "a.tif")
 
 
@@ -57,100 +61,85 @@ def ends(process, longest):
         return process.communicate()[1], True
 
 
-class Render:
-    """A render over an existing stack, with the results of a whole one."""
+class Job:
+    """A command over an older stack, if it writes one: its files before and after, and its shortest time."""
 
     def __init__(self, place, a_form):
         self.place, self.form = place, a_form
+        with open(place.path("in", "other.tif"), "rb") as file:
+            self.old = {"out/a.tif": file.read()} if "out/a.tif" in a_form.outputs else {}
         place.run(a_form, counted=False)  # fills the drivers' cache
         self.seconds = LONGEST_ORPHAN
-        for _ in range(3):  # the shortest time: other processes may make the others longer
+        for _ in range(3):  # other processes may make some of them longer
             start = time.monotonic()
-            self.expected = results(a_form, place.run(a_form, counted=False))
+            run = place.run(a_form, counted=False)
             self.seconds = min(self.seconds, time.monotonic() - start)
-        self.older = open(place.path("in", "other.tif"), "rb").read()
-        check(self.expected[0] == 0, f"{a_form.name}: the stack is rendered")
+        self.new = self.files()
+        check(run.status == 0 and self.new, f"{a_form.name}: the output is written", run.stderr)
 
     def start(self, emptied, part, parts):
         """Starts the command, and waits until a random moment in one of so many equal parts of its time."""
         if emptied:
             self.place.prepare(self.form, False)
-        with open(self.place.path("out", "a.tif"), "wb") as out:
-            out.write(self.older)
+        for name, data in self.old.items():
+            with open(self.place.path(name), "wb") as out:
+                out.write(data)
         process = self.place.start(self.form)
         time.sleep(self.seconds * (part + random.random()) / parts)
         return process
 
-    def stack(self):
-        """old, new, or what else the output is."""
-        data = self.place.outputs().get("out/a.tif")
-        kinds = {self.older: "old", self.expected[-1]["out/a.tif"]: "new"}
-        return kinds.get(data, "missing" if data is None else f"broken, {len(data)} bytes")
+    def files(self):
+        """The content of all outputs and temporary files."""
+        found = {}
+        for top, _, names in itertools.chain(*(os.walk(self.place.path(name)) for name in ("out", "tmp"))):
+            for name in names:
+                path = os.path.relpath(os.path.join(top, name), self.place.folder)
+                with open(self.place.path(path), "rb") as file:
+                    found[path] = normal(self.form, path, file.read())
+        return found
+
+    def state(self, files):
+        """old, new, or what else the files are."""
+        return "old" if files == self.old else "new" if files == self.new else f"broken: {sorted(files)}"
 
 
-def check_kills(render, count):
-    stacks, left = {}, set()
-    render.place.prepare(render.form, False)
+def check_kills(job, count):
+    states, left = collections.Counter(), set()
+    job.place.prepare(job.form, False)
     for i in range(count):
-        process = render.start(False, i, count)
+        process = job.start(False, i, count)
         process.kill()
         _, all_end = ends(process, LONGEST_ORPHAN)
-        stack = render.stack() if all_end else "a process goes on"
-        stacks[stack] = stacks.get(stack, 0) + 1
-        left |= set(render.place.outputs()) - {"out/a.tif"}
-    name = f"{render.form.name}: {count} SIGKILLs"
-    check(set(stacks) <= {"old", "new"}, f"{name}: the old stack or the new one is there", stacks)
-    check(render.form.nameless or not left, f"{name}: no other file is left", sorted(left)[:5])
-    print(f"# {name}: {stacks}, {len(left)} other files")
+        files = job.files()
+        left |= set(files) - set(job.new)
+        states[job.state({name: files[name] for name in set(files) & set(job.new)}) if all_end else "a process goes on"] += 1
+    name = f"{job.form.name}: {count} SIGKILLs"
+    check(set(states) <= {"old", "new"}, f"{name}: the old stack or the new one is there", states)
+    check(job.form.nameless or not left, f"{name}: no other file is left", sorted(left)[:5])
+    print(f"# {name}: {dict(states)}, {len(left)} other files")
 
 
-def check_signal(render, number, count):
+def check_signals(job, count):
     """Returns how many signals the program received before its end."""
-    longest, wrong, ended = 0, [], 0
+    longest, wrong, met = 0, [], 0
     for i in range(count):
-        process = render.start(True, i, count)
+        number = SIGNALS_OF_USERS[i % len(SIGNALS_OF_USERS)]
+        process = job.start(True, i, count)
         start = time.monotonic()
         process.send_signal(number)
         process.wait()
-        seconds = time.monotonic() - start
+        longest = max(longest, time.monotonic() - start)
         stderr, all_end = ends(process, LONGEST_END)
-        stack, left = render.stack(), set(render.place.outputs()) - {"out/a.tif"}
-        well = process.returncode == 0 and stack == "new"
-        longest, ended = max(longest, seconds), ended + well
-        if not (well or process.returncode == -number and stack in ("old", "new")) or left or not all_end or \
-                os.listdir(render.place.path("tmp")):
-            wrong.append((process.returncode, stack, left, all_end, stderr))
-    name = f"{render.form.name}: {count} {number.name}s"
-    check(not wrong, f"{name}: the program dies of them, the old stack or the new one is there, and no other file",
-          *wrong[:10])
+        state = job.state(job.files())
+        well = process.returncode == 0 and state == "new"
+        met += not well
+        if not (well or process.returncode == -number and state in ("old", "new")) or not all_end:
+            wrong.append((number, process.returncode, state, all_end, stderr))
+    name = f"{job.form.name}: {count} signals"
+    check(not wrong, f"{name}: the program dies of them, the old files or the new ones are there, and no other", *wrong[:10])
     check(longest < LONGEST_END, f"{name}: it ends within {LONGEST_END} s", longest)
-    print(f"# {name}: at most {longest:.3f} s to the end; {ended} had ended before")
-    return count - ended
-
-
-def check_folders(place, a_form, count):
-    """A command with a folder ends by a signal, at random moments: nothing is left, or all that a whole run writes."""
-    def left():
-        return sorted(os.path.relpath(os.path.join(folder, name), place.folder) for top in ("out", "tmp")
-                      for folder, _, names in os.walk(place.path(top)) for name in names)
-    place.run(a_form, counted=False)
-    start = time.monotonic()
-    place.run(a_form, counted=False)
-    seconds, longest, wrong, met, whole = time.monotonic() - start, 0, [], 0, left()
-    for i in range(count):
-        number = SIGNALS_OF_USERS[i % len(SIGNALS_OF_USERS)]
-        place.prepare(a_form, False)
-        process = place.start(a_form)
-        time.sleep(seconds * (i + random.random()) / count)
-        sent = time.monotonic()
-        process.send_signal(number)
-        stderr, all_end = ends(process, LONGEST_END)
-        longest = max(longest, time.monotonic() - sent)
-        met += process.returncode == -number
-        if not all_end or process.returncode not in (0, -number) or left() not in ([], whole) or os.listdir(place.path("tmp")):
-            wrong.append((process.returncode, left(), all_end, stderr))
-    check(not wrong, f"{a_form.name}: {count} signals: nothing is left, or the whole output", *wrong[:10])
-    print(f"# {a_form.name}: {met} signals met it, at most {longest:.3f} s to the end")
+    print(f"# {name}: at most {longest:.3f} s to the end; {met} met it")
+    return met
 
 
 # ---- full disk, limits ----
@@ -221,16 +210,13 @@ def main():
     write_many_objects(place.path("in", "many.scene"))
     met = 0
     for a_form in RENDERS:
-        render = Render(place, a_form)
-        check_kills(render, KILLS // len(RENDERS))
-        for number in SIGNALS_OF_USERS:
-            met += check_signal(render, number, SIGNALS // len(RENDERS) or 1)
-    many = Render(place, MANY)
-    for number in SIGNALS_OF_USERS:
-        met += check_signal(many, number, SIGNALS_OF_MANY)
+        job = Job(place, a_form)
+        check_kills(job, KILLS // len(RENDERS))
+        met += check_signals(job, SIGNALS)
+    for a_form in FOLDERS:
+        met += check_signals(Job(place, a_form), SIGNALS)
+    met += check_signals(Job(place, MANY), SIGNALS_OF_MANY)
     check(met > 0, "some signals meet a program at work", met)
-    check_folders(place, form("cost", "cost in/tiny.scene --gl osmesa -q --csv out/cost.csv", "cost.csv"), SIGNALS)
-    check_folders(place, form("export", "export in/mesh.scene --size 600x400 -o out/folder"), SIGNALS * 3)
     outputs = form("all outputs", "render in/plain.scene --size 120x80 --wavelengths 400:700:20 -q --renderer raster --check-map "
                    "out/map.tif --json out/a.json --envi -o out/a.tif", "a.tif", "a.tif.hdr", "a.json", "map.tif")
     expected = results(outputs, place.run(outputs, counted=False))
