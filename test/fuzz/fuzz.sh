@@ -52,7 +52,7 @@ fuzz_seeds() {
     map) find data/builtin/models test/cases/bad/maps "$made" -name '*.map' ;;
     matrix) find test/cases/bad/matrices "$made" -name '*.csv' ;;
     texture) find data/builtin/textures test/cases/bad/textures "$made" -name '*.tif' ;;
-    stack) find "$made" -name 'stack-*' -o -name 'foreign-*' ;;
+    stack) find "$made" -name 'stack-*' ;;
     record) find "$made" -name 'record-*' ;;
     line) find "$made" -name 'line-*' ;;
     esac
@@ -61,7 +61,7 @@ fuzz_seeds() {
 # fuzz_words TARGET prints the words of its sources as a dictionary: each string of ASCII without blanks, '%' and '\'.
 fuzz_words() {
     case $1 in
-    scene) words='data/scene data/material data/mesh/shape.c data/spectra' ;;
+    scene) words='data/scene data/material data/shape data/spectra' ;;
     list | map) words='data/scene/materials.c data/material' ;;
     material | mtl) words='data/material data/spectra/spectrum.c' ;;
     table | matrix) words='data/spectra' ;;
@@ -74,7 +74,7 @@ fuzz_words() {
     find $words -name '*.c' -exec grep -hv '^#' {} + | grep -oE '"[!#$&-Z^-~]{1,32}"' | sort -u
 }
 
-# Writes stacks of this program, files of others and command lines below the folder $made.
+# Writes stacks of this program, and command lines, below the folder $made.
 make_seeds() {
     made=$BUILD/fuzz/made
     [ ! -d "$made" ] || return 0
@@ -88,7 +88,7 @@ make_seeds() {
         done
         "$BUILD/spectral" render patches --size 5x4 --wavelengths 500 --renderer raster --no-check -q --part 1/1 -o "$made.new/stack-part"
     )
-    need python3-gdal
+    need python3-tifffile
     /usr/bin/python3 test/make/fuzz_seeds.py "$made.new"
     # the examples of the program's commands, and of the pages
     sed -n 's/^ *"\([a-z]* .*\)", command_.*/\1/p' spectral.c >"$made.new/lines"

@@ -170,7 +170,6 @@ says "records '[+]-size=8x8', which is not an option" "the message names the wor
 changed 'at = stack.index(b"--size=8x8"); stack[at + 2] = 27' "$tmp/gl.tif" "$tmp/forged.tif"
 run "$SPECTRAL" info "$tmp/forged.tif"
 prints '^option +--[?]ize=8x8$' "a control character does not reach the terminal"
-exits 2 "another check of OpenGL's pixels is refused" "$SPECTRAL" render --again "$tmp/gl.tif" --no-check
 refuses 'compiled in' "a compiled-in stack is refused" "$SPECTRAL" render --again builtin:textures/picture.tif -o /dev/null
 
 # The link from the first page to the second one is damaged: for libtiff the file ends there.

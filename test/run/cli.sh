@@ -166,22 +166,13 @@ report = json.load(open(tmp + "/j.json"))
 keys = """program version scene width height wavelengths_nm full_scale renderer gl_renderer gl_version
 effects work check seconds peak_bytes output sha256""".split()
 assert set(keys) <= set(report), set(keys) - set(report)
-effects = """ambient lights specular fluorescence bispectral texture spectral_texture emission
-metamer""".split()
-assert set(effects) <= set(report["effects"])
-work = """gl_passes draw_calls vertices_lit specular_vertices excitation_integrals textures_loaded
-materials_loaded terms""".split()
-assert set(work) <= set(report["work"])
 check = """samples exact within_1 max_counts rms_counts pixels ambiguous_pixels unexplained_pixels
 unbounded_pixels worst_error_over_bound first_unexplained""".split()
 assert set(check) <= set(report["check"])
 assert report["sha256"] == hashlib.sha256(open(tmp + "/j.tif", "rb").read()).hexdigest()
 assert report["check"]["samples"] == 40 * 30 * 7 and report["check"]["pixels"] == 40 * 30
-assert report["effects"]["lights"] == 1 and report["effects"]["specular"] is False
-assert report["work"]["gl_passes"] == 3 and report["work"]["specular_vertices"] == 0
-assert report["work"]["terms"] == 24, report["work"]
 PYTHON
-    ok $? "the JSON has every field, and the SHA-256 of the stack"
+    ok $? "the JSON has every field (work.py has those of effects and work), and the SHA-256 of the stack"
 }
 
 # A scene from standard input. Its files are relative to the working folder.

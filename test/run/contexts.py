@@ -11,21 +11,14 @@ import subprocess
 import sys
 
 import numpy as np
-import tifffile
 
 sys.dont_write_bytecode = True
 import random_scenes
-from rendered import SPECTRAL, TMP, check, done, objects_of
+from rendered import SCENES, SPECTRAL, TMP, check, done, objects_of, pages_of, refuses, run
 from tap import bail_out
 
 LIBRARIES = ("osmesa", "egl", "egl:0")
-SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 NM = ("--wavelengths", "400:700:60")
-
-
-def run(*words, program=SPECTRAL, **environment):
-    return subprocess.run([program, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, env={**os.environ, **environment})
 
 
 def drawn(scene, *options):
@@ -36,9 +29,7 @@ def drawn(scene, *options):
     if result.returncode > 1:
         bail_out(scene, options, result.stderr)
     report = json.loads(result.stdout)
-    with tifffile.TiffFile(stack) as tiff:
-        samples = np.array([page.asarray() for page in tiff.pages])
-    return samples, objects_of(stack), report["check"], (report["gl_library"], report["gl_renderer"].split()[0])
+    return pages_of(stack), objects_of(stack), report["check"], (report["gl_library"], report["gl_renderer"].split()[0])
 
 
 def are_alike(name, scene, *options, drivers=("llvmpipe", "softpipe")):
@@ -97,9 +88,10 @@ def missing():
           "it says which package has OSMesa", result.stderr)
     program = without("OSMesa", "EGL")
     result = run(*render, program=program)
-    check(result.returncode == 3 and result.stderr.count("\n") == 1 and "libosmesa6" in result.stderr and "libegl1" in result.stderr,
-          "without both it says which packages have them", result.stderr)
+    check(result.returncode == 3 and result.stderr.count("\n") == 1 and "libosmesa6" in result.stderr and "libegl1 and libgl1-mesa-dri" in
+          result.stderr and "--renderer raster needs none" in result.stderr, "without both it says which packages have them", result.stderr)
     check(run(*render, "--renderer", "raster", "--no-check", program=program).returncode == 0, "the reference needs neither")
+    check(run("cost", "patches", "--size", "30x20", "--quiet", "--csv", "/dev/null", program=program).returncode == 0, "cost measures the reference")
     check("\nOpenGL cannot draw: spectral drivers prints why\n" in run("--version", program=program).stdout, "--version says that there is no OpenGL")
     libraries = subprocess.run(["ldd", SPECTRAL], check=True, stdout=subprocess.PIPE, universal_newlines=True).stdout
     check(not re.search("OSMesa|EGL|libGL|LLVM", libraries), "no library of OpenGL is linked", libraries)
@@ -133,8 +125,7 @@ def drivers():
 def refusals():
     for words, status, pattern in ((("--gl", "glx"), 2, "--gl is osmesa, egl, egl:N"), (("--gl", "egl:"), 2, "--gl is"),
                                    (("--gl", "egl:x"), 2, "--gl is"), (("--gl", "egl:63"), 3, "there is no egl:63")):
-        result = run("render", "patches", "-o", "/dev/null", *words)
-        check(result.returncode == status and re.search(pattern, result.stderr), f"{' '.join(words)} is refused", result.stderr)
+        refuses(("render", "patches", "-o", "/dev/null", *words), pattern, status)
 
 
 scenes()

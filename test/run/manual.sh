@@ -96,21 +96,6 @@ for default in 'detector cie1931' 'adaptation none' 'exposure 1' 'bits 8'; do
     ok $? "develop --$default changes nothing"
 done
 
-# Transforms apply in the order in which they are written.
-transformed() { printf '%s\n' "$small" 'light d65 1 direction 0 0 1' 'material m { diffuse 0.5 }' "object $*"; }
-transformed sphere 1 20 20 material m scale 2 translate 1 0 0 >"$tmp/a.scene"
-transformed sphere 2 20 20 material m translate 1 0 0 >"$tmp/b.scene"
-same "behind scale 2 translate 1 0 0 the centre is at x = 1"
-transformed sphere 1 20 20 material m translate 1 0 0 scale 2 >"$tmp/a.scene"
-transformed sphere 2 20 20 material m translate 2 0 0 >"$tmp/b.scene"
-same "behind translate 1 0 0 scale 2 the centre is at x = 2"
-transformed cone 1 2 20 9 material m rotate 90 0 1 0 >"$tmp/a.scene"
-"$SPECTRAL" render "$tmp/a.scene" --renderer raster --no-check --quiet -o "$tmp/a.tif"
-run "$SPECTRAL" probe "$tmp/a.tif" 40 33 # to the left of the centre, and below
-prints '^object +m$' "a cone that is turned by 90 degrees about y is wide at the left"
-run "$SPECTRAL" probe "$tmp/a.tif" 50 33 # as far to the right
-prints '^object +background$' "its tip is at the right: z has come to x"
-
 # Each example of the page runs, in the order of the page. cost needs a small picture.
 mkdir "$tmp/examples"
 cp data/samples/* "$tmp/examples"

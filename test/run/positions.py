@@ -8,14 +8,13 @@ import json
 import math
 import os
 import re
-import subprocess
 import sys
 
 import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done, objects_of, write
+from rendered import TMP, check, done, objects_of, pages_of, refuses, run, write
 from tap import bail_out
 
 SIDES = (1, 2, 4, 8, 16)
@@ -23,20 +22,13 @@ NM = ("--wavelengths", "450,550,650")
 FLAT = "wavelengths 500 500 1\nsize {size}\ncamera ortho {extent}\nambient 1 1\nmaterial white {{ diffuse 1 }}\n"
 
 
-def run(*words):
-    return subprocess.run([SPECTRAL, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True)
-
-
-def render(scene, *options, stack="stack.tif", status=0):
+def render(scene, *options, stack="stack.tif"):
     """The pages of radiance [band, y, x] of a stack, and the report."""
     path = os.path.join(TMP, stack)
     result = run("render", scene, "-o", path, "--json", "-", "--quiet", *options)
-    if result.returncode != status:
+    if result.returncode != 0:
         bail_out(scene, options, result.stderr)
-    report = json.loads(result.stdout)
-    with tifffile.TiffFile(path) as tiff:
-        return np.array([page.asarray() for page in tiff.pages], float), report
+    return pages_of(path).astype(float), json.loads(result.stdout)
 
 
 def blocks(picture, side):
@@ -75,8 +67,7 @@ def maps():
         check((often == counts.max(0)).all() and len(np.unique(seen)) > 5,
               "the map of objects has the object of most positions", *options)
         check((often >= 8).mean() > 0.95, "which are mostly half of them", *options)
-        ours, theirs = (np.array([page.asarray() for page in tifffile.TiffFile(os.path.join(TMP, name)).pages])
-                        for name in ("map.tif", "wide-map.tif"))
+        ours, theirs = (pages_of(os.path.join(TMP, name)) for name in ("map.tif", "wide-map.tif"))
         check((ours == blocks(theirs, 4).max(-1)).all() and ours.shape == (4, 40, 60),
               "the map of the check has the largest of all positions", *options)
 
@@ -182,8 +173,7 @@ def refusals():
     for words, pattern in ((("--samples", "3"), "takes 1, 2, 4, 8 or 16 .* not 3"), (("--samples", "0"), "0 is out of range; it lies between 1 and 16"),
                            (("--samples", "32"), "32 is out of range"), (("--samples", "two"), "number of positions"),
                            (("--samples", "16", "--size", "100000x1"), "draws 1600000 positions a side, but 262144")):
-        result = run("render", "spheres", "-o", "/dev/null", *words)
-        check(result.returncode == 2 and re.search(pattern, result.stderr), f"{' '.join(words)} is refused", result.stderr)
+        refuses(("render", "spheres", "-o", "/dev/null", *words), pattern)
 
 
 is_mean_of_a_wider_picture()

@@ -19,6 +19,7 @@ TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
                    os.path.splitext(os.path.basename(sys.argv[0]))[0])
 MATERIAL = "data/builtin/materials/colorchecker/15-red.txt"
 WAVELENGTHS = np.arange(300.0, 765.0, 5.0)
+SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 os.makedirs(TMP, exist_ok=True)
 
 
@@ -41,6 +42,25 @@ def write(name, text):
     with open(path, "w") as out:
         out.write(text)
     return path
+
+
+def run(*words, program=SPECTRAL, **environment):
+    """Runs a command of the program with more variables. Its output and its messages are texts."""
+    return subprocess.run([program, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          universal_newlines=True, env={**os.environ, **environment})
+
+
+def refuses(words, pattern, status=2, **environment):
+    """The command ends with this status and one line that matches."""
+    result = run(*words, **environment)
+    check(result.returncode == status and re.search(pattern, result.stderr) and result.stderr.count("\n") == 1,
+          f"{' '.join(words)} is refused", result.stderr)
+
+
+def pages_of(stack):
+    """The samples of each page [page, y, x], as they are stored."""
+    with tifffile.TiffFile(stack) as tiff:
+        return np.array([page.asarray() for page in tiff.pages])
 
 
 def objects_of(stack):
@@ -86,8 +106,7 @@ class Picture:
             bail_out("cannot render", path)
         self.report = json.loads(result.stdout)
         self.count = self.report["full_scale"] / 65535
-        with tifffile.TiffFile(self.stack) as tiff:
-            self.radiance = np.array([p.asarray() for p in tiff.pages]) * self.count
+        self.radiance = pages_of(self.stack) * self.count
         bound = self.report["check"]["floor_worst_counts"] if renderer == "gl" else 1e-6
         self.tolerance = (0.5 + bound) * self.count
 

@@ -7,20 +7,17 @@ that cannot read depths is not said to be checked there. FULL: all scenes at 300
 import json
 import os
 import re
-import subprocess
 import sys
 
 import numpy as np
-import tifffile
 
 sys.dont_write_bytecode = True
 import random_scenes
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import SCENES, TMP, check, done, pages_of, refuses, run, write
 from tap import bail_out
 
 SPOIL = os.path.abspath(os.environ.get("SPOIL_LIBRARY", "build/test/spoil.so"))
 FULL = "FULL" in os.environ
-SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 SMALL = () if FULL else ("--wavelengths", "400:700:20")
 # Two groups of lights; a mirrored, a two-sided and a textured object; a spot; an attenuation.
 OWN = """wavelengths 400 700 10
@@ -37,20 +34,13 @@ object torus 0.3 0.6 8 12 material n translate 1 0 0
 """
 
 
-def run(*words, **environment):
-    return subprocess.run([SPECTRAL, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, env={**os.environ, **environment})
-
-
 def drawn(scene, renderer, *options):
     """The report of a render, and all samples."""
     stack = os.path.join(TMP, "stack.tif")
     result = run("render", scene, "-o", stack, "--keep", "--json", "-", "--depth", "32f", "--renderer", renderer, *options)
     if result.returncode > 1:
         bail_out(scene, renderer, options, result.stderr)
-    with tifffile.TiffFile(stack) as tiff:
-        samples = np.array([page.asarray() for page in tiff.pages])
-    return json.loads(result.stdout), samples, result
+    return json.loads(result.stdout), pages_of(stack), result
 
 
 def agree(name, scene, *options, drivers=("llvmpipe", "softpipe")):
@@ -107,9 +97,8 @@ def limits():
         result = run("render", "room", "--size", "90x60", "-o", "/dev/null", "--renderer", name, SPOIL="unknown", LD_PRELOAD=SPOIL)
         check(result.returncode == 0 and re.search("^bounds +measured: edges to 0.00195 pixel", result.stdout, re.MULTILINE) and
               "OpenGL            Foo 9000, " in result.stdout, f"{name}: an unknown driver is measured by shaders", result.stdout, result.stderr)
-    result = run(*words, "--renderer", "es-shader", SPOIL="unknown depths", LD_PRELOAD=SPOIL)
-    check(result.returncode == 3 and "this OpenGL ES cannot read depths, which measurements need" in result.stderr and result.stderr.count("\n") == 1,
-          "an unknown OpenGL ES without depths is refused", result.stderr)
+    refuses((*words, "--renderer", "es-shader"), "this OpenGL ES cannot read depths, which measurements need", 3, SPOIL="unknown depths",
+            LD_PRELOAD=SPOIL)
     result = run(*words, "--renderer", "gl-shader", "--no-check", SPOIL="unknown", LD_PRELOAD=SPOIL)
     check(result.returncode == 0 and "OpenGL            Foo 9000, " in result.stdout, "without a check it draws", result.stderr)
     for options, status, pattern in ((("--renderer", "gl-shader", "--gl", "osmesa"), 3, "OSMesa draws without shaders here; add --gl egl"),
@@ -117,9 +106,7 @@ def limits():
                                      (("--renderer", "gl-shader", "--shading", "phong"), 2, "cannot draw phong shading"),
                                      (("--renderer", "gl-shader:raster"), 2, "unknown renderer"), (("--renderer", "gl-shaders"), 2, "unknown renderer"),
                                      (("--renderer", "es-shader", "--gl", "egl:60"), 3, "there is no egl:60")):
-        result = run(*words, *options)
-        check(result.returncode == status and re.search(pattern, result.stderr) and result.stderr.count("\n") == 1, f"{' '.join(options)} is refused",
-              result.stderr)
+        refuses((*words, *options), pattern, status)
 
 
 scenes()

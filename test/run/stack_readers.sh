@@ -3,7 +3,7 @@
 # level: release; packages: python3-numpy python3-tifffile python3-gdal imagej default-jdk-headless
 # Readers of other programs read stacks correctly: tifffile, GDAL and ImageJ each print one line a page, its label
 # and a checksum of its samples, and so does a small walker that knows only TIFF 6.0. All must agree. A reader that
-# is not installed is skipped. The program also reads bands that GDAL writes.
+# is not installed is skipped.
 . test/run/tap.sh
 python=${PYTHON:-/usr/bin/python3} # the Python that finds the system's modules
 imagej=${IMAGEJ_JAR:-/usr/share/java/ij.jar}
@@ -117,29 +117,6 @@ for name, _ in whole.GetSubDatasets():
     samples = band.ReadAsArray().astype(numpy.int64).ravel()
     print(label, int((numpy.arange(1, samples.size + 1) * samples).sum() % 2**31))
 END
-    cat >"$tmp/to_bands.py" <<'END'
-import sys
-from osgeo import gdal
-gdal.UseExceptions()
-pages = [gdal.Open(name) for name, _ in gdal.Open(sys.argv[1]).GetSubDatasets()]
-bands = gdal.GetDriverByName("GTiff").Create(sys.argv[2], 60, 40, len(pages), gdal.GDT_UInt16, sys.argv[3:])
-for number, whole in enumerate(pages, 1):
-    page, band = whole.GetRasterBand(1), bands.GetRasterBand(number)
-    band.SetScale(page.GetScale())
-    if number % 2:
-        centre = page.GetMetadataItem("CENTRAL_WAVELENGTH_UM", "IMAGERY")
-        band.SetMetadataItem("CENTRAL_WAVELENGTH_UM", centre, "IMAGERY")
-    else:
-        band.SetMetadata({key: page.GetMetadataItem(key) for key in ("wavelength", "wavelength_units")})
-    band.WriteArray(page.ReadAsArray())
-END
-    cat >"$tmp/same.py" <<'END'
-import sys, numpy
-from osgeo import gdal
-gdal.UseExceptions()
-one, other = (gdal.Open(name).ReadAsArray() for name in sys.argv[1:])
-assert one.max() > one.min() and numpy.array_equal(one, other)
-END
     cat >"$tmp/WithImageJ.java" <<'END'
 public class WithImageJ {
     public static void main(String[] arguments) {
@@ -167,18 +144,4 @@ for options in '--depth 8' '--sampling rgb' '--sampling basis:4 --depth 8' ''; d
         "$SPECTRAL" render colorchecker --size 60x40 $options -o "$stack" --quiet
     all_see
 done
-if "$python" -c 'import osgeo.gdal' >/dev/null 2>&1; then
-    exits 0 "a stack is developed" "$SPECTRAL" develop "$stack" --white 1 -o "$tmp/pages.tif"
-    for options in INTERLEAVE=PIXEL INTERLEAVE=BAND 'TILED=YES COMPRESS=DEFLATE BIGTIFF=YES'; do
-        # shellcheck disable=SC2086 # options are words
-        exits 0 "GDAL writes its pages as bands, $options" \
-            "$python" "$tmp/to_bands.py" "$stack" "$tmp/bands.tif" $options
-        exits 0 "GDAL's bands are developed" "$SPECTRAL" develop "$tmp/bands.tif" --white 1 -o "$tmp/developed.tif"
-        exits 0 "both developed pictures are equal" "$python" "$tmp/same.py" "$tmp/pages.tif" "$tmp/developed.tif"
-        exits 0 "GDAL's bands equal the stack in every count" \
-            "$SPECTRAL" compare "$stack" "$tmp/bands.tif" --white 1
-    done
-else
-    skip "no Python module osgeo.gdal"
-fi
 done_testing

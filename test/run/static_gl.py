@@ -11,10 +11,9 @@ import subprocess
 import sys
 
 import numpy as np
-import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done
+from rendered import SPECTRAL, TMP, check, done, pages_of
 from tap import skip_all
 
 # Softpipe takes most of the time, band by band.
@@ -33,8 +32,7 @@ def render(program, scene, renderer, *options):
                             stdout=subprocess.PIPE, env=environment, check=False)
     if result.returncode != 0:
         return None, None
-    with tifffile.TiffFile(path) as tiff:
-        return np.array([page.asarray() for page in tiff.pages], int), json.loads(result.stdout)
+    return pages_of(path).astype(int), json.loads(result.stdout)
 
 
 def steepness(stack):

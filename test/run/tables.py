@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile python3-scipy psychtoolbox-3-common colord-data
-"""The tables of observers and illuminants agree with their sources. Prints TAP."""
+"""The tables of observers and illuminants, the ColorChecker's materials and the models agree with their sources. Prints TAP."""
 import math
 import os
 import subprocess
@@ -21,11 +21,15 @@ def table(name):
     return {int(row[0]): row[1:] for row in rows}
 
 
-for maker in ("observers", "illuminants"):
-    subprocess.run(["/usr/bin/python3", "-B", f"test/make/{maker}.py", TMP], check=True)
-for name in sorted(os.listdir(TMP)):
-    check(open(f"{TMP}/{name}").read() == open(f"{FOLDER}/{name}").read(),
-          f"{name} equals its maker's output, digit by digit")
+for maker, kept in (("observers", "tables"), ("illuminants", "tables"), ("colorchecker", "materials"), ("models", "models")):
+    made = f"{TMP}/{maker}"
+    os.makedirs(made, exist_ok=True)
+    subprocess.run(["/usr/bin/python3", "-B", f"test/make/{maker}.py", made], check=True)
+    names = [os.path.relpath(os.path.join(top, name), made) for top, _, files in os.walk(made) for name in files]
+    differing = [name for name in names if open(f"{made}/{name}").read() != open(f"data/builtin/{kept}/{name}").read()]
+    check(names and not differing, f"the {len(names)} files of {maker}.py equal its output, digit by digit", differing)
+patches = set(os.listdir("data/builtin/materials/colorchecker")) - {"LICENSE"}
+check(patches == set(os.listdir(f"{TMP}/colorchecker/colorchecker")) and len(patches) == 24, "the ColorChecker has 24 patches", patches)
 
 # CIE 15:2004, with c2 = 1.435e7 nm K and 2848 K
 differing = [nm for nm, (value,) in table("a").items() if value != "%.6f" % float(

@@ -7,7 +7,6 @@ something else gets wider bounds, or is refused with the reason. Prints TAP."""
 import json
 import os
 import re
-import subprocess
 import sys
 
 import numpy as np
@@ -15,19 +14,13 @@ import tifffile
 
 sys.dont_write_bytecode = True
 import random_scenes
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import SCENES, TMP, check, done, run, write
 
 LIAR = os.path.abspath(os.environ.get("LIAR_LIBRARY", "build/test/liar.so"))
 FAULTS = os.path.abspath(os.environ.get("FAULTS", "build/test/fault.so"))
-SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 FULL = "FULL" in os.environ
 PLANTED = {"fill": "9", "first": "12", "clamp": "36", "diffuse": "49"}  # lies that fault.c has, by their numbers there
 STEP = 2.0**-9  # half a step of a grid of 8 bits below a pixel
-
-
-def run(*words, **environment):
-    return subprocess.run([SPECTRAL, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, env={**os.environ, **environment})
 
 
 def lying(lie, *words, driver="llvmpipe", **environment):

@@ -17,16 +17,11 @@ from junitparser import JUnitXml
 
 sys.dont_write_bytecode = True
 import documents
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import SPECTRAL, TMP, check, done, refuses, run, write
 
 SPOIL = os.path.abspath(os.environ.get("SPOIL_LIBRARY", "build/test/spoil.so"))
 FAULTS = os.path.abspath(os.environ.get("FAULTS", "build/test/fault.so"))
 LLVMPIPE = ("--gl", "osmesa", "--renderer", "llvmpipe")
-
-
-def run(*words, program=SPECTRAL, **environment):
-    return subprocess.run([program, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, env={**os.environ, **environment})
 
 
 def path(name):
@@ -145,9 +140,7 @@ def crashes():
 
 def refusals():
     for words, status, pattern in ((("nosuch",), 2, "no file nosuch"), (("--renderer", "raster"), 2, "needs no verification"), (("--gl", "egl:60"), 3, "there is no egl:60")):
-        result = run("verify", "patches" if words[0].startswith("-") else "spheres", *words)
-        check(result.returncode == status and result.stderr.count("\n") == 1 and re.search(pattern, result.stderr), f"refused: {' '.join(words)}",
-              result.stderr)
+        refuses(("verify", "patches", *words), pattern, status)
     remove("stopped.json")
     process = subprocess.Popen([SPECTRAL, "verify", "--json", path("stopped.json")], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
