@@ -151,46 +151,37 @@ GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GL
 
 /* ---- state ---- */
 
-/* glEnable and glDisable share their states, each with its own count. */
+/* Switches a state. glEnable and glDisable share their states, each with its own count. */
 static void switch_state(const char *name, GLenum state, char on)
 {
+    void (*next)(GLenum);
+    real(name, &next);
     pthread_mutex_lock(&lock);
     struct counted *of = find_kind(name, state);
     of->n++;
     of->again += (unsigned long)is_known(find_kind("switch", state), STATE, digest_of(&on, 1));
     pthread_mutex_unlock(&lock);
+    next(state);
 }
 
 void glEnable(GLenum state)
 {
-    void (*next)(GLenum);
-    real("glEnable", &next);
     switch_state("glEnable", state, 1);
-    next(state);
 }
 
 void glDisable(GLenum state)
 {
-    void (*next)(GLenum);
-    real("glDisable", &next);
     switch_state("glDisable", state, 0);
-    next(state);
 }
 
 void glEnableClientState(GLenum state)
 {
-    void (*next)(GLenum);
-    real("glEnableClientState", &next);
     switch_state("glEnableClientState", state, 1);
-    next(state);
 }
 
 void glDisableClientState(GLenum state)
 {
-    void (*next)(GLenum);
-    real("glDisableClientState", &next);
     switch_state("glDisableClientState", state, 0);
-    next(state);
 }
 
 void glShadeModel(GLenum model)

@@ -85,7 +85,6 @@ static const struct call {
     {"chmod", SYS_fchmod, EIO, 0},
     {"fcntl", SYS_fcntl, EMFILE, INTERRUPTIBLE},
     {"ioctl", SYS_ioctl, EIO, 0},
-    {"flock", SYS_flock, ENOLCK, INTERRUPTIBLE},
     {"dup", SYS_dup, EMFILE, 0},
     {"dup3", SYS_dup3, EMFILE, 0},
     {"pipe", SYS_pipe2, EMFILE, 0},

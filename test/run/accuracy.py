@@ -14,8 +14,7 @@ import numpy as np
 
 sys.dont_write_bytecode = True
 from rendered import SCENES as BUILT_IN
-from rendered import TMP, check, colour_error_95, done, objects_of, pages_of, refuses, run, tristimulus, write
-from tap import bail_out
+from rendered import TMP, check, colour_error_95, done, objects_of, pages_of, refuses, render, run, tristimulus, write
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 SIZE = ("--size", "300x200")
@@ -48,14 +47,6 @@ object plane 8 8 material floor rotate -90 1 0 0 translate 0 -1 0
 
 def path_of(scene, name="accuracy.scene"):
     return write(name, scene) if "\n" in scene else scene
-
-
-def render(scene, *options, stack="stack.tif", agrees=True):
-    """The report of a render; its stack is left in the file."""
-    result = run("render", path_of(scene), "-o", os.path.join(TMP, stack), "--json", "-", "--quiet", *options)
-    if result.returncode != 0 and agrees:
-        bail_out(scene, options, result.stderr)
-    return json.loads(result.stdout)
 
 
 def seen_in(stack):

@@ -6,14 +6,13 @@
 program's own counters (work.py) take no part. Prints TAP."""
 import collections
 import os
-import subprocess
 import sys
 
 import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import TMP, check, done, run, write
 from tap import bail_out
 
 LIBRARY = os.path.abspath(os.environ.get("CALLS_LIBRARY", "build/test/calls.so"))
@@ -34,9 +33,7 @@ def calls_of(scene, *options):
     report = os.path.join(TMP, "calls.txt")
     if os.path.exists(report):
         os.remove(report)
-    environment = {**os.environ, "LD_PRELOAD": LIBRARY, "CALLS": report}
-    result = subprocess.run([SPECTRAL, "render", path, "--quiet", "-o", os.path.join(TMP, "calls.tif"), *options],
-                            check=False, env=environment, stderr=subprocess.PIPE, universal_newlines=True)
+    result = run("render", path, "--quiet", "-o", os.path.join(TMP, "calls.tif"), *options, LD_PRELOAD=LIBRARY, CALLS=report)
     if result.returncode != 0:
         bail_out(result.stderr)
     rows = [line.split() for line in open(report)] if os.path.exists(report) else []

@@ -14,8 +14,7 @@ import numpy as np
 
 sys.dont_write_bytecode = True
 import random_scenes
-from rendered import SCENES, SPECTRAL, TMP, check, done, objects_of, pages_of, refuses, run
-from tap import bail_out
+from rendered import SCENES, SPECTRAL, TMP, check, done, objects_of, pages_of, refuses, render, run
 
 LIBRARIES = ("osmesa", "egl", "egl:0")
 NM = ("--wavelengths", "400:700:60")
@@ -24,11 +23,8 @@ NM = ("--wavelengths", "400:700:60")
 def drawn(scene, *options):
     """All samples of a stack, its objects, and what the check counted and measured: of triangles, depths and
     fragments, too."""
+    report = render(scene, *options, "--keep", "--depth", "32f", worst=1)
     stack = os.path.join(TMP, "stack.tif")
-    result = run("render", scene, "-o", stack, "--keep", "--quiet", "--json", "-", "--depth", "32f", *options)
-    if result.returncode > 1:
-        bail_out(scene, options, result.stderr)
-    report = json.loads(result.stdout)
     return pages_of(stack), objects_of(stack), report["check"], (report["gl_library"], report["gl_renderer"].split()[0])
 
 

@@ -4,19 +4,16 @@
 # Inputs that fuzzing has kept (test/fuzz/corpus), a few hundred for each reader: they reach nearly all of its
 # code. Each is read again; whatever it is, the reader gives a result or one message. With FULL=1 the
 # sanitizers watch, and libtiff's code too.
-# shellcheck disable=SC2013 # names are words
+# shellcheck disable=SC1091,SC2086
 . test/run/tap.sh
-FUZZ_FOLDER=$(mktemp -d /dev/shm/spectral-replay.XXXXXX 2>/dev/null || mktemp -d)
-export FUZZ_FOLDER
-trap 'rm -rf "$FUZZ_FOLDER"' EXIT
-cp -R test/cases/bad/*/ data/samples/*.* data/builtin/textures/dots.tif "$FUZZ_FOLDER"
+. test/fuzz/fuzz.sh
+: "${BUILD:=build}"
+open_folder
 
-for target in $(grep -oE '[{]"[a-z]+", fuzz_' test/fuzz/fuzz.c | cut -d '"' -f 2); do
-    mkdir -p "$tmp/$target"
-    tar -C "$tmp/$target" -xzf "test/fuzz/corpus/$target/kept.tar.gz"
-    find "test/fuzz/corpus/$target" -type f ! -name kept.tar.gz -exec cp {} "$tmp/$target" \;
-    n=$(find "$tmp/$target" -type f | wc -l)
-    run find "$tmp/$target" -type f -exec "$REPLAY" "$target" {} +
+for target in $(fuzz_targets); do
+    unpack $target
+    n=$(find "$BUILD/fuzz/kept" -type f | wc -l)
+    run find "$BUILD/fuzz/kept" -type f -exec "$REPLAY" "$target" {} +
     [ "$status" = 0 ] && [ "$n" -gt 10 ] && [ "$(wc -l <"$tmp/out")" = "$n" ]
     ok $? "$target: each of $n inputs has a result or one message"
     [ "$status" = 0 ] || tail -n 1 "$tmp/out" | sed 's/^/# this input: /'

@@ -14,8 +14,8 @@ import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
+import rendered
 from rendered import TMP, check, done, objects_of, pages_of, refuses, run, write
-from tap import bail_out
 
 SIDES = (1, 2, 4, 8, 16)
 NM = ("--wavelengths", "450,550,650")
@@ -24,11 +24,8 @@ FLAT = "wavelengths 500 500 1\nsize {size}\ncamera ortho {extent}\nambient 1 1\n
 
 def render(scene, *options, stack="stack.tif"):
     """The pages of radiance [band, y, x] of a stack, and the report."""
-    path = os.path.join(TMP, stack)
-    result = run("render", scene, "-o", path, "--json", "-", "--quiet", *options)
-    if result.returncode != 0:
-        bail_out(scene, options, result.stderr)
-    return pages_of(path).astype(float), json.loads(result.stdout)
+    report = rendered.render(scene, *options, stack=stack)
+    return pages_of(os.path.join(TMP, stack)).astype(float), report
 
 
 def blocks(picture, side):

@@ -50,6 +50,15 @@ def run(*words, program=SPECTRAL, **environment):
                           universal_newlines=True, env={**os.environ, **environment})
 
 
+def render(scene, *options, stack="stack.tif", worst=0, **environment):
+    """Renders a scene, its name or its text, into a stack in TMP. Returns the report; the test ends if the status is above `worst`."""
+    path = write("rendered.scene", scene) if "\n" in scene else scene
+    result = run("render", path, "-o", os.path.join(TMP, stack), "--json", "-", "--quiet", *options, **environment)
+    if result.returncode > worst:
+        bail_out(scene, options, result.stderr)
+    return json.loads(result.stdout)
+
+
 def refuses(words, pattern, status=2, **environment):
     """The command ends with this status and one line that matches."""
     result = run(*words, **environment)

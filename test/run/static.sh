@@ -91,6 +91,11 @@ else
     skip "neither root nor allowed to become it in a namespace (unshare -r)"
 fi
 
+for scene in room metals; do
+    exits 0 "$scene: OpenGL and the reference agree" "$STATIC" render $scene --size 300x200 --wavelengths 300:760:46 -o "$tmp/$scene.tif"
+    prints '^unexplained +0$' "$scene: no pixel is unexplained"
+done
+
 # ---- what it leaves out ----
 
 exits 2 "a picture for the omitted library is refused" \

@@ -5,15 +5,14 @@
 costs no more than it needs. Prints TAP."""
 import json
 import os
-import subprocess
 import sys
 
 import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done, write
-from tap import bail_out
+import rendered
+from rendered import TMP, check, done, write
 
 HEAD = "wavelengths 400 700 20\nsize 24 16\ncamera ortho 12\n"
 LIGHT = "light d65 1 position 0 0 8"
@@ -22,15 +21,11 @@ PASSES = 6  # 16 bands, 3 a pass
 
 
 def run(command, scene, *options):
-    return subprocess.run([SPECTRAL, command, write("work.scene", HEAD + scene), *options], check=False,
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+    return rendered.run(command, write("work.scene", HEAD + scene), *options)
 
 
 def report(scene, *options):
-    result = run("render", scene, "--json", "-", "--quiet", "-o", "/dev/null", *options)
-    if result.returncode != 0:
-        bail_out(result.stderr)
-    return json.loads(result.stdout)
+    return rendered.render(HEAD + scene, *options, stack="/dev/null")
 
 
 def scene_of(words="diffuse 0.5", light=LIGHT, more="", objects=PLANE):
@@ -59,8 +54,7 @@ def prepare():
     write("matrix.csv", "nm,380,400\n500,0.1,0.2\n510,0.1,0.1\n520,0,0.1\n")
     write("square.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl a\nf 1 2 3 4\n")
     write("square.map", "a material m\n")
-    subprocess.run([SPECTRAL, "render", write("page.scene", HEAD + scene_of()), "--quiet", "-o",
-                    os.path.join(TMP, "stack.tif")], check=True)
+    rendered.render(HEAD + scene_of())
 
 
 # Words added to the plain scene, the effects that they turn on, and the counters that they raise, with the rise. The
