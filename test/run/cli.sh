@@ -51,9 +51,6 @@ small="--size 40x30 --wavelengths 400:700:50"
     prints '^bands +7$' "plan prints the number of bands"
     prints '^  passes +3$' "plan prints the number of passes"
     prints '^specular +no \(no lit material has gloss\)' "plan prints why an effect is not simulated"
-    exits 0 "plan leaves out a light of intensity 0" \
-        "$SPECTRAL" plan patches $small --light '1=d65*0'
-    prints '^light +d65: intensity 0, off intensity 0$' "plan says that the light is off"
 
     # Outputs.
     exits 0 "render writes a stack" "$SPECTRAL" render patches $small -o "$tmp/a.tif" --quiet
@@ -64,10 +61,6 @@ small="--size 40x30 --wavelengths 400:700:50"
     ok $? "both stacks have the same bytes"
     exits 0 "the reference's stack is made" \
         "$SPECTRAL" render patches $small --renderer raster --threads 1 -o "$tmp/c.tif"
-    exits 0 "the reference's stack is made by three threads, unchecked" \
-        "$SPECTRAL" render patches $small --renderer raster --threads 3 --no-check -o "$tmp/d.tif"
-    cmp -s "$tmp/c.tif" "$tmp/d.tif"
-    ok $? "both have the same bytes, checked or not"
     cp "$tmp/c.tif" "$tmp/old.tif"
     exits 2 "an unwritable folder is bad input" \
         "$SPECTRAL" render patches $small -o "$tmp/no/such/folder/a.tif"

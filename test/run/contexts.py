@@ -74,19 +74,19 @@ def without(*names):
 
 
 def missing():
-    render = ("render", "patches", "--size", "30x20", *NM, "-o", "/dev/null")
+    drawing = ("render", "patches", "--size", "30x20", *NM, "-o", "/dev/null")
     program = without("OSMesa")
-    result = run(*render, program=program)
+    result = run(*drawing, program=program)
     check(result.returncode == 0 and re.search("^OpenGL .* by EGL$", result.stdout, re.MULTILINE),
           "without OSMesa the program takes EGL", result.stdout, result.stderr)
-    result = run(*render, "--gl", "osmesa", program=program)
+    result = run(*drawing, "--gl", "osmesa", program=program)
     check(result.returncode == 3 and re.fullmatch(r"error: OpenGL is missing: there is no libXXXXXX[^\n]*libosmesa6[^\n]*\n", result.stderr),
           "it says which package has OSMesa", result.stderr)
     program = without("OSMesa", "EGL")
-    result = run(*render, program=program)
+    result = run(*drawing, program=program)
     check(result.returncode == 3 and result.stderr.count("\n") == 1 and "libosmesa6" in result.stderr and "libegl1 and libgl1-mesa-dri" in
           result.stderr and "--renderer raster needs none" in result.stderr, "without both it says which packages have them", result.stderr)
-    check(run(*render, "--renderer", "raster", "--no-check", program=program).returncode == 0, "the reference needs neither")
+    check(run(*drawing, "--renderer", "raster", "--no-check", program=program).returncode == 0, "the reference needs neither")
     check(run("cost", "patches", "--size", "30x20", "--quiet", "--csv", "/dev/null", program=program).returncode == 0, "cost measures the reference")
     check("\nOpenGL cannot draw: spectral drivers prints why\n" in run("--version", program=program).stdout, "--version says that there is no OpenGL")
     libraries = subprocess.run(["ldd", SPECTRAL], check=True, stdout=subprocess.PIPE, universal_newlines=True).stdout

@@ -83,8 +83,7 @@ def objects_of(stack):
 def tristimulus(stack, *options):
     """XYZ of each pixel [channel, y, x], as develop makes them, and the white [channel, 1]."""
     picture = os.path.join(TMP, "xyz.tif")
-    result = subprocess.run([SPECTRAL, "develop", stack, "--xyz", "-o", picture, *options], check=False,
-                            stdout=subprocess.PIPE, universal_newlines=True)
+    result = run("develop", stack, "--xyz", "-o", picture, *options)
     white = re.search(r"^white +XYZ ([0-9. ]+),", result.stdout, re.MULTILINE)
     if result.returncode != 0 or not white:
         bail_out("cannot develop", stack)
@@ -108,12 +107,7 @@ class Picture:
     def __init__(self, name, renderer, scene, *options):
         path = write(name + ".scene", scene.replace("RED", os.path.relpath(MATERIAL, TMP)))
         self.stack = os.path.join(TMP, f"{name}-{renderer}.tif")
-        result = subprocess.run(
-            [SPECTRAL, "render", path, "-o", self.stack, "--renderer", renderer, "--json", "-",
-             "--quiet", *options], stdout=subprocess.PIPE, check=False)
-        if result.returncode != 0:
-            bail_out("cannot render", path)
-        self.report = json.loads(result.stdout)
+        self.report = render(path, "--renderer", renderer, *options, stack=f"{name}-{renderer}.tif")
         self.count = self.report["full_scale"] / 65535
         self.radiance = pages_of(self.stack) * self.count
         bound = self.report["check"]["floor_worst_counts"] if renderer == "gl" else 1e-6
