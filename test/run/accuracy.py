@@ -142,7 +142,7 @@ def in_counts():
         report = render(scene, "--accuracy", f"{error}counts")
         render(scene, "--renderer", "raster", "--no-check", "--shading", "phong", "--depth", "32f", stack="standard.tif")
         shown = objects_of(os.path.join(TMP, "stack.tif")) > 0
-        counts, exact = (pages_of(os.path.join(TMP, name))[:, shown].astype(float) for name in ("stack.tif", "standard.tif"))
+        counts, exact = (pages_of(os.path.join(TMP, name))[:, shown] for name in ("stack.tif", "standard.tif"))
         difference = np.sort(np.abs(counts - exact / report["full_scale"] * 65535).max(0))
         measured, said = difference[len(difference) * 95 // 100], report["accuracy"]["error_95"]
         check(report["accuracy"]["unit"] == "counts" and measured <= error + 1 and measured / 2 - 1 <= said <= 2 * measured + 1,
@@ -224,7 +224,7 @@ def refusals():
                            (("--accuracy", "1", "--sampling", "gauss:8", "--detector", "DETECTOR"),
                             "needs an observer, and .* is none; expected counts")):
         detector = path_of("# a camera\n" + "".join(f"{nm},{nm % 7},{nm % 3},1\n" for nm in range(400, 701, 10)), "camera.csv")
-        refuses(("render", scene, "-o", "/dev/null", *[word.replace("DETECTOR", detector) for word in words]), pattern)
+        refuses(" ".join(words), pattern, "render", scene, "-o", "/dev/null", *[word.replace("DETECTOR", detector) for word in words])
 
 
 FULL = "FULL" in os.environ

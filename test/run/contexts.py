@@ -121,7 +121,7 @@ def drivers():
 def refusals():
     for words, status, pattern in ((("--gl", "glx"), 2, "--gl is osmesa, egl, egl:N"), (("--gl", "egl:"), 2, "--gl is"),
                                    (("--gl", "egl:x"), 2, "--gl is"), (("--gl", "egl:63"), 3, "there is no egl:63")):
-        refuses(("render", "patches", "-o", "/dev/null", *words), pattern, status)
+        refuses(" ".join(words), pattern, "render", "patches", "-o", "/dev/null", *words, status=status)
 
 
 scenes()

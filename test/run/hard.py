@@ -39,9 +39,10 @@ import sys
 import time
 
 import numpy as np
+import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done, pages_of, write
+from rendered import SPECTRAL, TMP, check, done, write
 
 FOLDERS = ("data/builtin/hard", "test/cases/hard")
 PATHS = {"reference": ("raster", "llvmpipe"), "llvmpipe": ("gl", "llvmpipe"),
@@ -87,7 +88,8 @@ class Run:
         if self.status == 0:
             self.report = json.loads(result.stdout)
             self.seconds = self.report["seconds"]["processor"]
-            stored = pages_of(stack)
+            with tifffile.TiffFile(stack) as tiff:
+                stored = np.array([page.asarray() for page in tiff.pages])
             scale = 65535 / self.report["full_scale"] if stored.dtype.kind == "f" else 1
             self.counts = stored.astype(float) * scale
             os.remove(stack)

@@ -25,7 +25,7 @@ FLAT = "wavelengths 500 500 1\nsize {size}\ncamera ortho {extent}\nambient 1 1\n
 def render(scene, *options, stack="stack.tif"):
     """The pages of radiance [band, y, x] of a stack, and the report."""
     report = rendered.render(scene, *options, stack=stack)
-    return pages_of(os.path.join(TMP, stack)).astype(float), report
+    return pages_of(os.path.join(TMP, stack)), report
 
 
 def blocks(picture, side):
@@ -170,7 +170,7 @@ def refusals():
     for words, pattern in ((("--samples", "3"), "takes 1, 2, 4, 8 or 16 .* not 3"), (("--samples", "0"), "0 is out of range; it lies between 1 and 16"),
                            (("--samples", "32"), "32 is out of range"), (("--samples", "two"), "number of positions"),
                            (("--samples", "16", "--size", "100000x1"), "draws 1600000 positions a side, but 262144")):
-        refuses(("render", "spheres", "-o", "/dev/null", *words), pattern)
+        refuses(" ".join(words), pattern, "render", "spheres", "-o", "/dev/null", *words)
 
 
 is_mean_of_a_wider_picture()

@@ -44,32 +44,36 @@ def write(name, text):
     return path
 
 
-def run(*words, program=SPECTRAL, **environment):
-    """Runs a command of the program with more variables. Its output and its messages are texts."""
-    return subprocess.run([program, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, env={**os.environ, **environment})
+def run(*words, program=os.path.abspath(SPECTRAL), text=True, **options):
+    """Runs the program; its output and its errors are texts, or else bytes. Options in capitals are variables of its environment."""
+    variables = {name: options.pop(name) for name in list(options) if name.isupper()}
+    words = [word if isinstance(word, bytes) else str(word) for word in words]
+    return subprocess.run([program, *words], capture_output=True, text=text, check=False,
+                          env={**options.pop("env", os.environ), **variables}, **options)
 
 
-def render(scene, *options, stack="stack.tif", worst=0, **environment):
+def render(scene, *words, stack="stack.tif", worst=0, **options):
     """Renders a scene, its name or its text, into a stack in TMP. Returns the report; the test ends if the status is above `worst`."""
     path = write("rendered.scene", scene) if "\n" in scene else scene
-    result = run("render", path, "-o", os.path.join(TMP, stack), "--json", "-", "--quiet", *options, **environment)
+    result = run("render", path, "-o", os.path.join(TMP, stack), "--json", "-", "--quiet", *words, **options)
     if result.returncode > worst:
-        bail_out(scene, options, result.stderr)
+        bail_out(scene, words, result.stderr)
     return json.loads(result.stdout)
 
 
-def refuses(words, pattern, status=2, **environment):
-    """The command ends with this status and one line that matches."""
-    result = run(*words, **environment)
-    check(result.returncode == status and re.search(pattern, result.stderr) and result.stderr.count("\n") == 1,
-          f"{' '.join(words)} is refused", result.stderr)
+def refuses(what, pattern, *words, status=2, absent=None, **options):
+    """Checks that the program refuses the words: its exit status, and one line with the pattern; no output, if it is bad usage."""
+    result = run(*words, **options)
+    check(result.returncode == status and result.stderr.count("\n") == 1 and re.search(pattern, result.stderr) and
+          not (status == 2 and result.stdout) and not (absent and os.path.exists(absent)), f"refused: {what}", result.returncode,
+          result.stderr, result.stdout)
 
 
 def pages_of(stack):
-    """The samples of each page [page, y, x], as they are stored."""
+    """The values of a picture's pages [page, y, x]; three channels of one page become three pages."""
     with tifffile.TiffFile(stack) as tiff:
-        return np.array([page.asarray() for page in tiff.pages])
+        pages = np.array([page.asarray() for page in tiff.pages], float)
+    return np.moveaxis(pages[0], -1, 0) if pages.ndim == 4 else pages
 
 
 def objects_of(stack):

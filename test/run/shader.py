@@ -97,8 +97,8 @@ def limits():
         result = run("render", "room", "--size", "90x60", "-o", "/dev/null", "--renderer", name, SPOIL="unknown", LD_PRELOAD=SPOIL)
         check(result.returncode == 0 and re.search("^bounds +measured: edges to 0.00195 pixel", result.stdout, re.MULTILINE) and
               "OpenGL            Foo 9000, " in result.stdout, f"{name}: an unknown driver is measured by shaders", result.stdout, result.stderr)
-    refuses((*words, "--renderer", "es-shader"), "this OpenGL ES cannot read depths, which measurements need", 3, SPOIL="unknown depths",
-            LD_PRELOAD=SPOIL)
+    refuses("an unknown OpenGL ES without depths", "this OpenGL ES cannot read depths, which measurements need", *words, "--renderer",
+            "es-shader", status=3, SPOIL="unknown depths", LD_PRELOAD=SPOIL)
     result = run(*words, "--renderer", "gl-shader", "--no-check", SPOIL="unknown", LD_PRELOAD=SPOIL)
     check(result.returncode == 0 and "OpenGL            Foo 9000, " in result.stdout, "without a check it draws", result.stderr)
     for options, status, pattern in ((("--renderer", "gl-shader", "--gl", "osmesa"), 3, "OSMesa draws without shaders here; add --gl egl"),
@@ -106,7 +106,7 @@ def limits():
                                      (("--renderer", "gl-shader", "--shading", "phong"), 2, "cannot draw phong shading"),
                                      (("--renderer", "gl-shader:raster"), 2, "unknown renderer"), (("--renderer", "gl-shaders"), 2, "unknown renderer"),
                                      (("--renderer", "es-shader", "--gl", "egl:60"), 3, "there is no egl:60")):
-        refuses((*words, *options), pattern, status)
+        refuses(" ".join(options), pattern, *words, *options, status=status)
 
 
 scenes()
