@@ -11,11 +11,10 @@
 #include "raster/plan/plan.h"
 #include "raster/render/render.h"
 #include "spectral.h"
-#include "test.h"
+#include "bytes.h"
 
 #include <stdlib.h>
 #include <tiffio.h>
-#include <unistd.h>
 
 static const char *const path = "cube.tif";
 static struct detector observer; /* cie1931 */
@@ -275,24 +274,8 @@ static void test_renderers(const char *scene)
 
 /* ---- stacks of other programs, and forged ones ---- */
 
-static char *read_whole(size_t *length)
-{
-    FILE *file = fopen(path, "rb");
-    char *bytes = malloc(1 << 20);
-    *length = file != NULL && bytes != NULL ? fread(bytes, 1, 1 << 20, file) : 0;
-    if (file != NULL)
-        fclose(file);
-    return bytes;
-}
-
-static bool write_whole(const char *bytes, size_t length)
-{
-    FILE *file = fopen("forged.tif", "wb");
-    return file != NULL && fwrite(bytes, 1, length, file) == length && fclose(file) == 0;
-}
-
-/* Returns the offset of `text` among the bytes; it occurs once in a stack's record. */
-static char *find(char *bytes, size_t length, const char *text)
+/* Returns the place of `text` among the bytes; it occurs once in a stack's record. */
+static unsigned char *find(unsigned char *bytes, size_t length, const char *text)
 {
     for (size_t i = 0; i + strlen(text) <= length; i++)
         if (memcmp(bytes + i, text, strlen(text)) == 0)
@@ -311,14 +294,13 @@ struct forgery {
 static void check_forged(const struct forgery *forgery)
 {
     size_t length;
-    char *bytes = read_whole(&length);
+    unsigned char *bytes = bytes_read(path, &length);
     struct error err = {0};
     struct cube cube;
     float row[4];
     memcpy(find(bytes, length, forgery->from), forgery->to, strlen(forgery->to));
-    memset(bytes + length, 0, 8);
-    if (CHECK(write_whole(bytes, (size_t)((long)length + forgery->longer)) &&
-                  cube_open("forged.tif", &cube, &err),
+    bytes_write("forged.tif", bytes, (size_t)((long)length + forgery->longer));
+    if (CHECK(cube_open("forged.tif", &cube, &err),
               "'%.13s' made '%.13s', %d bytes more: it opens %s", forgery->from, forgery->to,
               forgery->longer, err.text)) {
         CHECK(object_at(&cube, 1, 1) == -1, "it has no objects");
@@ -369,12 +351,13 @@ static void test_forged(void)
 static void test_stray(void)
 {
     size_t length;
-    char *bytes = read_whole(&length);
+    unsigned char *bytes = bytes_read(path, &length);
     struct error err = {0};
     struct cube cube;
     bytes[length - 16] = 2;
-    CHECK(write_whole(bytes, length) && cube_open("forged.tif", &cube, &err) &&
-              object_at(&cube, 0, 0) == -1 && object_at(&cube, 1, 1) == 1,
+    bytes_write("forged.tif", bytes, length);
+    CHECK(cube_open("forged.tif", &cube, &err) && object_at(&cube, 0, 0) == -1 &&
+              object_at(&cube, 1, 1) == 1,
           "a number without an object makes the map invalid %s", err.text);
     cube_close(&cube);
     free(bytes);
@@ -382,29 +365,30 @@ static void test_stray(void)
 
 /* Two pages that libtiff writes, and how the file is refused. */
 struct foreign {
-    const char *name, *what;
-    int bits, n_samples, format;
-    const char *names[2];
+    const char *name, *what, *names[2];
+    int bits;
+    bool rgb;
 };
 
-/* Writes two pages of 4x3 pixels. */
+/* Writes two pages of 4x3 pixels; zeros are defaults. */
 static bool write_pages(const struct foreign *of)
 {
     static const unsigned char pixels[4 * 3 * 4 * 3];
+    const int bits = of->bits > 0 ? of->bits : 16, n_samples = of->rgb ? 3 : 1;
     TIFF *tiff = TIFFOpen(path, "w");
     bool good = tiff != NULL;
     for (int page = 0; good && page < 2; page++) {
         TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 4);
         TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 3);
-        TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, of->bits);
-        TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, of->n_samples);
-        TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, of->format);
-        TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
-                     of->n_samples == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
+        TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
+        TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, n_samples);
+        TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
+                     bits == 32 ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
+        TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, of->rgb ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
         if (of->names[page] != NULL)
             TIFFSetField(tiff, TIFFTAG_PAGENAME, of->names[page]);
         good = TIFFWriteEncodedStrip(tiff, 0, (void *)(uintptr_t)pixels,
-                                     4 * 3 * of->bits / 8 * of->n_samples) > 0 &&
+                                     4 * 3 * bits / 8 * n_samples) > 0 &&
                TIFFWriteDirectory(tiff);
     }
     if (tiff != NULL)
@@ -425,36 +409,19 @@ static void check_refusal(const char *name, const char *what)
 
 static void test_foreign(void)
 {
-    enum { WHOLE = SAMPLEFORMAT_UINT, FLOATING = SAMPLEFORMAT_IEEEFP };
-    static const struct foreign good = {NULL, NULL, 16, 1, WHOLE, {"400 nm", "500 nm"}};
+    static const struct foreign good = {.names = {"400 nm", "500 nm"}};
     static const struct foreign refused[] = {
-        {"a plain TIFF",
-         "records no wavelengths; expected a stack of grey pages",
-         16,
-         1,
-         WHOLE,
-         {NULL, NULL}},
+        {"a plain TIFF", "records no wavelengths; expected a stack of grey pages", .names = {NULL}},
         {"falling wavelengths",
          "its wavelengths decrease: page 2 records 400 nm after 500 nm; expected",
-         32,
-         1,
-         FLOATING,
-         {"500 nm", "400 nm"}},
-        {"a wavelength twice",
-         "its wavelengths repeat: page 2 records 500 nm after 500 nm",
-         16,
-         1,
-         WHOLE,
-         {"500 nm", "500 nm"}},
-        {"a page without a name",
-         "page 2 records no wavelength; expected a stack",
-         16,
-         1,
-         WHOLE,
-         {"400 nm", ""}},
-        {"RGB", "its pages are RGB", 8, 3, WHOLE, {"400 nm", "500 nm"}},
-        {"32 bits", "its samples are 1 of 32 bits, unsigned", 32, 1, WHOLE, {"400 nm", "500 nm"}},
-        {"12 bits", "its samples are 1 of 12 bits, unsigned", 12, 1, WHOLE, {"400 nm", "500 nm"}},
+         .names = {"500 nm", "400 nm"}, .bits = 32},
+        {"a wavelength twice", "its wavelengths repeat: page 2 records 500 nm after 500 nm",
+         .names = {"500 nm", "500 nm"}},
+        {"a page without a name", "page 2 records no wavelength; expected a stack",
+         .names = {"400 nm", ""}},
+        {"RGB", "its pages are RGB", .names = {"400 nm", "500 nm"}, .bits = 8, .rgb = true},
+        {"12 bits", "its samples are 1 of 12 bits, unsigned", .names = {"400 nm", "500 nm"},
+         .bits = 12},
     };
     struct cube cube;
     struct error err = {0};
