@@ -266,7 +266,7 @@ static void check_devices(void)
 /* ---- inputs ---- */
 
 /* A file that this process has read is not replaced, whenever it was read. test/run/cli.sh and
- * spared.py try its other names, and two outputs of one name. */
+ * test/run/spared.py try its other names. */
 static void check_inputs(void)
 {
     char late[PATH_SIZE], other[PATH_SIZE];
@@ -279,6 +279,11 @@ static void check_inputs(void)
     CHECK(!outputs_commit(&outputs, &err) && err.status == EXIT_INPUT && holds(late, "kept"),
           "it is not replaced");
     CHECK(access(other, F_OK) != 0, "no other output of the command appears then");
+    err = (struct error){0};
+    CHECK(file_write(other, "one", 3, &outputs, &err) &&
+              file_write(other, "two", 3, &outputs, &err) && !outputs_commit(&outputs, &err) &&
+              err.status == EXIT_INPUT && access(other, F_OK) != 0,
+          "two outputs of one name are refused, and neither appears");
     unlink(late);
 }
 
