@@ -60,6 +60,8 @@ static void check_matt_file(void)
     material_free(&m);
     CHECK(m.name == NULL && m.diffuse.count == 0, "a freed material is zeroed");
     material_free(&m);
+    m = read_file("builtin:materials/none.txt", &err);
+    CHECK(m.name == NULL && err.status == EXIT_INPUT, "a missing material is refused as input");
 }
 
 static void check_full_file(void)
