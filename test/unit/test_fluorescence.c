@@ -59,7 +59,7 @@ static void check_plain_sums(void)
     static const char *const lights[] = {"uv", "d65", "a", "fluorescent", "cie-standard-deviate:3"};
     /* A sum of n terms rounds n - 1 times, each of its terms up to 4 times; then comes the rest. */
     const double bound = (2 * (93 + 3) + 3) * half_epsilon;
-    double nm[93], value[93], worst = 0;
+    double nm[93], value[93];
     struct spectrum excitation = samples(nm, value, 93);
     for (int i = 0; i < 93; i++) {
         nm[i] = 300 + 5 * i;
@@ -70,7 +70,6 @@ static void check_plain_sums(void)
         double seen = excitation_mean(&light, &excitation);
         CHECK_NEAR(seen / plain_mean(&light, &excitation), 1, bound,
                    "under %s the mean is the quotient of the plain sums", lights[i]);
-        worst = fmax(worst, fabs(seen / plain_mean(&light, &excitation) - 1));
         excitation.count = 41; /* the rest is 0 */
         CHECK_NEAR(excitation_mean(&light, &excitation) / seen, 1, bound,
                    "zeros at the ends change nothing");
@@ -80,7 +79,6 @@ static void check_plain_sums(void)
         excitation.count = 93;
         spectrum_free(&light);
     }
-    printf("# worst relative difference to the plain sums: %.3g\n", worst);
 }
 
 static void check_limits(void)
@@ -240,6 +238,15 @@ static struct spectrum emission_under(const struct donaldson *matrix, const stru
     return out;
 }
 
+/* Returns what the matrix emits at its first wavelength. */
+static double first_emission(const struct donaldson *matrix, const struct spectrum *light)
+{
+    struct spectrum given = emission_under(matrix, light);
+    const double first = given.count > 0 ? given.value[0] : (double)NAN;
+    spectrum_free(&given);
+    return first;
+}
+
 static const char two_rows[] = "# measured\n\nnm;300;310 320\t330 # excitation\n"
                                "400, 0, 0.1, 0.3, 0\r\n420, 0, 0.2, 0.1, 0\n\n450 0 0.1 0.2 0";
 
@@ -271,17 +278,13 @@ static void check_line(void)
                "each share is divided by the width of its band");
     spectrum_free(&given);
     nm[1] = 311, nm[2] = 312, nm[3] = 313;
-    given = emission_under(&matrix, &light);
-    CHECK_NEAR(given.value[0], (0.8 * 0.1 + 0.2 * 0.3) * 3 / 20, 8 * half_epsilon,
+    CHECK_NEAR(first_emission(&matrix, &light), (0.8 * 0.1 + 0.2 * 0.3) * 3 / 20, 8 * half_epsilon,
                "a line between two columns is shared between them");
-    spectrum_free(&given);
     light = gaussian(312, 0.1);
-    given = emission_under(&matrix, &light);
     /* its wings end at 2^-64; the wavelengths are rounded to 2^-45 nm */
-    CHECK_NEAR(given.value[0] / (0.14 * 0.1 * sqrt(acos(-1) / (4 * log(2))) / 20), 1,
-               4 * ldexp(1, -45) / 0.1 + 1e-14,
+    CHECK_NEAR(first_emission(&matrix, &light) / (0.14 * 0.1 * sqrt(acos(-1) / (4 * log(2))) / 20),
+               1, 4 * ldexp(1, -45) / 0.1 + 1e-14,
                "a gaussian line between two columns is shared between them");
-    spectrum_free(&given);
     nm[0] = 331, nm[1] = 332, nm[2] = 333;
     light = samples(nm, value, 3);
     given = emission_under(&matrix, &light);
@@ -370,11 +373,10 @@ static void check_extremes(void)
 {
     double nm[] = {400, 410}, dim_nm[] = {500}, share[] = {1e-300, 1e-300};
     struct donaldson matrix = {samples(nm, NULL, 2), samples(dim_nm, NULL, 1), share};
-    struct spectrum light = constant(1e300), given = emission_under(&matrix, &light);
+    struct spectrum light = constant(1e300), given;
     struct error err = {0};
-    CHECK_NEAR(given.count == 1 ? given.value[0] : 0, 20, 20 * 8 * half_epsilon,
+    CHECK_NEAR(first_emission(&matrix, &light), 20, 20 * 8 * half_epsilon,
                "a bright light and a faint matrix meet in the middle");
-    spectrum_free(&given);
     share[0] = share[1] = 1;
     light = constant(1e308);
     CHECK(!donaldson_emission(&matrix, &light, &given, &err) && err.status == EXIT_INPUT &&
@@ -382,9 +384,7 @@ static void check_extremes(void)
           "an emission beyond the largest number is refused");
     matrix.excitation.count = 1;
     light = constant(0.5);
-    given = emission_under(&matrix, &light);
-    CHECK(given.count == 1 && given.value[0] == 0.5, "single bands are 1 nm wide");
-    spectrum_free(&given);
+    CHECK(first_emission(&matrix, &light) == 0.5, "single bands are 1 nm wide");
 }
 
 static void check_refusals(void)
