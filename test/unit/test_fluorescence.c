@@ -295,45 +295,11 @@ static void check_line(void)
     donaldson_free(&matrix);
 }
 
-/* Columns of 10 nm and rows of 20; sums of the first are N times an emission. */
-enum { COLUMNS = 21, ROWS = 9 };
-
-static void check_factors(void)
-{
-    static const char *const lights[] = {"uv", "d65", "gaussian:371.3,17", "0.8", "blackbody:3000"};
-    double nm[COLUMNS], value[COLUMNS], emission[ROWS], emission_nm[ROWS], sum = 0;
-    double share[ROWS * COLUMNS];
-    struct spectrum excitation = samples(nm, value, COLUMNS);
-    struct donaldson matrix = {excitation, samples(emission_nm, emission, ROWS), share};
-    for (int i = 0; i < COLUMNS; i++) {
-        nm[i] = 300 + 10 * i;
-        value[i] = i * (COLUMNS - 1 - i) * (3 + i % 4) * 1e-3;
-        sum += value[i];
-    }
-    for (int j = 0; j < ROWS; j++) {
-        emission_nm[j] = 500 + 20 * j;
-        emission[j] = 0.1 + (j * j) % 7;
-        for (int i = 0; i < COLUMNS; i++)
-            share[j * COLUMNS + i] = emission[j] * 20 * value[i] / (10 * sum);
-    }
-    for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
-        struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
-        const double mean = excitation_mean(&light, &excitation);
-        double worst = given.count == ROWS ? 0 : HUGE_VAL;
-        for (int j = 0; j < given.count; j++)
-            worst = fmax(worst, fabs(given.value[j] / (mean * emission[j]) - 1));
-        /* up to 321 + 21 wavelengths in each of three sums, and rows of 12 roundings */
-        CHECK_NEAR(worst, 0, (3 * 342 + 24) * half_epsilon,
-                   "under %s a matrix of products gives the mean times the emission", lights[k]);
-        spectrum_free(&light);
-        spectrum_free(&given);
-    }
-}
-
 /* Writes columns that emit all light that the diffuse reflectance leaves, in shares of 2^-10. */
 static void check_energy(void)
 {
     static const char *const lights[] = {"uv", "fluorescent", "0.8", "blackbody:3000"};
+    enum { COLUMNS = 21 };
     char content[4096] = "nm";
     struct error err;
     struct donaldson matrix;
@@ -461,7 +427,6 @@ int main(void)
     check_convergence();
     check_gaussians();
     check_line();
-    check_factors();
     check_energy();
     check_extremes();
     check_refusals();

@@ -45,9 +45,8 @@ struct variant {
 static void set_tags(TIFF *tiff, const struct variant *v)
 {
     const uint16_t extra = (uint16_t)v->extra, colours[256] = {0};
-    const int n_colours = v->photometric == PHOTOMETRIC_RGB     ? 3
-                          : v->photometric == PHOTOMETRIC_YCBCR ? 3
-                                                                : 1;
+    const bool ycbcr = v->photometric == PHOTOMETRIC_YCBCR;
+    const int n_colours = v->photometric == PHOTOMETRIC_RGB || ycbcr ? 3 : 1;
     TIFFMergeFieldInfo(tiff, gdal_field, 1);
     TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, v->width > 0 ? v->width : WIDTH);
     TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, v->height > 0 ? v->height : HEIGHT);
@@ -60,9 +59,9 @@ static void set_tags(TIFF *tiff, const struct variant *v)
     TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, v->format > 0 ? v->format : SAMPLEFORMAT_UINT);
     if (v->predictor > 0)
         TIFFSetField(tiff, TIFFTAG_PREDICTOR, v->predictor);
-    if (v->photometric == PHOTOMETRIC_YCBCR && v->separate)
+    if (ycbcr && v->separate)
         TIFFSetField(tiff, TIFFTAG_YCBCRSUBSAMPLING, 1, 1);
-    if (v->photometric == PHOTOMETRIC_YCBCR && !v->separate)
+    if (ycbcr && !v->separate)
         TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
     if (v->compression == COMPRESSION_WEBP)
         TIFFSetField(tiff, TIFFTAG_WEBP_LOSSLESS, 1);
@@ -237,7 +236,6 @@ static void test_variants(void)
     const struct variant variants[] = {
         {"grey 8", NULL, 8, 1, .photometric = 1},
         {"grey 16, strips of 5 rows", NULL, 16, 1, .photometric = 1, .rows = 5},
-        {"grey 16, big-endian BigTIFF", "wb8", 16, 1, .photometric = 1},
         {"grey 16, big-endian strips", "wb", 16, 1, .photometric = 1, .rows = 5},
         {"float, big-endian", "wb", 32, 1, .photometric = 1, .format = SAMPLEFORMAT_IEEEFP},
         {"RGB 16 apart, big-endian", "wb", 16, 3, .photometric = 2, .separate = true, .rows = 4},
@@ -253,7 +251,6 @@ static void test_variants(void)
         {"grey and alpha", NULL, 16, 2, .photometric = 1, .extra = EXTRASAMPLE_UNASSALPHA},
         {"grey and alpha apart", NULL, 8, 2, .photometric = 1, .extra = EXTRASAMPLE_ASSOCALPHA,
          .separate = true},
-        {"RGB 8", NULL, 8, 3, .photometric = 2},
         {"RGB 16 in tiles", NULL, 16, 3, .photometric = 2, .tile = 16},
         {"RGB 16 apart", NULL, 16, 3, .photometric = 2, .separate = true, .rows = 4},
         {"RGB 16 apart in tiles", NULL, 16, 3, .photometric = 2, .separate = true, .tile = 32},
@@ -265,7 +262,6 @@ static void test_variants(void)
         {"deflate in tiles", NULL, 16, 1, .photometric = 1, COMPRESSION_DEFLATE, .tile = 48},
         {"PackBits", NULL, 8, 1, .photometric = 1, COMPRESSION_PACKBITS, .rows = 3},
         {"Zstandard, predicted", NULL, 16, 1, .photometric = 1, COMPRESSION_ZSTD, .predictor = 2},
-        {"LZMA", NULL, 8, 3, .photometric = 2, .compression = COMPRESSION_LZMA},
         {"LERC", NULL, 32, 1, .photometric = 1, COMPRESSION_LERC, .format = SAMPLEFORMAT_IEEEFP},
         {"WebP", NULL, 8, 3, .photometric = 2, .compression = COMPRESSION_WEBP},
     };
@@ -343,10 +339,7 @@ static void test_told(void)
 {
     const double nm[] = {400.5, 500, 700}, close[] = {500, 500.0000001};
     const struct variant
-        named[] = {{PAGE, .page_name = "400.5 nm"},
-                   {PAGE, .page_name = "500 nm"},
-                   {PAGE, .page_name = "7e2 nm"}},
-        mixed[] = {{PAGE, .page_name = "400.5 nm", .gdal = MICROMETRES("0.3")},
+        mixed[] = {{PAGE, .page_name = "4005e-1 nm", .gdal = MICROMETRES("0.3")},
                    {PAGE, .page_name = "500", .gdal = NANOMETERS("500") MICROMETRES("0.3")},
                    {PAGE, .page_name = "Page 3", .gdal = MICROMETRES("0.7")}},
         twice[] = {{PAGE, .page_name = "500 nm"}, {PAGE, .page_name = "500 nm"}},
@@ -360,7 +353,6 @@ static void test_told(void)
         exact[] = {{PAGE, .gdal = SCALE("3.8e-05"), .description = "a\nfull_scale: 2.5\nscale: x"}},
         floating[] = {{NULL, NULL, 32, 1, .photometric = 1, .format = SAMPLEFORMAT_IEEEFP,
                        .gdal = SCALE("1"), .description = "full_scale: 7\n"}};
-    check_written("page names", named, 3, nm, 1);
     check_written("names, GDAL's nanometers and its micrometres", mixed, 3, nm, 1);
     check_written("a repeated wavelength", twice, 2, NULL, 1);
     check_written("falling wavelengths", falling, 2, NULL, 1);
