@@ -69,16 +69,12 @@ static double random_in(struct canvas *canvas, double low, double high)
 
 static bool open_context(struct canvas *canvas, int format)
 {
-    int attributes[] = {OSMESA_FORMAT,
-                        format,
-                        OSMESA_DEPTH_BITS,
-                        24,
-                        OSMESA_STENCIL_BITS,
-                        8,
-                        OSMESA_PROFILE,
-                        OSMESA_COMPAT_PROFILE,
-                        0};
-    OSMesaContext context = OSMesaCreateContextAttribs(attributes, NULL);
+    const int attributes[][2] = {{OSMESA_FORMAT, format},
+                                 {OSMESA_DEPTH_BITS, 24},
+                                 {OSMESA_STENCIL_BITS, 8},
+                                 {OSMESA_PROFILE, OSMESA_COMPAT_PROFILE},
+                                 {0, 0}};
+    OSMesaContext context = OSMesaCreateContextAttribs(attributes[0], NULL);
     return context && OSMesaMakeCurrent(context, canvas->colour, GL_FLOAT, SIZE, SIZE);
 }
 
