@@ -544,6 +544,7 @@ static void test_refused_pages(void)
     check_refusal(path, "page 2: it has 36x29x16 bits");
 }
 
+/* test/cases/bad/textures has more: files of other kinds, and false claims of size. */
 static void test_refused_files(void)
 {
     static const struct {
@@ -556,71 +557,34 @@ static void test_refused_files(void)
         {"bands_scales.tif", "page 2 (500 nm): its scale is not positive, or not that"},
         {"bands_offset.tif", "page 3 (700 nm): its samples have an offset"},
         {"volume.tif", "37x29x3"},
-        {"text.tif", "text.tif is a text file; expected TIFF"},
         {"empty.tif", "libtiff: "},
         {"head.tif", "libtiff: "},
         {"builtin:tables/d65.csv", "is a text file; expected TIFF"},
-        {"folder.tif", "cannot read folder.tif: it is a folder"},
         {"pipe.tif", "cannot read pipe.tif: it is no regular file"},
         {"missing.tif", "cannot read missing.tif: No such file"},
         {"builtin:no.tif", "no such built-in file"}};
-    bytes_write("text.tif", "II*? no, text\n", 14);
     bytes_write("empty.tif", "", 0);
     bytes_write("head.tif", "II*\0\0\0\0\0", 8);
-    mkdir("folder.tif", 0777);
     mkfifo("pipe.tif", 0666);
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
         check_refusal(files[i].file, files[i].what);
-    rmdir("folder.tif");
     unlink("pipe.tif");
-}
-
-/* Sets a tag in the first directory of a little-endian classic TIFF to a LONG. */
-static void patch(int tag, uint32_t value)
-{
-    size_t length;
-    unsigned char *bytes = bytes_read(path, &length);
-    size_t at = bytes[4] | (size_t)bytes[5] << 8 | (size_t)bytes[6] << 16;
-    const int n = bytes[at] | bytes[at + 1] << 8;
-    at += 2;
-    for (int i = 0; i < n; i++, at += 12)
-        if ((bytes[at] | bytes[at + 1] << 8) == tag) {
-            bytes[at + 2] = TIFF_LONG;
-            for (int byte = 0; byte < 4; byte++)
-                bytes[at + 8 + (size_t)byte] = (unsigned char)(value >> 8 * byte);
-        }
-    bytes_write(path, bytes, length);
-    free(bytes);
 }
 
 /* libtiff only warns about a JPEG stream that ends early, and invents the missing pixels. */
 static void test_short_jpeg(void)
 {
     const struct variant v = {"JPEG", NULL, 8, 1, 1, .compression = COMPRESSION_JPEG};
+    size_t length;
     CHECK(write_pages(&v, 1), "a grey JPEG is written");
-    patch(TIFFTAG_STRIPBYTECOUNTS, 400);
+    unsigned char *bytes = bytes_read(path, &length);
+    unsigned char *entry = bytes + (bytes[4] | bytes[5] << 8 | bytes[6] << 16) + 2;
+    while ((entry[0] | entry[1] << 8) != TIFFTAG_STRIPBYTECOUNTS)
+        entry += 12;
+    memcpy(entry + 2, "\4\0\1\0\0\0\x90\1\0\0", 10); /* one number of four bytes: 400 */
+    bytes_write(path, bytes, length);
+    free(bytes);
     check_refusal(path, "page 1: libtiff: Premature end of JPEG");
-}
-
-static void test_claims(void)
-{
-    const struct {
-        uint32_t width, height;
-        const char *what;
-    } claims[] = {{0, HEIGHT, ""},
-                  {WIDTH, 0, ""},
-                  {UINT32_MAX, HEIGHT, "4294967295x29x1 pixels"},
-                  {1000000, 1000000, ""},
-                  {UINT32_MAX, UINT32_MAX, ""},
-                  {16384, 16384, "the file is shorter"}};
-    const struct variant plain = {PAGE};
-    for (size_t i = 0; i < sizeof claims / sizeof claims[0]; i++) {
-        CHECK(write_pages(&plain, 1), "a page is written");
-        patch(TIFFTAG_IMAGEWIDTH, claims[i].width);
-        patch(TIFFTAG_IMAGELENGTH, claims[i].height);
-        patch(TIFFTAG_ROWSPERSTRIP, claims[i].height);
-        check_refusal(path, claims[i].what);
-    }
 }
 
 /* Exchanges the places of two strips, so that they do not follow each other. */
@@ -713,7 +677,6 @@ int main(void)
     test_foreign();
     test_refused_pages();
     test_refused_files();
-    test_claims();
     test_short_jpeg();
     test_swapped_strips();
     test_cuts();
