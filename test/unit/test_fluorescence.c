@@ -373,9 +373,6 @@ static void check_refusals(void)
         {"nm 300 310\n400 nan 0.2\n", ":2:5: error: share must be a number"},
         {"nm 300 310\nx 0.1 0.2\n", ":2:1: error: emission wavelength must be a number"},
         {"nm 300 310\n400 0.1 0.2\n400 0 0\n", ":3:1: error: wavelength 400 nm follows 400 nm"},
-        {"# so\nnm 300,\t380, 390\n400 0.1 0.3 0\n410 0 0.23 0.1\n",
-         ":2:9: error: at 380 nm the matrix emits 0.53 of the light, but the surface absorbs "
-         "only 0.4 (1 - diffuse)"},
         {"nm 300\n400 0.2\n410 0.200000000000002\n", ":1:4: error: at 300 nm the matrix emits"},
     };
     struct error err;
