@@ -2,9 +2,7 @@
 /* Reads stacks back twice: with libtiff, and byte by byte with a small walker of directories that
  * shares no code with it and finds where each part lies, which libtiff does not show. */
 #include <fcntl.h>
-#include <signal.h>
 #include <stdlib.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>
@@ -44,6 +42,19 @@ static bool write_rectangle(struct stack_writer *writer, int page, int x, int y,
     return stack_write(writer, &(struct stack_rectangle){page, x, y, width, height}, counts, err);
 }
 
+static bool write_pages(struct stack_writer *writer, struct error *err)
+{
+    bool done = true;
+    for (int page = 0; page < PAGES; page++)
+        done = done && write_rectangle(writer, page, 0, 0, WIDTH, HEIGHT, err);
+    return done;
+}
+
+static bool finish(struct stack_writer *writer, const char *verdict, struct error *err)
+{
+    return stack_finish(writer, verdict, err) && stack_commit(writer, NULL, err);
+}
+
 /* Writes every page in rectangles of at most tile x tile pixels, the last page and row first. */
 static bool write_small(const char *path, int tile, const char *verdict, struct error *err)
 {
@@ -61,7 +72,7 @@ static bool write_small(const char *path, int tile, const char *verdict, struct 
                     return false;
                 }
             }
-    return stack_finish(&writer, verdict, err) && stack_commit(&writer, NULL, err);
+    return finish(&writer, verdict, err);
 }
 
 /* Returns the allocated content; *length is 0 if there is no file. */
@@ -298,21 +309,13 @@ static void test_map(int map_bytes)
     struct error err = {0};
     options.map_bytes = map_bytes;
     CHECK(stack_open(&writer, path, &options, &err) && write_map(&writer, 3, 0, 4, HEIGHT, &err) &&
-              write_map(&writer, 0, 0, 3, HEIGHT, &err),
-          "a map of %d bytes is written %s", map_bytes, err.text);
-    for (int page = 0; page < PAGES; page++)
-        CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err), "page %d is written",
-              page);
-    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
-          "the stack commits %s", err.text);
+              write_map(&writer, 0, 0, 3, HEIGHT, &err) && write_pages(&writer, &err) &&
+              finish(&writer, "", &err),
+          "a stack with a map of %d bytes is written %s", map_bytes, err.text);
     check_map(path, map_bytes);
-    CHECK(stack_open(&writer, "stack_other.tif", &options, &err), "another stack opens %s",
-          err.text);
-    for (int page = 0; page < PAGES; page++)
-        CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err),
-              "the other stack's page %d is written", page);
     CHECK(
-        write_map(&writer, 0, 0, WIDTH, HEIGHT, &err) &&
+        stack_open(&writer, "stack_other.tif", &options, &err) && write_pages(&writer, &err) &&
+            write_map(&writer, 0, 0, WIDTH, HEIGHT, &err) &&
             stack_write(&writer, &(struct stack_rectangle){PAGES, 4, 3, 1, 1}, "\xff\xff", &err) &&
             stack_finish(&writer, "", &err) && stack_compare(&writer, path, &difference, &err),
         "the stacks are compared %s", err.text);
@@ -347,9 +350,9 @@ static void test_float(void)
     uint32_t count = 0;
     const char *text = "";
     const char *path = "stack_float.tif";
-    CHECK(stack_open(&writer, path, &options, &err), "a stack of 2x2x1 floats opens");
-    CHECK(stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 2, 2}, radiance, &err) &&
-              stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
+    CHECK(stack_open(&writer, path, &options, &err) &&
+              stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 2, 2}, radiance, &err) &&
+              finish(&writer, "", &err),
           "the stack of floats is written");
     TIFF *tiff = TIFFOpen(path, "r");
     if (!CHECK(tiff != NULL, "libtiff opens it"))
@@ -392,7 +395,7 @@ static void check_large(int width, int map_bytes, bool big)
     CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: the map is written",
           width);
     CHECK(stack_write(&writer, &(struct stack_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
-              stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
+              finish(&writer, "", &err),
           "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
     CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42),
@@ -409,28 +412,6 @@ static void test_large(void)
     check_large(INT32_MAX, 0, true);         /* 4 GiB - 2 of pixels: no room */
     check_large(INT32_MAX / 3 * 2 - 8192, 1, false);
     check_large(INT32_MAX / 3 * 2, 1, true); /* the map passes 4 GiB */
-}
-
-static void test_many_pages(void)
-{
-    enum { MANY = 2000 };
-    double many[MANY];
-    for (int page = 0; page < MANY; page++)
-        many[page] = 300 + 0.25 * page;
-    struct stack_options options = {
-        .width = 3, .height = 2, .n_wavelengths = MANY, .wavelengths_nm = many, .full_scale = 1};
-    struct stack_writer writer;
-    struct error err = {0};
-    bool contiguous = true;
-    const char *path = "stack_many.tif";
-    CHECK(stack_open(&writer, path, &options, &err), "%d pages open %s", MANY, err.text);
-    for (int page = 1; page < MANY; page++)
-        contiguous = contiguous && pages_offset(&writer.pages, page) ==
-                                       pages_offset(&writer.pages, page - 1) + 12;
-    CHECK(contiguous, "their pages follow each other");
-    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
-          "the pages commit %s", err.text);
-    unlink(path);
 }
 
 static void check_refusal(struct stack_options options, const char *what)
@@ -489,9 +470,8 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
         return;
     CHECK(stack_open(&writer, path, &options, &err), "%s: the stack opens", what);
     damage(&writer);
-    CHECK(!(stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err)) &&
-              err.status == EXIT_SYSTEM,
-          "%s: the commit is refused: %s", what, err.text);
+    CHECK(!finish(&writer, "", &err) && err.status == EXIT_SYSTEM, "%s: the commit is refused: %s",
+          what, err.text);
     stack_discard(&writer);
     CHECK(writer.pages.output.temporary == NULL, "%s: the writer is freed", what);
     size_t length;
@@ -529,41 +509,6 @@ static void test_damage(void)
     check_damage("a chain that ends early", unlink_page);
 }
 
-/* A file size limit stands in for a full disk: it makes the same calls fail. */
-static void limit_files(rlim_t bytes)
-{
-    struct rlimit limit = {0, 0};
-    getrlimit(RLIMIT_FSIZE, &limit);
-    fflush(stdout); /* standard output may be a file itself */
-    limit.rlim_cur = bytes < limit.rlim_max ? bytes : limit.rlim_max;
-    setrlimit(RLIMIT_FSIZE, &limit);
-}
-
-static void test_full_disk(void)
-{
-    struct stack_options options = small_options();
-    struct stack_writer writer;
-    const char *path = "stack_full.tif";
-    signal(SIGXFSZ, SIG_IGN);
-    for (rlim_t size = 0; size <= 4096; size += 1024) {
-        struct error err = {0};
-        limit_files(size);
-        bool opened = stack_open(&writer, path, &options, &err);
-        limit_files(RLIM_INFINITY);
-        CHECK(!opened && err.status == EXIT_SYSTEM && access(path, F_OK) != 0,
-              "no room for more than %d bytes: %s", (int)size, err.text);
-    }
-    struct error err = {0};
-    CHECK(stack_open(&writer, path, &options, &err), "the stack opens while there is room");
-    limit_files((rlim_t)pages_offset(&writer.pages, PAGES - 1));
-    bool written = write_rectangle(&writer, PAGES - 1, 0, 0, WIDTH, HEIGHT, &err);
-    limit_files(RLIM_INFINITY);
-    CHECK(!written && err.status == EXIT_SYSTEM, "no room for the last page: %s", err.text);
-    stack_discard(&writer);
-    stack_discard(&writer);
-    CHECK(access(path, F_OK) != 0, "the stack leaves no file");
-}
-
 /* Pages may have 8 bits, and labels instead of wavelengths, or both. */
 static void check_narrow(int bits, const char *const *labels)
 {
@@ -585,8 +530,7 @@ static void check_narrow(int bits, const char *const *labels)
         good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT},
                            bits == 8 ? (const void *)narrow : wide, &err);
     }
-    good = good && stack_finish(&writer, "good", &err) && stack_commit(&writer, NULL, &err) &&
-           image_open(path, nowhere, &image, &err);
+    good = good && finish(&writer, "good", &err) && image_open(path, nowhere, &image, &err);
     if (!CHECK(good, "%d bits, %s: written and opened %s", bits, labels ? "labels" : "wavelengths",
                err.text))
         return;
@@ -633,9 +577,7 @@ int main(void)
     test_float();
     test_narrow();
     test_large();
-    test_many_pages();
     test_refusals();
     test_damage();
-    test_full_disk();
     return test_end();
 }
