@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Compares each statement of a scene with the thesis's figures and with products of transforms
- * written out by hand, and checks the command line's overrides. test/cases/bad has the scenes that
- * are refused. */
+/* Compares statements of a scene with the thesis's figures and with products of transforms written
+ * out by hand, and checks the command line's overrides. test/cases/bad has the scenes that are
+ * refused; test/run/effects.py draws lights of all kinds, and shading.py each shading. */
 #include <stdlib.h>
 #include <sys/stat.h>
 
@@ -89,29 +89,6 @@ static void check_view(void)
           "camera words come in any order");
     CHECK(s.n_ambients == 2 && s.ambients[0].intensity == 0.25 && s.ambients[1].intensity == 0,
           "all ambient lights are listed, even one of intensity 0");
-    scene_free(&s);
-}
-
-static void check_lights(void)
-{
-    struct scene s = read_string("light 1 0.5 position 1 2 3 attenuation 0 0.5 0.25 "
-                                 "spot 0 0 -2 90 128\nlight d65*2 3 direction 0 1 1\n"
-                                 "light 1 1 position 0 0 0 spot 1 0 0 180 0\n");
-    const struct light *l = s.lights;
-    if (CHECK(s.n_lights == 3, "three lights")) {
-        CHECK(!l[0].directional && same_vector(l[0].position, 1, 2, 3) && l[0].intensity == 0.5 &&
-                  l[0].attenuation[0] == 0 && l[0].attenuation[1] == 0.5 &&
-                  l[0].attenuation[2] == 0.25,
-              "a light with a position fades with distance");
-        CHECK(l[0].spot && same_vector(l[0].spot_direction, 0, 0, -2) &&
-                  l[0].spot_cutoff_deg == 90 && l[0].spot_exponent == 128,
-              "a light with a position can be a spot");
-        CHECK(l[1].directional && same_vector(l[1].position, 0, 1, 1) && l[1].intensity == 3 &&
-                  l[1].spectrum.factor == 2 && l[1].attenuation[0] == 1 && !l[1].spot,
-              "a direction is kept as written, and its light does not fade");
-        CHECK(l[2].spot && l[2].spot_cutoff_deg == 180,
-              "a spot with cutoff 180 shines in all directions");
-    }
     scene_free(&s);
 }
 
@@ -471,18 +448,6 @@ static void check_overrides(void)
 {
     struct error err = {0};
     struct scene s = read_string("light d65*3 2 position 0 0 8\nambient 1 1\nambient 1 1\n");
-    CHECK(scene_set_wavelengths(&s, "400:700:100", &err) && s.n_wavelengths == 4 &&
-              s.wavelengths_nm[3] == 700,
-          "START:END:STEP replaces the wavelengths");
-    CHECK_TEXT(s.wavelengths_place.path, "--wavelengths",
-               "the wavelengths have the option as their source place");
-    CHECK(scene_set_wavelengths(&s, "555", &err) && s.n_wavelengths == 1 &&
-              s.wavelengths_nm[0] == 555,
-          "the option may have one wavelength");
-    CHECK(scene_set_wavelengths(&s, "400,450.5,700", &err) && s.n_wavelengths == 3 &&
-              s.wavelengths_nm[1] == 450.5,
-          "the option may be a list");
-    CHECK(scene_set_size(&s, "640x480", &err) && s.width == 640 && s.height == 480, "WxH");
     CHECK(scene_set_light(&s, "1=a", &err) && s.lights[0].intensity == 2 &&
               strcmp(s.lights[0].spectrum.name, "a") == 0,
           "a spectrum alone keeps the intensity");
@@ -543,22 +508,6 @@ static void check_override_errors(void)
     err = (struct error){0};
     CHECK(!scene_set_light(&s, "1=d65", &err), "a scene without lights has no light 1");
     CHECK_TEXT(err.text, "--light:1:1: error: the scene has no lights", "the message says so");
-    scene_free(&s);
-}
-
-static void check_shading(void)
-{
-    struct scene s = read_string("shading phong\n");
-    struct error err = {.status = EXIT_AGREED};
-    CHECK(s.shading == SHADING_PHONG && s.tessellation == 1,
-          "a scene sets its shading; the factor of tessellation is 1 by default");
-    CHECK(scene_set_shading(&s, "flat", &err) && s.shading == SHADING_FLAT,
-          "the option sets another shading");
-    CHECK(scene_set_shading(&s, "smooth", &err) && s.shading == SHADING_SMOOTH,
-          "the option sets the shading again");
-    CHECK(scene_set_tessellation(&s, "0.25", &err) && s.tessellation == 0.25,
-          "the option sets the factor of tessellation");
-    CHECK_TEXT(err.text, "", "no option of these failed");
     scene_free(&s);
 }
 
@@ -664,7 +613,6 @@ int main(void)
 {
     check_defaults();
     check_view();
-    check_lights();
     check_wavelengths();
     for (size_t i = 0; i < sizeof grids / sizeof grids[0]; i++)
         check_grid(&grids[i]);
@@ -680,7 +628,6 @@ int main(void)
     check_unknown_scene();
     check_overrides();
     check_override_errors();
-    check_shading();
     check_tessellation();
     check_spectra();
     return test_end();
