@@ -514,27 +514,6 @@ static void test_apart(void)
     clear(&stage);
 }
 
-static void test_one_wavelength(void)
-{
-    static const char *const good[] = {"riemann:10", "gauss:1",       "gauss:1,open",
-                                       "box:1",      "adaptive:0.01", "basis:3"};
-    static const char *const bad[] = {"gauss:2", "gauss:2,open", "box:2", "gauss:3,xyz", "rgb"};
-    struct stage stage = single("d65", "0.5", 555, 1);
-    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
-        struct sampling s = made(&stage, good[i]);
-        CHECK(s.pages.n == 1 && is_sound(&s), "one wavelength: %s has one page", good[i]);
-        CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-14, "this page is exact");
-        sampling_free(&s);
-    }
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        struct error err;
-        const struct sampling s = sampling_of(&stage, bad[i], "cie1931", &err);
-        CHECK(s.pages.n == 0 && s.weights == NULL && err.status == EXIT_INPUT,
-              "one wavelength: %s is refused", bad[i]);
-    }
-    clear(&stage);
-}
-
 static void check_refusal(const struct stage *stage, const char *text, const char *detector,
                           const char *reason)
 {
@@ -600,26 +579,6 @@ static void test_unsolvable(void)
 }
 
 /* ---- uses of samplings ---- */
-
-/* A stack's record yields the same weights again, to the last bit. */
-static void test_recorded(void)
-{
-    static const char *const names[] = {"box:8", "gauss:8", "gauss:33,open", "adaptive:0.001"};
-    struct stage stage = chart("fluorescent", 380.3, 400);
-    struct detector own;
-    struct error err = {0};
-    double again[3 * MOST_PAGES];
-    CHECK(detector_read("cie1931", &own, &err), "the detector is read");
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        struct sampling s = made(&stage, names[i]);
-        sampling_weights(&own, s.pages.wavelength_nm, s.segment_nm, s.pages.n, again);
-        CHECK(memcmp(again, s.weights, 3 * (size_t)s.pages.n * sizeof again[0]) == 0,
-              "%s: segments give the same weights again", names[i]);
-        sampling_free(&s);
-    }
-    detector_free(&own);
-    clear(&stage);
-}
 
 /* Radiances are linear between pages and constant in boxes. */
 static void test_synthesis(void)
@@ -707,10 +666,8 @@ int main(void)
     test_line();
     test_rank();
     test_apart();
-    test_one_wavelength();
     test_refusals();
     test_unsolvable();
-    test_recorded();
     test_synthesis();
     test_print();
     return test_end();
