@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* TIFF pictures are read back with libtiff. test/run/develop.py reads PNG files with other
- * programs, fills the disk, and writes to pipes. */
+/* TIFF pictures are read back with libtiff. test/run/develop.py reads their texts and profiles, and
+ * PNG files, with other programs, fills the disk, and writes to pipes. */
 #include <tiffio.h>
 #include <unistd.h>
 
@@ -107,44 +107,16 @@ static int wrong_samples(TIFF *tiff, const struct picture_options *options, int 
     return wrong;
 }
 
-static bool texts_are_right(TIFF *tiff, const struct picture_options *options, int page)
-{
-    const char *description = "", *software = "", *name = "";
-    const void *bytes = NULL;
-    uint32_t length = 0;
-    const bool floating = options->samples == PICTURE_FLOAT;
-    TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description);
-    TIFFGetField(tiff, TIFFTAG_SOFTWARE, &software);
-    TIFFGetField(tiff, TIFFTAG_PAGENAME, &name);
-    TIFFGetField(tiff, TIFFTAG_ICCPROFILE, &length, &bytes);
-    return strcmp(description, options->description) == 0 && strcmp(software, PROGRAM) == 0 &&
-           strcmp(name, floating ? options->channels[page] : "") == 0 &&
-           (floating ? length == 0
-                     : length == sizeof profile && memcmp(bytes, profile, length) == 0);
-}
-
 static void check_picture(const char *path, const struct picture_options *options)
 {
     const int n_pages = options->samples == PICTURE_FLOAT ? 3 : 1;
     TIFF *tiff = TIFFOpen(path, "rc");
-    struct stat status;
-    uint64_t end = 0;
-    if (!CHECK(tiff != NULL && stat(path, &status) == 0, "%s: libtiff opens it", path))
+    if (!CHECK(tiff != NULL, "%s: libtiff opens it", path))
         return;
     CHECK(TIFFNumberOfDirectories(tiff) == (unsigned)n_pages, "%s: it has %d pages", path, n_pages);
-    for (int page = 0; page < n_pages; page++) {
-        CHECK(TIFFSetDirectory(tiff, (uint16_t)page) && texts_are_right(tiff, options, page),
-              "%s, page %d: description, software, name and profile are right", path, page + 1);
-        CHECK(wrong_samples(tiff, options, page) == 0, "%s, page %d: every sample is right", path,
-              page + 1);
-        const uint64_t offset = TIFFGetStrileOffset(tiff, 0);
-        CHECK(TIFFNumberOfStrips(tiff) == 1 && (page == 0 ? offset % 4 == 0 : offset == end),
-              "%s, page %d: it has one strip, and the first page's begins at a multiple of 4 bytes",
-              path, page + 1);
-        end = offset + TIFFGetStrileByteCount(tiff, 0);
-    }
-    CHECK(end == (uint64_t)status.st_size, "%s: pixels fill the file up to its end without gaps",
-          path);
+    for (int page = 0; page < n_pages; page++)
+        CHECK(TIFFSetDirectory(tiff, (uint16_t)page) && wrong_samples(tiff, options, page) == 0,
+              "%s, page %d: every sample is right", path, page + 1);
     TIFFClose(tiff);
 }
 

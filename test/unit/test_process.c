@@ -59,31 +59,6 @@ static void jobs(void)
     CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal");
 }
 
-/* A parent answers for the files that its job has read: no output may replace them. */
-static bool reads(void *context, void *out, struct error *err)
-{
-    const struct place nowhere = {NULL, 0, 0};
-    char *bytes;
-    size_t length;
-    (void)out;
-    const bool done = file_read(context, nowhere, &bytes, &length, err);
-    free(bytes);
-    return done;
-}
-
-static void reading(void)
-{
-    struct error err = {.status = EXIT_AGREED};
-    char path[4096];
-    snprintf(path, sizeof path, "%s/read", test_folder());
-    FILE *file = fopen(path, "w");
-    fclose(file);
-    CHECK(!file_was_read(path), "a file that nobody opened was not read");
-    CHECK(process_run(reads, path, NULL, 0, &err), "a job reads a file");
-    CHECK(file_was_read(path), "the file counts as read by the process that waited for the job");
-    unlink(path);
-}
-
 /* ---- programs ---- */
 
 /* This test itself, as the program that process_program runs. */
@@ -292,7 +267,6 @@ int main(int argc, char **argv)
     snprintf(path, sizeof path, "%s/doomed", test_folder());
     doomed = path;
     jobs();
-    reading();
     programs();
     ends();
     signals();

@@ -207,20 +207,6 @@ static void test_few_points(void)
           "a node may be the last point");
 }
 
-static void test_lagrange(void)
-{
-    const double node[] = {400, 450, 470, 600};
-    double worst = 0;
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++)
-            worst = fmax(worst, fabs(quadrature_lagrange(node, 4, i, node[j]) - (i == j)));
-    CHECK_NEAR(worst, 0, 0, "Lagrange's polynomials are 1 at their node and 0 at others");
-    double cube = 0;
-    for (int i = 0; i < 4; i++)
-        cube += quadrature_lagrange(node, 4, i, 520) * power(node[i] / 100, 3);
-    CHECK_NEAR(cube, 5.2 * 5.2 * 5.2, 1e-12, "four of them reproduce a cubic between their nodes");
-}
-
 int main(void)
 {
     test_published(-1, 1);
@@ -231,6 +217,5 @@ int main(void)
     test_small_weights();
     test_signs();
     test_few_points();
-    test_lagrange();
     return test_end();
 }
