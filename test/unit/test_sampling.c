@@ -287,10 +287,25 @@ static double squared_error(const struct stage *stage, const struct sampling *s,
     return sum;
 }
 
-static void test_basis(const char *light)
+/* Returns by how much rounding of pages up to `largest_page` changes radiances, relative to the
+ * brightest. */
+static double magnified(const struct stage *stage, const struct sampling *s, double largest_page)
 {
-    struct stage stage = chart(light, 380, 401);
-    double least = 0, largest = 0, before = HUGE_VAL, worst = 0;
+    double brightest = 0, worst = 0;
+    for (int i = 0; i < stage->n * s->fine.n; i++)
+        brightest = fmax(brightest, stage->fine.products[i]);
+    for (int j = 0; j < s->fine.n; j++) {
+        double sum = 0;
+        for (int page = 0; page < s->pages.n; page++)
+            sum += fabs(s->synthesis[j * s->pages.n + page]);
+        worst = fmax(worst, sum * largest_page / brightest);
+    }
+    return worst;
+}
+
+static void check_basis(const char *light, struct stage stage)
+{
+    double least = 0, largest = 0, before = HUGE_VAL, worst = 0, most = 0;
     bool falls = true;
     for (int k = 1; k <= 24; k++) {
         char name[32];
@@ -308,15 +323,32 @@ static void test_basis(const char *light)
         falls = falls && (sum < before || s.pages.n < k);
         before = sum;
         worst = worst_error(&stage, &s);
+        most = fmax(most, magnified(&stage, &s, largest));
         sampling_free(&s);
     }
     CHECK(least >= -1e-13 * largest, "%s: no product has a negative component", light);
+    CHECK(most <= 30, "%s: rounding errors are magnified by at most 30: %g", light, most);
     CHECK(falls, "%s: with every component the rms error of radiances falls", light);
     CHECK_NEAR(sqrt(before), 0, 1e-10,
                "%s: with as many components as the rank, radiances are exact", light);
     CHECK_NEAR(worst, 0, 1e-10, "%s: with as many components as the rank, channels are exact",
                light);
     clear(&stage);
+}
+
+static void test_basis(void)
+{
+    static const char *const lights[] = {"d65", "fluorescent", "gaussian:546,4"};
+    struct stage apart = {.n = 0};
+    for (int i = 0; i < 3; i++)
+        check_basis(lights[i], chart(lights[i], 380, 401));
+    put_light(&apart, "1", 430, 61);
+    for (int i = 0; i < 12; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "gaussian:%d,%d*1e-%d", 430 + 17 * i % 60, 4 + i % 7, i % 3);
+        put_surface(&apart, text);
+    }
+    check_basis("separate spectra", apart);
 }
 
 /* Polynomials of the wavelength, up to a degree, give exact responses. */
@@ -596,9 +628,7 @@ int main(void)
     test_peaks();
     test_dim_light();
     test_polynomials();
-    test_basis("d65");
-    test_basis("fluorescent");
-    test_basis("gaussian:546,4");
+    test_basis();
     test_black();
     test_line();
     test_rank();
