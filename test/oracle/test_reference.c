@@ -30,31 +30,23 @@ static void stop_unless(bool good, const char *text)
     }
 }
 
-/* A small generator in this file (Knuth's MMIX constants), so that every machine tests the same
- * scenes. */
-static double random_in(uint64_t *state, double low, double high)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
-}
-
 static int random_below(uint64_t *state, int n)
 {
-    return (int)random_in(state, 0, n);
+    return (int)test_random(state, 0, n);
 }
 
 /* Returns ten to a random power between two. */
 static double random_power(uint64_t *state, double low, double high)
 {
-    return exp(log(10) * random_in(state, low, high));
+    return exp(log(10) * test_random(state, low, high));
 }
 
 static struct vector random_point(uint64_t *state, double low, double high)
 {
     struct vector out; /* in this order: the compiler chooses the order of initializers */
-    out.x = random_in(state, low, high);
-    out.y = random_in(state, low, high);
-    out.z = random_in(state, low, high);
+    out.x = test_random(state, low, high);
+    out.y = test_random(state, low, high);
+    out.z = test_random(state, low, high);
     return out;
 }
 
@@ -359,7 +351,7 @@ static void check_counted(const struct counted *counted, double part_settled, co
 
 static void put_random(FILE *file, uint64_t *state, double low, double high)
 {
-    fprintf(file, " %.4f", random_in(state, low, high));
+    fprintf(file, " %.4f", test_random(state, low, high));
 }
 
 static void put_direction(FILE *file, uint64_t *state, const char *word, double reach)
@@ -433,7 +425,7 @@ static void put_object(FILE *file, uint64_t *state)
     fprintf(file, " repeat 2 3 scale");
     for (int i = 0; i < 3; i++) {
         double sign = random_below(state, 4) ? 1 : -1, flat = random_below(state, 12) ? 1 : 0.01;
-        fprintf(file, " %.4f", sign * flat * random_in(state, 0.4, 1.6));
+        fprintf(file, " %.4f", sign * flat * test_random(state, 0.4, 1.6));
     }
     fprintf(file, " rotate");
     put_random(file, state, 0, 360);
@@ -486,7 +478,7 @@ enum hard { SLIVERS, NEEDLES, EDGES_ON_CENTRES, CORNERS_ON_CENTRES, FAR_OFF, FAR
 static void hard_triangle(enum hard kind, uint64_t *state, struct vector out[3])
 {
     struct vector p = random_centre(state), d = random_point(state, -1, 1);
-    double reach = random_in(state, 3, 30), thin = random_power(state, -12, -3);
+    double reach = test_random(state, 3, 30), thin = random_power(state, -12, -3);
     if (kind == NEEDLES)
         thin = random_power(state, -18, -12);
     for (int i = 0; i < 3; i++) {
@@ -519,7 +511,7 @@ static void hard_triangle(enum hard kind, uint64_t *state, struct vector out[3])
             y = floor(2 * y) / 2;
             break;
         }
-        double z = random_in(state, 2, 30);
+        double z = test_random(state, 2, 30);
         out[i] = (struct vector){x, y, kind == ON_GRID ? floor(z) : z};
     }
 }
@@ -614,7 +606,7 @@ static void check_around_eye(void)
         for (int t = 0; t < 8; t++) {
             for (int c = 0; c < 3; c++) {
                 struct vector p = random_point(&state, -9, 9);
-                p.z = random_in(&state, -40, 12);
+                p.z = test_random(&state, -40, 12);
                 put_vertex(file, &state, p);
             }
             put_face(file, 3 * t + 1, 3 * t + 2, 3 * t + 3);
@@ -676,7 +668,7 @@ static void check_grid(struct eye_view view, int moved, const char *name)
     for (int i = 0; i < ACROSS * DOWN; i++) {
         struct vector by = random_point(&state, -0.9, 0.9);
         struct vector p = {STEP * (i % ACROSS - 1) + 0.5, STEP * (i / ACROSS - 1) + 0.5, 0};
-        p.z = random_in(&state, 2, 30);
+        p.z = test_random(&state, 2, 30);
         if (moved && random_below(&state, moved) == 0) {
             p.x += by.x;
             p.y += by.y;
@@ -787,7 +779,7 @@ static void check_signs(void)
         double size = random_power(&state, -3, 6), x[3] = {p.x + 1}, y[3] = {p.y - 2};
         struct vector to = random_point(&state, -size, size);
         for (int c = 1; c < 3; c++) { /* in line with the centre; one of four is not */
-            double along = random_in(&state, -1, 1);
+            double along = test_random(&state, -1, 1);
             x[c] = nudged(&state, p.x + (i % 4 ? along * to.x : to.z));
             y[c] = nudged(&state, p.y + along * to.y);
         }

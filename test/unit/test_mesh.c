@@ -198,13 +198,6 @@ static void check_polygon(const double (*at)[2], int n, const char *name)
     mesh_free(&mesh);
 }
 
-/* A small generator in this file, so that the polygons are the same everywhere. */
-static double next_random(uint32_t *state)
-{
-    *state = *state * 1664525u + 1013904223u;
-    return *state / 4294967296.0;
-}
-
 static void check_polygons(void)
 {
     const double l_shape[][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
@@ -216,7 +209,7 @@ static void check_polygons(void)
                                 {5, 5}, {3, 5}, {2, 5}, {1, 5}, {1, 4}, {1, 3}, {0, 2},
                                 {0, 1}, {1, 1}, {3, 0}, {4, 0}, {5, 1}, {3, 1}};
     double star[300][2], comb[402][2], spiral[200][2];
-    uint32_t seed = 1;
+    uint64_t seed = 1;
 
     check_polygon(l_shape, 6, "L");
     check_polygon(straight, 8, "square with straight corners");
@@ -226,7 +219,7 @@ static void check_polygons(void)
     check_polygon(chance, 20, "straight corners that rounding would bend");
     for (int n = 5; n <= 300; n += 59) {
         for (int i = 0; i < n; i++) {
-            const double radius = 0.1 + next_random(&seed), angle = 2 * pi * i / n;
+            const double radius = 0.1 + test_random(&seed, 0, 1), angle = 2 * pi * i / n;
             star[i][0] = radius * cos(angle);
             star[i][1] = radius * sin(angle);
         }
@@ -277,14 +270,14 @@ static void check_long_polygons(void)
     static double at[LONGEST_FACE + 1][2];
     struct error err = {.status = EXIT_AGREED};
     struct mesh mesh;
-    uint32_t seed = 7;
+    uint64_t seed = 7;
 
     for (int round = 0; round < 3; round++) {
         const int n = LONGEST_FACE;
         for (int i = 0; i < n; i++) {
             const double comb = i % 2 ? 0.5 : 1;
-            at[i][0] =
-                cos(2 * pi * i / n) * (round == 2 ? comb : 1 - 0.1 * round * next_random(&seed));
+            at[i][0] = cos(2 * pi * i / n) *
+                       (round == 2 ? comb : 1 - 0.1 * round * test_random(&seed, 0, 1));
             at[i][1] = sin(2 * pi * i / n) * (round == 2 ? comb : 1);
         }
         write_polygon((const double(*)[2])at, n);

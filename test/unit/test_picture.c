@@ -266,25 +266,6 @@ static void test_rectangles(void)
     unlink("rows.png");
 }
 
-static void test_formats(void)
-{
-    static const struct {
-        const char *path;
-        bool good, png;
-    } names[] = {{"a.png", true, true},     {"b/a.Png", true, true}, {"a.tif", true, false},
-                 {"a.b.TIFF", true, false}, {"-", true, false},      {"/dev/fd/3", true, false},
-                 {"a.png/b", true, false},  {".png", true, false},   {"a.jpg", false, false},
-                 {"a.png.gz", false, false}};
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        struct error err = {0};
-        const bool good = picture_accepts(names[i].path, &err), png = picture_is_png(names[i].path);
-        CHECK(good == names[i].good && png == names[i].png, "%s: %s", names[i].path,
-              !good ? err.text
-              : png ? "PNG"
-                    : "TIFF");
-    }
-}
-
 /* ---- the scale ---- */
 
 static bool same_colour(double one, double other)
@@ -328,7 +309,6 @@ int main(void)
     test_damage();
     test_png_rows();
     test_rectangles();
-    test_formats();
     test_scale();
     return test_end();
 }

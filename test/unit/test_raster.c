@@ -10,20 +10,12 @@
 #include "raster/reference/reference.h"
 #include "test.h"
 
-/* A small generator in this file (Knuth's MMIX constants), so that every machine tests the same
- * triangles. */
-static double random_in(uint64_t *state, double low, double high)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
-}
-
 static void random_triangle(uint64_t *state, struct corner out[3])
 {
     for (int i = 0; i < 3; i++) {
         out[i] = (struct corner){.inner = i, .outer = i};
         for (int j = 0; j < 4; j++)
-            out[i].clip[j] = random_in(state, -2, 2);
+            out[i].clip[j] = test_random(state, -2, 2);
         out[i].share[i] = 1;
     }
 }
@@ -63,7 +55,7 @@ static void check_clipping(void)
         struct clip_plane plane = {{0, 0, 0, 1}, 0.25}, other = plane;
         random_triangle(&state, whole);
         for (int j = 0; j < 4; j++) {
-            plane.normal[j] = random_in(&state, -1, 1);
+            plane.normal[j] = test_random(&state, -1, 1);
             other.normal[j] = -plane.normal[j];
         }
         other.offset = -plane.offset;
