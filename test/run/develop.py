@@ -21,7 +21,7 @@ from PIL import Image
 sys.dont_write_bytecode = True
 from colours import cielab, srgb
 from rendered import (CAMERAS, SPECTRAL, TMP, built_in, check, developed, done, output_of, pages_of, path_of, reference,
-                      response_of, run, weights, widths, write, write_stack)
+                      refuses, response_of, run, weights, widths, write, write_stack)
 
 gdal.UseExceptions()
 D65 = np.array([0.3127, 0.3290, 1 - 0.3127 - 0.3290]) * 100 / 0.3290
@@ -419,9 +419,8 @@ def png_refusals(stack):
                                  ("x.pngs", "expected .png, .tif or .tiff"), ("x.y/z.bmp", "expected .png"),
                                  ("x.png", "--xyz writes floats, and a PNG has none; expected .tif or .tiff", "--xyz"),
                                  ("x.PNG", "--lab writes floats", "--lab")):
-        result = develop("missing.tif", "-o", os.path.join(TMP, name), *options)  # refused before the stack is read
-        check(result.returncode == 2 and says in result.stderr and result.stderr.count("\n") == 1
-              and not os.path.exists(os.path.join(TMP, name)), f"refused: {result.stderr.strip()}")
+        # refused before the stack is read
+        refuses(f"{name} {' '.join(options)}", says, "develop", "missing.tif", "-o", path_of(name), *options, absent=path_of(name))
     for name, start in ("x.PNG", b"\x89PNG"), ("x.Tiff", b"II*"), ("x", b"II*"), ("x.", b"II*"), (".x", b"II*"):
         path = os.path.join(TMP, name)
         result = develop(stack.path, "-o", path, "--quiet")
@@ -572,10 +571,7 @@ def refusals(stack, full, box, rgb, whiteless):
             ("expected --detector cie1931", rgb, "--detector", "cie1964"),
             ("--sampling", full, "--sampling", "gauss:65"),
             ("is -1; expected a finite number that is not negative", negative.path)):
-        result = develop(source, "-o", path, *options)
-        text = result.stderr
-        check(result.returncode == 2 and text.count("\n") == 1 and says in text and not os.path.exists(path),
-              f"refused: {text.strip()[:150]}")
+        refuses(says, says, "develop", source, "-o", path, *options, absent=path)
 
 
 lights = rendered()
