@@ -420,7 +420,8 @@ def png_refusals(stack):
                                  ("x.png", "--xyz writes floats, and a PNG has none; expected .tif or .tiff", "--xyz"),
                                  ("x.PNG", "--lab writes floats", "--lab")):
         # refused before the stack is read
-        refuses(f"{name} {' '.join(options)}", says, "develop", "missing.tif", "-o", path_of(name), *options, absent=path_of(name))
+        refuses(f"{name} {' '.join(options)}", says, "develop", "missing.tif", "-o", path_of(name), *options,
+                absent=path_of(name))
     for name, start in ("x.PNG", b"\x89PNG"), ("x.Tiff", b"II*"), ("x", b"II*"), ("x.", b"II*"), (".x", b"II*"):
         path = os.path.join(TMP, name)
         result = develop(stack.path, "-o", path, "--quiet")
