@@ -19,6 +19,7 @@ TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
                    os.path.splitext(os.path.basename(sys.argv[0]))[0])
 MATERIAL = "data/builtin/materials/colorchecker/15-red.txt"
 WAVELENGTHS = np.arange(300.0, 765.0, 5.0)
+CAMERAS = "dcs200-camera", "transparency-film"
 os.makedirs(TMP, exist_ok=True)
 
 
@@ -27,8 +28,27 @@ def table(path, separator=None):
     return np.array(rows, float).T
 
 
-D65 = np.interp(WAVELENGTHS, *table("data/builtin/tables/d65.csv", ","))
-LAMP_A = np.interp(WAVELENGTHS, *table("data/builtin/tables/a.csv", ","))
+def built_in(name):
+    """A built-in table of a light or a detector: wavelengths, and a row for each curve."""
+    return table(f"data/builtin/tables/{name}.csv", ",")
+
+
+def widths(nm):
+    """Width of each wavelength: half-way to both neighbours; a whole step for the first and the last."""
+    steps = np.diff(nm)
+    return (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
+
+
+def weights(detector, nm):
+    """Equation 11 of the thesis: the weights [channel, wavelength] that make tristimulus values, or a camera's channels, of
+    radiances. An observer's Y of a radiance of 1 is 100."""
+    own, *curves = built_in(detector)
+    k = 1 if detector in CAMERAS else 100 / (curves[1] * widths(own)).sum()
+    return np.array([np.interp(nm, own, curve, 0, 0) for curve in curves]) * widths(nm) * k
+
+
+D65 = np.interp(WAVELENGTHS, *built_in("d65"))
+LAMP_A = np.interp(WAVELENGTHS, *built_in("a"))
 RED = np.interp(WAVELENGTHS, *table(MATERIAL))  # np.interp holds the end values, as reflectances do
 
 
@@ -36,11 +56,76 @@ def per_band(spectrum):
     return np.asarray(spectrum)[:, None, None]
 
 
+def path_of(name):
+    return os.path.join(TMP, name)
+
+
 def write(name, text):
-    path = os.path.join(TMP, name)
-    with open(path, "w") as out:
+    with open(path_of(name), "w") as out:
         out.write(text)
-    return path
+    return path_of(name)
+
+
+def run(*words, program=os.path.abspath(SPECTRAL), text=True, **options):
+    """Runs the program; its output and its errors are texts, or else bytes."""
+    return subprocess.run([program, *map(str, words)], capture_output=True, text=text, check=False, **options)
+
+
+def output_of(*words, **options):
+    """Runs the program, which must succeed. Returns its output."""
+    result = run(*words, **options)
+    if result.returncode != 0:
+        bail_out(*words, result.stderr)
+    return result.stdout
+
+
+def reference(name, scene, *options):
+    """Renders a scene by the reference alone. Returns the path of the stack."""
+    output_of("render", scene, "--renderer", "raster", "--no-check", "--quiet", "-o", path_of(name), *options)
+    return path_of(name)
+
+
+def developed(stack, *options):
+    """The samples of the picture that develop makes [y, x, channel], and what it prints."""
+    said = output_of("develop", stack, "-o", path_of("developed.tif"), *options)
+    return np.moveaxis(pages_of(path_of("developed.tif")), 0, 2), said
+
+
+def refuses(what, pattern, *words, absent=None, **options):
+    """Checks that the program refuses the words: exit status 2, one line with the pattern, and no output."""
+    result = run(*words, **options)
+    check(result.returncode == 2 and result.stderr.count("\n") == 1 and re.search(pattern, result.stderr) and not result.stdout
+          and not (absent and os.path.exists(absent)), f"refused: {what}", result.returncode, result.stderr, result.stdout)
+
+
+def pages_of(stack):
+    """The values of a picture's pages [page, y, x]; three channels of one page become three pages."""
+    with tifffile.TiffFile(stack) as tiff:
+        pages = np.array([page.asarray() for page in tiff.pages], float)
+    return np.moveaxis(pages[0], -1, 0) if pages.ndim == 4 else pages
+
+
+def values_of(stack):
+    """The radiances of a stack of 16 bits [page, y, x]; those of another program are as they stand."""
+    with tifffile.TiffFile(stack) as tiff:
+        full_scale = re.search(r"full_scale: (\S+)", tiff.pages[0].description)
+    return pages_of(stack) * (float(full_scale.group(1)) / 65535 if full_scale else 1)
+
+
+def response_of(stack):
+    """The matrix that makes tristimulus values of components, and the white's, as a stack of components records them."""
+    with tifffile.TiffFile(stack) as tiff:
+        recorded = dict(re.findall("^(response|white_response): (.*)$", tiff.pages[0].description, re.MULTILINE))
+    return np.array(recorded["response"].split(), float).reshape(3, 3), np.array(recorded["white_response"].split(), float)
+
+
+def write_stack(name, pages, nm, photometric="minisblack", compression=None):
+    """Writes a stack without the program: pages that are named by their wavelengths."""
+    with tifffile.TiffWriter(path_of(name)) as out:
+        for page, wavelength in zip(pages, nm):
+            out.write(page, metadata=None, contiguous=False, photometric=photometric, compression=compression,
+                      extratags=[(285, "s", 0, f"{wavelength} nm", True)])
+    return path_of(name)
 
 
 def objects_of(stack):
@@ -53,13 +138,9 @@ def objects_of(stack):
 
 def tristimulus(stack, *options):
     """XYZ of each pixel [channel, y, x], as develop makes them, and the white [channel, 1]."""
-    picture = os.path.join(TMP, "xyz.tif")
-    result = subprocess.run([SPECTRAL, "develop", stack, "--xyz", "-o", picture, *options], check=False,
-                            stdout=subprocess.PIPE, universal_newlines=True)
-    white = re.search(r"^white +XYZ ([0-9. ]+),", result.stdout, re.MULTILINE)
-    if result.returncode != 0 or not white:
-        bail_out("cannot develop", stack)
-    return tifffile.imread(picture).astype(float), np.array(white.group(1).split(), float)[:, None]
+    xyz, said = developed(stack, "--xyz", *options)
+    white = re.search(r"^white +XYZ ([0-9. ]+),", said, re.MULTILINE)
+    return np.moveaxis(xyz, 2, 0), np.array(white.group(1).split(), float)[:, None]
 
 
 def colour_error_95(truth, seen):
@@ -78,16 +159,11 @@ class Picture:
 
     def __init__(self, name, renderer, scene, *options):
         path = write(name + ".scene", scene.replace("RED", os.path.relpath(MATERIAL, TMP)))
-        self.stack = os.path.join(TMP, f"{name}-{renderer}.tif")
-        result = subprocess.run(
-            [SPECTRAL, "render", path, "-o", self.stack, "--renderer", renderer, "--json", "-",
-             "--quiet", *options], stdout=subprocess.PIPE, check=False)
-        if result.returncode != 0:
-            bail_out("cannot render", path)
-        self.report = json.loads(result.stdout)
+        self.stack = path_of(f"{name}-{renderer}.tif")
+        words = "-o", self.stack, "--renderer", renderer, "--json", "-", "--quiet"
+        self.report = json.loads(output_of("render", path, *words, *options))
         self.count = self.report["full_scale"] / 65535
-        with tifffile.TiffFile(self.stack) as tiff:
-            self.radiance = np.array([p.asarray() for p in tiff.pages]) * self.count
+        self.radiance = pages_of(self.stack) * self.count
         bound = self.report["check"]["floor_worst_counts"] if renderer == "gl" else 1e-6
         self.tolerance = (0.5 + bound) * self.count
 
