@@ -1,11 +1,50 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs a job in a process of its own, which sends its result through a pipe. */
+/* Starts processes and waits for them; runs a job in one, which sends its result through a pipe. */
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "data/process/process.h"
+
+/* ---- any child ---- */
+
+bool child_start(pid_t *child, int *end, struct error *err)
+{
+    int ends[2];
+    fflush(NULL);
+    if (pipe(ends) != 0)
+        return error_system(err, "cannot make a pipe");
+    const pid_t parent = getpid();
+    *child = fork();
+    const bool started = *child >= 0 || error_system(err, "cannot start a process");
+    close(ends[*child != 0]);
+    *end = ends[*child == 0];
+    if (*child == 0 && !guard_child(parent))
+        _exit(EXIT_SYSTEM);
+    guard_follow(*child > 0 ? *child : 0);
+    if (!started)
+        close(*end);
+    return started;
+}
+
+bool child_end(pid_t child, int end, int *status, struct error *err)
+{
+    pid_t ended;
+    close(end);
+    UNTIL_DONE(ended, waitpid(child, status, 0));
+    guard_follow(0);
+    return ended >= 0 || error_system(err, "cannot wait for a run");
+}
+
+bool child_failed(int status, struct error *err)
+{
+    const bool killed = WIFSIGNALED(status);
+    return error_failed(err, "a run ended without a result%s%s", killed ? ": " : "",
+                        killed ? strsignal(WTERMSIG(status)) : "");
+}
+
+/* ---- a job ---- */
 
 /* The job sends this first, then the files that it has read, then its own bytes. */
 struct reply {
@@ -54,14 +93,10 @@ static bool await(pid_t child, int from, void *out, size_t size, struct error *e
     int status = 0;
     const bool whole = read_all(from, &reply, sizeof reply) &&
                        read_files(from, reply.n_read, err) && read_all(from, out, size);
-    pid_t ended;
-    UNTIL_DONE(ended, waitpid(child, &status, 0));
-    (void)ended;
-    guard_follow(0);
+    if (!child_end(child, from, &status, err))
+        return false;
     if (!whole)
-        return error_failed(err, "a run ended without a result%s%s",
-                            WIFSIGNALED(status) ? ": " : "",
-                            WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "");
+        return child_failed(status, err);
     if (!reply.done)
         *err = reply.err;
     return reply.done;
@@ -70,25 +105,15 @@ static bool await(pid_t child, int from, void *out, size_t size, struct error *e
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
                  size_t size, struct error *err)
 {
-    int ends[2];
-    fflush(NULL);
-    if (pipe(ends) != 0)
-        return error_system(err, "cannot make a pipe");
-    const pid_t parent = getpid(), child = fork();
+    pid_t child;
+    int end, before;
+    files_read(&before);
+    if (!child_start(&child, &end, err))
+        return false;
     if (child == 0) {
         struct reply reply = {.done = false};
-        int before;
-        files_read(&before);
-        close(ends[0]);
-        if (!guard_child(parent))
-            _exit(EXIT_SYSTEM);
         reply.done = job(context, out, &reply.err);
-        _exit(!send(ends[1], &reply, before, out, size));
+        _exit(!send(end, &reply, before, out, size));
     }
-    guard_follow(child > 0 ? child : 0);
-    close(ends[1]);
-    const bool done = child > 0 ? await(child, ends[0], out, size, err)
-                                : error_system(err, "cannot start a process");
-    close(ends[0]);
-    return done;
+    return await(child, end, out, size, err);
 }

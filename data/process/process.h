@@ -62,4 +62,12 @@ bool guard_child(pid_t parent);
 /* Remembers a child, which an ending signal kills first; 0: there is none. */
 void guard_follow(pid_t child);
 
+/* Starts a copy of this process, with a pipe from it: *child is 0 in the copy, and *end is the end
+ * of the pipe that each of the two owns. Ends the copy if this process has ended. */
+bool child_start(pid_t *child, int *end, struct error *err);
+/* Closes the pipe's end and waits for the child; stores its status as waitpid does. */
+bool child_end(pid_t child, int end, int *status, struct error *err);
+/* Fails: the child has ended without a result; by which signal. */
+bool child_failed(int status, struct error *err);
+
 #endif

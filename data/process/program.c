@@ -99,9 +99,7 @@ static bool conclude(int status, const struct last_line *messages, struct error 
     if (code == EXIT_AGREED)
         return true;
     if (code < 0 || code > EXIT_SYSTEM || messages->length == 0)
-        return error_failed(err, "a run ended without a result%s%s",
-                            WIFSIGNALED(status) ? ": " : "",
-                            WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "");
+        return child_failed(status, err);
     *err = (struct error){.status = (enum exit_status)code};
     memcpy(err->text, messages->text, sizeof err->text);
     return false;
@@ -117,44 +115,23 @@ static double children_seconds(void)
            1e-6 * ((double)used.ru_utime.tv_usec + (double)used.ru_stime.tv_usec);
 }
 
-/* Waits for the program, whose messages come from a pipe. `start`: the seconds when it began. */
-static bool await(pid_t child, int from, const struct run_seconds *start, struct run_seconds *out,
-                  struct error *err)
-{
-    struct last_line messages = {.length = 0};
-    int status = 0;
-    pid_t ended;
-    if (!read_messages(from, &messages))
-        kill(child, SIGKILL);
-    UNTIL_DONE(ended, waitpid(child, &status, 0));
-    guard_follow(0);
-    *out =
-        (struct run_seconds){clock_seconds() - start->wall, children_seconds() - start->processor};
-    return ended < 0 ? error_system(err, "cannot wait for a run")
-                     : conclude(status, &messages, err);
-}
-
 bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
 {
     const char *file = program_file(running, words[0]);
     const struct run_seconds start = {clock_seconds(), children_seconds()};
-    int ends[2];
+    struct last_line messages = {.length = 0};
+    pid_t child;
+    int end, status = 0;
     *out = (struct run_seconds){.wall = 0};
-    fflush(NULL);
-    if (pipe(ends) != 0)
-        return error_system(err, "cannot make a pipe");
-    const pid_t parent = getpid(), child = fork();
+    if (!child_start(&child, &end, err))
+        return false;
     if (child == 0) {
-        close(ends[0]);
-        fcntl(ends[1], F_SETFD, FD_CLOEXEC);
-        if (!guard_child(parent))
-            _exit(EXIT_SYSTEM);
-        become(file, words, ends[1]);
+        fcntl(end, F_SETFD, FD_CLOEXEC);
+        become(file, words, end);
     }
-    guard_follow(child > 0 ? child : 0);
-    close(ends[1]);
-    const bool done = child > 0 ? await(child, ends[0], &start, out, err)
-                                : error_system(err, "cannot start a process");
-    close(ends[0]);
-    return done;
+    if (!read_messages(end, &messages))
+        kill(child, SIGKILL);
+    const bool ended = child_end(child, end, &status, err);
+    *out = (struct run_seconds){clock_seconds() - start.wall, children_seconds() - start.processor};
+    return ended && conclude(status, &messages, err);
 }

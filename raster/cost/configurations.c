@@ -146,13 +146,8 @@ static bool read_sampling(const struct options *options, const char *method, str
 static bool survey_spectra(const struct options *options, struct survey *out, struct error *err)
 {
     struct sampling sampling = {.detector = NULL};
-    out->n_peaks = -1;
     bool done = read_sampling(options, "adaptive:0.01", &sampling, err);
-    if (done && sampling.detector) {
-        out->n_peaks = sampling.n_peaks < MAX_SURVEY_PEAKS ? sampling.n_peaks : MAX_SURVEY_PEAKS;
-        for (int i = 0; i < out->n_peaks; i++)
-            out->peak_nm[i] = sampling.peak_nm[i];
-    }
+    out->peaks = sampling.n_peaks > 0;
     sampling_free(&sampling);
     if (done && !out->spectral_texture) {
         done = read_sampling(options, "basis:1", &sampling, err);
@@ -276,7 +271,7 @@ static const struct {
 
 bool configurations_samplings(struct cost *cost, struct error *err)
 {
-    const enum lights other = cost->survey.n_peaks > 0 ? SMOOTH_LIGHT : LINES;
+    const enum lights other = cost->survey.peaks ? SMOOTH_LIGHT : LINES;
     for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++)
         if (samplings[i].under != other && !add(cost, finest(cost), samplings[i].name, err))
             return false;
@@ -446,24 +441,6 @@ bool configurations_combined(struct cost *cost, struct error *err)
 
 /* ---- notes ---- */
 
-static bool note_lights(struct cost *cost, struct error *err)
-{
-    const struct survey *survey = &cost->survey;
-    char list[16 * MAX_SURVEY_PEAKS] = "";
-    if (survey->n_peaks < 0)
-        return true;
-    if (survey->n_peaks == 0)
-        return cost_note(cost, err, "no emission peaks: gauss needs few samples");
-    for (int i = 0; i < survey->n_peaks; i++)
-        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%.6g", i > 0 ? ", " : "",
-                 survey->peak_nm[i]);
-    return cost_note(
-        cost, err,
-        "emission peaks at %s nm, of lights or materials: adaptive samples them, others "
-        "may miss them or give them too much weight",
-        list);
-}
-
 static bool note_positions(struct cost *cost, struct error *err)
 {
     const int side = cost->survey.positions;
@@ -480,6 +457,9 @@ bool survey_notes(struct cost *cost, struct error *err)
         bool holds;
         const char *note;
     } notes[] = {
+        {survey->peaks,
+         "a light or material has emission peaks, which plan lists for adaptive: adaptive samples "
+         "them, others may miss them or give them too much weight"},
         {survey->fluorescent, "materials fluoresce: rgb and xyz cannot show this"},
         {survey->spectral_texture,
          "spectral textures leave out basis, rgb and xyz: they have radiances at wavelengths"},
@@ -489,7 +469,7 @@ bool survey_notes(struct cost *cost, struct error *err)
          "no shape has slices or stacks, so that --tessellation changes nothing"},
         {!gl_is_built(),
          "this program was built without OpenGL: raster renders all configurations"}};
-    bool done = note_lights(cost, err) && note_positions(cost, err);
+    bool done = note_positions(cost, err);
     for (size_t i = 0; i < sizeof notes / sizeof notes[0]; i++)
         done = done && (!notes[i].holds || cost_note(cost, err, "%s", notes[i].note));
     return done;

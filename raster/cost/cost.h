@@ -20,7 +20,7 @@ bool cost_accepts_tolerance(const char *option, const char *value, struct error 
 
 /* ---- inside this room ---- */
 
-enum { MAX_SURVEY_PEAKS = 16, COST_WORDS = 10, MAX_CONFIGURATIONS = 80 };
+enum { COST_WORDS = 10, MAX_CONFIGURATIONS = 80 };
 /* The properties of a scene that decide which configurations make sense, and the observer. */
 struct survey {
     char scene[256];
@@ -29,9 +29,8 @@ struct survey {
     bool shaded;                  /* smooth, flat and phong shading differ */
     bool tessellated;             /* has built-in shapes of slices, stacks, ... */
     bool fluorescent, spectral_texture;
-    int n_peaks; /* emission peaks that adaptive sampling finds; -1: it refused */
-    double peak_nm[MAX_SURVEY_PEAKS];
-    int rank; /* of lights x reflectances; 0: a basis was refused */
+    bool peaks; /* adaptive sampling finds emission peaks */
+    int rank;   /* of lights x reflectances; 0: a basis was refused */
 };
 
 enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE, BY_SHADERS };

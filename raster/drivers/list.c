@@ -10,11 +10,16 @@
 #include "raster/drivers/drivers.h"
 #include "raster/traits/traits.h"
 
-static bool describe(void *context, void *out, struct error *err)
+static struct context_wish wish_of(const struct listed_driver *listed)
 {
-    const struct listed_driver *listed = context;
     struct context_wish wish = {.library = listed->library, .threads = 1};
     wish.way = driver_way(listed->renderer, &wish.driver);
+    return wish;
+}
+
+static bool describe(void *context, void *out, struct error *err)
+{
+    const struct context_wish wish = wish_of(context);
     return contexts_describe(&wish, out, err);
 }
 
@@ -24,23 +29,17 @@ static bool count_devices(void *context, void *out, struct error *err)
     return contexts_devices(out, err);
 }
 
-static enum gl_way way_of(const struct listed_driver *listed)
-{
-    const char *driver;
-    return driver_way(listed->renderer, &driver);
-}
-
 /* Returns whether a choice is what it asks for, and says more than those before it. */
 static bool is_new(const struct listed_driver *listed, const struct driver_list *before)
 {
-    const char *driver;
-    driver_way(listed->renderer, &driver);
-    if (!listed->is || (driver && strncmp(listed->is->names.renderer, driver, strlen(driver)) != 0))
+    const struct context_wish wish = wish_of(listed);
+    if (!listed->is ||
+        (wish.driver && strncmp(listed->is->names.renderer, wish.driver, strlen(wish.driver)) != 0))
         return false;
     for (int i = 0; i < before->n; i++) {
         const struct listed_driver *other = &before->list[i];
         if (other->is && strcmp(other->library, listed->library) == 0 &&
-            way_of(other) == way_of(listed) &&
+            wish_of(other).way == wish.way &&
             strcmp(other->is->names.renderer, listed->is->names.renderer) == 0)
             return false;
     }
@@ -106,10 +105,8 @@ bool drivers_list(struct driver_list *out, struct error *err)
 
 static bool measure(void *context, void *out, struct error *err)
 {
-    const struct listed_driver *listed = context;
-    struct context_wish wish = {.library = listed->library, .threads = 1};
+    const struct context_wish wish = wish_of(context);
     struct contexts *contexts;
-    wish.way = driver_way(listed->renderer, &wish.driver);
     const bool done = contexts_open(&wish, &contexts, err) && traits_measure(contexts, out, err);
     contexts_close(contexts);
     return done;
@@ -130,9 +127,8 @@ bool drivers_measure(struct driver_list *drivers, struct error *err)
 
 void drivers_free(struct driver_list *drivers)
 {
-    for (int i = 0; i < drivers->n; i++) {
+    for (int i = 0; i < drivers->n; i++)
         FREE_ALL(drivers->list[i].is, drivers->list[i].traits);
-    }
     free(drivers->list);
     *drivers = (struct driver_list){.n = 0};
 }

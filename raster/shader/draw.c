@@ -21,23 +21,15 @@ void shader_aim(struct renderer *renderer, const struct rectangle *tile)
                            tile->width, tile->height);
 }
 
-/* OpenGL keeps matrices by column. */
-static void set_matrix(const struct shader *shader, int at, const struct matrix *m)
+/* Sets a matrix of n x n: 4, or 3 for normals. OpenGL keeps matrices by column. */
+static void set_matrix(const struct shader *shader, int at, const struct matrix *m, int n)
 {
     GLfloat columns[16];
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++)
-            columns[4 * j + i] = (GLfloat)m->row[i][j];
-    shader->call->UniformMatrix4fv(at, 1, GL_FALSE, columns);
-}
-
-static void set_normals(const struct shader *shader, int at, const struct matrix *m)
-{
-    GLfloat columns[9];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            columns[3 * j + i] = (GLfloat)m->row[i][j];
-    shader->call->UniformMatrix3fv(at, 1, GL_FALSE, columns);
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            columns[n * j + i] = (GLfloat)m->row[i][j];
+    (n == 4 ? shader->call->UniformMatrix4fv : shader->call->UniformMatrix3fv)(at, 1, GL_FALSE,
+                                                                               columns);
 }
 
 /* The product is made in double and rounded once: all programs get the same numbers. */
@@ -47,11 +39,11 @@ void shader_place(const struct shader *shader, const struct program *program, in
     const struct matrix projection =
         pass_projection(shader->plan, &shader->tile, shader->contexts->mirrored);
     const struct matrix to_clip = matrix_product(projection, placed->model_view);
-    set_matrix(shader, program->to_clip, &to_clip);
+    set_matrix(shader, program->to_clip, &to_clip, 4);
     if (program->to_eye >= 0)
-        set_matrix(shader, program->to_eye, &placed->model_view);
+        set_matrix(shader, program->to_eye, &placed->model_view, 4);
     if (program->normals >= 0)
-        set_normals(shader, program->normals, &placed->normal_matrix);
+        set_matrix(shader, program->normals, &placed->normal_matrix, 3);
 }
 
 void shader_clear(struct shader *shader)

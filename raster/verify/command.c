@@ -55,7 +55,6 @@ static bool conclude(const struct verification *of, struct error *err)
     for (int i = 0; i < n; i++)
         if (of->results[i].outcome == VERIFY_FAILED)
             reason = of->results[i].text;
-    errno = 0;
     if (failed == n)
         return error_failed(err, "no picture could be drawn: %s", reason);
     if (failed > 0)

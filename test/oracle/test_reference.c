@@ -30,35 +30,23 @@ static void stop_unless(bool good, const char *text)
     }
 }
 
-/* A small generator in this file (Knuth's MMIX constants), so that every machine tests the same
- * scenes. */
-static double random_in(uint64_t *state, double low, double high)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
-}
-
 static int random_below(uint64_t *state, int n)
 {
-    return (int)random_in(state, 0, n);
+    return (int)test_random(state, 0, n);
 }
 
 /* Returns ten to a random power between two. */
 static double random_power(uint64_t *state, double low, double high)
 {
-    return exp(log(10) * random_in(state, low, high));
+    return exp(log(10) * test_random(state, low, high));
 }
 
-struct point {
-    double x, y, z;
-};
-
-static struct point random_point(uint64_t *state, double low, double high)
+static struct vector random_point(uint64_t *state, double low, double high)
 {
-    struct point out; /* in this order: the compiler chooses the order of initializers */
-    out.x = random_in(state, low, high);
-    out.y = random_in(state, low, high);
-    out.z = random_in(state, low, high);
+    struct vector out; /* in this order: the compiler chooses the order of initializers */
+    out.x = test_random(state, low, high);
+    out.y = test_random(state, low, high);
+    out.z = test_random(state, low, high);
     return out;
 }
 
@@ -363,12 +351,12 @@ static void check_counted(const struct counted *counted, double part_settled, co
 
 static void put_random(FILE *file, uint64_t *state, double low, double high)
 {
-    fprintf(file, " %.4f", random_in(state, low, high));
+    fprintf(file, " %.4f", test_random(state, low, high));
 }
 
 static void put_direction(FILE *file, uint64_t *state, const char *word, double reach)
 {
-    struct point to = random_point(state, -reach, reach);
+    struct vector to = random_point(state, -reach, reach);
     fprintf(file, " %s %.4f %.4f %.4f", word, to.x, to.y, to.z);
 }
 
@@ -386,7 +374,7 @@ static void put_camera(FILE *file, uint64_t *state)
     static const char *const shadings[] = {"smooth", "smooth", "flat"};
     static const double distances[] = {4, 2.5, 3, 0.8}; /* the last light lies among the objects */
     int kind = random_below(state, 4);
-    struct point eye = random_point(state, -distances[kind], distances[kind]);
+    struct vector eye = random_point(state, -distances[kind], distances[kind]);
     fprintf(file, "camera %s eye %.4f %.4f %.4f", kinds[kind], eye.x, eye.y,
             1.8 * distances[kind] - fabs(eye.x));
     put_direction(file, state, "look", 0.3);
@@ -437,7 +425,7 @@ static void put_object(FILE *file, uint64_t *state)
     fprintf(file, " repeat 2 3 scale");
     for (int i = 0; i < 3; i++) {
         double sign = random_below(state, 4) ? 1 : -1, flat = random_below(state, 12) ? 1 : 0.01;
-        fprintf(file, " %.4f", sign * flat * random_in(state, 0.4, 1.6));
+        fprintf(file, " %.4f", sign * flat * test_random(state, 0.4, 1.6));
     }
     fprintf(file, " rotate");
     put_random(file, state, 0, 360);
@@ -478,23 +466,23 @@ static void check_random_scenes(void)
 /* ---- hard triangles ---- */
 
 /* The centre of a pixel of the picture. */
-static struct point random_centre(uint64_t *state)
+static struct vector random_centre(uint64_t *state)
 {
     int pixel = random_below(state, WIDTH * HEIGHT);
-    return (struct point){pixel % WIDTH + 0.5, pixel / WIDTH + 0.5, 0};
+    return (struct vector){pixel % WIDTH + 0.5, pixel / WIDTH + 0.5, 0};
 }
 
 enum hard { SLIVERS, NEEDLES, EDGES_ON_CENTRES, CORNERS_ON_CENTRES, FAR_OFF, FAR_AWAY, ON_GRID };
 
 /* Corners in the window, z being the distance from the eye. */
-static void hard_triangle(enum hard kind, uint64_t *state, struct point out[3])
+static void hard_triangle(enum hard kind, uint64_t *state, struct vector out[3])
 {
-    struct point p = random_centre(state), d = random_point(state, -1, 1);
-    double reach = random_in(state, 3, 30), thin = random_power(state, -12, -3);
+    struct vector p = random_centre(state), d = random_point(state, -1, 1);
+    double reach = test_random(state, 3, 30), thin = random_power(state, -12, -3);
     if (kind == NEEDLES)
         thin = random_power(state, -18, -12);
     for (int i = 0; i < 3; i++) {
-        struct point to = random_point(state, -1, 1);
+        struct vector to = random_point(state, -1, 1);
         double far = random_power(state, 2, kind == FAR_AWAY ? 7 : 4),
                along = reach * (i - 1 + 0.3 * to.z);
         double beside = reach * (i == 1 ? thin : -thin);
@@ -523,8 +511,8 @@ static void hard_triangle(enum hard kind, uint64_t *state, struct point out[3])
             y = floor(2 * y) / 2;
             break;
         }
-        double z = random_in(state, 2, 30);
-        out[i] = (struct point){x, y, kind == ON_GRID ? floor(z) : z};
+        double z = test_random(state, 2, 30);
+        out[i] = (struct vector){x, y, kind == ON_GRID ? floor(z) : z};
     }
 }
 
@@ -533,17 +521,22 @@ struct eye_view {
     double scale; /* scale of everything */
 };
 
-static void put_vertex(FILE *file, uint64_t *state, struct point p)
+static void put_face(FILE *file, int a, int b, int c)
 {
-    struct point to = random_point(state, -1, 1);
+    fprintf(file, "f %d//%d %d//%d %d//%d\n", a, a, b, b, c, c);
+}
+
+static void put_vertex(FILE *file, uint64_t *state, struct vector p)
+{
+    struct vector to = random_point(state, -1, 1);
     fprintf(file, "v %.17g %.17g %.17g\nvn %.4f %.4f 1\n", p.x, p.y, p.z, to.x, to.y);
 }
 
 /* Converts window coordinates to eye space: parallel, or with a vertical angle of 90 degrees. */
-static struct point unproject(struct eye_view view, struct point p)
+static struct vector unproject(struct eye_view view, struct vector p)
 {
     double by = view.perspective ? 2 * p.z / HEIGHT : 1;
-    return (struct point){by * (p.x - WIDTH / 2), by * (HEIGHT / 2 - p.y), -p.z};
+    return (struct vector){by * (p.x - WIDTH / 2), by * (HEIGHT / 2 - p.y), -p.z};
 }
 
 /* Opens a scene of one mesh; the caller writes the mesh next and closes the file. */
@@ -573,9 +566,17 @@ static FILE *open_mesh(struct eye_view view, char path[4096])
     return file;
 }
 
-static void put_face(FILE *file, int a, int b, int c)
+/* Puts triangles whose corners are their own. */
+static void put_hard_triangles(FILE *file, uint64_t *state, enum hard kind, struct eye_view view,
+                               int n)
 {
-    fprintf(file, "f %d//%d %d//%d %d//%d\n", a, a, b, b, c, c);
+    for (int t = 0; t < n; t++) {
+        struct vector corners[3];
+        hard_triangle(kind, state, corners);
+        for (int c = 0; c < 3; c++)
+            put_vertex(file, state, unproject(view, corners[c]));
+        put_face(file, 3 * t + 1, 3 * t + 2, 3 * t + 3);
+    }
 }
 
 static void check_hard_triangles(enum hard kind, struct eye_view view, const char *name)
@@ -586,13 +587,7 @@ static void check_hard_triangles(enum hard kind, struct eye_view view, const cha
     char path[4096];
     for (int i = 0; i < PICTURES; i++) {
         FILE *file = open_mesh(view, path);
-        for (int t = 0; t < TRIANGLES; t++) {
-            struct point corners[3];
-            hard_triangle(kind, &state, corners);
-            for (int c = 0; c < 3; c++)
-                put_vertex(file, &state, unproject(view, corners[c]));
-            put_face(file, 3 * t + 1, 3 * t + 2, 3 * t + 3);
-        }
+        put_hard_triangles(file, &state, kind, view, TRIANGLES);
         fclose(file);
         judge_scene(path, kind == ON_GRID, &counted);
     }
@@ -610,8 +605,8 @@ static void check_around_eye(void)
         FILE *file = open_mesh(view, path);
         for (int t = 0; t < 8; t++) {
             for (int c = 0; c < 3; c++) {
-                struct point p = random_point(&state, -9, 9);
-                p.z = random_in(&state, -40, 12);
+                struct vector p = random_point(&state, -9, 9);
+                p.z = test_random(&state, -40, 12);
                 put_vertex(file, &state, p);
             }
             put_face(file, 3 * t + 1, 3 * t + 2, 3 * t + 3);
@@ -671,9 +666,9 @@ static void check_grid(struct eye_view view, int moved, const char *name)
     char path[4096];
     FILE *file = open_mesh(view, path);
     for (int i = 0; i < ACROSS * DOWN; i++) {
-        struct point by = random_point(&state, -0.9, 0.9);
-        struct point p = {STEP * (i % ACROSS - 1) + 0.5, STEP * (i / ACROSS - 1) + 0.5, 0};
-        p.z = random_in(&state, 2, 30);
+        struct vector by = random_point(&state, -0.9, 0.9);
+        struct vector p = {STEP * (i % ACROSS - 1) + 0.5, STEP * (i / ACROSS - 1) + 0.5, 0};
+        p.z = test_random(&state, 2, 30);
         if (moved && random_below(&state, moved) == 0) {
             p.x += by.x;
             p.y += by.y;
@@ -702,9 +697,10 @@ static void check_floor(void)
     char path[4096];
     FILE *file = open_mesh(view, path);
     for (int i = 0; i < SIDE * SIDE; i++) {
-        struct point by = random_point(&state, -2, 2);
-        put_vertex(file, &state,
-                   (struct point){20 * (i % SIDE - 5) + 3 * by.x, -0.9, 8 - 5 * (i / SIDE) + by.z});
+        struct vector by = random_point(&state, -2, 2);
+        put_vertex(
+            file, &state,
+            (struct vector){20 * (i % SIDE - 5) + 3 * by.x, -0.9, 8 - 5 * (i / SIDE) + by.z});
     }
     for (int i = 0; i < SIDE * (SIDE - 1); i++)
         if (i % SIDE < SIDE - 1) {
@@ -779,11 +775,11 @@ static void check_signs(void)
     uint64_t state = 10;
     int wrong = 0, unequal = 0, near = 0;
     for (int i = 0; i < POINTS; i++) {
-        struct point p = random_centre(&state);
+        struct vector p = random_centre(&state);
         double size = random_power(&state, -3, 6), x[3] = {p.x + 1}, y[3] = {p.y - 2};
-        struct point to = random_point(&state, -size, size);
+        struct vector to = random_point(&state, -size, size);
         for (int c = 1; c < 3; c++) { /* in line with the centre; one of four is not */
-            double along = random_in(&state, -1, 1);
+            double along = test_random(&state, -1, 1);
             x[c] = nudged(&state, p.x + (i % 4 ? along * to.x : to.z));
             y[c] = nudged(&state, p.y + along * to.y);
         }
@@ -817,13 +813,7 @@ static void check_needles(struct eye_view view, const char *name)
     char path[4096];
     struct both picture;
     FILE *file = open_mesh(view, path);
-    for (int t = 0; t < TRIANGLES; t++) {
-        struct point corners[3];
-        hard_triangle(NEEDLES, &state, corners);
-        for (int c = 0; c < 3; c++)
-            put_vertex(file, &state, unproject(view, corners[c]));
-        put_face(file, 3 * t + 1, 3 * t + 2, 3 * t + 3);
-    }
+    put_hard_triangles(file, &state, NEEDLES, view, TRIANGLES);
     fclose(file);
     open_picture(path, false, &picture);
     const struct instance *instance = picture.lit.surfaces[0].instance;

@@ -8,10 +8,113 @@ import socket
 import subprocess
 import time
 
+import numpy as np
+
 PATIENCE_S = 120
 
 
-class Browser:
+class Page:
+    """The page that is open, in either browser: what a person does with it, and what it shows. Elements are named by ids."""
+
+    def wait(self, condition):
+        since = time.monotonic()
+        while not self.evaluate(condition):
+            if time.monotonic() - since > PATIENCE_S:
+                raise RuntimeError(f"waited for {condition}")
+            time.sleep(0.05)
+
+    def settle(self):
+        """Waits until the page shows the picture that was asked for."""
+        self.wait("element('shown').getAttribute('aria-busy') !== 'true'")
+        self.evaluate("new Promise(then => requestAnimationFrame(() => requestAnimationFrame(then)))")
+
+    def text(self, element):
+        return self.evaluate(f"element({element!r}).textContent")
+
+    def message(self):
+        return self.evaluate("element('message').hidden ? '' : element('message').textContent")
+
+    def press(self, element):
+        self.evaluate(f"element({element!r}).click()")
+
+    def click(self, x, y):
+        self.drag([(x, y)])
+
+    def choose(self, menu, name):
+        """Chooses an option of a menu, by the first word of its text or by its value. Browsers draw menus outside of the page,
+        where no event can be sent to."""
+        self.evaluate(f"""(() => {{
+            const options = [...element({menu!r}).options], name = {name!r};
+            const option = options.find(({{text}}) => text.split(" ")[0] === name) || options.find(({{value}}) => value === name);
+            element({menu!r}).value = option.value;
+        }})()""")
+        self.tell(menu)
+
+    def put(self, field, value):
+        """Gives a field or a slider a value."""
+        self.evaluate(f"element({field!r}).value = {str(value)!r}")
+        self.tell(field)
+
+    def tick(self, box, on):
+        self.evaluate(f"element({box!r}).checked === {str(on).lower()} || element({box!r}).click()")
+        self.settle()
+
+    def see_by(self, options):
+        """Sets the menus of the eye as options of develop say."""
+        chosen = dict(option.lstrip("-").split("=") for option in options)
+        adaptation, _, luminance = chosen.get("adaptation", "none").partition(":")
+        self.choose("detector", chosen.get("detector", "cie1931"))
+        self.choose("adaptation", adaptation)
+        self.choose("display", chosen.get("display", "srgb"))
+        self.put("luminance", luminance)
+        self.tick("auto", chosen.get("exposure") == "auto")
+        if chosen.get("exposure") != "auto":
+            self.put("exposure", chosen.get("exposure", 1))
+
+    def tool(self, name):
+        """Chooses what a drag does."""
+        self.evaluate(f"document.querySelector('#drags [value={name}], #pointing [value={name}]').click()")
+
+    def tell(self, element):
+        for kind in "input", "change":
+            self.evaluate(f"element({element!r}).dispatchEvent(new Event({kind!r}, {{bubbles: true}}))")
+        self.settle()
+
+    def at(self, x, y):
+        """The place in the window of a point of the picture. Centres of pixels end in 0.5."""
+        self.evaluate("canvas.scrollIntoView({block: 'center'})")
+        left, top, length = self.evaluate(
+            "(() => { const b = canvas.getBoundingClientRect(); return [b.left, b.top, b.width / shape.width]; })()")
+        return left + x * length, top + y * length
+
+    def pixels(self):
+        """Red, green, blue and alpha of the picture [y, x, channel]."""
+        self.settle()
+        width, height, data = self.evaluate("""(() => {
+            const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", {willReadFrequently: true});
+            copy.drawImage(canvas, 0, 0);
+            let bytes = "";
+            for (const byte of copy.getImageData(0, 0, canvas.width, canvas.height).data) bytes += String.fromCharCode(byte);
+            return [canvas.width, canvas.height, btoa(bytes)];
+        })()""")
+        return np.frombuffer(base64.b64decode(data), np.uint8).reshape(height, width, 4)
+
+    def download(self, button, name):
+        """Presses a button, and returns the path of the file that the page then saves."""
+        path = os.path.join(self.downloads, name)
+        if os.path.exists(path):
+            os.remove(path)
+        self.press(button)
+        since, size = time.monotonic(), 0
+        while size == 0 or size != os.path.getsize(path):
+            if time.monotonic() - since > PATIENCE_S:
+                raise RuntimeError(f"{name} was not saved")
+            size = os.path.getsize(path) if os.path.exists(path) else 0
+            time.sleep(0.1)
+        return path
+
+
+class Browser(Page):
     """`complaints` collects the page's errors, `requests` the addresses that it requests."""
 
     def __init__(self, folder):
@@ -84,13 +187,6 @@ class Browser:
             raise RuntimeError(f"{expression[:200]}: {answer['exceptionDetails']}")
         return answer["result"].get("value")
 
-    def wait(self, condition):
-        since = time.monotonic()
-        while not self.evaluate(condition):
-            if time.monotonic() - since > PATIENCE_S:
-                raise RuntimeError(f"waited for {condition}")
-            time.sleep(0.05)
-
     def size(self, width, height, scale=1):
         self.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
                   deviceScaleFactor=scale, mobile=False)
@@ -152,10 +248,6 @@ class Browser:
                       windowsVirtualKeyCode=self.KEYS[key], modifiers=8 if shift else 0,
                       **({"text": text} if kind == "keyDown" and text else {}))
 
-    def click(self, x, y):
-        for kind in ("mousePressed", "mouseReleased"):
-            self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
-
     def close(self):
         try:
             self.send("Browser.close")
@@ -166,7 +258,7 @@ class Browser:
         os.close(self.back)
 
 
-class Firefox:
+class Firefox(Page):
     """A page in a headless Firefox, controlled over Marionette, its protocol of length:JSON messages."""
 
     def __init__(self, folder):
@@ -242,8 +334,6 @@ class Firefox:
             raise RuntimeError(f"{expression[:200]}: {failure[0]}")
         return value
 
-    wait = Browser.wait
-
     def act(self, *sources):
         self.send("WebDriver:PerformActions", actions=[
             {"type": kind, "id": f"{kind} {i}", **({"parameters": parameters} if parameters else {}), "actions": actions}
@@ -261,9 +351,6 @@ class Firefox:
 
     def touch(self, *paths):
         self.act(*(self.finger("touch", path) for path in paths))
-
-    def click(self, x, y):
-        self.drag([(x, y)])
 
     def wheel(self, x, y, by):
         self.act(("wheel", None, [{"type": "scroll", "x": round(x), "y": round(y), "deltaX": 0, "deltaY": by}]))

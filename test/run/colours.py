@@ -10,6 +10,12 @@ def cielab(xyz, white):
     return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
 
 
+def srgb(linear):
+    """IEC 61966-2-1, from 0 to 1"""
+    linear = np.clip(linear, 0, 1)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
 def cie94(standard, sample):
     """CIE 116-1995, graphic arts; hue and chroma as complex numbers"""
     one, two = (lab[1] + 1j * lab[2] for lab in (standard, sample))

@@ -5,7 +5,6 @@
 differences have closed forms. Prints TAP."""
 import os
 import re
-import subprocess
 import sys
 
 import numpy as np
@@ -14,7 +13,8 @@ from osgeo import gdal
 
 sys.dont_write_bytecode = True
 from colours import cie94, cielab, ciede2000
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import (built_in, check, done, pages_of, path_of, reference, refuses, response_of, run, weights, write,
+                      write_stack)
 
 gdal.UseExceptions()
 NUMBER = r"([-+.e\d]+)"
@@ -24,15 +24,6 @@ FLOAT = 1e-7       # relative: values of the map
 
 # ---- comparison with numpy ----
 
-def xyz_weights(observer, nm):
-    rows = [line.split(",") for line in open(f"data/builtin/tables/{observer}.csv") if line[0].isdigit()]
-    own, *curves = np.array(rows, float).T
-    steps = np.diff(nm)
-    widths = (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
-    k = 100 / (curves[1].sum() * (own[1] - own[0]))
-    return np.array([np.interp(nm, own, curve, 0, 0) for curve in curves]) * widths * k
-
-
 def angles(a, b):
     """Spectral angle in degrees, from half-angles of unit vectors (Kahan)."""
     a, b = a / np.sqrt((a * a).sum(0)), b / np.sqrt((b * b).sum(0))
@@ -41,24 +32,12 @@ def angles(a, b):
 
 # ---- stacks and the program ----
 
-def stack(name, pixels, nm, compression=None):
-    """Float pages with their wavelengths as page names."""
-    path = os.path.join(TMP, name)
-    with tifffile.TiffWriter(path) as out:
-        for page, wavelength in zip(np.asarray(pixels, np.float32), nm):
-            out.write(page, metadata=None, contiguous=False, compression=compression,
-                      photometric="minisblack", extratags=[(285, "s", 0, f"{wavelength} nm", True)])
-    return path
+def stack(name, pixels, nm, **options):
+    return write_stack(name, np.asarray(pixels, np.float32), nm, **options)
 
 
-def compare(a, b, *options):
-    return subprocess.run([SPECTRAL, "compare", a, b, *options], capture_output=True, text=True, check=False)
-
-
-def read_map(path):
-    with tifffile.TiffFile(path) as tiff:
-        pixels = np.array([page.asarray() for page in tiff.pages], np.float64).squeeze()
-    return np.moveaxis(pixels, -1, 0) if pixels.shape[-1] == 3 else pixels
+def compare(*words, **options):
+    return run("compare", *words, **options)
 
 
 class Printed:
@@ -140,10 +119,10 @@ def test_angles():
 # ---- random stacks, compared with numpy ----
 
 def test_statistics(name, a_pixels, b_pixels, nm, observer):
-    a, b = stack(name + "-a.tif", a_pixels, nm), stack(name + "-b.tif", b_pixels, nm, "zlib")
-    out = os.path.join(TMP, name + "-map.tif")
+    a, b = stack(name + "-a.tif", a_pixels, nm), stack(name + "-b.tif", b_pixels, nm, compression="zlib")
+    out = path_of(name + "-map.tif")
     result = compare(a, b, "--white", "a", "--detector", observer, "--map", out)
-    printed, seen = Printed(result.stdout), read_map(out)
+    printed, seen = Printed(result.stdout), pages_of(out)
     a, b = a_pixels.astype(np.float64), b_pixels.astype(np.float64)
     difference = abs(a - b)
     flat = difference.reshape(len(nm), -1)
@@ -154,10 +133,9 @@ def test_statistics(name, a_pixels, b_pixels, nm, observer):
     check(near(printed.largest, expected[flat.max(1).argmax()][[1, 0, 2, 3]]) and
           near(printed.rms, np.sqrt((flat ** 2).mean())),
           f"{name}: the largest difference and the RMS of all are right", printed.largest, printed.rms)
-    light = np.array([line.split(",") for line in open("data/builtin/tables/a.csv") if line[0].isdigit()], float).T
-    weights = xyz_weights(observer, np.array(nm, float))
-    white = weights @ np.interp(nm, *light, 0, 0)
-    labs = [cielab(weights @ pixels.reshape(len(nm), -1), white[:, None]).reshape(3, *a.shape[1:])
+    of = weights(observer, np.array(nm, float))
+    white = of @ np.interp(nm, *built_in("a"), 0, 0)
+    labs = [cielab(of @ pixels.reshape(len(nm), -1), white[:, None]).reshape(3, *a.shape[1:])
             for pixels in (a, b)]
     pictures = difference.max(0), angles(a, b), ciede2000(*labs)
     not_in_map = np.linalg.norm(labs[0] - labs[1], axis=0), cie94(*labs)
@@ -178,12 +156,12 @@ def test_statistics(name, a_pixels, b_pixels, nm, observer):
 
 
 def test_threads(a, b):
-    outputs = []
-    for threads in "1", "2", "7":
-        out = os.path.join(TMP, f"threads-{threads}.tif")
-        result = compare(a, b, "--white", "d65", "--threads", threads, "--map", out)
-        outputs.append((result.stdout, open(out, "rb").read()))
-    check(outputs[0] == outputs[1] == outputs[2], "text and map do not depend on the number of threads")
+    for ending in ".tif", ".png":
+        outputs = []
+        for threads in "1", "2", "7":
+            result = compare(a, b, "--white", "d65", "--threads", threads, "--map", path_of("threads" + ending))
+            outputs.append((result.stdout, open(path_of("threads" + ending), "rb").read()))
+        check(outputs[0] == outputs[1] == outputs[2], f"text and {ending[1:]} do not depend on the number of threads")
 
 
 # ---- a map in colours ----
@@ -196,11 +174,11 @@ def steps(values, least):
 
 def test_colours(what, b, page, least, *options):
     """The colours of a PNG stand for the steps of the TIFF's values, each for one."""
-    png, tiff = (os.path.join(TMP, "colours" + ending) for ending in (".png", ".tif"))
+    png, tiff = (path_of("colours" + ending) for ending in (".png", ".tif"))
     compare(A, b, "--map", tiff, *options)
     table = compare(A, b, "--map", png, *options).stdout
     image = gdal.Open(png).ReadAsArray().astype(int)
-    colours, expected = image[0] << 16 | image[1] << 8 | image[2], steps(read_map(tiff)[page], least)
+    colours, expected = image[0] << 16 | image[1] << 8 | image[2], steps(pages_of(tiff)[page], least)
     pairs = set(zip(expected.ravel(), colours.ravel()))
     check(len(pairs) == len({step for step, _ in pairs}) == len({colour for _, colour in pairs}) > 5 and
           (0, 0) in pairs, f"{what}: each power of two has a colour, and 0 is black", sorted(pairs))
@@ -216,69 +194,53 @@ def coloured_maps():
     other = stack("coloured.tif", changed, NM)
     test_colours("CIEDE2000", other, 2, 1 / 64, "--white", "d65")
     test_colours("largest difference of radiance", other, 0, 1 / 16384)
-    png = os.path.join(TMP, "threads.png")
-    files = []
-    for threads in "1", "5":
-        compare(A, other, "--map", png, "--threads", threads)
-        files.append(open(png, "rb").read())
-    check(files[0] == files[1], "a PNG does not depend on the number of threads")
-    result = compare(A, other, "--map", "map.jpg")
-    check(result.returncode == 2 and "map.jpg: error: the ending .jpg is unknown; expected .png, .tif or .tiff"
-          in result.stderr, "a map of another format is refused", result.stderr)
-    result = subprocess.run([SPECTRAL, "compare", A, other, "--map", "-"], capture_output=True, check=False)
+    refuses("a map of another format", "map.jpg: error: the ending .jpg is unknown; expected .png, .tif or .tiff", "compare", A,
+            other, "--map", "map.jpg")
+    result = compare(A, other, "--map", "-", text=False)
     check(result.stdout.startswith(b"II*") and b"spectral angle" in result.stderr
           and not os.path.exists("-"), "--map - writes to standard output, and the table to standard error", result.stderr)
 
 
 # ---- components ----
 
+def rendered(name, sampling):
+    stack = f"{name}-{sampling.partition(':')[0]}.tif"
+    return reference(stack, path_of(f"{name}.scene"), "--sampling", sampling, "--depth", "32f")
+
+
 def components():
     """Components are compared if their sampling is the same; their colours come from the recorded response."""
     scene = "wavelengths 400 700 10\nsize 16 12\ncamera ortho 4\nobject plane 3 2 material m\nlight d65 1 direction 0 0 1\n"
-    paths = []
-    for name, paint, sampling in (("one", "0.5", "rgb"), ("other", "gaussian:600,90", "rgb"), ("xyz", "0.5", "xyz")):
-        source = write(f"{name}.scene", scene + f"material m {{ diffuse {paint} }}\n")
-        paths.append(os.path.join(TMP, f"{name}.tif"))
-        subprocess.run([SPECTRAL, "render", source, "--sampling", sampling, "--depth", "32f", "--renderer", "raster",
-                        "--quiet", "-o", paths[-1]], check=True)
-    one, other, xyz = paths
-    with tifffile.TiffFile(one) as a, tifffile.TiffFile(other) as b:
-        text = a.pages[0].description
-        pages = [np.array([page.asarray() for page in tiff.pages], float) for tiff in (a, b)]
-    response = np.array(re.search("\nresponse: (.*)", text).group(1).split(), float).reshape(3, 3)
-    white = np.array(re.search("\nwhite_response: (.*)", text).group(1).split(), float)
-    labs = [cielab(np.tensordot(response, each, (1, 0)), white[:, None, None]) for each in pages]
+    for name, paint in ("one", "0.5"), ("other", "gaussian:600,90"):
+        write(f"{name}.scene", scene + f"material m {{ diffuse {paint} }}\n")
+    one, other, xyz = (rendered(*words) for words in (("one", "rgb"), ("other", "rgb"), ("one", "xyz")))
+    bases = [rendered(name, "basis:1") for name in ("one", "other")]
+    response, white = response_of(one)
+    labs = [cielab(np.tensordot(response, pages_of(each), (1, 0)), white[:, None, None]) for each in (one, other)]
     expected = ciede2000(*labs).max()
     result = compare(one, other)
     seen = float(re.search(r"CIEDE2000 .* (\S+) \(largest", result.stdout).group(1))
     check(abs(seen - expected) < 1e-5 * expected and "16 x 12 pixels, 3 components" in result.stdout
           and " nm" not in result.stdout, "components of one sampling are compared", seen, expected, result.stdout)
-    compare(one, other, "--map", os.path.join(TMP, "components.tif"))
-    with tifffile.TiffFile(os.path.join(TMP, "components.tif")) as tiff:
+    compare(one, other, "--map", path_of("components.tif"))
+    with tifffile.TiffFile(path_of("components.tif")) as tiff:
         names = [page.tags[285].value for page in tiff.pages]
     check(names == ["largest difference of components", "component angle in degrees", "CIEDE2000"],
           "the map of components names no spectra", names)
-    bases = []
-    for source in "one.scene", "other.scene":
-        bases.append(os.path.join(TMP, source.replace("scene", "basis.tif")))
-        subprocess.run([SPECTRAL, "render", os.path.join(TMP, source), "--sampling", "basis:1", "--renderer", "raster",
-                        "--quiet", "-o", bases[-1]], check=True)
     check(compare(bases[0], bases[0]).returncode == 0, "a basis equals itself")
     refused(*bases, "hold components of different samplings: basis:1 for cie1931, and basis:1 for cie1931 of other "
             "spectra")
     refused(one, xyz, "hold components of different samplings: rgb for cie1931, and xyz for cie1931$")
-    refused(one, A, "one.tif holds the components of rgb, .*a.tif radiances")
-    refused(A, one, "one.tif holds the components of rgb, .*a.tif radiances")
+    refused(one, A, "one-rgb.tif holds the components of rgb, .*a.tif radiances")
+    refused(A, one, "one-rgb.tif holds the components of rgb, .*a.tif radiances")
     refused(one, other, "expected --detector cie1931", "--detector", "cie1964")
 
 
 # ---- refused stacks ----
 
 def refused(a, b, pattern, *options):
-    out = os.path.join(TMP, "never.tif")
-    result = compare(a, b, "--map", out, *options)
-    check(result.returncode == 2 and len(result.stderr.splitlines()) == 1 and not os.path.exists(out)
-          and re.search(pattern, result.stderr), f"exit 2, one line and no map: {pattern}", result.stderr)
+    refuses(f"{pattern} {' '.join(options)}", pattern, "compare", a, b, "--map", path_of("never.tif"), *options,
+            absent=path_of("never.tif"))
 
 
 def test_refusals():
@@ -286,13 +248,13 @@ def test_refusals():
     refused(A, stack("few.tif", PIXELS[1:], NM[1:]), rf"{len(NM) - 1} wavelengths, but .* has {len(NM)}")
     refused(A, stack("moved.tif", PIXELS, [*NM[:-1], NM[-1] + 1]), rf"page {len(NM)} is {NM[-1] + 1} nm, but")
     refused(A, stack("near.tif", PIXELS, [*NM[:-1], NM[-1] + 1e-5]), rf"page {len(NM)} is .* nm, but")
-    refused(A, os.path.join(TMP, "missing.tif"), "missing.tif")
+    refused(A, path_of("missing.tif"), "missing.tif")
     refused(write("text.tif", "no picture"), A, "text.tif")
-    plain = os.path.join(TMP, "plain.tif")
+    plain = path_of("plain.tif")
     tifffile.imwrite(plain, PIXELS.astype(np.float32), photometric="minisblack", metadata=None)
     refused(A, plain, "plain.tif: records no wavelengths")
     whole = open(A, "rb").read()
-    cut = os.path.join(TMP, "cut.tif")
+    cut = path_of("cut.tif")
     with open(cut, "wb") as out:
         out.write(whole[:len(whole) * 2 // 3])
     refused(A, cut, "cut.tif")
@@ -301,7 +263,7 @@ def test_refusals():
     refused(A, stack("nan.tif", bad, NM), "nan.tif")
     refused(A, A, "dcs200-camera.* no tristimulus values", "--detector", "dcs200-camera")
     refused(A, A, "records no white", "--tolerance", "1dE00")
-    for tolerance in "", "x", "1e", "-1", "%", "dE00", "1dE", "1%%", "inf", "nan":
+    for tolerance in "", "x", "1e", "1.5abc", "-1", "%", "dE00", "1dE", "5dE77", "1%%", "inf", "nan":
         refused(A, A, "--tolerance", "--tolerance", tolerance)
     printed = Printed(compare(A, stack("some.tif", PIXELS + 1, NM)).stdout)
     check(printed.ciede2000 is None and printed.angle is not None, "without a white there is no CIEDE2000")
@@ -321,8 +283,8 @@ test_statistics("other-observer", PIXELS, NOISY, NM, "cie1964")
 LARGE = random.random((40, 500, 900), dtype=np.float32)  # read in two chunks of rows
 test_statistics("large", LARGE, LARGE * random.random(LARGE.shape, dtype=np.float32),
                 list(range(400, 600, 5)), "cie1931")
-test_threads(A, os.path.join(TMP, "one-pixel.tif"))
-test_threads(os.path.join(TMP, "large-a.tif"), os.path.join(TMP, "large-b.tif"))
+test_threads(A, path_of("one-pixel.tif"))
+test_threads(path_of("large-a.tif"), path_of("large-b.tif"))
 coloured_maps()
 components()
 test_refusals()

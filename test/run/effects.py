@@ -3,18 +3,16 @@
 # level: first; packages: python3-numpy python3-tifffile
 """Renders pictures of single effects with both renderers and compares every band with radiances in closed form.
 Prints TAP."""
-import os
 import sys
 
 import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import (D65, LAMP_A, RED, TMP, WAVELENGTHS, Picture, check, done, per_band, table,
-                      write)
+from rendered import D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, check, done, path_of, per_band, write
 
 SINGLE = 2.0 ** -24  # texels are kept in single precision, rounded once
-UV = np.interp(WAVELENGTHS, *table("data/builtin/tables/uv.csv", ","))
+UV = np.interp(WAVELENGTHS, *built_in("uv"))
 FLAT = "size 12 8\ncamera ortho 12\n"
 FACING = "light d65 1 direction 0 0 1\n"
 
@@ -148,7 +146,7 @@ def textures(renderer):
     luma = colour @ np.array([0.2126, 0.7152, 0.0722]) / 255
     for name, stored, texels in (("grey8", grey8, grey8 / 255), ("grey16", grey16, grey16 / 65535),
                                  ("colour", colour, luma)):
-        tifffile.imwrite(os.path.join(TMP, name + ".tif"), stored,
+        tifffile.imwrite(path_of(name + ".tif"), stored,
                          photometric="rgb" if stored.ndim == 3 else "minisblack")
         # 3 pixels a texel, the middle one at its centre
         for mode in ("nearest", "linear"):
@@ -169,13 +167,13 @@ def texel_borders(renderer):
     """Two texels a pixel: each pixel centre lies on a corner of four texels, and the nearest one is the
     one to its upper right, floor(u), floor(v)."""
     texels = np.random.default_rng(4).integers(0, 256, (64, 64)).astype(np.uint8)
-    tifffile.imwrite(os.path.join(TMP, "borders.tif"), texels)
+    tifffile.imwrite(path_of("borders.tif"), texels)
     textured(renderer, "borders", texels / 255, "nearest", 32, 32, (1, 1))
 
 
 def dark_texture(renderer):
     texels = np.array([[51, 102]], np.uint8)
-    tifffile.imwrite(os.path.join(TMP, "dark.tif"), texels)
+    tifffile.imwrite(path_of("dark.tif"), texels)
     picture = Picture("dark", renderer, square("diffuse RED texture dark.tif nearest", FACING))
     expected = np.max(D65 * RED) * 102 / 255
     check(abs(picture.report["full_scale"] / expected - 1) <= 2 * SINGLE,
@@ -468,7 +466,7 @@ def several_materials(renderer):
 # ---- the thesis's own formats ----
 
 def thesis_list(renderer):
-    tifffile.imwrite(os.path.join(TMP, "ramp.tif"), np.arange(16, dtype=np.uint8).reshape(4, 4) * 15)
+    tifffile.imwrite(path_of("ramp.tif"), np.arange(16, dtype=np.uint8).reshape(4, 4) * 15)
     whole = ["300 0.5", "760 0.7", "g 20", "s 300 0.3", "s 760 0.9", "t ramp.tif", "f 300 1 0",
              "f 450 0 0", "f 500 0 0.8", "f 760 0 0"]
     partner = ["mr 300 0.2", "mr 760 0.6", "mg 5", "ms 300 0.5", "ms 760 0.1", "mf 300 0.5 0",

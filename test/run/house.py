@@ -6,15 +6,13 @@
 A room is a folder with one header, named like the folder: data/text/text.h. ROOMS lists the rooms
 from low to high. A file includes spectral.h, the header of its own room, and headers of rooms listed
 before it. The core, raster/reference, includes data/maths and the C library only, so that it can be
-read and compiled alone. Sizes have budgets; REASONS lists each figure above its budget.
+read and compiled alone. Sizes have budgets.
 
 The last part of the test shows that the test can fail: it copies the sources, plants one fault at a
 time, and expects one finding that names the place.
 
     test/run/house.py                   the test
     test/run/house.py --count           lines of code by room
-    test/run/house.py --functions       functions above a budget
-    test/run/house.py --includes        which room includes which, as a graph for dot
     test/run/house.py --findings        the findings alone, without TAP
     a second argument               another root folder"""
 import collections
@@ -61,11 +59,6 @@ ANY_FILE_CODE = 500
 ROOM_CODE = {"raster/reference": 700, "raster/check": 700, "raster/gl": 800}
 FUNCTION_LINES = 50
 FUNCTION_PARAMETERS = 6
-
-# Name of the size, figure allowed, reason in a sentence. The name is "FILE lines", "FILE code", "ROOM code",
-# "FILE:FUNCTION lines" or "FILE:FUNCTION parameters".
-REASONS = (
-)
 
 # Functions that only their own file and tests use, each with the reason why a test needs it by itself.
 FOR_TESTS = {
@@ -310,7 +303,7 @@ def repeated_fault(tree, path, quote, included):
     return f"\"{included}\" is included twice; {header_of(room_of(path))} includes it already"
 
 
-def includes(tree, _):
+def includes(tree):
     for path, source in tree.sources.items():
         for line, quote, included in source.includes:
             fault = (quoted_fault(tree, path, included) if quote == '"'
@@ -319,7 +312,7 @@ def includes(tree, _):
                 yield Finding(path, line, fault)
 
 
-def rooms(tree, _):
+def rooms(tree):
     for path in tree.sources:
         room, name = os.path.split(path)
         if not room:
@@ -336,7 +329,7 @@ def rooms(tree, _):
                                               "the room out of ROOMS (test/run/house.py)")
 
 
-def names(tree, _):
+def names(tree):
     for path, source in tree.sources.items():
         words = {os.path.splitext(os.path.basename(path))[0], *os.path.dirname(path).split("/")}
         for word in sorted(words & FORBIDDEN_NAMES):
@@ -347,7 +340,7 @@ def names(tree, _):
                                                  "a standard word")
 
 
-def core_words(tree, _):
+def core_words(tree):
     for path, source in tree.files(CORE).items():
         for number, line in enumerate(source.lines, 1):
             for match in FORBIDDEN_IN_CORE.finditer(line):
@@ -357,60 +350,26 @@ def core_words(tree, _):
 
 
 def figures(tree):
-    """Each size that has a budget: its name, where it begins, its figure, its budget, and what to do."""
+    """Each size that has a budget: what has it, where it begins, the figure and its unit, the budget, and what to do."""
     for path, source in tree.sources.items():
-        shorten = "split it by subject"
+        name = os.path.basename(path)
         if path.endswith(".h"):
-            yield (f"{path} lines", path, 1, len(source.lines), HEADER_LINES,
-                   "declare only what other rooms use")
-        yield (f"{path} code", path, 1, source.n_code, FILE_CODE.get(path, ANY_FILE_CODE), shorten)
+            yield name, path, 1, len(source.lines), "lines", HEADER_LINES, "declare only what other rooms use"
+        yield name, path, 1, source.n_code, "lines of code", FILE_CODE.get(path, ANY_FILE_CODE), "split it by subject"
         for function in source.functions:
-            what = f"{path}:{function.name}"
-            yield (f"{what} lines", path, function.line, function.n_lines, FUNCTION_LINES,
+            yield (function.name, path, function.line, function.n_lines, "lines", FUNCTION_LINES,
                    "name its steps as functions")
-            yield (f"{what} parameters", path, function.line, function.n_parameters,
-                   FUNCTION_PARAMETERS, "pass what belongs together as a struct")
+            yield (function.name, path, function.line, function.n_parameters, "parameters", FUNCTION_PARAMETERS,
+                   "pass what belongs together as a struct")
     for room, budget in ROOM_CODE.items():
-        yield (f"{room} code", header_of(room), 1, tree.code(room), budget,
+        yield (room, header_of(room), 1, tree.code(room), "lines of code", budget,
                "simplify it, or move out what other rooms can do")
 
 
-UNITS = {"lines": "lines", "code": "lines of code", "parameters": "parameters"}
-
-
-def budgets(tree, reasons):
-    allowed = {what: figure for what, figure, _ in reasons}
-    for what, path, line, figure, budget, advice in figures(tree):
-        if figure > max(budget, allowed.get(what, 0)):
-            name, unit = what.split(" ")
-            if name not in ROOM_CODE:
-                name = os.path.basename(name).split(":")[-1]
-            yield Finding(path, line, f"{name} has {figure} {UNITS[unit]}, at most "
-                                      f"{max(budget, allowed.get(what, 0))}; {advice}")
-
-
-def line_of_reason(what):
-    """The line in this file where REASONS lists it."""
-    with open(__file__, encoding="utf-8") as file:
-        own = file.read().splitlines()
-    begin = next(number for number, text in enumerate(own) if text.startswith("REASONS ="))
-    return next((number for number, text in enumerate(own[begin:], begin + 1)
-                 if f'"{what}"' in text), begin + 1)
-
-
-def unneeded_reasons(tree, reasons):
-    measured = {}
-    for what, _, _, figure, budget, _ in figures(tree):
-        measured[what] = max(measured.get(what, (0, 0)), (figure, budget))
-    for what, _, _ in reasons:
-        line = line_of_reason(what)
-        figure, budget = measured.get(what, (None, None))
-        if figure is None:
-            yield Finding("test/run/house.py", line, f"a reason for \"{what}\", which does not exist; "
-                                                 "take the line out of REASONS")
-        elif figure <= budget:
-            yield Finding("test/run/house.py", line, f"{what}: {figure} is within the budget of {budget}; "
-                                                 "take the line out of REASONS")
+def budgets(tree):
+    for name, path, line, figure, unit, budget, advice in figures(tree):
+        if figure > budget:
+            yield Finding(path, line, f"{name} has {figure} {unit}, at most {budget}; {advice}")
 
 
 def users(tree, name, names, without):
@@ -447,7 +406,7 @@ def function_fault(tree, header, function, definers):
     return None
 
 
-def declarations(tree, _):
+def declarations(tree):
     definers = defined_functions(tree)
     for path, source in tree.sources.items():
         for function in source.prototypes:
@@ -460,7 +419,7 @@ def declarations(tree, _):
                 yield Finding(path, function.line, fault)
 
 
-def tests_reasons(tree, _):
+def tests_reasons(tree):
     declared = {function.name: (path, function) for path, source in tree.sources.items()
                 if path.endswith(".h") for function in source.prototypes}
     definers = defined_functions(tree)
@@ -471,7 +430,7 @@ def tests_reasons(tree, _):
             yield Finding("test/run/house.py", 1, f"{name} is listed in FOR_TESTS without need; take it out")
 
 
-def structs(tree, _):
+def structs(tree):
     for path, source in tree.sources.items():
         for struct in source.structs if path.endswith(".h") else []:
             if source.struct_names[struct.name] > 1 + struct.inside:
@@ -483,7 +442,7 @@ def structs(tree, _):
                 yield Finding(path, struct.line, f"{where} struct {struct.name}; {right}")
 
 
-def readable(tree, _):
+def readable(tree):
     for path, source in tree.sources.items():
         if not source.balanced:
             yield Finding(path, len(source.lines), "braces or parentheses do not match for this test; "
@@ -496,17 +455,16 @@ RULES = (
     (includes, "includes run downward, and none is repeated"),
     (names, "no file, room or struct has a name that must be looked up"),
     (core_words, f"{CORE} knows geometry and light only"),
-    (budgets, "every size is within its budget, or has a reason"),
-    (unneeded_reasons, "every reason is needed"),
+    (budgets, "every size is within its budget"),
     (declarations, "every function that a header declares has a user in another file"),
     (tests_reasons, "every function in FOR_TESTS has no user but tests"),
     (structs, "every struct that a header defines has users in several files, or in the header"),
 )
 
 
-def findings(root, reasons=REASONS, rules=RULES):
+def findings(root, rules=RULES):
     tree = Tree(root)
-    return [finding for rule, _ in rules for finding in rule(tree, reasons)]
+    return [finding for rule, _ in rules for finding in rule(tree)]
 
 
 # ---- the test of the test: planted faults ----
@@ -531,15 +489,14 @@ class Copy:
             if not os.listdir(os.path.dirname(full)):
                 os.rmdir(os.path.dirname(full))
 
-    def plant(self, added, rules, reasons):
+    def plant(self, added, rules):
         """Appends a text to each file of {path: text}; returns what that adds to the findings."""
         for path, text in added.items():
             full = os.path.join(self.folder, path)
             os.makedirs(os.path.dirname(full), exist_ok=True)
             with open(full, "a", encoding="utf-8") as file:
                 file.write(text + "\n")
-        found = [finding for finding in findings(self.folder, reasons, rules)
-                 if finding not in self.before]
+        found = [finding for finding in findings(self.folder, rules) if finding not in self.before]
         for path in added:
             self.restore(path)
         return found
@@ -550,8 +507,6 @@ def rooms_for_faults(tree):
     special = {CORE, *CORE_MAY_INCLUDE}.union(*(rights for _, rights, _ in SYSTEM_HEADERS))
     present = [room for room in ROOMS if header_of(room) in tree.sources]
     low = [room for room in present[:-1] if room not in special]
-    if not low or CORE not in present:
-        return None
     return min(low, key=lambda room: len(tree.sources[header_of(room)].lines)), present[-1]
 
 
@@ -644,8 +599,7 @@ def plants_of_size(tree):
     """Faults of size, planted as those above."""
     low, _ = rooms_for_faults(tree)
     header, source = header_of(low), f"{low}/planted.c"
-    allowed = {what: figure for what, figure, _ in REASONS}
-    core_limit = max(ROOM_CODE[CORE], allowed.get(f"{CORE} code", 0))
+    core_limit = ROOM_CODE[CORE]
     missing = core_limit + 1 - tree.code(CORE)
     seven = ", ".join(f"int p{i}" for i in range(7))
     for name, added, finds in (
@@ -670,26 +624,10 @@ def plants_of_size(tree):
         yield Plant(name, added, finds)
 
 
-def plants_of_reasons(tree):
-    """Pairs of a fault and of the reasons that are added with it."""
-    low, _ = rooms_for_faults(tree)
-    source, header = f"{low}/planted.c", header_of(low)
-    for name, reason, finds in (
-            ("a reason without need", (f"{header} lines", 900, "Planted."),
-             f"test/run/house.py:[0-9]+: {header} lines: [0-9]+ is within the budget of "),
-            ("a reason for nothing", ("data/planted.c code", 900, "Planted."),
-             'test/run/house.py:[0-9]+: a reason for "data/planted.c code", which does not exist'),
-            ("a reason that allows 60 lines", (f"{source}:planted lines", 60, "Planted."), None),
-            ("a reason that allows 59 lines", (f"{source}:planted lines", 59, "Planted."),
-             f"{source}:1: planted has 60 lines, at most 59")):
-        is_size = reason[0].startswith(source)
-        yield Plant(name, {source: function_of(60)} if is_size else {}, finds), REASONS + (reason,)
-
-
 # ---- output ----
 
-def check_plant(copy, plant, rules, reasons=REASONS):
-    shown = [show(finding) for finding in copy.plant(plant.added, rules, reasons)]
+def check_plant(copy, plant, rules):
+    shown = [show(finding) for finding in copy.plant(plant.added, rules)]
     if plant.finds is None:
         check(not shown, f"a planted text is allowed: {plant.name}", *shown)
     else:
@@ -700,16 +638,10 @@ def check_plant(copy, plant, rules, reasons=REASONS):
 def check_plants(root, folder):
     copy, tree = Copy(root, folder), Tree(root)
     check(copy.before == set(findings(root)), "a copy of the sources has the same findings")
-    if not rooms_for_faults(tree):
-        check(False, f"there are rooms, and {CORE} among them, to plant faults in")
-        return
-    of_size = tuple(rule for rule in RULES if rule[0] in (budgets, unneeded_reasons))
     for plant in plants(tree):
-        check_plant(copy, plant, [rule for rule in RULES if rule not in of_size])
+        check_plant(copy, plant, [rule for rule in RULES if rule[0] != budgets])
     for plant in plants_of_size(tree):
-        check_plant(copy, plant, of_size)
-    for plant, reasons in plants_of_reasons(tree):
-        check_plant(copy, plant, of_size, reasons)
+        check_plant(copy, plant, [rule for rule in RULES if rule[0] == budgets])
     check(set(findings(folder)) == copy.before, "no planted text is left over")
 
 
@@ -734,32 +666,12 @@ def print_count(tree):
     print(f"{'all':20} {total[0]:5} {total[1]:6} {total[2]:6}")
 
 
-def print_functions(tree):
-    for path, source in tree.sources.items():
-        for function in source.functions:
-            if function.n_lines > FUNCTION_LINES or function.n_parameters > FUNCTION_PARAMETERS:
-                print(f"{path}:{function.line}: {function.name}: {function.n_lines} lines, "
-                      f"{function.n_parameters} parameters")
-
-
-def print_includes(tree):
-    edges = {(room_of(path), room_of(included)) for path, source in tree.sources.items()
-             for _, quote, included in source.includes if quote == '"'}
-    print("digraph rooms {")
-    for room, target in sorted(edges):
-        if room != target:
-            print(f'    "{room}" -> "{target}";')
-    print("}")
-
-
 def main():
-    root = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else None
     own = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-    root = root or own
+    root = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else own
     what = sys.argv[1] if len(sys.argv) > 1 else "--test"
-    prints = {"--count": print_count, "--functions": print_functions, "--includes": print_includes}
-    if what in prints:
-        prints[what](Tree(root))
+    if what == "--count":
+        print_count(Tree(root))
     elif what == "--findings":
         print(*map(show, findings(root)), sep="\n")
     elif what == "--test":

@@ -1,30 +1,28 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile
+# level: full; packages: python3-numpy python3-tifffile; makes: fail
 """Exports scenes, lets the sample program data/samples/draw.c draw them, which has no part of spectral, and judges its
 pixels: they agree, and are those of `render --gl egl` to the last bit. Each kind of change is found at its place, and the
 report says what was not given. Pixels of another scene, and broken files, are refused. With FULL, all built-in scenes.
 Prints TAP."""
+import contextlib
 import json
 import os
 import re
 import resource
 import shutil
-import signal
-import struct
 import subprocess
 import sys
-import time
 
 import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, bail_out, check, done, write
+from rendered import SPECTRAL, bail_out, check, done, output_of, pages_of, path_of, refuses, run, write
 
 FAIL = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
-DRAW = os.path.join(TMP, "draw")
-DRAWN = os.path.join(TMP, "drawn")
+DRAW = path_of("draw")
+DRAWN = path_of("drawn")
 SIZE = (90, 60)
 COMMON = ("--size", f"{SIZE[0]}x{SIZE[1]}", "--full-scale", "4")  # a power of two rounds nothing
 SHORT = ("--wavelengths", "400:700:50")
@@ -44,15 +42,6 @@ object torus 0.3 0.6 8 12 material n translate 1 0 0
 """
 
 
-def run(*words, **environment):
-    return subprocess.run([SPECTRAL, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          universal_newlines=True, env={**os.environ, **environment})
-
-
-def path(name):
-    return os.path.join(TMP, name)
-
-
 def compile_sample():
     source = "data/samples/draw.c"
     result = subprocess.run([os.environ.get("CC", "cc"), "-std=c99", "-D_POSIX_C_SOURCE=200809L", "-pedantic", "-Wall", "-Wextra",
@@ -64,16 +53,14 @@ def compile_sample():
 
 def draw(scene, driver, *options):
     """Exports a scene and draws it into DRAWN."""
-    folder = path("exported")
+    folder = path_of("exported")
     shutil.rmtree(folder, ignore_errors=True)
     shutil.rmtree(DRAWN, ignore_errors=True)
-    result = run("export", scene, *COMMON, *options, "-o", folder)
-    if result.returncode != 0 or result.stderr or result.stdout:
-        bail_out("export", scene, result.stderr)
-    result = subprocess.run([DRAW, folder, DRAWN], check=False, stderr=subprocess.PIPE, universal_newlines=True,
+    said = output_of("export", scene, *COMMON, *options, "-o", folder)
+    result = subprocess.run([DRAW, folder, DRAWN], check=False, stderr=subprocess.PIPE, text=True,
                             env={**os.environ, "GALLIUM_DRIVER": driver})
-    if result.returncode != 0:
-        bail_out("draw", scene, result.stderr)
+    if result.returncode != 0 or said:
+        bail_out("draw", scene, said, result.stderr)
 
 
 def judge(scene, *options, pixels=DRAWN):
@@ -98,12 +85,11 @@ def agrees(scene, driver, *options):
           result.stdout, result.stderr)
     seen = figures(scene, *options)
     check(seen["triangles_checked"] and seen["depths_checked"] and seen["worst_depth_error_over_bound"] > 0, f"{name}: all is checked")
-    stack = path("render.tif")
-    run("render", scene, *COMMON, *options, "--gl", "egl", "--renderer", driver, "--depth", "32f", "-o", stack)
+    stack = path_of("render.tif")
+    output_of("render", scene, *COMMON, *options, "--gl", "egl", "--renderer", driver, "--depth", "32f", "-o", stack)
     if "--samples" in options:
         return
-    with tifffile.TiffFile(stack) as tiff:
-        pages = [page.asarray() for page in tiff.pages]
+    pages = pages_of(stack)
     drawn = [4 * np.fromfile(colours(i // 3 * 3), "<f4").reshape(SIZE[1], SIZE[0], 4)[:, :, i % 3] for i in range(len(pages))]
     check(all(np.array_equal(a, b) for a, b in zip(pages, drawn)), f"{name}: its colours are those of render --gl egl")
 
@@ -116,46 +102,32 @@ def differs(what, pattern, *options, scene):
           result.stdout)
 
 
-def change(name, x, y, channel, n_channels, new):
-    """Changes a number of 4 bytes in a file of pixels; returns a function that puts the old one back."""
-    file, at = os.path.join(DRAWN, name), 4 * ((y * SIZE[0] + x) * n_channels + channel)
-    with open(file, "r+b") as pixels:
-        pixels.seek(at)
-        old = pixels.read(4)
-        pixels.seek(at)
-        pixels.write(new(old))
-
-    def restore():
-        with open(file, "r+b") as pixels:
-            pixels.seek(at)
-            pixels.write(old)
-    return restore
-
-
-def changed_float(by):
-    return lambda old: struct.pack("<f", struct.unpack("<f", old)[0] + by)
+@contextlib.contextmanager
+def changed(name, kind, channel, new):
+    """Changes a number of the pixel 45,30 in a file of pixels, and puts the old one back at the end."""
+    pixels = np.memmap(os.path.join(DRAWN, name), kind, "r+").reshape(SIZE[1], SIZE[0], -1)[30, 45]
+    old = pixels[channel]
+    pixels[channel] = new(old)
+    yield
+    pixels[channel] = old
 
 
 def changes(scene):
     draw(scene, "llvmpipe", *SHORT)
-    x, y = 45, 30
-    faults = (("one colour", "colours-3.bin", 1, 4, changed_float(0.01), r"first at 45,30 .*nm OpenGL"),
-              ("one colour that is no number", "colours-0.bin", 0, 4, lambda old: struct.pack("<f", float("nan")), r"first at 45,30 "),
-              ("one triangle", "numbers.bin", 0, 4, changed_float(1), r"first at 45,30 .*shows triangle"),
-              ("one instance", "numbers.bin", 2, 4, lambda old: struct.pack("<f", 300), r"first at 45,30 .*does not exist"),
-              ("one depth", "depths.bin", 0, 1, lambda old: struct.pack("<I", struct.unpack("<I", old)[0] + (1 << 14)),
-               r"first at 45,30 .*depth"),
-              ("one number of fragments", "depths.bin", 0, 1, lambda old: struct.pack("<I", struct.unpack("<I", old)[0] + 1),
-               r"first at 45,30 .*fragments"))
-    for what, name, channel, n_channels, new, pattern in faults:
-        restore = change(name, x, y, channel, n_channels, new)
-        differs(f"{what} is found where it was changed", pattern, *SHORT, scene=scene)
-        restore()
+    for what, name, kind, channel, new, pattern in (
+            ("one colour", "colours-3.bin", "<f4", 1, lambda old: old + 0.01, ".*nm OpenGL"),
+            ("one colour that is no number", "colours-0.bin", "<f4", 0, lambda old: np.nan, ""),
+            ("one triangle", "numbers.bin", "<f4", 0, lambda old: old + 1, ".*shows triangle"),
+            ("one instance", "numbers.bin", "<f4", 2, lambda old: 300, ".*does not exist"),
+            ("one depth", "depths.bin", "<u4", 0, lambda old: old + (1 << 14), ".*depth"),
+            ("one number of fragments", "depths.bin", "<u4", 0, lambda old: old + 1, ".*fragments")):
+        with changed(name, kind, channel, new):
+            differs(f"{what} is found where it was changed", "first at 45,30 " + pattern, *SHORT, scene=scene)
     check(judge(scene, *SHORT).returncode == 0, "without these changes it agrees")
-    os.rename(colours(0), path("kept"))
+    os.rename(colours(0), path_of("kept"))
     shutil.copy(colours(3), colours(0))
     differs("two passes exchanged are found", r"pixels differ at|at pixel|differ", *SHORT, scene=scene)
-    os.rename(path("kept"), colours(0))
+    os.rename(path_of("kept"), colours(0))
 
 
 def only_colours(scene):
@@ -165,21 +137,20 @@ def only_colours(scene):
     check(result.returncode == 0 and "\nnot checked       triangles: there are none\n" in result.stdout and
           "agreed: every colour is explained" in result.stdout, "without numbers triangles are not checked, and the report says so",
           result.stdout)
-    restore = change("depths.bin", 45, 30, 0, 1, lambda old: struct.pack("<I", struct.unpack("<I", old)[0] + (1 << 14)))
-    differs("a wrong depth is found without numbers", r"first at 45,30 .*depth", *SHORT, scene=scene)
-    restore()
+    with changed("depths.bin", "<u4", 0, lambda old: old + (1 << 14)):
+        differs("a wrong depth is found without numbers", r"first at 45,30 .*depth", *SHORT, scene=scene)
     os.remove(os.path.join(DRAWN, "depths.bin"))
     result, seen = judge(scene, *SHORT), figures(scene, *SHORT)
     check(result.returncode == 0 and "\nnot checked       triangles, depths and fragments: there are none\n" in result.stdout and
           not seen["triangles_checked"] and not seen["depths_checked"], "colours alone agree, too", result.stdout)
-    change("colours-3.bin", 45, 30, 1, 4, changed_float(0.01))
-    differs("a wrong colour is found in colours alone", r"first at 45,30 .*nm OpenGL", *SHORT, scene=scene)
+    with changed("colours-3.bin", "<f4", 1, lambda old: old + 0.01):
+        differs("a wrong colour is found in colours alone", r"first at 45,30 .*nm OpenGL", *SHORT, scene=scene)
 
 
 # ---- a TIFF ----
 
 def tiff(scene):
-    stack, changed, counts = path("stack.tif"), path("changed.tif"), path("counts.tif")
+    stack, changed, counts = path_of("stack.tif"), path_of("changed.tif"), path_of("counts.tif")
     run("render", scene, *COMMON, *SHORT, "--gl", "egl", "--renderer", "llvmpipe", "--depth", "32f", "-o", stack)
     result = judge(scene, *SHORT, "--driver", "llvmpipe", pixels=stack)
     check(result.returncode == 0 and "agreed: every colour is explained" in result.stdout and "bounds            of llvmpipe" in
@@ -201,75 +172,60 @@ def tiff(scene):
             ("too few pages", ("--wavelengths", "400:700:20"), stack, "expected 16 pages, found 7"),
             ("other wavelengths", ("--wavelengths", "410:710:50"), stack, "page 1: expected 410 nm, found 400 nm"),
             ("positions within pixels", ("--samples", "2"), stack, "judge --samples from a folder")):
-        result = run("judge", scene, pixels, *COMMON, *SHORT, *words)
-        check(result.returncode == 2 and pattern in result.stderr and result.stderr.count("\n") == 1, f"{what} is refused",
-              result.stderr)
+        refuses(what, pattern, "judge", scene, pixels, *COMMON, *SHORT, *words)
 
 
 # ---- refusals ----
-
-def refused(what, pattern, *words, status=2):
-    result = run(*words)
-    check(result.returncode == status and re.search(pattern, result.stderr) and result.stderr.count("\n") == 1 and not result.stdout,
-          f"refused: {what}", result.returncode, result.stderr)
-
 
 def refusals(scene):
     draw(scene, "llvmpipe", *SHORT)
     words, drawn = ("judge", scene, DRAWN, *COMMON, *SHORT), os.path.join(DRAWN, "drawn.txt")
     text = open(drawn).read()
-    refused("another light", r"drawn.txt:1:4: error: .*another scene", *words, "--light", "1=a")
-    refused("another scene", "another scene", "judge", "spheres", DRAWN, *COMMON, *SHORT)
-    with open(drawn, "w") as file:
-        file.write("id 12\n")
-    refused("another id", "another scene: expected id [0-9a-f]{64}, found 12", *words)
-    with open(drawn, "w") as file:
-        file.write("renderer llvmpipe\n")
-    refused("no id", 'expected a line "id"', *words)
-    with open(drawn, "w") as file:
-        file.write(text + "colour 3\n")
-    refused("an unknown line", r"drawn.txt:4:1: error: .*colour", *words)
-    with open(drawn, "w") as file:
-        file.write(re.sub("renderer .*", "renderer Foo 9000", text))
+    refuses("another light", r"drawn.txt:1:4: error: .*another scene", *words, "--light", "1=a")
+    refuses("another scene", "another scene", "judge", "spheres", DRAWN, *COMMON, *SHORT)
+    write("drawn/drawn.txt", "id 12\n")
+    refuses("another id", "another scene: expected id [0-9a-f]{64}, found 12", *words)
+    write("drawn/drawn.txt", "renderer llvmpipe\n")
+    refuses("no id", 'expected a line "id"', *words)
+    write("drawn/drawn.txt", text + "colour 3\n")
+    refuses("an unknown line", r"drawn.txt:4:1: error: .*colour", *words)
+    write("drawn/drawn.txt", re.sub("renderer .*", "renderer Foo 9000", text))
     result = run(*words)
     check(result.returncode == 0 and "bounds            of unknown" in result.stdout and "OpenGL            Foo 9000, " in result.stdout,
           "an unknown renderer gets the bounds of any", result.stdout)
     check("bounds            of softpipe" in run(*words, "--driver", "softpipe").stdout, "--driver chooses the bounds")
-    with open(drawn, "w") as file:
-        file.write(text)
+    write("drawn/drawn.txt", text)
     for name in ("colours-3.bin", "numbers.bin", "depths.bin"):
         os.truncate(os.path.join(DRAWN, name), 100)
-        refused(f"{name} is too short", rf"{name}: error: expected a file of \d+ bytes, found 100", *words)
+        refuses(f"{name} is too short", rf"{name}: error: expected a file of \d+ bytes, found 100", *words)
         os.remove(os.path.join(DRAWN, name))
         if name[0] == "c":
-            refused(f"{name} is missing", rf"{name}: error: cannot read .*{name}: No such file", *words)
+            refuses(f"{name} is missing", rf"{name}: error: cannot read .*{name}: No such file", *words)
             os.mkfifo(os.path.join(DRAWN, name))
-            refused(f"{name} is a pipe", rf"{name}: error: cannot read .*{name}: it is no regular file", *words)
+            refuses(f"{name} is a pipe", rf"{name}: error: cannot read .*{name}: it is no regular file", *words)
             os.remove(os.path.join(DRAWN, name))
             shutil.copy(colours(0), colours(3))
-    os.mkfifo(os.path.join(DRAWN, "numbers.bin"))
-    refused("numbers.bin is a pipe", "numbers.bin: it is no regular file", *words)
-    os.remove(os.path.join(DRAWN, "numbers.bin"))
-    os.remove(drawn)
-    os.mkfifo(drawn)
-    refused("drawn.txt is a pipe", "drawn.txt: it is no regular file", *words)
-    os.remove(drawn)
-    with open(drawn, "w") as file:
-        file.write(text)
+    for file in (os.path.join(DRAWN, "numbers.bin"), drawn):
+        if os.path.exists(file):
+            os.remove(file)
+        os.mkfifo(file)
+        refuses(f"{file} is a pipe", f"{file}: it is no regular file", *words)
+        os.remove(file)
+    write("drawn/drawn.txt", text)
     os.symlink("/dev/zero", os.path.join(DRAWN, "depths.bin"))
-    refused("depths.bin is a device", "depths.bin: it is no regular file", *words)
+    refuses("depths.bin is a device", "depths.bin: it is no regular file", *words)
     os.remove(os.path.join(DRAWN, "depths.bin"))
-    refused("no pixels", "needs SCENE and PIXELS", "judge", scene)
-    refused("a missing folder", "nosuch", "judge", scene, path("nosuch"), *COMMON)
-    refused("no folder to write", "needs -o FOLDER", "export", scene)
-    refused("a folder that exists", "exists already", "export", scene, "-o", DRAWN)
-    refused("a folder below none", "cannot make the folder: No such file", "export", scene, "-o", path("nosuch/folder"))
-    refused("phong shading", "add --shading smooth", "export", scene, "--shading", "phong", "-o", path("nosuch"))
-    refused("a picture that is too large", "in one piece, of at most 8192 x", "judge", scene, DRAWN, "--size", "9000x10")
+    refuses("no pixels", "needs SCENE and PIXELS", "judge", scene)
+    refuses("a missing folder", "nosuch", "judge", scene, path_of("nosuch"), *COMMON)
+    refuses("no folder to write", "needs -o FOLDER", "export", scene)
+    refuses("a folder that exists", "exists already", "export", scene, "-o", DRAWN)
+    refuses("a folder below none", "cannot make the folder: No such file", "export", scene, "-o", path_of("nosuch/folder"))
+    refuses("phong shading", "add --shading smooth", "export", scene, "--shading", "phong", "-o", path_of("nosuch"))
+    refuses("a picture that is too large", "in one piece, of at most 8192 x", "judge", scene, DRAWN, "--size", "9000x10")
 
 
 def whole_or_not():
-    folder = path("parent")
+    folder = path_of("parent")
     shutil.rmtree(folder, ignore_errors=True)
     os.mkdir(folder)
     own = sorted(("spectral.notes", "spectral.a1b2c3", ".spectral-unfinished.old"))
@@ -280,13 +236,6 @@ def whole_or_not():
                             universal_newlines=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000)))
     check(result.returncode == 3 and result.stderr.count("\n") == 1 and sorted(os.listdir(folder)) == own,
           "a disk that is full leaves nothing", result.returncode, result.stderr, os.listdir(folder))
-    for wait in (0.05, 0.15, 0.25):
-        process = subprocess.Popen([SPECTRAL, "export", "textures", "--tessellation", "8", "-o", os.path.join(folder, "new")],
-                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-        time.sleep(wait)
-        process.send_signal(signal.SIGINT)
-        check(process.wait() == -signal.SIGINT and "new" not in os.listdir(folder), f"an interruption after {wait} s makes no folder",
-              process.returncode, os.listdir(folder))
     statuses, left = set(), set()
     for allocation in (*range(500, 1000, 20), 9000):
         result = subprocess.run([SPECTRAL, "export", "patches", "-o", os.path.join(folder, "new")], check=False, stderr=subprocess.PIPE,

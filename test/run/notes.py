@@ -6,14 +6,14 @@ The picture shows that a note is true. Prints TAP."""
 import json
 import os
 import re
-import subprocess
 import sys
 
 import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import check, done, pages_of, path_of, write
+from rendered import run as run_program
 
 HEAD = "wavelengths 400 700 20\nsize 64 48\ncamera ortho 12\n"
 LIGHT = "light d65 1 direction 0 0 1\n"
@@ -27,8 +27,7 @@ ON_TOP = "light d65 1 position 0 0 4 spot 0 0 -1 "
 
 def run(command, scene, *options):
     path = scene if not scene.count("\n") else write("notes.scene", scene)
-    return subprocess.run([SPECTRAL, command, path, *options], check=False, stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, universal_newlines=True)
+    return run_program(command, path, *options)
 
 
 def printed(result):
@@ -36,37 +35,36 @@ def printed(result):
 
 
 def notes_of(scene, *options):
-    """The notes of a render but that on shading, as (code, text); its report; its pages."""
-    stack = os.path.join(TMP, "notes.tif")
+    """The notes of a render but that on shading, as (code, text); its pages."""
+    stack = path_of("notes.tif")
     result = run("render", scene, "--renderer", "raster", "--json", "-", "--quiet", "-o", stack, *options)
     if result.returncode != 0:
-        return [("failed", result.stderr)], None, None
+        return [("failed", result.stderr)], None
     report = json.loads(result.stdout)
-    with tifffile.TiffFile(stack) as tiff:
-        pages = np.array([page.asarray() for page in tiff.pages])
-    return [(note["code"], note["text"]) for note in report["notes"] if note["code"] != "shading"], report, pages
+    return [(note["code"], note["text"]) for note in report["notes"] if note["code"] != "shading"], pages_of(stack)
 
 
 def gets(name, scene, code, pattern, *options):
-    """The scene gets this one note, in whose text the pattern is found. Returns the match, report and pages."""
+    """The scene gets this one note, in whose text the pattern is found. Returns the pages."""
     expected_codes.add(code)
-    notes, report, pages = notes_of(scene, *options)
-    found = re.search(pattern, notes[0][1]) if [note[0] for note in notes] == [code] else None
-    check(found, f"{name}: a note '{code}'", notes)
-    return found, report, pages
+    notes, pages = notes_of(scene, *options)
+    check([note[0] for note in notes] == [code] and re.search(pattern, notes[0][1]), f"{name}: a note '{code}'", notes)
+    return pages
 
 
 def gets_none(name, scene, *options):
-    notes, report, pages = notes_of(scene, *options)
+    notes, pages = notes_of(scene, *options)
     check(notes == [], f"{name}: no note", notes)
-    return report, pages
+    return pages
 
 
 def is_black(name, pages):
     check(pages is not None and pages.max() == 0, f"{name}: the picture is black")
 
 
-def shows(name, pages):
+def shows(name, scene):
+    """The scene gets no note, and its picture is not black."""
+    pages = gets_none(name, scene)
     check(pages is not None and pages.max() > 0, f"{name}: the picture is not black")
 
 
@@ -74,36 +72,31 @@ def no_light():
     for name, light in (("no light", ""), ("a light of intensity 0", "light d65 0 direction 0 0 1\n"),
                         ("a light beyond the picture", "light gaussian:300,1 1 direction 0 0 1\n"),
                         ("ambient light of intensity 0", "ambient d65 0\n")):
-        _, _, pages = gets(name, HEAD + light + GREY + BALL, "black", "^1 object is black, first m ")
-        is_black(name, pages)
+        is_black(name, gets(name, HEAD + light + GREY + BALL, "black", "^1 object is black, first m "))
     for name, scene in (("ambient light", "ambient d65 0.1\n" + GREY + BALL),
                         ("emission", "material m { diffuse 0.5 emission 0.1 }\n" + BALL),
                         ("fluorescence under a light beyond the picture", "light gaussian:300,1 1 direction 0 0 1\n"
                          "material m { diffuse 0.5 fluorescence gaussian:300,20 gaussian:500,50 }\n" + BALL)):
-        _, pages = gets_none(name, HEAD + scene)
-        shows(name, pages)
+        shows(name, HEAD + scene)
 
 
 def out_of_view():
     far = BALL[:-1] + " translate 10 3 0\n"
     for name, objects in (("no object", ""), ("an object beside the view", far)):
         scene = HEAD + LIGHT + "ambient d65 1\n" + GREY + objects
-        _, _, pages = gets(name, scene, "nothing-in-view", "^the picture is black: no object is in view$")
-        is_black(name, pages)
+        is_black(name, gets(name, scene, "nothing-in-view", "^the picture is black: no object is in view$"))
         check(printed(run("plan", scene)) == ["the picture is black: no object is in view"], f"{name}: plan says so, too")
     for name, objects in (("an object seen edge-on", WALL[:-1] + " rotate 90 0 1 0\n"), ("a small object", BALL[:-1] + " scale 0.001\n")):
         scene = HEAD + "ambient d65 1\n" + GREY + objects
-        _, pages = gets_none(f"{name}, by the reference alone", scene, "--no-check")
-        is_black(name, pages)
-        _, _, pages = gets(name, scene, "nothing-in-view", "^the picture is black: no object is in view$")
-    _, pages = gets_none("one of two objects beside the view", HEAD + LIGHT + GREY + BALL + far)
-    shows("one of two objects", pages)
+        is_black(name, gets_none(f"{name}, by the reference alone", scene, "--no-check"))
+        gets(name, scene, "nothing-in-view", "^the picture is black: no object is in view$")
+    shows("one of two objects beside the view", HEAD + LIGHT + GREY + BALL + far)
     check(re.search(r"^left out +instances: count 1, of 2, reason right of the view;", run("plan", HEAD + LIGHT + GREY + BALL + far).stdout, re.MULTILINE),
           "plan says where the other one lies")
 
 
 def black():
-    tifffile.imwrite(os.path.join(TMP, "grey0.tif"), np.zeros((2, 2), np.uint8))
+    tifffile.imwrite(path_of("grey0.tif"), np.zeros((2, 2), np.uint8))
     wall = "object plane 1 1 material n translate -4 0 0\n"
     for name, scene, n in (
             ("a black texture", LIGHT + "material n { diffuse 0.5 texture grey0.tif }\n" + wall, 1),
@@ -113,14 +106,13 @@ def black():
              "material n { diffuse 0.5 }\nmaterial m { emission 0.1 }\n" + BALL + wall, 1),
             ("two objects", LIGHT + "material n { diffuse gaussian:300,1 }\n" + 2 * wall, 2)):
         scene = HEAD + scene + (GREY + BALL if "material m" not in scene else "")
-        _, report, pages = gets(name, scene, "black", f"^{n} object{' is' if n == 1 else 's are'} black, first n \\(.*notes.scene:[0-9]+\\): "
-                                "no light that it shows reaches its vertices$")
-        check(pages is not None and (pages[:, 24, 10] == 0).all(), f"{name}: its pixels are 0")
-        shows(f"{name}: another object", pages)
-    _, pages = gets_none("a back that is lit", HEAD + LIGHT + GREY + WALL[:-1] + " two-sided rotate 180 0 1 0\n")
-    shows("a back that is lit", pages)
-    _, pages = gets_none("a spot between vertices, phong", HEAD + "shading phong\n" + ON_TOP + "10 0\n" + GREY + WALL)
-    shows("a spot between vertices, phong", pages)
+        objects = "1 object is" if n == 1 else f"{n} objects are"
+        pages = gets(name, scene, "black", f"^{objects} black, first n \\(.*notes.scene:[0-9]+\\): "
+                     "no light that it shows reaches its vertices$")
+        check(pages is not None and (pages[:, 24, 10] == 0).all() and pages.max() > 0,
+              f"{name}: its pixels are 0, and those of another object are not")
+    shows("a back that is lit", HEAD + LIGHT + GREY + WALL[:-1] + " two-sided rotate 180 0 1 0\n")
+    shows("a spot between vertices, phong", HEAD + "shading phong\n" + ON_TOP + "10 0\n" + GREY + WALL)
     gets_none("an object that is meant to be black", HEAD + LIGHT + GREY + BALL + "material b { diffuse 0 }\n"
               "object plane 9 9 material b translate 0 0 -3\n")
 
@@ -148,13 +140,13 @@ def extrapolated():
 def commands():
     dark, raster = HEAD + GREY + BALL, ("--renderer", "raster", "-o", "/dev/null")
     plan, render = run("plan", dark), run("render", dark, *raster)
-    view = run("view", dark, "-o", os.path.join(TMP, "notes.html"))
+    view = run("view", dark, "-o", path_of("notes.html"))
     texts = [text for _, text in notes_of(dark)[0]]
     check(plan.returncode == render.returncode == view.returncode == 0, "a note leaves the exit status at 0")
     check(printed(plan) == printed(render) == printed(view) == texts and len(texts) == 1,
           "plan, render, view and the JSON have the same notes", plan.stdout, render.stdout, view.stdout, texts)
     quiet = [run("render", dark, *raster, "--quiet"),
-             run("view", dark, "-o", os.path.join(TMP, "notes.html"), "--quiet")]
+             run("view", dark, "-o", path_of("notes.html"), "--quiet")]
     check(all(result.stdout == result.stderr == "" for result in quiet), "--quiet prints no note", quiet)
     report = json.loads(run("render", HEAD + LIGHT + GREY + WALL, "--json", "-", "--quiet", *raster).stdout)
     check(report["notes"] == [], "without notes the array is empty")

@@ -1,20 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile python3-scipy psychtoolbox-3-common
+# level: full; packages: python3-numpy python3-tifffile
 """Checks phenomena that need spectra, which the captions of the 1998 thesis state (its figures 22 to 41), on
-pictures that the program renders and develops; the ColorChecker's colours; and that both renderers' developed
-pictures agree. Prints TAP."""
+pictures that the program renders and develops; and that both renderers' developed pictures agree. Prints TAP."""
 import os
-import subprocess
 import sys
 
 import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from colours import cielab, ciede2000
-from rendered import SPECTRAL, TMP, check, done, table, write
-from tap import bail_out
+from rendered import check, developed, done, objects_of, output_of, path_of, reference, write
 
 SQUARES = """wavelengths 300 760 5
 size 300 200
@@ -24,26 +20,13 @@ checker {list} plane 5 5
 """
 
 
-def run(*words):
-    result = subprocess.run([SPECTRAL, *words], capture_output=True, text=True, check=False)
-    if result.returncode != 0:
-        bail_out(*words, result.stderr.strip())
-    return result.stdout
-
-
 def render(name, *options, scene=None):
-    stack = os.path.join(TMP, name + ".tif")
-    run("render", scene or name, "-o", stack, "--renderer", "raster", "--no-check", "--depth", "32f",
-        "--quiet", *options)
-    return stack
+    return reference(name + ".tif", scene or name, "--depth", "32f", *options)
 
 
 def develop(stack, *options):
     """Rows of pixels of three values: RGB of 8 bits, or the kind that the options select."""
-    picture = stack[:-4] + "-developed.tif"
-    run("develop", stack, "-o", picture, "--quiet", *options)
-    pages = tifffile.imread(picture).astype(float)
-    return pages if pages.shape[-1] == 3 else np.moveaxis(pages, 0, -1)
+    return developed(stack, *options)[0]
 
 
 def squares(name, list_file, light):
@@ -176,10 +159,8 @@ def objects(stack):
     """{name: mask} of the objects that a stack records"""
     with tifffile.TiffFile(stack) as tiff:
         lines = tiff.pages[0].description.split("<Description>")[1].split("<")[0].split("\n")
-        height, width = tiff.pages[0].shape
     names = [line[len("object: "):] for line in lines if line.startswith("object: ")]
-    offset, size = next(map(int, line.split()[1:]) for line in lines if line.startswith("object_map: "))
-    numbers = np.fromfile(stack, f"<u{size}", width * height, offset=offset).reshape(height, width)
+    numbers = objects_of(stack)
     return [(name, numbers == i) for i, name in enumerate(names, 1)]
 
 
@@ -214,65 +195,16 @@ def check_room():
           "the clock's rim and hands, and three things on the table, glow under ultraviolet", shares[:6])
 
 
-# ---- the ColorChecker ----
-
-# CIELAB under D50, 2 degrees, of the ColorChecker Classic before November 2014, as X-Rite publishes it.
-PUBLISHED = np.array([
-    (37.986, 13.555, 14.059), (65.711, 18.130, 17.810), (49.927, -4.880, -21.925),
-    (43.139, -13.095, 21.905), (55.112, 8.844, -25.399), (70.719, -33.397, -0.199),
-    (62.661, 36.067, 57.096), (40.020, 10.410, -45.964), (51.124, 48.239, 16.248),
-    (30.325, 22.976, -21.587), (72.532, -23.709, 57.255), (71.941, 19.363, 67.857),
-    (28.778, 14.179, -50.297), (55.261, -38.342, 31.370), (42.101, 53.378, 28.190),
-    (81.733, 4.039, 79.819), (51.935, 49.986, -14.574), (51.038, -28.631, -28.638),
-    (96.539, -0.425, 1.186), (81.257, -0.638, -0.335), (66.766, -0.734, -0.504),
-    (50.867, -0.153, -0.270), (35.656, -0.421, -1.231), (20.461, -0.079, -0.973)])
-
-
-def daylight_50():
-    """CIE D50 from its basis functions (CIE 15:2018, 4.1.2)"""
-    from scipy.io import loadmat
-    basis = loadmat("/usr/share/psychtoolbox-3/PsychColorimetricData/PsychColorimetricMatFiles/B_cieday.mat")
-    start, step, n = basis["S_cieday"][0]
-    kelvin = 5000 * 1.4388 / 1.438
-    x = 0.244063 + 0.09911e3 / kelvin + 2.9678e6 / kelvin ** 2 - 4.6070e9 / kelvin ** 3
-    y = -3 * x * x + 2.87 * x - 0.275
-    m = 0.0241 + 0.2562 * x - 0.7341 * y
-    m1, m2 = (-1.3515 - 1.7703 * x + 5.9114 * y) / m, (0.03 - 31.4424 * x + 30.0717 * y) / m
-    power = basis["B_cieday"] @ (1, round(m1, 3), round(m2, 3))
-    wavelengths = start + step * np.arange(n)
-    return wavelengths, power / np.interp(560, wavelengths, power)
-
-
-def check_colorchecker():
-    wavelengths = np.arange(380, 731, 5.0)
-    d50 = np.interp(wavelengths, *daylight_50())
-    path = write("d50.csv", "".join(f"{nm:g},{power:.6g}\n" for nm, power in zip(wavelengths, d50)))
-    stack = render("patches-d50", "--light", f"1={path}", "--size", "300x200", scene="patches")
-    lab = develop(stack, "--lab")
-    seen = np.array([lab[y, x] for y in (25, 75, 125, 175) for x in range(25, 300, 50)])
-    names = [line.strip() for line in open("data/builtin/materials/colorchecker.list") if line[0] != "#"]
-    patches = np.array([np.interp(wavelengths, *table(f"data/builtin/materials/{name}.txt")) for name in names])
-    nm, *curves = table("data/builtin/tables/cie1931.csv", ",")
-    observer = np.array([np.interp(wavelengths, nm, curve) for curve in curves])
-    expected = cielab(observer @ (patches * d50).T, (observer @ d50)[:, None]).T
-    worst = np.abs(seen - expected).max()
-    check(worst < 1e-4, f"CIELAB of 24 patches from the stack and straight from the spectra: {worst:.1e} apart")
-    apart = np.array([ciede2000(*pair) for pair in zip(seen, PUBLISHED)])
-    print(f"# beside the published chart: CIEDE2000 mean {apart.mean():.2f}, largest {apart.max():.2f} "
-          f"(patch {apart.argmax() + 1}); a chart of the 1990s is not a later one")
-
-
 # ---- both renderers ----
 
 def check_renderers():
     """The developed pictures of OpenGL and of the reference agree within 1 of 255, except on edges, where they may
-    show
-    different objects or triangles."""
+    show different objects or triangles."""
     for scene in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")):
         pictures = []
         for renderer in ("gl", "raster"):
-            stack = os.path.join(TMP, f"{scene}-{renderer}.tif")
-            run("render", scene, "--size", "300x200", "--wavelengths", "380:730:10", "-o", stack,
+            stack = path_of(f"{scene}-{renderer}.tif")
+            output_of("render", scene, "--size", "300x200", "--wavelengths", "380:730:10", "-o", stack,
                 "--renderer", renderer, "--quiet")
             pictures.append(develop(stack))
         far = np.abs(pictures[0] - pictures[1]).max(-1)
@@ -292,6 +224,5 @@ check_textures()
 check_shapes()
 check_adaptation()
 check_room()
-check_colorchecker()
 check_renderers()
 done()

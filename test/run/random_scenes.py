@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
 """Renders random scenes, with everything that the scene language has, by the program ($SPECTRAL) and cross-
-checks every pixel at 31 wavelengths. A scene follows from its seed alone. A scene that fails is reduced to a
-small one that still fails; test/cases/random/ keeps it, and later runs begin with it. Prints TAP.
+checks every pixel at 31 wavelengths. A scene follows from its seed alone. A scene that fails is kept in
+test/cases/random/, and later runs begin with it; data/samples/reduce.py makes it small. Prints TAP.
 
     test/run/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe; with FULL=1 5000 and 500
     test/run/random_scenes.py --first 1000 --count 5000 --driver softpipe --jobs 2 --size 100x100
@@ -11,7 +11,6 @@ small one that still fails; test/cases/random/ keeps it, and later runs begin wi
 import argparse
 import concurrent.futures
 import glob
-import itertools
 import json
 import os
 import random
@@ -25,7 +24,7 @@ import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done
+from rendered import SPECTRAL, TMP, check, done, path_of
 
 FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 KEPT = "test/cases/random"
@@ -34,7 +33,7 @@ DEFAULT_COUNT = {"llvmpipe": 200, "softpipe": 30}
 FULL_COUNT = {"llvmpipe": 5000, "softpipe": 500}
 WAVELENGTHS = "wavelengths 400 700 10"
 PATIENCE_S = 300  # seconds after which a scene counts as hung
-SHRINK_S, MOST_SHRUNK = 240, 3  # seconds of a scene; scenes a run
+MOST_KEPT = 3  # scenes a run
 
 # Reasons to refuse a scene: its numbers leave the range of single precision, or a light grazes a surface so
 # exactly that rounding alone decides whether the surface shines.
@@ -555,158 +554,13 @@ class Result:
     def failed(self):
         return self.status != 0 and not self.refused
 
-    def kind(self):
-        """Returns a word that is equal for failures of the same kind at any place."""
-        if self.status == 1:  # colour, triangle, depth or number of fragments
-            return re.search(r"OpenGL('s)?( [a-z]+)?|$", self.message)[0]
-        if self.status == 2:
-            return re.sub(r".*?error: |[-+.\d]+", "", self.message)
-        return self.status
-
-
-# ---- shrinking ----
-
-
-class Shrinker:
-    """Reduces a scene while `fails` holds: first its statements and words, then its numbers."""
-
-    def __init__(self, files, fails):
-        self.files, self.fails, self.tried = dict(files), fails, set()
-        self.deadline = time.monotonic() + SHRINK_S
-        self.simplify(".scene", 2)  # wavelengths and size first, so that the rest is faster
-        before = None
-        while before != self.files:
-            before = dict(self.files)
-            self.each_file(self.drop_lines, self.renumber, self.drop_words, self.drop_files)
-            if before == self.files:
-                self.each_file(self.simplify)
-
-    def each_file(self, *reductions):
-        for reduce in reductions:
-            for name in list(self.files):
-                reduce(name)
-
-    def keeps(self, name, lines):
-        """Takes the new lines if the scene still fails."""
-        files = {**self.files, name: "\n".join(lines) + "\n"}
-        key = tuple(files.items())
-        if key in self.tried or time.monotonic() > self.deadline or files == self.files:
-            return False
-        self.tried.add(key)
-        if not self.fails(files):
-            return False
-        self.files = files
-        return True
-
-    def drop_lines(self, name):
-        lines = self.files[name].splitlines()
-        first = 2 if name == ".scene" else 0
-        length = max(len(lines) // 2, 1)
-        while length > 0:
-            i = first
-            while i < len(lines):
-                shorter = lines[:i] + lines[i + length:]
-                if self.keeps(name, shorter):
-                    lines = shorter
-                else:
-                    i += length
-            length //= 2
-
-    def renumber(self, name):
-        """Drops vertices that no face uses, and renumbers the others with their texture coordinates and normals."""
-        if not name.endswith(".obj"):
-            return
-        lines = [one.split() for one in self.files[name].splitlines() if one]
-        corners = [word for words in lines if words[0] == "f" for word in words[1:]]
-        used = sorted({int(corner.split("/")[0]) for corner in corners})
-        number = {old: new for new, old in enumerate(used, 1)}
-        kept, seen = [], {"v": 0, "vt": 0, "vn": 0}
-        for words in lines:
-            if words[0] == "f":
-                words = [re.sub(r"\d+", lambda k: str(number[int(k[0])]), word) for word in words]
-            elif words[0] in seen:
-                seen[words[0]] += 1
-                if seen[words[0]] not in number:
-                    continue
-            kept.append(" ".join(words))
-        self.keeps(name, kept)
-
-    def drop_files(self, name):
-        if not any("@" + name in text for text in self.files.values()) and name != ".scene":
-            del self.files[name]
-
-    def drop_words(self, name):
-        """Drops a word together with the numbers or the one or two words that belong to it."""
-        lines = self.files[name].splitlines()
-        for i in range(len(lines)):
-            for k in reversed(range(1, len(lines[i].split()))):
-                words = lines[i].split()
-                if not words[k][0].isalpha():
-                    continue
-                numbers = itertools.takewhile(lambda word: not word[0].isalpha(), words[k + 1:])
-                for length in sorted({1, 2, 3, 1 + len(list(numbers))}, reverse=True):
-                    shorter = lines[:i] + [" ".join(words[:k] + words[k + length:])] + lines[i + 1:]
-                    if self.keeps(name, shorter):
-                        lines = shorter
-                        break
-
-    def simplify(self, name, first_lines=None):
-        lines = self.files[name].splitlines()
-        materials = re.findall(r"^material (\S+)", self.files[".scene"], re.M)
-        for i in range(len(lines[:first_lines])):
-            k = 0
-            while k + 1 < len(lines[i].split()):
-                k += 1
-                words = lines[i].split()
-                for simpler in simpler_words(words, k, materials):
-                    changed = lines[:i] + [" ".join(words[:k] + simpler)] + lines[i + 1:]
-                    if self.keeps(name, changed):
-                        lines = changed
-                        break
-
-
-def simpler_words(words, k, materials):
-    """Lists words that may replace word k and all after it. Each is shorter or, as a number, smaller, so that
-    simplifying comes to an end."""
-    word, rest = words[k], words[k + 1:]
-    if words[0] == "wavelengths":
-        return [["list", "400", "550", "700"], ["list", "550"]] if k == 1 and word != "list" else []
-    if words[0] in ("light", "ambient") and k == 1:
-        return [["1", *rest]] if word != "1" else []
-    if words[0] == "object" and k == 1:
-        option = next(i for i, other in enumerate(words) if other.startswith("material"))
-        shapes = [["plane", "2", "2"], ["sphere", "1", "4", "2"]]
-        return [shape + words[option:] for shape in shapes if word not in ("plane", shape[0])]
-    if word == "materials":
-        return [["material", name, *rest[1:]] for name in materials]
-    if words[k - 1] == "material" and k > 1:
-        return [[name, *rest] for name in materials if name < word]
-    try:
-        value = float(word)
-    except ValueError:
-        return [[other, *rest] for other in ("1", "0.5") if ":" in word]
-    others = [0, 1, float(f"{value:.1g}"), float(f"{value:.2g}")]
-    if word.isdigit() and value > 2:
-        others = [1, 3, *(int(value * share) for share in (0.25, 0.5, 0.9))]
-    texts = dict.fromkeys(f"{other:g}" for other in others)
-    return [[text, *rest] for text in texts
-            if (len(text), abs(float(text))) < (len(word), abs(value))]
-
-
-def shrink(files, driver, tag, wanted, **environment):
-    """The smallest scene found whose result, drawn by the driver, is of the wanted kind."""
-    def fails(candidate):
-        result = Result(put(candidate, TMP, tag), driver, **environment)
-        return result.failed() and result.kind() == wanted
-    return Shrinker(files, fails).files
-
 
 def keep(files, folder, name):
     os.makedirs(folder, exist_ok=True)
     path = put(files, folder, name)
     for texture in GREY + STACKS:
         if any(texture in text for text in files.values()):
-            shutil.copy(os.path.join(TMP, texture), folder)
+            shutil.copy(path_of(texture), folder)
     return path
 
 
@@ -741,11 +595,6 @@ def replay(driver):
         result = Result(path, driver)
         name = os.path.basename(path)
         check(result.status == 0, f"{driver}: a scene that failed once passes: {name}", result.message)
-
-
-def keep_small(seed, files, driver, result, folder):
-    small = shrink(files, driver, f"shrink-{seed}-{driver}", result.kind())
-    print(f"# kept as {keep(small, folder, f'{seed}-{driver}')}", flush=True)
 
 
 def draw(seed, driver, size):
@@ -788,8 +637,8 @@ def run(driver, seeds, options):
             if result.failed():
                 failed.append(seed)
                 print(f"# {driver}: scene {seed}, exit {result.status}:", result.message)
-                if len(failed) <= MOST_SHRUNK:
-                    keep_small(seed, files, driver, result, options.keep)
+                if len(failed) <= MOST_KEPT:
+                    print("# kept as", keep(files, options.keep, f"{seed}-{driver}"), flush=True)
             if result.report is None:
                 continue
             effects.append(result.report["effects"])
@@ -816,37 +665,26 @@ def run(driver, seeds, options):
 def judge(driver, n, total, failed, refused):
     least = 0.2 if n >= DEFAULT_COUNT["softpipe"] else 0.02  # few scenes show smaller errors
     least *= 0.5 if MORE else 1  # and so do smaller triangles
-    ratio = total["worst_error_over_bound"]
     check(not failed, f"{driver}: all of {n} scenes are drawn", f"not {failed}")
     check(refused <= 0.05 * n, f"{driver}: few scenes are refused", f"{refused} of {n}")
     check(total["unexplained_pixels"] == 0 < total["pixels"],
           f"{driver}: every pixel is explained at all wavelengths", total)
     check(total["unchecked_pixels"] < 0.01 * total["object_pixels"],
           f"{driver}: fewer than one object pixel in 100 cannot be checked", total)
-    check(least < ratio <= 1, f"{driver}: the bounds are neither exceeded nor far too wide", ratio)
-    band_ratio = total["worst_band_error_over_bound"]
-    check(least < band_ratio <= 1, f"{driver}: nor are those of one band", band_ratio)
-    depth_ratio = total["worst_depth_error_over_bound"]
-    check(least < depth_ratio <= 1,
-          f"{driver}: the bounds on depth are neither exceeded nor far too wide", depth_ratio)
+    for name, what in zip(LARGEST, ("bounds", "bounds of one band", "bounds on depth")):
+        check(least < total[name] <= 1, f"{driver}: the {what} are neither exceeded nor far too wide", total[name])
 
 
-def check_shrinker(size):
-    """Plants a fault in the GL path and shrinks the first short scene that shows it."""
+def check_fault(size):
+    """Plants a fault in the GL path. The first scene of one file that shows it is kept, and shows it again."""
     fault = {"LD_PRELOAD": FAULTS, "FAULT": "24"}
     for seed in range(1, 100):
         files = scene(seed, size)
-        result = Result(put(files, TMP, "planted"), "llvmpipe", **fault)
-        if len(files) == 1 and result.status == 1:
+        if len(files) == 1 and Result(put(files, TMP, "planted"), "llvmpipe", **fault).status == 1:
             break
-    small = shrink(files, "llvmpipe", "planted", result.kind(), **fault)
-    path = keep(small, os.path.join(TMP, "kept"), f"{seed}-llvmpipe")
-    text, before = ("".join(some.values()) for some in (small, files))
-    check(Result(path, "llvmpipe", **fault).status == 1,
-          "a shrunk scene still shows the planted fault", text)
-    check(Result(path, "llvmpipe").status == 0, "the shrunk scene passes without the fault", text)
-    check(text.count("\n") <= 6, "the shrunk scene has no unnecessary line", text)
-    print(f"# shrunk from {before.count(chr(10))} lines:\n# " + text.strip().replace("\n", "\n# "))
+    path = keep(files, path_of("kept"), f"{seed}-llvmpipe")
+    check(Result(path, "llvmpipe", **fault).status == 1, "a kept scene shows the planted fault", path)
+    check(Result(path, "llvmpipe").status == 0, "the kept scene passes without the fault", path)
 
 
 def arguments():
@@ -876,7 +714,7 @@ def main():
         n = options.count or (FULL_COUNT if FULL else DEFAULT_COUNT)[driver]
         run(driver, range(options.first, options.first + n), options)
     if not options.driver:
-        check_shrinker((64, 64))
+        check_fault((64, 64))
         MORE.extend(["--samples", "2", "--size", "100x100"])
         run("llvmpipe", range(8060, 8090), options)
     done()

@@ -18,7 +18,7 @@ import tifffile
 from osgeo import gdal
 
 sys.dont_write_bytecode = True
-from documents import FOLDER, put_in_path, read, run
+from documents import put_in_path, read, run
 from rendered import TMP, check, done, table
 
 gdal.UseExceptions()
@@ -235,28 +235,7 @@ def check_isetcam(stack, intensity):
     stack.read("stack.mat")
 
 
-# ---- links ----
-
-def check_links():
-    """Each link of the pages leads to a file, or to a heading of this or that page."""
-    for page in sorted(os.listdir(FOLDER)):
-        text = BLOCK.sub("", read(page))
-        lost = [link for link in re.findall(r"\]\(([^)]*)\)", text) if not leads_somewhere(page, link)]
-        check("](" in text and not lost, f"{page}: each link leads to a file or a heading", *lost)
-
-
-def leads_somewhere(page, link):
-    if "://" in link:
-        return True
-    path, _, heading = link.partition("#")
-    if not heading:
-        return os.path.exists(os.path.join(FOLDER, path))
-    headings = re.findall(r"^#+ (.*)$", BLOCK.sub("", read(path or page)), re.MULTILINE)
-    return heading in [re.sub(r"[^\w -]", "", text.lower()).replace(" ", "-") for text in headings]
-
-
 def main():
-    check_links()
     put_in_path()
     home = os.getcwd()
     for name, other_stack in (("16 bits", ""), ("8 bits", OTHER_STACK)):

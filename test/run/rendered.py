@@ -19,6 +19,7 @@ TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
                    os.path.splitext(os.path.basename(sys.argv[0]))[0])
 MATERIAL = "data/builtin/materials/colorchecker/15-red.txt"
 WAVELENGTHS = np.arange(300.0, 765.0, 5.0)
+CAMERAS = "dcs200-camera", "transparency-film"
 SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 os.makedirs(TMP, exist_ok=True)
 
@@ -28,8 +29,27 @@ def table(path, separator=None):
     return np.array(rows, float).T
 
 
-D65 = np.interp(WAVELENGTHS, *table("data/builtin/tables/d65.csv", ","))
-LAMP_A = np.interp(WAVELENGTHS, *table("data/builtin/tables/a.csv", ","))
+def built_in(name):
+    """A built-in table of a light or a detector: wavelengths, and a row for each curve."""
+    return table(f"data/builtin/tables/{name}.csv", ",")
+
+
+def widths(nm):
+    """Width of each wavelength: half-way to both neighbours; a whole step for the first and the last."""
+    steps = np.diff(nm)
+    return (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
+
+
+def weights(detector, nm):
+    """Equation 11 of the thesis: the weights [channel, wavelength] that make tristimulus values, or a camera's channels, of
+    radiances. An observer's Y of a radiance of 1 is 100."""
+    own, *curves = built_in(detector)
+    k = 1 if detector in CAMERAS else 100 / (curves[1] * widths(own)).sum()
+    return np.array([np.interp(nm, own, curve, 0, 0) for curve in curves]) * widths(nm) * k
+
+
+D65 = np.interp(WAVELENGTHS, *built_in("d65"))
+LAMP_A = np.interp(WAVELENGTHS, *built_in("a"))
 RED = np.interp(WAVELENGTHS, *table(MATERIAL))  # np.interp holds the end values, as reflectances do
 
 
@@ -37,11 +57,14 @@ def per_band(spectrum):
     return np.asarray(spectrum)[:, None, None]
 
 
+def path_of(name):
+    return os.path.join(TMP, name)
+
+
 def write(name, text):
-    path = os.path.join(TMP, name)
-    with open(path, "w") as out:
+    with open(path_of(name), "w") as out:
         out.write(text)
-    return path
+    return path_of(name)
 
 
 def run(*words, program=os.path.abspath(SPECTRAL), text=True, **options):
@@ -52,10 +75,30 @@ def run(*words, program=os.path.abspath(SPECTRAL), text=True, **options):
                           env={**options.pop("env", os.environ), **variables}, **options)
 
 
+def output_of(*words, **options):
+    """Runs the program, which must succeed. Returns its output."""
+    result = run(*words, **options)
+    if result.returncode != 0:
+        bail_out(*words, result.stderr)
+    return result.stdout
+
+
+def reference(name, scene, *options):
+    """Renders a scene by the reference alone. Returns the path of the stack."""
+    output_of("render", scene, "--renderer", "raster", "--no-check", "--quiet", "-o", path_of(name), *options)
+    return path_of(name)
+
+
+def developed(stack, *options):
+    """The samples of the picture that develop makes [y, x, channel], and what it prints."""
+    said = output_of("develop", stack, "-o", path_of("developed.tif"), *options)
+    return np.moveaxis(pages_of(path_of("developed.tif")), 0, 2), said
+
+
 def render(scene, *words, stack="stack.tif", worst=0, **options):
     """Renders a scene, its name or its text, into a stack in TMP. Returns the report; the test ends if the status is above `worst`."""
     path = write("rendered.scene", scene) if "\n" in scene else scene
-    result = run("render", path, "-o", os.path.join(TMP, stack), "--json", "-", "--quiet", *words, **options)
+    result = run("render", path, "-o", path_of(stack), "--json", "-", "--quiet", *words, **options)
     if result.returncode > worst:
         bail_out(scene, words, result.stderr)
     return json.loads(result.stdout)
@@ -76,6 +119,29 @@ def pages_of(stack):
     return np.moveaxis(pages[0], -1, 0) if pages.ndim == 4 else pages
 
 
+def values_of(stack):
+    """The radiances of a stack of 16 bits [page, y, x]; those of another program are as they stand."""
+    with tifffile.TiffFile(stack) as tiff:
+        full_scale = re.search(r"full_scale: (\S+)", tiff.pages[0].description)
+    return pages_of(stack) * (float(full_scale.group(1)) / 65535 if full_scale else 1)
+
+
+def response_of(stack):
+    """The matrix that makes tristimulus values of components, and the white's, as a stack of components records them."""
+    with tifffile.TiffFile(stack) as tiff:
+        recorded = dict(re.findall("^(response|white_response): (.*)$", tiff.pages[0].description, re.MULTILINE))
+    return np.array(recorded["response"].split(), float).reshape(3, 3), np.array(recorded["white_response"].split(), float)
+
+
+def write_stack(name, pages, nm, photometric="minisblack", compression=None):
+    """Writes a stack without the program: pages that are named by their wavelengths."""
+    with tifffile.TiffWriter(path_of(name)) as out:
+        for page, wavelength in zip(pages, nm):
+            out.write(page, metadata=None, contiguous=False, photometric=photometric, compression=compression,
+                      extratags=[(285, "s", 0, f"{wavelength} nm", True)])
+    return path_of(name)
+
+
 def objects_of(stack):
     """The number of the object that each pixel shows, from the map after the last page; 0 is background."""
     with tifffile.TiffFile(stack) as tiff:
@@ -86,12 +152,9 @@ def objects_of(stack):
 
 def tristimulus(stack, *options):
     """XYZ of each pixel [channel, y, x], as develop makes them, and the white [channel, 1]."""
-    picture = os.path.join(TMP, "xyz.tif")
-    result = run("develop", stack, "--xyz", "-o", picture, *options)
-    white = re.search(r"^white +XYZ ([0-9. ]+),", result.stdout, re.MULTILINE)
-    if result.returncode != 0 or not white:
-        bail_out("cannot develop", stack)
-    return tifffile.imread(picture).astype(float), np.array(white.group(1).split(), float)[:, None]
+    xyz, said = developed(stack, "--xyz", *options)
+    white = re.search(r"^white +XYZ ([0-9. ]+),", said, re.MULTILINE)
+    return np.moveaxis(xyz, 2, 0), np.array(white.group(1).split(), float)[:, None]
 
 
 def colour_error_95(truth, seen):
@@ -110,7 +173,7 @@ class Picture:
 
     def __init__(self, name, renderer, scene, *options):
         path = write(name + ".scene", scene.replace("RED", os.path.relpath(MATERIAL, TMP)))
-        self.stack = os.path.join(TMP, f"{name}-{renderer}.tif")
+        self.stack = path_of(f"{name}-{renderer}.tif")
         self.report = render(path, "--renderer", renderer, *options, stack=f"{name}-{renderer}.tif")
         self.count = self.report["full_scale"] / 65535
         self.radiance = pages_of(self.stack) * self.count

@@ -6,16 +6,13 @@ light x reflectance, is computed once more with numpy, at every nm, from the tab
 a method must be exact, and for which not. Hard cases are right or refused. Prints TAP."""
 import glob
 import json
-import os
-import subprocess
 import sys
 
 import numpy as np
-import tifffile
 
 sys.dont_write_bytecode = True
 from colours import cielab, ciede2000
-from rendered import SPECTRAL, TMP, check, done, table, write
+from rendered import bail_out, built_in, check, developed, done, pages_of, path_of, run, table, weights, write
 
 FIRST, LAST = 380, 730  # of the scene patches
 NM = np.arange(FIRST, LAST + 1.0)
@@ -28,16 +25,8 @@ SMALL = "wavelengths 380 730 5\nsize 8 8\ncamera ortho 2\n"
 
 # ---- sums with numpy ----
 
-def weights(observer, nm):
-    """Equation 11 of the thesis; k from the observer's own table at 1 nm."""
-    own, *curves = table(f"data/builtin/tables/{observer}.csv", ",")
-    steps = np.diff(nm)
-    widths = (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
-    return 100 / curves[1].sum() * np.array([np.interp(nm, own, c, 0, 0) for c in curves]) * widths
-
-
 def light_of(name):
-    return np.interp(NM, *table(f"data/builtin/tables/{name}.csv", ","), 0, 0)
+    return np.interp(NM, *built_in(name), 0, 0)
 
 
 EYE, EYE_10, D65 = weights("cie1931", NM), weights("cie1964", NM), light_of("d65")
@@ -51,22 +40,11 @@ def lagrange(nodes, nm=NM):
 
 # ---- the program ----
 
-def run(*arguments):
-    return subprocess.run([SPECTRAL, *arguments], check=False, universal_newlines=True,
-                          stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-
-
-def picture(path):
-    """XYZ of a developed stack [y, x, channel]"""
-    samples = tifffile.imread(path).astype(float)
-    return samples if samples.shape[2] == 3 else np.moveaxis(samples, 0, 2)
-
-
 class Sampled:
     """A scene rendered by the reference under one sampling, into pages of floats."""
 
     def __init__(self, scene, sampling, *options):
-        self.path = os.path.join(TMP, "sampled.tif")
+        self.path = path_of("sampled.tif")
         self.result = run("render", scene, "--sampling", sampling, "--renderer", "raster", "--no-check",
                           "--quiet", "--threads", "1", "--depth", "32f", "--json", "-", "-o", self.path, *options)
         self.report = json.loads(self.result.stdout) if self.result.returncode == 0 else None
@@ -76,29 +54,25 @@ class Sampled:
         return self.result.returncode == 2 and self.result.stderr.count("\n") == 1
 
     def pages(self):
-        with tifffile.TiffFile(self.path) as tiff:
-            return len(tiff.pages)
+        return len(pages_of(self.path))
 
     def nodes(self):
         return np.array(self.report["wavelengths_nm"])
 
     def develop(self, *options):
-        image = os.path.join(TMP, "developed.tif")
+        image = path_of("developed.tif")
         return run("develop", self.path, "--xyz", "--quiet", "--threads", "1", "-o", image, *options), image
 
     def xyz(self, *options):
-        result, image = self.develop(*options)
-        if result.returncode != 0:
-            print("#", self.result.stderr, result.stderr)
-        return picture(image) if result.returncode == 0 else np.full((1, 1, 3), np.nan)
+        """XYZ of the developed stack [y, x, channel]"""
+        return developed(self.path, "--xyz", "--threads", "1", *options)[0]
 
 
 def chart(sampling, *options, detector="cie1931"):
     """XYZ of the 24 patches, [patch, channel], and the number of pages."""
     stack = Sampled("patches", sampling, "--size", "60x40", *options)
     if stack.report is None:
-        print("#", stack.result.stderr)
-        return np.full((24, 3), np.nan), 0
+        bail_out(stack.result.stderr)
     return stack.xyz("--detector", detector)[5::10, 5::10].reshape(-1, 3), stack.pages()
 
 
@@ -133,8 +107,7 @@ def check_riemann():
 
 def boxes(n):
     """[box, nm]: the cells of 1 nm in each box. Boxes have equal areas under the observer's functions; a box ends
-    with
-    the cell at which the total area reaches the box's share."""
+    with the cell at which the total area reaches the box's share."""
     area = np.cumsum(np.abs(EYE).sum(0))
     ends = np.append(0, np.searchsorted(area, area[-1] * np.arange(1, n + 1) / n * (1 - 1e-12)) + 1)
     number = np.arange(len(NM))
@@ -270,7 +243,7 @@ def check_other_detector():
     for n, method in (8, "gauss:8,open"), (12, "gauss:12"):
         stack = Sampled("patches", method, "--size", "60x40")
         nodes = stack.nodes()
-        at = np.array([np.interp(nodes, *table("data/builtin/tables/d65.csv", ","))
+        at = np.array([np.interp(nodes, *built_in("d65"))
                        * np.interp(nodes, *table(path))
                        for path in sorted(glob.glob("data/builtin/materials/colorchecker/*.txt"))])
         of = EYE_10 @ lagrange(nodes).T
@@ -370,7 +343,7 @@ def check_gl():
 def check_again():
     for method in METHODS:
         stack = Sampled("spheres", method, "--size", "30x20")
-        again = os.path.join(TMP, "again.tif")
+        again = path_of("again.tif")
         result = run("render", "--again", stack.path, "--quiet", "-o", again)
         check(result.returncode == 0 and open(again, "rb").read() == open(stack.path, "rb").read(),
               f"a stack by {method} is made again to the last byte", result.stderr)
@@ -405,7 +378,7 @@ def check_hard(name, scene, light, strips, *options, at=np.s_[:],
         if result.returncode == 2 and result.stderr.count("\n") == 1:
             refused.append(method)
             continue
-        seen = picture(image) if result.returncode == 0 else np.full((8, 8, 3), np.nan)
+        seen = np.moveaxis(pages_of(image), 0, 2) if result.returncode == 0 else np.full((8, 8, 3), np.nan)
         is_right = np.allclose(seen[4, [2, 6]], truth, 0, 1e-4 * scale)
         if not np.isfinite(seen).all() or (method in exact_by and not is_right):
             wrong.append((method, result.stderr, seen[4, [2, 6]], truth))

@@ -65,17 +65,9 @@ exits 0 "a foreign stack is adapted to a given white" "$SPECTRAL" develop "$tmp/
 "$SPECTRAL" render patches --size 9x9 --wavelengths 600:700:20 --light 1=uv -o "$tmp/dark.tif" --quiet
 refused "adaptation to a light beyond the wavelengths" 'records no white' develop "$tmp/dark.tif" \
     --adaptation cat16 -o "$tmp/none"
-exits 0 "develop prints a report" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif"
-prints '^detector +cie1931' "develop prints the detector"
-prints '^out of gamut +[0-9]+' "develop prints the number of pixels out of gamut"
-prints '^unseen +[0-9.]+ %' "develop prints the part of the sensitivity outside the wavelengths"
 exits 0 "develop accepts --quiet" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif" --quiet
 [ ! -s "$tmp/out" ] && [ ! -s "$tmp/err" ]
 ok $? "--quiet prints nothing"
-case $SPECTRAL in /*) program=$SPECTRAL ;; *) program=$PWD/$SPECTRAL ;; esac
-(cd "$tmp" && exec "$program" develop stack.tif --quiet)
-[ -s "$tmp/stack-developed.png" ]
-ok $? "without -o the picture is named after the stack"
 exits 3 "a full device is a failure of the system" "$SPECTRAL" develop "$stack" -o /dev/full
 one_line "a full device"
 cp "$tmp/seen.tif" "$tmp/kept.tif"
@@ -85,28 +77,11 @@ ok $? "the old picture keeps its bytes"
 "$SPECTRAL" develop "$stack" -o /dev/stdout 2>"$tmp/err" | cat >"$tmp/piped.tif"
 cmp -s "$tmp/seen.tif" "$tmp/piped.tif"
 ok $? "a picture goes through a pipe"
-cp "$stack" "$tmp/mine.tif"
-ln -s mine.tif "$tmp/link.tif"
-cp data/builtin/scenes/patches.scene "$tmp/mine.scene"
-sed -i "s,[.][.]/,$PWD/data/builtin/,g" "$tmp/mine.scene"
-cp "$tmp/mine.scene" "$tmp/kept.scene"
-cp "$tmp/mine.scene" "$tmp/mine.html" # any file may hold a scene
-while read -r words; do
-    # shellcheck disable=SC2086  # a list of words
-    refused "$words" 'would replace an input' $words
-done <<EOF
-develop $tmp/mine.tif -o $tmp/link.tif
-probe $tmp/mine.tif 0 0 -o $tmp/mine.tif
-compare $tmp/mine.tif $stack --map $tmp/link.tif
-compare $stack $tmp/mine.tif --map $tmp/mine.tif
-probe $tmp/mine.scene 0 0 --size 9x9 -o $tmp/mine.scene
-render $tmp/mine.scene --size 9x9 -o $tmp/mine.scene
-render $tmp/mine.scene --size 9x9 -o /dev/null --json $tmp/mine.scene
-view $tmp/mine.html --size 9x9 -o $tmp/mine.html
-EOF
-cmp -s "$stack" "$tmp/mine.tif" && cmp -s "$tmp/mine.scene" "$tmp/kept.scene" &&
-    cmp -s "$tmp/mine.html" "$tmp/kept.scene"
-ok $? "the inputs stay as they were"
+sed "s,[.][.]/,$PWD/data/builtin/,g" data/builtin/scenes/patches.scene >"$tmp/mine.html" # any file may hold a scene
+cp "$tmp/mine.html" "$tmp/kept.html"
+refused "a page in the place of its scene" 'would replace an input' view "$tmp/mine.html" --size 9x9 -o "$tmp/mine.html"
+cmp -s "$tmp/mine.html" "$tmp/kept.html"
+ok $? "the scene stays as it was"
 exits 0 "a table of three sensitivities is a detector" \
     "$SPECTRAL" develop "$stack" --detector data/builtin/tables/dcs200-camera.csv -o "$tmp/camera.tif"
 "$SPECTRAL" develop "$stack" --detector dcs200-camera -o "$tmp/built-in.tif" --quiet
@@ -125,21 +100,12 @@ refused "a stack has its own size" 'size' probe "$stack" 0 0 --size 9x9 -o "$tmp
 refused "probe of an unknown scene" 'no-such' probe no-such 0 0 -o "$tmp/none"
 refused "probe of half a stack" 'cut.tif' probe "$tmp/cut.tif" 0 0 -o "$tmp/none"
 exits 0 "probe prints a spectrum" "$SPECTRAL" probe "$stack" 5 5
-prints '^ *400 ' "probe prints a line for each wavelength"
 prints 'W sr-1 m-2 nm-1' "probe prints the unit of radiance"
-prints '01-dark-skin' "probe prints the object"
-prints '^XYZ ' "probe prints the colour"
 exits 0 "probe prints the spectrum of a region" "$SPECTRAL" probe "$stack" 2 2 4 4 --csv
 prints '^"wavelength \(nm\)","radiance' "probe prints a table"
 exits 0 "probe writes a plot" "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o "$tmp/plot.svg"
-"$python" -c 'import sys, xml.etree.ElementTree as e; sys.exit(0 if e.parse(sys.argv[1]).getroot().tag.endswith("svg") else 1)' \
-    "$tmp/plot.svg"
-ok $? "the plot is well-formed"
 "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o - | cmp -s - "$tmp/plot.svg"
 ok $? "-o - writes the plot to standard output"
-exits 0 "probe prints the spectrum of a scene" "$SPECTRAL" probe patches 5 5 --size 60x40
-prints 'light 1 \(d65\)' "probe of a scene prints its light"
-prints 'reflectance' "probe of a scene prints its reflectance"
 exits 0 "probe prints the spectrum of a foreign stack" "$SPECTRAL" probe "$tmp/foreign.ome.tif" 5 5
 "$SPECTRAL" probe "$stack" 5 5 >/dev/full 2>"$tmp/err"
 [ $? = 3 ]
@@ -154,23 +120,13 @@ exits 0 "they are equal within a tolerance" "$SPECTRAL" compare "$stack" "$tmp/a
 exits 1 "they differ beyond a smaller tolerance" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 0.1dE00
 exits 1 "the map is written although they differ" \
     "$SPECTRAL" compare "$stack" "$tmp/a.tif" --map "$tmp/map.tif" --quiet
-"$python" -c 'import sys, tifffile; sys.exit(int(tifffile.imread(sys.argv[1]).shape != (3, 40, 60)))' "$tmp/map.tif"
-ok $? "the map has three pages"
 "$SPECTRAL" compare "$stack" "$tmp/a.tif" --map /dev/stdout 2>"$tmp/err" | cat >"$tmp/piped.tif"
 cmp -s "$tmp/map.tif" "$tmp/piped.tif"
 ok $? "the map goes through a pipe"
 says '^CIEDE2000 ' "the table then goes to standard error"
 exits 1 "stacks are compared under a nearly black white" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --white 1e-290
 prints '^CIEDE2000 +[0-9]' "a nearly black white gives finite differences"
-for bad in 1.5abc -1 5dE77 nan %; do
-    refused "compare --tolerance=$bad" '--tolerance' compare "$stack" "$stack" "--tolerance=$bad"
-done
 refused "compare of one stack" 'two stacks' compare "$stack"
-"$SPECTRAL" render patches --size 61x40 --wavelengths 400:700:20 -o "$tmp/wide.tif" --quiet
-"$SPECTRAL" render patches --size 60x40 --wavelengths 400:700:30 -o "$tmp/coarse.tif" --quiet
-refused "compare of two sizes" '61 ?x ?40' compare "$stack" "$tmp/wide.tif" --map "$tmp/none"
-refused "compare of two sets of wavelengths" 'wavelengths' compare "$stack" "$tmp/coarse.tif" --map "$tmp/none"
-refused "compare with half a stack" 'cut.tif' compare "$stack" "$tmp/cut.tif" --map "$tmp/none"
 
 # ---- view ----
 

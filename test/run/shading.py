@@ -5,23 +5,22 @@
 rounding of OpenGL's colour buffers and of pages. Prints TAP."""
 import json
 import os
-import subprocess
 import sys
 
 import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done, write
-from tap import bail_out
+import rendered
+from rendered import check, done, output_of, path_of, refuses, write
 
 SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
+NINE_LIGHTS = "".join(f"light 1 0.1 position {x} 3 8\n" for x in range(-4, 5))
 ONE = "wavelengths 500 500 1\nmaterial matt { diffuse 1 }\nmaterial shiny { specular 1 gloss 40 }\n"
 
 
 def run(scene, *options, **environment):
-    return subprocess.run([SPECTRAL, "render", scene, "--quiet", *options], check=False, stdout=subprocess.PIPE,
-                          stderr=subprocess.PIPE, universal_newlines=True, env={**os.environ, **environment})
+    return rendered.run("render", scene, "--quiet", *options, env={**os.environ, **environment})
 
 
 class Picture:
@@ -29,11 +28,8 @@ class Picture:
 
     def __init__(self, scene, *options):
         path = write("shading.scene", scene) if "\n" in scene else scene
-        stack = os.path.join(TMP, "stack.tif")
-        result = run(path, "-o", stack, "--json", "-", *options)
-        if result.returncode != 0:
-            bail_out(path, options, result.stderr)
-        self.report = json.loads(result.stdout)
+        stack = path_of("stack.tif")
+        self.report = json.loads(output_of("render", path, "--quiet", "-o", stack, "--json", "-", *options))
         self.full_scale = self.report["full_scale"]
         with tifffile.TiffFile(stack) as tiff:
             n_pages = len(self.report["wavelengths_nm"])
@@ -148,7 +144,7 @@ def ellipsoids():
 
 def planes():
     """All shadings are equal if nothing changes between vertices, also on both sides of a leaf and with textures."""
-    tifffile.imwrite(os.path.join(TMP, "grey.tif"), np.arange(64, dtype=np.uint8).reshape(8, 8) * 4)
+    tifffile.imwrite(path_of("grey.tif"), np.arange(64, dtype=np.uint8).reshape(8, 8) * 4)
     head = ("size 60 60\ncamera perspective 40 near 1 far 20 eye 1 2 5 look 0 0 0\nambient 1 0.1\n"
             "light 1 1 direction 0.4 0.2 1\nlight 1 0.5 direction 0.4 0.2 -1\n" + ONE +
             "material drawn { diffuse 0.8 texture grey.tif linear }\n")
@@ -188,9 +184,7 @@ def full_scale():
         check(abs(above / radiance - 1) < 1e-5, f"a light too near for OpenGL lights the surface: {light}", above)
     touching = write("touching.scene", scene + "light 1 1 position 0.1 0.1 0 attenuation 0 0 1\n")
     phong = ("--shading", "phong", "--renderer", "raster", "-o", "/dev/null")
-    refused = run(touching, *phong)
-    check(refused.returncode == 2 and "touching.scene:7" in refused.stderr and "--full-scale" in refused.stderr,
-          "a light without limit on a surface is refused, and the message names its place", refused.stderr)
+    refuses("a light without limit on a surface", "touching.scene:7.*--full-scale", "render", touching, *phong)
     check(run(touching, *phong, "--full-scale", "100").returncode == 0,
           "a light without limit on a surface is accepted with --full-scale")
     for name in SCENES:
@@ -198,11 +192,8 @@ def full_scale():
         check(picture.report["clipped_samples"] == 0 and picture.report["check"] is picture.report["buffer_bits"] is None and
               picture.samples.max() > 0,
               f"phong of {name}: no sample is above full scale, and none is checked", picture.report["clipped_samples"])
-    stack = os.path.join(TMP, "stack.tif")
-    table = subprocess.run([SPECTRAL, "render", "patches", *phong[:4], "-o", stack], check=True,
-                           stdout=subprocess.PIPE, universal_newlines=True).stdout
-    info = subprocess.run([SPECTRAL, "info", stack], check=True, stdout=subprocess.PIPE,
-                          universal_newlines=True).stdout
+    stack = path_of("stack.tif")
+    table, info = output_of("render", "patches", *phong[:4], "-o", stack), output_of("info", stack)
     check("not checked: OpenGL has no phong shading" in table and "not checked: OpenGL has no phong" in info,
           "the table and the stack say that nothing was checked, and why", table, info)
 
@@ -231,8 +222,7 @@ def tessellation():
 
 def buffers():
     steps = {"8": 255, "16": 65535}
-    lights = "".join(f"light 1 0.1 position {x} 3 8\n" for x in range(-4, 5))
-    groups = "size 60 40\ncamera ortho 3\n" + lights + ONE + "object sphere 1 30 30 material matt\n"
+    groups = "size 60 40\ncamera ortho 3\n" + NINE_LIGHTS + ONE + "object sphere 1 30 30 material matt\n"
     even = "size 60 40\ncamera ortho 3\nlight 1 0.7 direction 0 0 1\n" + ONE + "object plane 8 8 material matt\n"
     for driver in ("llvmpipe", "softpipe"):
         for bits in steps:
@@ -270,8 +260,7 @@ def faults():
 
 def clipping():
     scene = "size 60 40\ncamera ortho 3\nlight 1 1 direction 0 0 1\n" + ONE + "object sphere 1 30 30 material matt\n"
-    lights = "".join(f"light 1 0.1 position {x} 3 8\n" for x in range(-4, 5))
-    for name, text in (("one pass", scene), ("two passes", scene.replace("light 1 1 direction 0 0 1\n", lights))):
+    for name, text in (("one pass", scene), ("two passes", scene.replace("light 1 1 direction 0 0 1\n", NINE_LIGHTS))):
         for bits in ("8", "16"):
             dark = Picture(text, "--buffer", bits, "--full-scale", "0.3", "--unchecked", "1")
             expected = reference(text, "smooth").samples > 0.3

@@ -5,38 +5,19 @@
 that numpy computes from the file, for stacks of this program and for a cube that GDAL wrote. Prints TAP."""
 import json
 import os
-import subprocess
 import sys
-import time
 
 import numpy as np
-import tifffile
 from osgeo import gdal
 
 sys.dont_write_bytecode = True
 from browser import Browser, Firefox
-from rendered import SPECTRAL, TMP, check, done
-from tap import bail_out
+from colours import srgb
+from rendered import SPECTRAL, check, developed, done, output_of, path_of, reference, refuses, run, values_of
 
 gdal.UseExceptions()
 PROGRAM = os.path.abspath(SPECTRAL)
 LIVE = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
-
-
-def run(*words, status=0, program=PROGRAM):
-    result = subprocess.run([program, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
-    if result.returncode != status:
-        bail_out(words, result.stderr)
-    return result.stdout + result.stderr
-
-
-def path_of(name):
-    return os.path.join(TMP, name)
-
-
-def rendered(name, scene, *options):
-    run("render", scene, "--renderer", "raster", "--no-check", "--quiet", "-o", path_of(name), *options)
-    return path_of(name)
 
 
 def foreign(name="cube", first=400, last=1000, n=200):
@@ -56,53 +37,15 @@ kind = [PROGRAM]  # the program whose pages are tested: only live pages can open
 
 
 def view(stack, *options):
-    run("view", stack, "-o", path_of("stack.html"), "--quiet", *options, program=kind[0])
+    output_of("view", stack, "-o", path_of("stack.html"), "--quiet", *options, program=kind[0])
     return path_of("stack.html")
 
 
 # ---- the page ----
 
-def choose(browser, menu, value):
-    browser.evaluate(f"""(() => {{
-        const menu = document.getElementById({menu!r});
-        menu.value = [...menu.options].find(option => option.text === {value!r} || option.value === {value!r}).value;
-        menu.dispatchEvent(new Event("input", {{bubbles: true}}));
-    }})()""")
-
-
-def slide(browser, slider, value):
-    browser.evaluate(f"(() => {{ const one = document.getElementById({slider!r}); one.value = {value};"
-                     "one.dispatchEvent(new Event('input', {bubbles: true})); })()")
-
-
-def pixels(browser):
-    width, height, *values = browser.evaluate("""(() => {
-        const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
-        copy.drawImage(canvas, 0, 0);
-        return [canvas.width, canvas.height, ...copy.getImageData(0, 0, canvas.width, canvas.height).data];
-    })()""")
-    return np.array(values, np.uint8).reshape(height, width, 4)[:, :, :3]
-
-
-def at(browser, x, y):
-    """The place of a point of the picture in the window."""
-    browser.evaluate("canvas.scrollIntoView({block: 'center'})")
-    left, top, length = browser.evaluate(
-        "(() => { const b = canvas.getBoundingClientRect(); return [b.left, b.top, b.width / shape.width]; })()")
-    return left + x * length, top + y * length
-
-
-def tool(browser, name):
-    browser.evaluate(f"document.querySelector('#pointing [value={name}]').click()")
-
-
-def srgb(linear):
-    linear = np.clip(linear, 0, 1)
-    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055) * 255
-
-
-def near(seen, expected, most=1):
-    return seen.shape == expected.shape and np.abs(seen.astype(float) - expected).max() <= most
+def near(seen, expected):
+    seen = seen[:, :, :3]
+    return seen.shape == expected.shape and np.abs(seen.astype(float) - expected).max() <= 1
 
 
 # ---- own stacks ----
@@ -111,50 +54,36 @@ EYES = ((), ("--adaptation=cat16", "--detector=cie2006-2"), ("--adaptation=fairc
         ("--detector=dcs200-camera", "--display=monitor"), ("--exposure=auto", "--display=monitor"))
 
 
-def developed(stack, *options):
-    run("develop", stack, "-o", path_of("developed.tif"), *options)
-    picture = tifffile.imread(path_of("developed.tif"))
-    return np.moveaxis(picture, 0, 2) if picture.shape[0] == 3 else picture
-
-
 def eyes(browser, which, name, stack):
     browser.open(view(stack))
     for options in EYES:
-        chosen = dict(option.lstrip("-").split("=") for option in options)
-        for menu, default in (("detector", "cie1931"), ("adaptation", "none"), ("display", "srgb")):
-            choose(browser, menu, chosen.get(menu, default))
-        browser.evaluate(f"(() => {{ element('auto').checked = {str(chosen.get('exposure') == 'auto').lower()};"
-                         f"element('exposure').value = {chosen['exposure'] if chosen.get('exposure', 'auto') != 'auto' else 1};"
-                         "redraw_stack(); })()")
-        seen, expected = pixels(browser), developed(stack, *options)
+        browser.see_by(options)
+        seen, (expected, _) = browser.pixels()[:, :, :3], developed(stack, *options)
         check(near(seen, expected) and np.ptp(seen) > 100, f"{which}, {name}, {' '.join(options) or 'as it is'}: within 1 of develop",
               np.abs(seen.astype(int) - expected).max())
 
 
 def spectra(browser, which, stack):
     browser.open(view(stack))
-    with tifffile.TiffFile(stack) as tiff:
-        scale = float(tiff.pages[0].description.split("full_scale: ")[1].split()[0]) if "full_scale" in tiff.pages[0].description else 1
-        n = browser.evaluate("stack.facts.bands")
-        values = np.array([page.asarray() for page in tiff.pages[:n]]) * (scale / 65535)
-    browser.click(*at(browser, 20.5, 10.5))
+    values = values_of(stack)
+    browser.click(*browser.at(20.5, 10.5))
     seen = np.array(browser.evaluate("[...stack_curves()[0].values]"))
     check(np.allclose(seen, values[:, 10, 20], rtol=1e-12, atol=0), f"{which}: a click shows the spectrum of the file",
           np.abs(seen - values[:, 10, 20]).max())
-    check(browser.evaluate("document.getElementById('picked').textContent").startswith("Pixel 20, 10: "), f"{which}: and its object")
-    browser.evaluate("document.getElementById('keep').click()")
-    browser.click(*at(browser, 40.5, 30.5))
-    browser.evaluate("document.getElementById('keep').click()")
+    check(browser.text("picked").startswith("Pixel 20, 10: "), f"{which}: and its object")
+    browser.press("keep")
+    browser.click(*browser.at(40.5, 30.5))
+    browser.press("keep")
     check(browser.evaluate("kept_spectra.length") == 2 and len(browser.evaluate("stack_curves().map(({name}) => name)")) >= 3,
           f"{which}: several spectra are kept side by side")
-    choose(browser, "stack-view", "angle")
+    browser.choose("stack-view", "angle")
     kept = values[:, 10, 20]
     length = np.linalg.norm(values, axis=0) * np.linalg.norm(kept)
     angle = np.arccos(np.clip(np.tensordot(kept, values, (0, 0)) / np.where(length > 0, length, 1), -1, 1))
     shown = np.array(browser.evaluate("[...map.values]")).reshape(angle.shape)
     check(np.allclose(shown[length > 0], angle[length > 0], atol=2e-7), f"{which}: the map of spectral angles is numpy's",
           np.abs(shown - angle)[length > 0].max())
-    choose(browser, "stack-view", "difference")
+    browser.choose("stack-view", "difference")
     difference = np.array(browser.evaluate("[...map.values]")).reshape(angle.shape)
     check(difference[10, 20] < 1e-9 and difference.max() > 10, f"{which}: the map of CIEDE2000 is 0 where the spectrum was kept",
           difference[10, 20])
@@ -178,35 +107,35 @@ def differences(browser, which):
 
 def cube(browser, which, stack, values):
     browser.open(view(stack))
-    choose(browser, "stack-view", "band")
+    browser.choose("stack-view", "band")
     for band in (0, 57, 199):
-        slide(browser, "band", band)
-        expected = srgb(values[band] / values.max())[:, :, None].repeat(3, 2)
-        check(near(pixels(browser), expected), f"{which}: the slider shows band {band}, {browser.evaluate('element(`band-nm`).textContent')}",
-              np.abs(pixels(browser) - expected).max())
-    choose(browser, "stack-view", "bands")
+        browser.put("band", band)
+        expected = 255 * srgb(values[band] / values.max())[:, :, None].repeat(3, 2)
+        check(near(browser.pixels(), expected), f"{which}: the slider shows band {band}, {browser.text('band-nm')}",
+              np.abs(browser.pixels()[:, :, :3] - expected).max())
+    browser.choose("stack-view", "bands")
     for name, band in (("red", 150), ("green", 80), ("blue", 20)):
-        choose(browser, "band-" + name, str(band))
-    expected = srgb(np.moveaxis(values[[150, 80, 20]], 0, 2) / values.max())
-    check(near(pixels(browser), expected), f"{which}: three bands are shown as red, green and blue")
-    tool(browser, "rectangle")
-    browser.drag([at(browser, 10.5, 5.5), at(browser, 20, 15), at(browser, 30.5, 24.5)])
+        browser.choose("band-" + name, str(band))
+    expected = 255 * srgb(np.moveaxis(values[[150, 80, 20]], 0, 2) / values.max())
+    check(near(browser.pixels(), expected), f"{which}: three bands are shown as red, green and blue")
+    browser.tool("rectangle")
+    browser.drag([browser.at(10.5, 5.5), browser.at(20, 15), browser.at(30.5, 24.5)])
     region = values[:, 5:25, 10:31].astype(float).reshape(len(values), -1)
     statistics = browser.evaluate("[[...region.statistics.mean], [...region.statistics.spread], region.n]")
     check(statistics[2] == region.shape[1] and np.allclose(statistics[0], region.mean(1), rtol=1e-9) and
           np.allclose(statistics[1], region.std(1), rtol=1e-6, atol=1e-9), f"{which}: mean and spread of a rectangle are numpy's",
           statistics[2], region.shape[1])
     for field, value in zip("xywh", (3, 4, 5, 6)):
-        browser.evaluate(f"(() => {{ const one = element('region-{field}'); one.value = {value}; one.dispatchEvent(new Event('change')); }})()")
+        browser.put("region-" + field, value)
     mean = browser.evaluate("[...region.statistics.mean]")
     check(np.allclose(mean, values[:, 4:10, 3:8].astype(float).reshape(len(values), -1).mean(1), rtol=1e-9),
           f"{which}: a rectangle in numbers")
-    tool(browser, "polygon")
+    browser.tool("polygon")
     corners = [(5, 5), (50, 8), (40, 35), (12, 30)]
     for corner in corners:
-        browser.click(*at(browser, *corner))
+        browser.click(*browser.at(*corner))
     placed = np.array(browser.evaluate("drawn_region"))
-    browser.evaluate("document.getElementById('end-polygon').click()")
+    browser.press("end-polygon")
     y, x = np.mgrid[0:values.shape[1], 0:values.shape[2]] + 0.5
     inside = np.zeros(x.shape, bool)
     for (x1, y1), (x2, y2) in zip(placed, np.roll(placed, -1, 0)):
@@ -221,11 +150,11 @@ def unseen(browser, which):
     """A cube in the infrared, which no built-in detector sees."""
     stack, values = foreign("infrared", 1000, 2500, 20)
     browser.open(view(stack))
-    choose(browser, "stack-view", "band")
-    slide(browser, "band", 3)
-    expected = srgb(values[3] / values.max())[:, :, None].repeat(3, 2)
-    check(near(pixels(browser), expected), f"{which}: bands that nobody sees are shown", browser.evaluate("element('message').textContent"))
-    browser.click(*at(browser, 20.5, 10.5))
+    browser.choose("stack-view", "band")
+    browser.put("band", 3)
+    expected = 255 * srgb(values[3] / values.max())[:, :, None].repeat(3, 2)
+    check(near(browser.pixels(), expected), f"{which}: bands that nobody sees are shown", browser.text("message"))
+    browser.click(*browser.at(20.5, 10.5))
     check(np.allclose(browser.evaluate("[...stack_curves()[0].values]"), values[:, 10, 20]), f"{which}: and their spectra")
 
 
@@ -233,9 +162,9 @@ def budgets(browser, which, stack, values):
     page = view(stack, "--budget", "1")
     browser.open(page)
     factor, width = browser.evaluate("[stack.facts.factor, stack.facts.width]")
-    said = [run("view", stack, "-o", page, "--budget", "1", program=program) for program in (LIVE, PROGRAM)]
+    said = [output_of("view", stack, "-o", page, "--budget", "1", program=program) for program in (LIVE, PROGRAM)]
     check(factor > 1 and all(f"means of {factor} x {factor} pixels" in one for one in said) and ["drop" in one for one in said] ==
-          [True, False] and "drop" in browser.evaluate("element('about').textContent"),
+          [True, False] and "drop" in browser.text("about"),
           f"{which}: a large stack is reduced, and lines say so", factor, said)
     blocks = values[:, :values.shape[1] // factor * factor, :values.shape[2] // factor * factor].astype(float)
     blocks = blocks.reshape(len(values), -1, factor, blocks.shape[2] // factor, factor).mean((2, 4))
@@ -253,26 +182,21 @@ def two(browser, which, one, other):
     browser.evaluate("element('opens-beside').checked = true")
     browser.drop(other)
     browser.wait("beside !== null")
-    values = []
-    for stack in (one, other):
-        with tifffile.TiffFile(stack) as tiff:
-            scale = float(tiff.pages[0].description.split("full_scale: ")[1].split()[0])
-            values.append(np.array([page.asarray() for page in tiff.pages[:browser.evaluate("stack.facts.bands")]]) * (scale / 65535))
-    browser.click(*at(browser, 20.5, 10.5))
+    values = [values_of(stack) for stack in (one, other)]
+    browser.click(*browser.at(20.5, 10.5))
     curves = browser.evaluate("stack_curves().map(({values}) => [...values])")
     check(np.allclose(curves[0], values[0][:, 10, 20], rtol=1e-12) and np.allclose(curves[1], values[1][:, 10, 20], rtol=1e-12) and
           browser.evaluate("element('cross-2').style.left === element('cross').style.left"), f"{which}: two stacks have one cursor",
           browser.evaluate("[element('picked').textContent, stack_curves().map(({name}) => name)]"))
-    choose(browser, "stack-view", "beside-radiance")
+    browser.choose("stack-view", "beside-radiance")
     seen = np.array(browser.evaluate("[...map.values]")).reshape(values[0].shape[1:])
     check(np.allclose(seen, np.abs(values[0] - values[1]).max(0), rtol=1e-9, atol=1e-12), f"{which}: their difference is numpy's")
-    choose(browser, "stack-view", "beside-colour")
-    said = subprocess.run([PROGRAM, "compare", one, other], stdout=subprocess.PIPE, text=True, check=False).stdout
-    line = next(line for line in said.splitlines() if line.startswith("CIEDE2000"))
+    browser.choose("stack-view", "beside-colour")
+    line = next(line for line in run("compare", one, other).stdout.splitlines() if line.startswith("CIEDE2000"))
     expected = [float(line.split()[1]), float(line.split("percentile), ")[1].split()[0])]
     seen = browser.evaluate("[map.values.reduce((sum, one) => sum + one, 0) / map.values.length, map.largest]")
     check(np.allclose(seen, expected, rtol=1e-4), f"{which}: mean and largest CIEDE2000 are those of compare", seen, expected)
-    browser.evaluate("document.getElementById('close-beside').click()")
+    browser.press("close-beside")
     check(browser.evaluate("beside === null && element('frame-2').hidden"), f"{which}: the second stack is closed")
 
 
@@ -280,7 +204,7 @@ def alone(browser, which, header):
     """A page of the usual program has no other program in it: it offers nothing that needs one."""
     browser.open(view(header, "--budget", "1"))
     hidden = browser.evaluate("[...document.querySelectorAll('#second-stack, #open, #module')].filter(one => !one.hidden).length")
-    about = browser.evaluate("element('about').textContent")
+    about = browser.text("about")
     check(hidden == 0 and "means of" in about and "drop" not in about, f"{which}: a page without the program offers no other stack", about)
     policy = browser.evaluate("document.querySelector('meta[http-equiv]').content")
     check("wasm" not in policy and "worker" not in policy and policy.endswith("base-uri 'none'; form-action 'none'"),
@@ -289,22 +213,21 @@ def alone(browser, which, header):
 
 def refusals():
     stack = path_of("own.tif")
-    check("--size" in run("view", stack, "--size", "10x10", status=2), "--size is refused for a stack")
-    check("develop" in run("view", stack, "-o", path_of("x.png"), status=2), "a picture of a stack is develop's")
-    check("--budget" in run("view", stack, "--budget", "nothing", status=2), "a budget is a number")
-    check("is a scene" in run("view", "spheres", "--budget", "9", status=2), "a budget is refused for a scene")
-    check("is a stack" in run("view", stack, "--still", status=2), "--still is refused for a stack")
-    facts = json.loads(run("view", stack, "-o", path_of("x.html"), "--quiet", "--json", "-"))
+    for words, part in (((stack, "--size", "10x10"), "--size"), ((stack, "-o", path_of("x.png")), "develop"),
+                        ((stack, "--budget", "nothing"), "--budget"), (("spheres", "--budget", "9"), "is a scene"),
+                        ((stack, "--still"), "is a stack")):
+        refuses(f"view {' '.join(words)}", part, "view", *words)
+    facts = json.loads(output_of("view", stack, "-o", path_of("x.html"), "--quiet", "--json", "-"))
     check(facts["width"] == 60 and facts["bands"] == 93 and facts["factor"] == 1 and
           facts["bytes"] == os.path.getsize(path_of("x.html")), "--json has the figures of a page of a stack", facts)
     check(not os.path.exists(path_of("x.png")), "and nothing is written")
 
 
 def main():
-    own = rendered("own.tif", "fluorescence", "--size", "60x40")
-    deep = rendered("deep.tif", "metamers", "--size", "60x40", "--depth", "32f")
-    gauss = rendered("gauss.tif", "colorchecker", "--size", "60x40", "--sampling", "gauss:8")
-    other = rendered("other.tif", "fluorescence", "--size", "60x40", "--light", "1=a*0.9")
+    own = reference("own.tif", "fluorescence", "--size", "60x40")
+    deep = reference("deep.tif", "metamers", "--size", "60x40", "--depth", "32f")
+    gauss = reference("gauss.tif", "colorchecker", "--size", "60x40", "--sampling", "gauss:8")
+    other = reference("other.tif", "fluorescence", "--size", "60x40", "--light", "1=a*0.9")
     stack, values = foreign()
     for which, opened in (("Chromium", Browser), ("Firefox", Firefox)):
         browser = opened(path_of(which))

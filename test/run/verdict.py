@@ -17,7 +17,7 @@ import tifffile
 from PIL import Image
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, TMP, check, done
+from rendered import SPECTRAL, check, done, output_of, path_of, refuses, run, write
 
 FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 ENDLESS, HOLLOW, WHOLE = (os.path.join(os.path.dirname(FAULTS), f"spectral-{name}")
@@ -33,7 +33,7 @@ class Render:
     """A run: its exit status, messages, table and JSON report, and if it was asked for, the map by page names."""
 
     def __init__(self, scene, *options, driver="llvmpipe", fault=0, program=SPECTRAL, mapped=False, **environment):
-        self.map_path, self.json_path = os.path.join(TMP, "map.tif"), os.path.join(TMP, "report.json")
+        self.map_path, self.json_path = path_of("map.tif"), path_of("report.json")
         for path in self.map_path, self.json_path:
             if os.path.exists(path):
                 os.remove(path)
@@ -43,8 +43,7 @@ class Render:
         environment = {**os.environ, "GALLIUM_DRIVER": driver, **environment}
         if fault:
             environment |= {"FAULT": str(fault), "LD_PRELOAD": FAULTS}
-        done_run = subprocess.run([program, "render", scene, *options], env=environment, capture_output=True,
-                                  text=True, check=False)
+        done_run = run("render", scene, *options, program=program, env=environment)
         self.status, self.table, self.says = done_run.returncode, done_run.stdout, done_run.stderr
         self.report = json.load(open(self.json_path)) if os.path.exists(self.json_path) else None
         self.map = read_map(self.map_path) if mapped and os.path.exists(self.map_path) else None
@@ -99,7 +98,7 @@ def check_backs():
         plain, hollow = Render(scene, driver=driver), Render(scene, driver=driver, program=HOLLOW)
         check(plain.status == 0 and hollow.status == 1 and hollow.verdict == "differs",
               f"{driver}: fault 84: backs that OpenGL should have drawn are missed", plain, hollow)
-    stack = os.path.join(TMP, "backs.tif")
+    stack = path_of("backs.tif")
     for scene in "colorchecker", "metals", "pasture", "room", "spheres", "textures", f"{CASES}coarse-depth.scene":
         small = SMALL if os.sep not in scene else ()
         runs = [(Render(scene, *small, "-o", stack, program=program), open(stack, "rb").read())
@@ -118,26 +117,24 @@ def check_words():
     check(strict.status == 0 and strict.verdict == "agreed", "a strict check agrees where all is checked", strict)
     scene = "test/cases/hard/scale-needle.scene"
     for options, verdict in ((), "not verified"), (("--unchecked", "0.2"), "agreed"), (("--strict",), "not verified"):
-        run = Render(scene, *options)
-        check(run.verdict == verdict and run.status == (verdict != "agreed"),
-              f"12 % unchecked are {verdict} with {' '.join(options) or 'no option'}", run)
-    stack = os.path.join(TMP, "words.tif")
+        seen = Render(scene, *options)
+        check(seen.verdict == verdict and seen.status == (verdict != "agreed"),
+              f"12 % unchecked are {verdict} with {' '.join(options) or 'no option'}", seen)
+    stack = path_of("words.tif")
     unchecked = Render("patches", "--size", "60x40", "--no-check", "-o", stack)
-    info = subprocess.run([SPECTRAL, "info", stack], capture_output=True, text=True, check=True).stdout
+    info = output_of("info", stack)
     check(unchecked.verdict == "not checked" and "\nverdict           not checked\n" in unchecked.table and
           "not checked" in info and unchecked.report["check"] is None,
           "without a check, table, JSON and stack say not checked", unchecked, info)
-    for option in ("--strict",), ("--unchecked", "0.5"), ("--check-map", os.path.join(TMP, "x.tif")):
-        refused = Render("patches", "--no-check", *option)
-        check(refused.status == 2 and option[0] in refused.says, f"{option[0]} is refused beside --no-check", refused)
-    same = subprocess.run([SPECTRAL, "render", "patches", "-o", "x.tif", "--check-map", "x.tif"], capture_output=True,
-                          text=True, check=False)
-    check(same.returncode == 2 and "name the same file" in same.stderr and not os.path.exists("x.tif"),
-          "a map in the place of the stack is refused", same)
+    drawn = "render", "patches", "-o", "/dev/null"
+    for option in ("--strict",), ("--unchecked", "0.5"), ("--check-map", path_of("x.tif")):
+        refuses(f"{option[0]} beside --no-check", option[0], *drawn, "--no-check", *option)
     for share in "-0.1", "1.1", "1%", "nan", "":
-        refused = Render("patches", "--unchecked", share)
-        check(refused.status == 2 and "--unchecked" in refused.says, f"--unchecked '{share}' is refused", refused)
-    empty = Render(os.path.join(TMP, "empty.scene"))
+        refuses(f"--unchecked '{share}'", "--unchecked", *drawn, "--unchecked", share)
+    refuses("a map in the place of the stack", "name the same file", "render", "patches", "-o", "x.tif", "--check-map", "x.tif",
+            absent="x.tif")
+    refuses("a map that cannot be written", "/nowhere/map.tif", *drawn, "--check-map", "/nowhere/map.tif")
+    empty = Render(path_of("empty.scene"))
     check(empty.status == 0 and empty.verdict == "agreed" and "floor             none\n" in empty.table and
           "worst error/bound none (one band none, depth none)\n" in empty.table and
           empty.report["check"]["floor_median_counts"] is None,
@@ -158,16 +155,15 @@ def write_ramp(n=60):
     """A slope of n x n squares of two triangles, each 4 x 4 pixels. The normals make the light grow evenly from left to right,
     so that roundings of positions may change each sample by the same small number of counts, up or down."""
     cosines = [0.2 + 0.7 * x / n for x in range(n + 1)]
-    with open(os.path.join(TMP, "ramp.obj"), "w") as out:
-        out.writelines(f"vn {math.sqrt(1 - c * c)!r} 0 {c!r}\n" for c in cosines)
-        out.writelines(f"v {x} {y} 0\n" for y in range(n + 1) for x in range(n + 1))
-        for y in range(n):
-            for x in range(n):
-                corners = ((x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1))
-                out.write("f " + " ".join(f"{b * (n + 1) + a + 1}//{a + 1}" for a, b in corners) + "\n")
-    with open(os.path.join(TMP, "ramp.scene"), "w") as out:
-        out.write(f"material m {{ diffuse 1 }}\nobject mesh ramp.obj material m translate {-n / 2} {-n / 2} 0\n"
-                  f"light e 1 direction 0 0 1\ncamera ortho {n}\nsize {4 * n} {4 * n}\nwavelengths 400 700 100\n")
+    lines = [f"vn {math.sqrt(1 - c * c)!r} 0 {c!r}" for c in cosines]
+    lines += [f"v {x} {y} 0" for y in range(n + 1) for x in range(n + 1)]
+    for y in range(n):
+        for x in range(n):
+            corners = ((x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1))
+            lines.append("f " + " ".join(f"{b * (n + 1) + a + 1}//{a + 1}" for a, b in corners))
+    write("ramp.obj", "\n".join(lines) + "\n")
+    write("ramp.scene", f"material m {{ diffuse 1 }}\nobject mesh ramp.obj material m translate {-n / 2} {-n / 2} 0\n"
+          f"light e 1 direction 0 0 1\ncamera ortho {n}\nsize {4 * n} {4 * n}\nwavelengths 400 700 100\n")
 
 
 def spots(render, wanted, seed, n=10):
@@ -182,10 +178,10 @@ def spots(render, wanted, seed, n=10):
 def found_at(scene, options, driver, fault, counts, pixels):
     found = 0
     for x, y in pixels:
-        run = Render(scene, *options, driver=driver, fault=fault, FAULT_PIXEL=f"{x},{y}",
+        seen = Render(scene, *options, driver=driver, fault=fault, FAULT_PIXEL=f"{x},{y}",
                      FAULT_COUNTS=str(counts), mapped=True)
-        differs = np.argwhere(run.map["class"] == DIFFERS).tolist()
-        found += run.status == 1 and run.verdict == "differs" and differs == [[y, x]]
+        differs = np.argwhere(seen.map["class"] == DIFFERS).tolist()
+        found += seen.status == 1 and seen.verdict == "differs" and differs == [[y, x]]
     return found
 
 
@@ -213,7 +209,7 @@ def check_samples():
         bright = Render(f"{CASES}wide-floor.scene", driver=driver, fault=76)
         check(bright.status == 1 and bright.verdict == "differs",
               f"{driver}: fault 76, all light times 1.0005 on a floor that the border cuts, is found", bright)
-        plain, biased = (Render(os.path.join(TMP, "ramp.scene"), driver=driver, fault=fault) for fault in (0, 80))
+        plain, biased = (Render(path_of("ramp.scene"), driver=driver, fault=fault) for fault in (0, 80))
         check(plain.status == 0 and biased.status == 1 and biased.verdict == "differs" and
               biased.report["check"]["unexplained_pixels"] == 0 and "OpenGL is off by +0.16" in biased.table + biased.says,
               f"{driver}: fault 80, all samples too large by less than the bound of each, shows in their mean", plain, biased)
@@ -223,8 +219,8 @@ def check_samples():
 
 def check_map():
     for driver in DRIVERS:
-        run = Render("textures", "--size", "240x160", driver=driver, mapped=True)
-        report, pages = run.report["check"], run.map
+        seen = Render("textures", "--size", "240x160", driver=driver, mapped=True)
+        report, pages = seen.report["check"], seen.map
         check(list(pages) == ["floor", "floor in one band", "error / bound", "class"] and
               all(page.shape == (160, 240) and page.dtype == np.float32 for page in pages.values()),
               f"{driver}: the map has four float pages with names", list(pages))
@@ -249,14 +245,11 @@ def check_map():
     check(failed.status == 1 and (failed.map["class"] == DIFFERS).sum() == 1 == failed.report["check"]["unexplained_pixels"],
           "the map of a picture that differs is written, and shows where")
     coloured_map()
-    absent = subprocess.run([SPECTRAL, "render", "patches", "-o", "/dev/null", "--check-map", "/nowhere/map.tif"],
-                            capture_output=True, text=True, check=False)
-    check(absent.returncode == 2 and "/nowhere/map.tif" in absent.stderr, "a map that cannot be written is named", absent)
 
 
 def read_colours(*command, **options):
     """The two halves of a map as PNG: a number for each pixel's colour."""
-    path = os.path.join(TMP, "map.png")
+    path = path_of("map.png")
     subprocess.run([SPECTRAL, "render", *command, "-o", "/dev/null", "--quiet", "--check-map", path], check=False,
                    stderr=subprocess.DEVNULL, **options)
     image = np.asarray(Image.open(path)).astype(int)
@@ -282,9 +275,8 @@ def coloured_map():
 
 
 def main():
-    with open(os.path.join(TMP, "empty.scene"), "w") as out:
-        out.write("wavelengths 400 700 100\nsize 8 8\ncamera ortho 4\nlight d65 1 direction 0 0 1\n"
-                  "material m { diffuse 0.5 }\nobject plane 1 1 material m translate 100 0 0\n")
+    write("empty.scene", "wavelengths 400 700 100\nsize 8 8\ncamera ortho 4\nlight d65 1 direction 0 0 1\n"
+          "material m { diffuse 0.5 }\nobject plane 1 1 material m translate 100 0 0\n")
     check_hollow()
     check_backs()
     check_words()

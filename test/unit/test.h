@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdarg.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -72,6 +73,14 @@ static int test_end(void)
 {
     printf("1..%d\n", test_count);
     return test_failures != 0;
+}
+
+/* Returns a random number between two. A small generator in this file (Knuth's MMIX constants), so
+ * that every machine tests the same cases. */
+static inline double test_random(uint64_t *state, double low, double high)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
 }
 
 #endif

@@ -7,6 +7,7 @@
 
 static const double equal[3] = {100, 100, 100};
 static const double lamp[3] = {109.85, 100, 35.58}; /* illuminant A */
+static const double colour[3] = {40, 30, 10};
 
 static void matrix_of(enum adaptation_kind kind, double luminance, const double white[3],
                       double out[3][3])
@@ -17,32 +18,35 @@ static void matrix_of(enum adaptation_kind kind, double luminance, const double 
           adaptation_name(kind), white[0], white[1], white[2]);
 }
 
-static void check_columns(double seen[3], double x, double y, double z, double tolerance,
+static void check_columns(const double seen[3], const double expected[3], double tolerance,
                           const char *what)
 {
-    CHECK_NEAR(seen[0], x, tolerance, "%s: X", what);
-    CHECK_NEAR(seen[1], y, tolerance, "%s: Y", what);
-    CHECK_NEAR(seen[2], z, tolerance, "%s: Z", what);
+    for (int i = 0; i < 3; i++)
+        CHECK_NEAR(seen[i], expected[i], tolerance, "%s: %c", what, "XYZ"[i]);
+}
+
+/* Checks what the colour becomes under a white. */
+static void check_adapted(enum adaptation_kind kind, double luminance, const double white[3],
+                          const double from[3], const double expected[3], double tolerance,
+                          const char *what)
+{
+    double matrix[3][3], seen[3];
+    matrix_of(kind, luminance, white, matrix);
+    colour_apply(matrix, from, seen);
+    check_columns(seen, expected, tolerance, what);
 }
 
 static void check_complete(void)
 {
     static const enum adaptation_kind complete[] = {ADAPTATION_VON_KRIES, ADAPTATION_BRADFORD,
                                                     ADAPTATION_CAT16};
-    double matrix[3][3], seen[3];
     for (int i = 0; i < 3; i++) {
-        matrix_of(complete[i], 0, lamp, matrix);
-        colour_apply(matrix, lamp, seen);
-        check_columns(seen, 95.0455927, 100, 108.9057751, 1e-6, "the white becomes D65 of Y = 100");
-        matrix_of(complete[i], 0, display_white, matrix);
-        colour_apply(matrix, lamp, seen);
-        check_columns(seen, lamp[0], lamp[1], lamp[2], 1e-12,
+        check_adapted(complete[i], 0, lamp, lamp, (double[]){95.0455927, 100, 108.9057751}, 1e-6,
+                      "the white becomes D65 of Y = 100");
+        check_adapted(complete[i], 0, display_white, lamp, lamp, 1e-12,
                       "adapting D65 to D65 changes nothing");
     }
-    matrix_of(ADAPTATION_NONE, 0, lamp, matrix);
-    colour_apply(matrix, lamp, seen);
-    CHECK(seen[0] == lamp[0] && seen[1] == lamp[1] && seen[2] == lamp[2],
-          "no adaptation changes no colour");
+    check_adapted(ADAPTATION_NONE, 0, lamp, lamp, lamp, 0, "no adaptation changes no colour");
 }
 
 /* Equations 18 to 20, with the unrounded matrix, for the colour 40, 30, 10 under A.
@@ -57,14 +61,11 @@ static void check_complete(void)
  * The inverse of the thesis and its 100 give 34.84484, 29.81624, 30.60961: 3.6e-5 more. */
 static void check_von_kries(void)
 {
-    const double colour[3] = {40, 30, 10};
-    double matrix[3][3], seen[3];
-    matrix_of(ADAPTATION_VON_KRIES, 0, lamp, matrix);
-    colour_apply(matrix, colour, seen);
-    check_columns(seen, 34.8437280, 29.8154644, 30.6087058, 1e-6,
+    check_adapted(ADAPTATION_VON_KRIES, 0, lamp, colour,
+                  (double[]){34.8437280, 29.8154644, 30.6087058}, 1e-6,
                   "von Kries agrees with the value worked by hand");
-    check_columns(seen, 34.84484, 29.81624, 30.60961, 40 * 3.6e-5,
-                  "von Kries agrees with the thesis's rounded inverse");
+    check_adapted(ADAPTATION_VON_KRIES, 0, lamp, colour, (double[]){34.84484, 29.81624, 30.60961},
+                  40 * 3.6e-5, "von Kries agrees with the thesis's rounded inverse");
 }
 
 /* Equations 21 to 23 for the same colour.
@@ -76,33 +77,27 @@ static void check_von_kries(void)
  * and at luminance 1: p = 1.2318508, 1.1219246, 0.5767554; 40.1197770, 31.7029445, 16.2096603. */
 static void check_fairchild(void)
 {
-    const double colour[3] = {40, 30, 10};
-    double matrix[3][3], complete[3][3], seen[3], other[3], xy[2], xy_complete[2];
-    matrix_of(ADAPTATION_FAIRCHILD, 10, lamp, matrix);
-    colour_apply(matrix, colour, seen);
-    check_columns(seen, 39.8940667, 33.2980437, 20.4255083, 1e-6,
+    double matrix[3][3], complete[3], seen[3], xy[2], xy_complete[2];
+    check_adapted(ADAPTATION_FAIRCHILD, 10, lamp, colour,
+                  (double[]){39.8940667, 33.2980437, 20.4255083}, 1e-6,
                   "Fairchild agrees with the value worked by hand");
+    check_adapted(ADAPTATION_FAIRCHILD, 1, lamp, colour,
+                  (double[]){42.3820902, 34.7440451, 17.6537359}, 1e-6,
+                  "Fairchild adapts less in dim light");
+    matrix_of(ADAPTATION_FAIRCHILD, 10, lamp, matrix);
     colour_apply(matrix, lamp, seen);
     chromaticity(seen, xy);
     chromaticity(display_white, xy_complete);
     CHECK(xy[0] > xy_complete[0] + 0.01, "Fairchild's white stays yellower than D65 (x %.4f)",
           xy[0]);
-    matrix_of(ADAPTATION_FAIRCHILD, 1, lamp, matrix);
-    colour_apply(matrix, colour, seen);
-    check_columns(seen, 42.3820902, 34.7440451, 17.6537359, 1e-6,
-                  "Fairchild adapts less in dim light");
-    matrix_of(ADAPTATION_FAIRCHILD, 1e12, lamp, matrix);
-    matrix_of(ADAPTATION_VON_KRIES, 0, lamp, complete);
-    colour_apply(matrix, colour, seen);
-    colour_apply(complete, colour, other);
+    matrix_of(ADAPTATION_VON_KRIES, 0, lamp, matrix);
+    colour_apply(matrix, colour, complete);
     /* p differs from 1 by (m - 1/m) / 10^4, which is 1.8e-4 of S */
-    check_columns(seen, other[0], other[1], other[2], 40 * 2e-4,
+    check_adapted(ADAPTATION_FAIRCHILD, 1e12, lamp, colour, complete, 40 * 2e-4,
                   "Fairchild adapts completely in very bright light");
-    matrix_of(ADAPTATION_FAIRCHILD, 10, equal, matrix);
-    matrix_of(ADAPTATION_VON_KRIES, 0, equal, complete);
-    colour_apply(matrix, colour, seen);
-    colour_apply(complete, colour, other);
-    check_columns(seen, other[0], other[1], other[2], 1e-12,
+    matrix_of(ADAPTATION_VON_KRIES, 0, equal, matrix);
+    colour_apply(matrix, colour, complete);
+    check_adapted(ADAPTATION_FAIRCHILD, 10, equal, colour, complete, 1e-12,
                   "Fairchild agrees with von Kries under equal energy");
 }
 
@@ -144,8 +139,7 @@ static void check_cat16(void)
     CHECK_NEAR(worst, 0, 1e-6, "CAT16 scales the published cones' responses");
     adaptation_cones(ADAPTATION_CAT16, matrix);
     colour_apply(matrix, (const double[]){1, 1, 1}, seen);
-    for (int i = 0; i < 3; i++)
-        CHECK_NEAR(seen[i], 1, 1e-15, "equal energy gives CAT16's cones %d the response 1", i);
+    check_columns(seen, (double[]){1, 1, 1}, 1e-15, "CAT16's cones respond by 1 to equal energy");
 }
 
 static void check_refused(void)
@@ -165,6 +159,14 @@ static void check_refused(void)
 
 static void check_names(void)
 {
+    static const char *const bad[] = {"",
+                                      "kries",
+                                      "fairchild:",
+                                      "fairchild:0",
+                                      "fairchild:-1",
+                                      "fairchild:1 2",
+                                      "fairchild:x",
+                                      "cat16:10"};
     struct adaptation adaptation;
     struct error err = {0};
     enum display_kind display;
@@ -176,14 +178,6 @@ static void check_names(void)
     CHECK(adaptation_read("--adaptation", "fairchild:318.3", &adaptation, &err) &&
               adaptation.kind == ADAPTATION_FAIRCHILD && adaptation.luminance == 318.3,
           "its luminance is read");
-    static const char *const bad[] = {"",
-                                      "kries",
-                                      "fairchild:",
-                                      "fairchild:0",
-                                      "fairchild:-1",
-                                      "fairchild:1 2",
-                                      "fairchild:x",
-                                      "cat16:10"};
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         err = (struct error){0};
         CHECK(!adaptation_read("--adaptation", bad[i], &adaptation, &err) &&
@@ -211,6 +205,13 @@ static void check_srgb(void)
         3.2409699419045226,  -1.537383177570094,   -0.4986107602930034,
         -0.9692436362808796, 1.8759675015077202,   0.04155505740717559,
         0.05563007969699366, -0.20397695888897652, 1.0569715142428786};
+    /* 1.055 x 0.18^(1/2.4) - 0.055 and so on; the linear part ends at 0.04045. The last: tolerance.
+     */
+    static const double encoded[5][3] = {{0.18, 0.46135612950044164, 1e-15},
+                                         {0.5, 0.7353569830524495, 1e-15},
+                                         {0.21404114048223255, 0.5, 1e-15},
+                                         {0.002, 0.02584, 1e-16},
+                                         {0.0031308, 0.04045, 1e-7}};
     double matrix[3][3], inverse[3][3], white[3], worst = 0, worst_inverse = 0;
     display_matrix(DISPLAY_SRGB, matrix);
     colour_inverse(matrix, inverse);
@@ -222,17 +223,10 @@ static void check_srgb(void)
     CHECK_NEAR(worst_inverse, 0, 0.51e-4,
                "its inverse agrees with the published one to 4 decimals");
     colour_apply(matrix, display_white, white);
-    check_columns(white, 1, 1, 1, 1e-14, "D65 has red, green and blue 1");
-    /* 1.055 x 0.18^(1/2.4) - 0.055 and so on */
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.18), 0.46135612950044164, 1e-15,
-               "sRGB encodes 0.18");
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 1, 0.5), 0.7353569830524495, 1e-15, "sRGB encodes 0.5");
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 2, 0.21404114048223255), 0.5, 1e-15,
-               "sRGB encodes 0.214 as 0.5");
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.002), 0.02584, 1e-16,
-               "the linear part encodes 0.002");
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.0031308), 0.04045, 1e-7,
-               "the linear part ends at 0.04045");
+    check_columns(white, (double[]){1, 1, 1}, 1e-14, "D65 has red, green and blue 1");
+    for (int i = 0; i < 5; i++)
+        CHECK_NEAR(display_encode(DISPLAY_SRGB, i % 3, encoded[i][0]), encoded[i][1], encoded[i][2],
+                   "sRGB encodes %g", encoded[i][0]);
     CHECK(display_largest(DISPLAY_SRGB, 0) == 1, "the largest linear value is 1");
 }
 

@@ -35,8 +35,12 @@ static void frontier(void)
         entry(8, 9, 10, 0),      /* the best */
     };
     struct cost cost = {.entries = entries, .n = 6};
+    struct cost_entry equals[] = {entry(1, 1, 1, 3), entry(1, 1, 1, 3)};
     static const bool best[] = {true, false, true, false, false, true};
     static const bool uncertain[] = {false, false, true, true, false, false};
+    cost_mark(&(struct cost){.entries = equals, .n = 2});
+    CHECK(equals[0].best && equals[1].best && !equals[0].uncertain,
+          "two equal entries are both on the frontier");
     cost_mark(&cost);
     for (int i = 0; i < cost.n; i++) {
         CHECK(entries[i].best == best[i], "entry %d is %son the frontier", i,
@@ -90,15 +94,6 @@ static void rivals(void)
     advice = cost_affordable(&cost, 1.75, false);
     CHECK(advice.entry == &entries[1] && advice.n_rivals == 1,
           "of two that are as accurate, the one with the least processor time is named");
-}
-
-static void equals(void)
-{
-    struct cost_entry entries[] = {entry(1, 1, 1, 3), entry(1, 1, 1, 3)};
-    struct cost cost = {.entries = entries, .n = 2};
-    cost_mark(&cost);
-    CHECK(entries[0].best && entries[1].best && !entries[0].uncertain,
-          "two equal entries are both on the frontier");
 }
 
 /* ---- configurations ---- */
@@ -155,7 +150,6 @@ int main(void)
 {
     frontier();
     rivals();
-    equals();
     words();
     csv();
     return test_end();

@@ -14,18 +14,12 @@ enum { PATH_SIZE = 512 };
 static const double half_epsilon = DBL_EPSILON / 2; /* of a rounding */
 
 /* Returns an absent spectrum after an error. */
-static struct spectrum read_word(const char *line)
+static struct spectrum read_word(const char *text)
 {
     struct spectrum out = {0};
     struct error err = {0};
-    struct text text;
-    struct word word;
-    text_open_string(&text, "line", line, &err);
-    text_next_line(&text);
-    text_word(&text, &word);
+    struct word word = {.start = text, .length = strlen(text)};
     spectrum_read(&word, 0, HUGE_VAL, &out, &err);
-    out.place.path = NULL; /* the text is not kept */
-    text_free(&text);
     return out;
 }
 
@@ -65,7 +59,7 @@ static void check_plain_sums(void)
     static const char *const lights[] = {"uv", "d65", "a", "fluorescent", "cie-standard-deviate:3"};
     /* A sum of n terms rounds n - 1 times, each of its terms up to 4 times; then comes the rest. */
     const double bound = (2 * (93 + 3) + 3) * half_epsilon;
-    double nm[93], value[93], worst = 0;
+    double nm[93], value[93];
     struct spectrum excitation = samples(nm, value, 93);
     for (int i = 0; i < 93; i++) {
         nm[i] = 300 + 5 * i;
@@ -76,7 +70,6 @@ static void check_plain_sums(void)
         double seen = excitation_mean(&light, &excitation);
         CHECK_NEAR(seen / plain_mean(&light, &excitation), 1, bound,
                    "under %s the mean is the quotient of the plain sums", lights[i]);
-        worst = fmax(worst, fabs(seen / plain_mean(&light, &excitation) - 1));
         excitation.count = 41; /* the rest is 0 */
         CHECK_NEAR(excitation_mean(&light, &excitation) / seen, 1, bound,
                    "zeros at the ends change nothing");
@@ -86,7 +79,6 @@ static void check_plain_sums(void)
         excitation.count = 93;
         spectrum_free(&light);
     }
-    printf("# worst relative difference to the plain sums: %.3g\n", worst);
 }
 
 static void check_limits(void)
@@ -246,6 +238,15 @@ static struct spectrum emission_under(const struct donaldson *matrix, const stru
     return out;
 }
 
+/* Returns what the matrix emits at its first wavelength. */
+static double first_emission(const struct donaldson *matrix, const struct spectrum *light)
+{
+    struct spectrum given = emission_under(matrix, light);
+    const double first = given.count > 0 ? given.value[0] : (double)NAN;
+    spectrum_free(&given);
+    return first;
+}
+
 static const char two_rows[] = "# measured\n\nnm;300;310 320\t330 # excitation\n"
                                "400, 0, 0.1, 0.3, 0\r\n420, 0, 0.2, 0.1, 0\n\n450 0 0.1 0.2 0";
 
@@ -277,17 +278,13 @@ static void check_line(void)
                "each share is divided by the width of its band");
     spectrum_free(&given);
     nm[1] = 311, nm[2] = 312, nm[3] = 313;
-    given = emission_under(&matrix, &light);
-    CHECK_NEAR(given.value[0], (0.8 * 0.1 + 0.2 * 0.3) * 3 / 20, 8 * half_epsilon,
+    CHECK_NEAR(first_emission(&matrix, &light), (0.8 * 0.1 + 0.2 * 0.3) * 3 / 20, 8 * half_epsilon,
                "a line between two columns is shared between them");
-    spectrum_free(&given);
     light = gaussian(312, 0.1);
-    given = emission_under(&matrix, &light);
     /* its wings end at 2^-64; the wavelengths are rounded to 2^-45 nm */
-    CHECK_NEAR(given.value[0] / (0.14 * 0.1 * sqrt(acos(-1) / (4 * log(2))) / 20), 1,
-               4 * ldexp(1, -45) / 0.1 + 1e-14,
+    CHECK_NEAR(first_emission(&matrix, &light) / (0.14 * 0.1 * sqrt(acos(-1) / (4 * log(2))) / 20),
+               1, 4 * ldexp(1, -45) / 0.1 + 1e-14,
                "a gaussian line between two columns is shared between them");
-    spectrum_free(&given);
     nm[0] = 331, nm[1] = 332, nm[2] = 333;
     light = samples(nm, value, 3);
     given = emission_under(&matrix, &light);
@@ -298,45 +295,11 @@ static void check_line(void)
     donaldson_free(&matrix);
 }
 
-/* Columns of 10 nm and rows of 20; sums of the first are N times an emission. */
-enum { COLUMNS = 21, ROWS = 9 };
-
-static void check_factors(void)
-{
-    static const char *const lights[] = {"uv", "d65", "gaussian:371.3,17", "0.8", "blackbody:3000"};
-    double nm[COLUMNS], value[COLUMNS], emission[ROWS], emission_nm[ROWS], sum = 0;
-    double share[ROWS * COLUMNS];
-    struct spectrum excitation = samples(nm, value, COLUMNS);
-    struct donaldson matrix = {excitation, samples(emission_nm, emission, ROWS), share};
-    for (int i = 0; i < COLUMNS; i++) {
-        nm[i] = 300 + 10 * i;
-        value[i] = i * (COLUMNS - 1 - i) * (3 + i % 4) * 1e-3;
-        sum += value[i];
-    }
-    for (int j = 0; j < ROWS; j++) {
-        emission_nm[j] = 500 + 20 * j;
-        emission[j] = 0.1 + (j * j) % 7;
-        for (int i = 0; i < COLUMNS; i++)
-            share[j * COLUMNS + i] = emission[j] * 20 * value[i] / (10 * sum);
-    }
-    for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
-        struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
-        const double mean = excitation_mean(&light, &excitation);
-        double worst = given.count == ROWS ? 0 : HUGE_VAL;
-        for (int j = 0; j < given.count; j++)
-            worst = fmax(worst, fabs(given.value[j] / (mean * emission[j]) - 1));
-        /* up to 321 + 21 wavelengths in each of three sums, and rows of 12 roundings */
-        CHECK_NEAR(worst, 0, (3 * 342 + 24) * half_epsilon,
-                   "under %s a matrix of products gives the mean times the emission", lights[k]);
-        spectrum_free(&light);
-        spectrum_free(&given);
-    }
-}
-
 /* Writes columns that emit all light that the diffuse reflectance leaves, in shares of 2^-10. */
 static void check_energy(void)
 {
     static const char *const lights[] = {"uv", "fluorescent", "0.8", "blackbody:3000"};
+    enum { COLUMNS = 21 };
     char content[4096] = "nm";
     struct error err;
     struct donaldson matrix;
@@ -376,11 +339,10 @@ static void check_extremes(void)
 {
     double nm[] = {400, 410}, dim_nm[] = {500}, share[] = {1e-300, 1e-300};
     struct donaldson matrix = {samples(nm, NULL, 2), samples(dim_nm, NULL, 1), share};
-    struct spectrum light = constant(1e300), given = emission_under(&matrix, &light);
+    struct spectrum light = constant(1e300), given;
     struct error err = {0};
-    CHECK_NEAR(given.count == 1 ? given.value[0] : 0, 20, 20 * 8 * half_epsilon,
+    CHECK_NEAR(first_emission(&matrix, &light), 20, 20 * 8 * half_epsilon,
                "a bright light and a faint matrix meet in the middle");
-    spectrum_free(&given);
     share[0] = share[1] = 1;
     light = constant(1e308);
     CHECK(!donaldson_emission(&matrix, &light, &given, &err) && err.status == EXIT_INPUT &&
@@ -388,27 +350,22 @@ static void check_extremes(void)
           "an emission beyond the largest number is refused");
     matrix.excitation.count = 1;
     light = constant(0.5);
-    given = emission_under(&matrix, &light);
-    CHECK(given.count == 1 && given.value[0] == 0.5, "single bands are 1 nm wide");
-    spectrum_free(&given);
+    CHECK(first_emission(&matrix, &light) == 0.5, "single bands are 1 nm wide");
 }
 
 static void check_refusals(void)
 {
+    /* test/cases/bad/matrices has more */
     static const struct {
         const char *content, *message; /* after the path */
     } refused[] = {
         {"# nothing\n", ": error: no rows"},
-        {"300 310\n400 0.1 0.1", ":1:1: error: expected a word, such as nm, before"},
         {"nm # none\n400", ":1:4: error: expected an excitation wavelength"},
         {"\"nm 300\n", ":1:1: error: the quote"},
         {"nm 300 x\n", ":1:8: error: excitation wavelength must be a number"},
         {"nm 300 310 310\n", ":1:12: error: wavelength 310 nm follows 310 nm"},
-        {"nm 300 310 305\n", ":1:12: error: wavelength 305 nm follows 310 nm"},
         {"nm -300 310\n", ":1:4: error: wavelength -300 nm"},
         {"nm 300 310\n", ": error: no share is above 0"},
-        {"nm 300 310\n400 0 0\n410 0 0\n", ": error: no share is above 0"},
-        {"nm 300 310\n\n400 0.1\n", ":3:8: error: expected a share for each"},
         {"nm 300 310\n400 0.1 0.2 0.3\n", ":2:13: error: '0.3' is too much"},
         {"nm 300 310\n400 0.1 none\n", ":2:9: error: share must be a number"},
         {"nm 300 310\n400 0.1 -0.2\n", ":2:9: error: share -0.2 is below 0"},
@@ -416,22 +373,17 @@ static void check_refusals(void)
         {"nm 300 310\n400 nan 0.2\n", ":2:5: error: share must be a number"},
         {"nm 300 310\nx 0.1 0.2\n", ":2:1: error: emission wavelength must be a number"},
         {"nm 300 310\n400 0.1 0.2\n400 0 0\n", ":3:1: error: wavelength 400 nm follows 400 nm"},
-        {"# so\nnm 300,\t380, 390\n400 0.1 0.3 0\n410 0 0.23 0.1\n",
-         ":2:9: error: at 380 nm the matrix emits 0.53 of the light, but the surface absorbs "
-         "only 0.4 (1 - diffuse)"},
         {"nm 300\n400 0.2\n410 0.200000000000002\n", ":1:4: error: at 300 nm the matrix emits"},
     };
     struct error err;
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
         struct donaldson matrix = read_matrix(refused[i].content, 0.6, &err);
-        const char *path = write_matrix(""), *seen = strstr(err.text, path);
-        seen = seen == err.text ? seen + strlen(path) : err.text;
-        if (!CHECK(strncmp(seen, refused[i].message, strlen(refused[i].message)) == 0 &&
-                       err.status == EXIT_INPUT && matrix.share == NULL &&
-                       matrix.excitation.wavelength_nm == NULL &&
-                       matrix.emission.wavelength_nm == NULL,
-                   "refused%s", refused[i].message))
-            printf("# saw %s\n", seen);
+        char message[PATH_SIZE + 256];
+        snprintf(message, sizeof message, "%s%s", write_matrix(""), refused[i].message);
+        CHECK(strncmp(err.text, message, strlen(message)) == 0 && err.status == EXIT_INPUT &&
+                  matrix.share == NULL && matrix.excitation.wavelength_nm == NULL &&
+                  matrix.emission.wavelength_nm == NULL,
+              "refused%s: %s", refused[i].message, err.text);
     }
 }
 
@@ -472,7 +424,6 @@ int main(void)
     check_convergence();
     check_gaussians();
     check_line();
-    check_factors();
     check_energy();
     check_extremes();
     check_refusals();

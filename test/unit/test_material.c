@@ -60,6 +60,8 @@ static void check_matt_file(void)
     material_free(&m);
     CHECK(m.name == NULL && m.diffuse.count == 0, "a freed material is zeroed");
     material_free(&m);
+    m = read_file("builtin:materials/none.txt", &err);
+    CHECK(m.name == NULL && err.status == EXIT_INPUT, "a missing material is refused as input");
 }
 
 static void check_full_file(void)
@@ -105,23 +107,6 @@ static void check_partner(void)
     material_free(&m);
 }
 
-static void check_patches(void)
-{
-    struct error err;
-    struct material white = read_file("builtin:materials/colorchecker/19-white.txt", &err);
-    struct material black = read_file("builtin:materials/colorchecker/24-black.txt", &err);
-    bool above = true;
-    CHECK_TEXT(white.name, "19-white", "a built-in patch is read like a file");
-    for (int nm = 300; nm <= 800; nm++)
-        above = above && spectrum_at(&white.diffuse, nm, SPECTRUM_HOLD) >
-                             5 * spectrum_at(&black.diffuse, nm, SPECTRUM_HOLD);
-    CHECK(above, "the white patch reflects several times more than the black one at every nm");
-    material_free(&white);
-    material_free(&black);
-    white = read_file("builtin:materials/none.txt", &err);
-    CHECK(white.name == NULL && err.status == EXIT_INPUT, "a missing material is refused as input");
-}
-
 static void check_words(void)
 {
     struct error err;
@@ -152,6 +137,12 @@ static void check_words(void)
 
 static void check_absent_words(void)
 {
+    static const struct {
+        const char *words;
+        bool linear;
+    } filters[] = {{" diffuse 1 spectral-texture s.tif }", false},
+                   {" diffuse 1 spectral-texture s.tif linear }", true},
+                   {" diffuse 1 texture a.tif }", false}};
     struct error err;
     struct text rest;
     struct material m = read_words(" emission 1 }", &rest, &err);
@@ -165,19 +156,15 @@ static void check_absent_words(void)
               m.donaldson_place.column == 12,
           "a matrix and a stack may be combined");
     CHECK_TEXT(m.donaldson, "scenes/b.csv", "the matrix's path is relative to the scene");
-    CHECK(!m.texture_linear, "a stack's filter is nearest by default");
     material_free(&m);
     text_free(&rest);
-    m = read_words(" diffuse 1 spectral-texture s.tif linear }", &rest, &err);
-    CHECK(err.status == EXIT_AGREED && m.texture_linear,
-          "the filter is linear if the scene says so");
-    material_free(&m);
-    text_free(&rest);
-    m = read_words(" diffuse 1 texture a.tif }", &rest, &err);
-    CHECK(err.status == EXIT_AGREED && !m.texture_linear,
-          "a texture's filter is nearest by default");
-    material_free(&m);
-    text_free(&rest);
+    for (size_t i = 0; i < sizeof filters / sizeof filters[0]; i++) {
+        m = read_words(filters[i].words, &rest, &err);
+        CHECK(err.status == EXIT_AGREED && m.texture_linear == filters[i].linear,
+              "the filter of%s is %s", filters[i].words, filters[i].linear ? "linear" : "nearest");
+        material_free(&m);
+        text_free(&rest);
+    }
     m = read_words(" gloss 10 }", &rest, &err);
     CHECK(err.status == EXIT_INPUT && m.diffuse.kind == SPECTRUM_NONE,
           "gloss alone is refused as a material");
@@ -189,7 +176,6 @@ int main(void)
     check_matt_file();
     check_full_file();
     check_partner();
-    check_patches();
     check_words();
     check_absent_words();
     return test_end();

@@ -59,31 +59,6 @@ static void jobs(void)
     CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal");
 }
 
-/* A parent answers for the files that its job has read: no output may replace them. */
-static bool reads(void *context, void *out, struct error *err)
-{
-    const struct place nowhere = {NULL, 0, 0};
-    char *bytes;
-    size_t length;
-    (void)out;
-    const bool done = file_read(context, nowhere, &bytes, &length, err);
-    free(bytes);
-    return done;
-}
-
-static void reading(void)
-{
-    struct error err = {.status = EXIT_AGREED};
-    char path[4096];
-    snprintf(path, sizeof path, "%s/read", test_folder());
-    FILE *file = fopen(path, "w");
-    fclose(file);
-    CHECK(!file_was_read(path), "a file that nobody opened was not read");
-    CHECK(process_run(reads, path, NULL, 0, &err), "a job reads a file");
-    CHECK(file_was_read(path), "the file counts as read by the process that waited for the job");
-    unlink(path);
-}
-
 /* ---- programs ---- */
 
 /* This test itself, as the program that process_program runs. */
@@ -132,34 +107,10 @@ static void programs(void)
 
 static const char *doomed; /* a file that must not outlive its process */
 
-static void succeeds(void)
+/* Works take a number, as exit and guard_exit do. */
+static void raises(int number)
 {
-    guard_exit(EXIT_AGREED);
-}
-
-static void differs(void)
-{
-    guard_exit(EXIT_DIFFERENT);
-}
-
-static void exits(void) /* as a library may do */
-{
-    exit(1);
-}
-
-static void exits_well(void)
-{
-    exit(0);
-}
-
-static void aborts(void)
-{
-    abort();
-}
-
-static void crashes(void)
-{
-    raise(SIGSEGV);
+    raise(number);
 }
 
 static int sink(int depth)
@@ -169,22 +120,22 @@ static int sink(int depth)
     return depth < 0 ? 0 : sink(depth + 1) + room[0];
 }
 
-static void overflows(void)
+static void overflows(int depth)
 {
-    sink(0);
+    sink(depth);
 }
 
-static void works_on(void)
+static void works_on(int seconds)
 {
-    for (int i = 0; i < 10; i++)
+    for (int i = 0; i < seconds; i++)
         sleep(1);
 }
 
 /* A signal waits until the end, which comes in a moment. */
-static void holds(void)
+static void holds(int ms)
 {
     guard_hold();
-    rest(300);
+    rest(ms);
     if (!is_interrupted())
         return;
     FILE *file = fopen(doomed, "a");
@@ -194,9 +145,9 @@ static void holds(void)
     guard_release();
 }
 
-static void is_short(void)
+static void is_short(int ms)
 {
-    rest(300);
+    rest(ms);
     guard_exit(EXIT_AGREED);
 }
 
@@ -208,7 +159,7 @@ struct end {
 };
 
 /* Runs a work under guard in a process of its own. Sends it a signal 50 ms later; 0: none. */
-static struct end run(void (*work)(void), int number)
+static struct end run(void (*work)(int), int argument, int number)
 {
     struct end end = {0};
     FILE *messages = tmpfile(), *file = fopen(doomed, "w");
@@ -220,7 +171,7 @@ static struct end run(void (*work)(void), int number)
         dup2(fileno(messages), STDERR_FILENO);
         guard_begin();
         guard_remove(doomed);
-        work();
+        work(argument);
         _exit(99);
     }
     rest(50);
@@ -237,22 +188,23 @@ static struct end run(void (*work)(void), int number)
     return end;
 }
 
-static bool ends_with(void (*work)(void), int status, int lines)
+static bool ends_with(void (*work)(int), int argument, int status, int lines)
 {
-    const struct end end = run(work, 0);
+    const struct end end = run(work, argument, 0);
     return WIFEXITED(end.status) && WEXITSTATUS(end.status) == status && end.lines == lines &&
            end.left == (lines == 0);
 }
 
 static void ends(void)
 {
-    CHECK(ends_with(succeeds, 0, 0), "a command that succeeds gives 0");
-    CHECK(ends_with(differs, 1, 0), "a command that finds a difference gives 1");
-    CHECK(ends_with(exits, 3, 1), "a library that exits with 1 gives 3 and a line; no file is left");
-    CHECK(ends_with(exits_well, 3, 1), "a library that exits with 0 gives 3 and a line");
-    CHECK(ends_with(aborts, 3, 1), "a library that aborts gives 3 and a line");
-    CHECK(ends_with(crashes, 3, 1), "a crash gives 3 and a line");
-    CHECK(ends_with(overflows, 3, 1), "an overflow of the stack gives 3 and a line");
+    CHECK(ends_with(guard_exit, EXIT_AGREED, 0, 0), "a command that succeeds gives 0");
+    CHECK(ends_with(guard_exit, EXIT_DIFFERENT, 1, 0), "a command that finds a difference gives 1");
+    CHECK(ends_with(exit, 1, 3, 1),
+          "a library that exits with 1 gives 3 and a line; no file is left");
+    CHECK(ends_with(exit, 0, 3, 1), "a library that exits with 0 gives 3 and a line");
+    CHECK(ends_with(raises, SIGABRT, 3, 1), "a library that aborts gives 3 and a line");
+    CHECK(ends_with(raises, SIGSEGV, 3, 1), "a crash gives 3 and a line");
+    CHECK(ends_with(overflows, 0, 3, 1), "an overflow of the stack gives 3 and a line");
 }
 
 static void signals(void)
@@ -261,16 +213,16 @@ static void signals(void)
     for (int i = 0; i < 3; i++) {
         const char *name = strsignal(numbers[i]);
         signal(numbers[i], SIG_DFL); /* shells ignore SIGINT in background jobs */
-        struct end end = run(works_on, numbers[i]);
+        struct end end = run(works_on, 10, numbers[i]);
         CHECK(WIFSIGNALED(end.status) && WTERMSIG(end.status) == numbers[i] && end.lines == 0 &&
                   !end.left && end.seconds < 5,
               "%s ends the process without a message in %.3f s, and no file is left", name,
               end.seconds);
-        end = run(holds, numbers[i]);
+        end = run(holds, 300, numbers[i]);
         CHECK(WIFSIGNALED(end.status) && WTERMSIG(end.status) == numbers[i] && end.left,
               "%s waits until outputs have their names, and then ends the process", name);
         signal(numbers[i], SIG_IGN);
-        end = run(is_short, numbers[i]);
+        end = run(is_short, 300, numbers[i]);
         CHECK(WIFEXITED(end.status) && WEXITSTATUS(end.status) == 0,
               "%s does not end a process that ignores it", name);
         signal(numbers[i], SIG_DFL);
@@ -280,14 +232,8 @@ static void signals(void)
 static bool lingers(void *context, void *out, struct error *err)
 {
     (void)context, (void)out, (void)err;
-    works_on();
+    works_on(10);
     return true;
-}
-
-static void waits_for_job(void)
-{
-    struct error err = {.status = EXIT_AGREED};
-    process_run(lingers, NULL, NULL, 0, &err);
 }
 
 /* The pipe ends when the last process that holds it has ended. */
@@ -301,7 +247,7 @@ static void orphan(int number)
     const pid_t child = fork();
     if (child == 0) {
         guard_begin();
-        waits_for_job();
+        process_run(lingers, NULL, NULL, 0, &(struct error){.status = EXIT_AGREED});
         _exit(99);
     }
     rest(50);
@@ -321,7 +267,6 @@ int main(int argc, char **argv)
     snprintf(path, sizeof path, "%s/doomed", test_folder());
     doomed = path;
     jobs();
-    reading();
     programs();
     ends();
     signals();

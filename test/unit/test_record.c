@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A record reads back from the file's XML unchanged, with any bytes in its names. A forged record
- * does no harm. */
+ * does no harm. test/fuzz/record.c writes and reads the fields of samplings, too. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -22,7 +22,6 @@ static bool written(const char *path, const struct record *record, struct image 
 {
     const struct place nowhere = {0};
     const uint16_t count = 1;
-    const char *const label = "component 1";
     char *text = record_text(record, err);
     struct stack_writer writer;
     struct stack_options options = {.width = 1,
@@ -30,7 +29,6 @@ static bool written(const char *path, const struct record *record, struct image 
                                     .n_wavelengths = 1,
                                     .wavelengths_nm = (const double[]){500},
                                     .full_scale = 2.5,
-                                    .labels = record->components ? &label : NULL,
                                     .scene = "full_scale: 50 of a name",
                                     .provenance = text};
     files_read_forget();
@@ -84,52 +82,6 @@ static void check_round_trip(const char *path)
     record_free(&read);
     record_free(&read);
     image_close(&image);
-}
-
-/* Writes a record by hand, except for the sampling. */
-static bool sampled(const char *path, struct record *made, struct record *read)
-{
-    struct image image;
-    struct error err = {0};
-    made->program = made->scene = made->scene_sha256 = made->renderer = "x";
-    made->sampling = "gauss:1,xyz";
-    made->sampling_detector = strange;
-    if (!CHECK(written(path, made, &image, &err) && record_read(&image, read, &err),
-               "a sampling is written and read %s", err.text))
-        return false;
-    image_close(&image);
-    CHECK_TEXT(read->sampling, "gauss:1,xyz", "the sampling's name is read back");
-    CHECK_TEXT(read->sampling_detector, strange, "the sampling's detector is read back");
-    return true;
-}
-
-static void check_samplings(const char *path)
-{
-    double third = 1.0 / 3, segments[] = {0.1 + 0.2, 600}, response[] = {-third, 0, 1e-300};
-    double range_nm[] = {379.5, 730.5}, white[] = {third, -third, 0};
-    struct record open = {.segments = {segments, 2}}, read;
-    struct record fixed = {.response = {response, 3},
-                           .range_nm = {range_nm, 2},
-                           .illumination = {(double[]){2}, 1},
-                           .white_response = {white, 3},
-                           .components = "yes"};
-    if (sampled(path, &open, &read)) {
-        CHECK(read.segments.n == 2 && memcmp(read.segments.value, segments, sizeof segments) == 0 &&
-                  read.response.n == 0 && !read.components && read.white_response.n == 0,
-              "segments are read back to the bit, and nothing else");
-        record_free(&read);
-    }
-    if (sampled(path, &fixed, &read)) {
-        CHECK(read.response.n == 3 && memcmp(read.response.value, response, sizeof response) == 0 &&
-                  read.segments.n == 0,
-              "the response is read back to the bit, with its signs");
-        CHECK(read.components && read.white_response.n == 3 && record_illumination(&read) == 2 &&
-                  memcmp(read.white_response.value, white, sizeof white) == 0 &&
-                  read.range_nm.n == 2 &&
-                  memcmp(read.range_nm.value, range_nm, sizeof range_nm) == 0,
-              "the response to the white, the range and the components are read back");
-        record_free(&read);
-    }
 }
 
 static void check_refused(const char *description, const char *what)
@@ -263,7 +215,6 @@ int main(void)
     char path[256];
     snprintf(path, sizeof path, "%s/record.tif", test_folder());
     check_round_trip(path);
-    check_samplings(path);
     check_refusals();
     check_segments();
     unlink(path);

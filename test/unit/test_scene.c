@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Compares each statement of a scene with the thesis's figures and with products of transforms
- * written out by hand, and checks the command line's overrides. test/cases/bad has the scenes that
- * are refused. */
+/* Compares statements of a scene with the thesis's figures and with products of transforms written
+ * out by hand, and checks the command line's overrides. test/cases/bad has the scenes that are
+ * refused; test/run/effects.py draws lights of all kinds, and shading.py each shading. */
 #include <stdlib.h>
 #include <sys/stat.h>
 
@@ -92,33 +92,21 @@ static void check_view(void)
     scene_free(&s);
 }
 
-static void check_lights(void)
-{
-    struct scene s = read_string("light 1 0.5 position 1 2 3 attenuation 0 0.5 0.25 "
-                                 "spot 0 0 -2 90 128\nlight d65*2 3 direction 0 1 1\n"
-                                 "light 1 1 position 0 0 0 spot 1 0 0 180 0\n");
-    const struct light *l = s.lights;
-    if (CHECK(s.n_lights == 3, "three lights")) {
-        CHECK(!l[0].directional && same_vector(l[0].position, 1, 2, 3) && l[0].intensity == 0.5 &&
-                  l[0].attenuation[0] == 0 && l[0].attenuation[1] == 0.5 &&
-                  l[0].attenuation[2] == 0.25,
-              "a light with a position fades with distance");
-        CHECK(l[0].spot && same_vector(l[0].spot_direction, 0, 0, -2) &&
-                  l[0].spot_cutoff_deg == 90 && l[0].spot_exponent == 128,
-              "a light with a position can be a spot");
-        CHECK(l[1].directional && same_vector(l[1].position, 0, 1, 1) && l[1].intensity == 3 &&
-                  l[1].spectrum.factor == 2 && l[1].attenuation[0] == 1 && !l[1].spot,
-              "a direction is kept as written, and its light does not fade");
-        CHECK(l[2].spot && l[2].spot_cutoff_deg == 180,
-              "a spot with cutoff 180 shines in all directions");
-    }
-    scene_free(&s);
-}
-
 /* ---- wavelengths ---- */
 
 static void check_wavelengths(void)
 {
+    static const struct {
+        const char *text;
+        int n;
+        double last;
+        const char *truth;
+    } ranges[] = {
+        {"wavelengths 400 700 7\n", 43, 694, "an end between steps is left out"},
+        {"wavelengths 400 700 299.9999\n", 2, 699.9999, "an end just after a step is left out"},
+        {"wavelengths 555 555 1e300\n", 1, 555, "a range of one wavelength may have any step"},
+        {"wavelengths list 400 450.5 1e3 1000000\n", 4, 1e6, "a list may be uneven"},
+        {"wavelengths 1 65535 1\n", 65535, 65535, "65535 wavelengths are accepted"}};
     /* 350 / 0.1 is slightly below or above 3500 in binary; the end belongs to the range. */
     struct scene s = read_string("wavelengths 380 730 0.1\n");
     bool near = s.n_wavelengths == 3501;
@@ -126,25 +114,12 @@ static void check_wavelengths(void)
         near = fabs(s.wavelengths_nm[i] - (3800 + i) / 10.0) <= 0x1p-43; /* 1 unit at 512..1024 */
     CHECK(near, "there are 3501 wavelengths by 0.1 nm, each within one rounding of its decimal");
     scene_free(&s);
-    s = read_string("wavelengths 400 700 7\n");
-    CHECK(s.n_wavelengths == 43 && s.wavelengths_nm[42] == 694, "an end between steps is left out");
-    scene_free(&s);
-    s = read_string("wavelengths 400 700 299.9999\n");
-    CHECK(s.n_wavelengths == 2 && s.wavelengths_nm[1] == 699.9999,
-          "an end just after a step is left out");
-    scene_free(&s);
-    s = read_string("wavelengths 555 555 1e300\n");
-    CHECK(s.n_wavelengths == 1 && s.wavelengths_nm[0] == 555,
-          "a range of one wavelength may have any step");
-    scene_free(&s);
-    s = read_string("wavelengths list 400 450.5 1e3 1000000\n");
-    CHECK(s.n_wavelengths == 4 && s.wavelengths_nm[1] == 450.5 && s.wavelengths_nm[3] == 1e6,
-          "a list may be uneven");
-    scene_free(&s);
-    s = read_string("wavelengths 1 65535 1\n");
-    CHECK(s.n_wavelengths == 65535 && s.wavelengths_nm[65534] == 65535,
-          "65535 wavelengths are accepted");
-    scene_free(&s);
+    for (size_t i = 0; i < sizeof ranges / sizeof ranges[0]; i++) {
+        s = read_string(ranges[i].text);
+        CHECK(s.n_wavelengths == ranges[i].n && s.wavelengths_nm[ranges[i].n - 1] == ranges[i].last,
+              "%s", ranges[i].truth);
+        scene_free(&s);
+    }
 }
 
 /* ---- objects ---- */
@@ -453,18 +428,10 @@ static void check_thesis_scene(void)
     scene_free(&s);
 }
 
-static void check_builtin_scenes(void)
+static void check_unknown_scene(void)
 {
     struct error err = {0};
-    struct scene s = read_scene("patches");
-    CHECK(s.n_objects == 24 && s.n_lights == 1 && s.lights[0].directional &&
-              s.objects[0].shape.kind == SHAPE_PLANE,
-          "the scene patches has 24 planes in parallel light");
-    scene_free(&s);
-    s = read_scene("spheres");
-    CHECK(s.n_lights == 2 && s.n_ambients == 1 && s.local_viewer && s.camera.perspective,
-          "the scene spheres has two lights and a local viewer");
-    scene_free(&s);
+    struct scene s;
     CHECK(!scene_read("no such scene", &s, &err) && err.status == EXIT_INPUT && s.path == NULL,
           "an unknown scene is refused as input");
     CHECK_TEXT(err.text,
@@ -477,30 +444,10 @@ static void check_builtin_scenes(void)
 
 /* ---- the command line ---- */
 
-static void refuse(bool (*set)(struct scene *, const char *, struct error *), struct scene *scene,
-                   const char *value, const char *message)
-{
-    struct error err = {0};
-    CHECK(!set(scene, value, &err) && err.status == EXIT_INPUT, "'%s' is refused", value);
-    CHECK_TEXT(err.text, message, "the message points into the option");
-}
-
 static void check_overrides(void)
 {
     struct error err = {0};
     struct scene s = read_string("light d65*3 2 position 0 0 8\nambient 1 1\nambient 1 1\n");
-    CHECK(scene_set_wavelengths(&s, "400:700:100", &err) && s.n_wavelengths == 4 &&
-              s.wavelengths_nm[3] == 700,
-          "START:END:STEP replaces the wavelengths");
-    CHECK_TEXT(s.wavelengths_place.path, "--wavelengths",
-               "the wavelengths have the option as their source place");
-    CHECK(scene_set_wavelengths(&s, "555", &err) && s.n_wavelengths == 1 &&
-              s.wavelengths_nm[0] == 555,
-          "the option may have one wavelength");
-    CHECK(scene_set_wavelengths(&s, "400,450.5,700", &err) && s.n_wavelengths == 3 &&
-              s.wavelengths_nm[1] == 450.5,
-          "the option may be a list");
-    CHECK(scene_set_size(&s, "640x480", &err) && s.width == 640 && s.height == 480, "WxH");
     CHECK(scene_set_light(&s, "1=a", &err) && s.lights[0].intensity == 2 &&
               strcmp(s.lights[0].spectrum.name, "a") == 0,
           "a spectrum alone keeps the intensity");
@@ -521,72 +468,50 @@ static void check_overrides(void)
 
 static void check_override_errors(void)
 {
-    struct scene s = read_string("light 1 1 position 0 0 8\nlight 1 1 position 0 0 9\n"), dark;
-    refuse(scene_set_wavelengths, &s, "400:700", "--wavelengths:1:8: error: expected a step");
-    refuse(scene_set_wavelengths, &s, "400:700:5:5",
-           "--wavelengths:1:11: error: '5' is too much: "
-           "START:END:STEP takes no more");
-    refuse(scene_set_wavelengths, &s, "", "--wavelengths: error: expected one line, not ''");
-    refuse(scene_set_wavelengths, &s, "500,400",
-           "--wavelengths:1:5: error: wavelength 400 nm "
-           "follows 500 nm; wavelengths must increase");
-    refuse(scene_set_size, &s, "640", "error: --size takes WIDTHxHEIGHT, as 300x200, not '640'");
-    refuse(scene_set_size, &s, "0x480",
-           "--size:1:1: error: width 0 is out of range; it lies "
-           "between 1 and 262144");
-    refuse(scene_set_light, &s, "3=d65",
-           "--light:1:1: error: there is no light 3; the scene has 2");
-    refuse(scene_set_light, &s, "d65",
-           "--light:1:1: error: expected N=SPECTRUM or "
-           "N=SPECTRUM*INTENSITY, not 'd65'");
-    refuse(scene_set_light, &s, "1=", "--light:1:3: error: expected a spectrum");
-    refuse(scene_set_light, &s, "1=d65*-1",
-           "--light:1:7: error: intensity -1 is below 0; it is at "
-           "least 0");
-    refuse(scene_set_ambient, &s, "-1",
-           "--ambient:1:1: error: spectrum -1 is below 0; it is at "
-           "least 0");
+    static const struct {
+        bool (*set)(struct scene *, const char *, struct error *);
+        const char *value, *message;
+    } refused[] = {
+        {scene_set_wavelengths, "400:700", "--wavelengths:1:8: error: expected a step"},
+        {scene_set_wavelengths, "400:700:5:5",
+         "--wavelengths:1:11: error: '5' is too much: START:END:STEP takes no more"},
+        {scene_set_wavelengths, "", "--wavelengths: error: expected one line, not ''"},
+        {scene_set_wavelengths, "500,400",
+         "--wavelengths:1:5: error: wavelength 400 nm follows 500 nm; wavelengths must increase"},
+        {scene_set_size, "640", "error: --size takes WIDTHxHEIGHT, as 300x200, not '640'"},
+        {scene_set_size, "0x480",
+         "--size:1:1: error: width 0 is out of range; it lies between 1 and 262144"},
+        {scene_set_light, "3=d65", "--light:1:1: error: there is no light 3; the scene has 2"},
+        {scene_set_light, "d65",
+         "--light:1:1: error: expected N=SPECTRUM or N=SPECTRUM*INTENSITY, not 'd65'"},
+        {scene_set_light, "1=", "--light:1:3: error: expected a spectrum"},
+        {scene_set_light, "1=d65*-1",
+         "--light:1:7: error: intensity -1 is below 0; it is at least 0"},
+        {scene_set_ambient, "-1", "--ambient:1:1: error: spectrum -1 is below 0; it is at least 0"},
+        {scene_set_shading, "dull",
+         "--shading:1:1: error: unknown shading 'dull'; known are smooth, flat, phong"},
+        {scene_set_shading, "flat phong",
+         "--shading:1:6: error: 'phong' is too much: shading takes no more"},
+        {scene_set_tessellation, "0", "--tessellation:1:1: error: factor 0 must be above 0"},
+        {scene_set_tessellation, "inf",
+         "--tessellation:1:1: error: factor must be a number such as 2.5 or 1e-3, not 'inf'"}};
+    struct scene s = read_string("light 1 1 position 0 0 8\nlight 1 1 position 0 0 9\n");
+    struct error err;
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        err = (struct error){0};
+        CHECK(!refused[i].set(&s, refused[i].value, &err) && err.status == EXIT_INPUT,
+              "'%s' is refused", refused[i].value);
+        CHECK_TEXT(err.text, refused[i].message, "the message points into the option");
+    }
     scene_free(&s);
-    dark = read_string("size 10 10\n");
-    refuse(scene_set_light, &dark, "1=d65", "--light:1:1: error: the scene has no lights");
-    scene_free(&dark);
-}
-
-static void check_shading(void)
-{
-    struct scene s = read_string("shading phong\n");
-    struct error err = {.status = EXIT_AGREED};
-    CHECK(s.shading == SHADING_PHONG && s.tessellation == 1,
-          "a scene sets its shading; the factor of tessellation is 1 by default");
-    CHECK(scene_set_shading(&s, "flat", &err) && s.shading == SHADING_FLAT,
-          "the option sets another shading");
-    CHECK(scene_set_shading(&s, "smooth", &err) && s.shading == SHADING_SMOOTH,
-          "the option sets the shading again");
-    CHECK(scene_set_tessellation(&s, "0.25", &err) && s.tessellation == 0.25,
-          "the option sets the factor of tessellation");
-    CHECK_TEXT(err.text, "", "no option of these failed");
-    refuse(scene_set_shading, &s, "dull",
-           "--shading:1:1: error: unknown shading 'dull'; known are smooth, flat, phong");
-    refuse(scene_set_shading, &s, "flat phong",
-           "--shading:1:6: error: 'phong' is too much: shading takes no more");
-    refuse(scene_set_tessellation, &s, "0", "--tessellation:1:1: error: factor 0 must be above 0");
-    refuse(scene_set_tessellation, &s, "inf",
-           "--tessellation:1:1: error: factor must be a number such as 2.5 or 1e-3, not 'inf'");
+    s = read_string("size 10 10\n");
+    err = (struct error){0};
+    CHECK(!scene_set_light(&s, "1=d65", &err), "a scene without lights has no light 1");
+    CHECK_TEXT(err.text, "--light:1:1: error: the scene has no lights", "the message says so");
     scene_free(&s);
 }
 
-/* Multiplies the counts of one shape by a factor: lengths stay, and counts are as expected. */
-static void check_tessellated(enum shape_kind kind, const double from[4], double factor,
-                              const double expected[4])
-{
-    struct shape shape = {.kind = kind};
-    memcpy(shape.parameter, from, sizeof shape.parameter);
-    shape = shape_tessellated(&shape, factor);
-    CHECK(shape.kind == kind && memcmp(shape.parameter, expected, sizeof shape.parameter) == 0,
-          "%s of %g %g %g %g times %g has %g %g %g %g", shape_name(kind), from[0], from[1], from[2],
-          from[3], factor, expected[0], expected[1], expected[2], expected[3]);
-}
-
+/* Multiplies the counts of shapes by a factor: lengths stay, and counts are as expected. */
 static void check_tessellation(void)
 {
     static const struct {
@@ -607,8 +532,17 @@ static void check_tessellation(void)
         {SHAPE_TEAPOT, {1, 10, 0, 0}, 7, {1, 64, 0, 0}},
         {SHAPE_MESH, {0, 0, 0, 0}, 7, {0, 0, 0, 0}},
     };
-    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
-        check_tessellated(all[i].kind, all[i].from, all[i].factor, all[i].expected);
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
+        const double *from = all[i].from, *expected = all[i].expected;
+        struct shape shape = {.kind = all[i].kind};
+        memcpy(shape.parameter, from, sizeof shape.parameter);
+        shape = shape_tessellated(&shape, all[i].factor);
+        CHECK(shape.kind == all[i].kind &&
+                  memcmp(shape.parameter, expected, sizeof shape.parameter) == 0,
+              "%s of %g %g %g %g times %g has %g %g %g %g", shape_name(all[i].kind), from[0],
+              from[1], from[2], from[3], all[i].factor, expected[0], expected[1], expected[2],
+              expected[3]);
+    }
 }
 
 /* Returns whether all values of the row are `factor`. */
@@ -679,7 +613,6 @@ int main(void)
 {
     check_defaults();
     check_view();
-    check_lights();
     check_wavelengths();
     for (size_t i = 0; i < sizeof grids / sizeof grids[0]; i++)
         check_grid(&grids[i]);
@@ -692,10 +625,9 @@ int main(void)
     check_mtl();
     check_includes();
     check_thesis_scene();
-    check_builtin_scenes();
+    check_unknown_scene();
     check_overrides();
     check_override_errors();
-    check_shading();
     check_tessellation();
     check_spectra();
     return test_end();

@@ -319,20 +319,6 @@ static void check_teapot(int divisions)
     mesh_free(&mesh);
 }
 
-static void check_failure(void)
-{
-    char path[] = "no/such/file.obj", scene[] = "some.scene";
-    const struct shape shape = {.kind = SHAPE_MESH, .path = path, .place = {scene, 3, 8}};
-    struct error err = {.text = ""};
-    struct mesh mesh;
-
-    CHECK(!shape_build(&shape, &mesh, &err) && err.status == EXIT_INPUT,
-          "a missing mesh file is refused as input");
-    CHECK(strncmp(err.text, "some.scene:3:8: error: ", 23) == 0,
-          "the message names the scene's line");
-    CHECK(!mesh.vertices && !mesh.triangles, "the mesh stays empty");
-}
-
 int main(void)
 {
     const int divisions[] = {2, 3, 7, 14, 40};
@@ -345,6 +331,5 @@ int main(void)
     check_texture_direction();
     for (size_t i = 0; i < sizeof divisions / sizeof *divisions; i++)
         check_teapot(divisions[i]);
-    check_failure();
     return test_end();
 }

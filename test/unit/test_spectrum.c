@@ -12,11 +12,12 @@
 
 enum { PATH_SIZE = 512 };
 
-static const char *temporary(const char *name, char path[PATH_SIZE])
+/* Writes the file that the next spectrum is read from. Returns its path. */
+static const char *write_content(const char *content)
 {
-    const char *folder = test_folder();
-    snprintf(path, PATH_SIZE, "%s/spectrum-%s", folder, name);
-    return path;
+    static char path[PATH_SIZE];
+    snprintf(path, sizeof path, "%s/spectrum-content", test_folder());
+    return test_write(path, content);
 }
 
 /* Reads the first word of a line; returns an absent spectrum after an error. */
@@ -67,26 +68,19 @@ static const char *refusal(const char *line, struct error *err)
 /* Writes a file and reads it as a spectrum's word. */
 static struct spectrum read_content(const char *content)
 {
-    char path[PATH_SIZE], line[PATH_SIZE + 2];
-    FILE *file = fopen(temporary("content", path), "w");
-    fputs(content, file);
-    fclose(file);
-    snprintf(line, sizeof line, "\"%s\"", path);
+    char line[PATH_SIZE + 2];
+    snprintf(line, sizeof line, "\"%s\"", write_content(content));
     return read_word(line);
 }
 
 /* Returns the message that refuses the file, from its line number on if there is one. */
 static const char *refused_content(const char *content, const char *column, struct error *err)
 {
-    char path[PATH_SIZE], line[PATH_SIZE + 16];
-    const char *from;
-    FILE *file = fopen(temporary("content", path), "w");
-    fputs(content, file);
-    fclose(file);
+    char line[PATH_SIZE + 16];
+    const char *path = write_content(content);
     snprintf(line, sizeof line, "%s%s", path, column);
     refusal(line, err);
-    from = strstr(err->text, path);
-    return from == err->text ? from + strlen(path) : err->text;
+    return strstr(err->text, path) == err->text ? err->text + strlen(path) : err->text;
 }
 
 static void check_words(void)
@@ -108,41 +102,6 @@ static void check_words(void)
     CHECK(value_of("cie1931:2", 555) == value_of("builtin:tables/cie1931.csv:2", 555) &&
               value_of("cie1931:2", 555) > 0.99,
           "column 2 of an observer is read");
-}
-
-static void check_builtin(void)
-{
-    static const struct {
-        const char *name;
-        int count;
-        double first, last;
-    } tables[] = {{"d65", 107, 300, 830},
-                  {"a", 107, 300, 830},
-                  {"fluorescent", 93, 300, 760},
-                  {"uv", 93, 300, 760},
-                  {"d50", 107, 300, 830},
-                  {"d55", 107, 300, 830},
-                  {"d75", 107, 300, 830},
-                  {"e", 107, 300, 830},
-                  {"c", 97, 300, 780},
-                  {"f1", 81, 380, 780},
-                  {"f12", 81, 380, 780},
-                  {"led-b5", 81, 380, 780},
-                  {"cie1931:3", 471, 360, 830},
-                  {"cie-standard-deviate:3", 93, 300, 760},
-                  {"dcs200-camera:3", 93, 300, 760}};
-    static const char *const at_560[] = {"d65", "a",  "fluorescent", "d50", "d75",   "c",
-                                         "e",   "f2", "f10",         "f12", "led-b1"};
-    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
-        struct spectrum s = read_word(tables[i].name);
-        CHECK(s.count == tables[i].count && s.wavelength_nm[0] == tables[i].first &&
-                  s.wavelength_nm[s.count - 1] == tables[i].last,
-              "%s has %d samples from %g to %g nm", tables[i].name, tables[i].count,
-              tables[i].first, tables[i].last);
-        spectrum_free(&s);
-    }
-    for (size_t i = 0; i < sizeof at_560 / sizeof at_560[0]; i++)
-        CHECK(value_of(at_560[i], 560) == 1, "%s is 1 at 560 nm", at_560[i]);
 }
 
 /* Planck's law computed with the C library in long double. */
@@ -268,40 +227,22 @@ static void check_formats(void)
 }
 
 /* The content of a file, and the beginning of the message that refuses it as a reflectance, from
- * the line number on. */
+ * the line number on. test/cases/bad/tables has more. */
 static const char *const bad_files[][2] = {
     {"400 0.1\n400 0.2\n",
      ":2:1: error: wavelength 400 nm follows 400 nm; wavelengths must increase"},
-    {"410 0.1\n400 0.2\n405 0.1\n",
-     ":3:1: error: wavelength 405 nm follows 400 nm; wavelengths must decrease, as in the first"},
     {"400 1.5\n", ":1:5: error: reflectance 1.5 is above 1; write '"},
-    {"nm,R\n400,0.5\n405,45.2\n", ":3:5: error: reflectance 45.2 is above 1; write '"},
     {"400 0.5\n405 -0.1\n", ":2:5: error: value -0.1 is below 0; it is at least 0"},
-    {"nm;R in %\n400;0,5\n", ":1:4: error: 'R in %' says percent; write '"},
     {"nm R[Percent]\n400 0.5\n", ":1:4: error: 'R[Percent]' says percent; write '"},
-    {"400,12%\n", ":1:5: error: '12%' has a percent sign; remove the signs, and write '"},
-    {"nm,R\n400,\"0,5\"\n",
-     ":2:5: error: 0,5 has a decimal comma, but commas separate the columns; write a point"},
     {"nm;R\n400.5;0.5\n401;0,5\n",
      ":3:5: error: 0,5 has a decimal comma, but line 2 has a decimal point; expected one of them"},
-    {"400;0,5\n401;0.5\n",
-     ":2:5: error: 0.5 has a decimal point, but line 1 has a decimal comma; expected one of them"},
     {"400;1.000,5\n", ":1:5: error: value must be a number such as 2.5 or 1e-3, not '1.000,5'"},
     {"400;0,5\n401,0,5\n",
      ":2:1: error: wavelength must be a number such as 2.5 or 1e-3, not '401.0,5'"},
     {"400;0,5\n401,5\n", ":2:6: error: expected a value after the wavelength"},
-    {"400,,0.5\n", ":1:5: error: expected a value; this column is empty"},
     {",0.5\n400,0.5\n", ":1:1: error: expected a wavelength"},
     {"400,0.5\n,0.5\n", ":2:1: error: expected a wavelength"},
     {"400,\"0.5\n", ":1:5: error: the quote before '0.5' must be closed on its line"},
-    {"0.4 0.5\n0.7 0.5\n",
-     ":1:1: error: expected wavelengths in nm; these look like micrometres: multiply them by 1000"},
-    {"4e-7 0.5\n7e-7 0.5\n",
-     ":1:1: error: expected wavelengths in nm; these look like metres: multiply them by 1e9"},
-    {"Sample 3\n400 0.5\n", ":1:1: error: expected a wavelength in nm, found 'Sample'; put # "
-                            "before a line that is no row"},
-    {"400 0.5\nEnd of data\n",
-     ":2:1: error: expected a wavelength in nm, found 'End'; put # before a line that is no row"},
     {"0 0.5\n", ":1:1: error: wavelength 0 nm; it lies between 0 and 1000000 nm"},
     {"-5 0.5\n", ":1:1: error: wavelength -5 nm; it lies between 0 and 1000000 nm"},
     {"1e6 0.5\n", ":1:1: error: wavelength 1000000 nm; it lies between 0 and 1000000 nm"},
@@ -348,9 +289,6 @@ static void check_bad_files(void)
     CHECK(strstr(refused_content("400 0.1 0.2\n", ":3", &err),
                  "has no value column 3; its last is 2") != NULL,
           "a chosen column must exist");
-    CHECK(strstr(refused_content("400,0,5\n", "", &err), "has 2 value columns; write") != NULL &&
-              strstr(err.text, "; if its commas are decimal, put semicolons between columns"),
-          "a decimal comma among separating ones is explained");
     CHECK(refused_content("400 0.1 0.2\n", ":2", &err)[0] == '\0' && err.status == EXIT_AGREED,
           "a column that exists is read");
     CHECK(refused_content("400 7 0.2\n", ":2", &err)[0] == '\0',
@@ -365,12 +303,9 @@ static void check_percent(void)
         ("SPECT\nSPECTRAL_BANDS 3\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 600\n"
          "BEGIN_DATA\n0 45.2 100\nEND_DATA\n")};
     struct error err;
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
         CHECK(refused_content(files[i], "*0.01", &err)[0] == '\0',
               "file %zu in percent is a reflectance with a factor of 0.01 (%s)", i, err.text);
-        CHECK(strstr(refused_content(files[i], "*0.011", &err), " times 0.011 is above 1; write '"),
-              "a factor that is too large for file %zu is refused", i);
-    }
     CHECK(refused_content("nm,%\n400,0.5\n", "*1", &err)[0] == '\0',
           "a factor of 1 keeps fractions under a heading that says percent");
     CHECK(refused_content("nm,a,%\n400,0.5,50\n", ":1", &err)[0] == '\0' &&
@@ -437,33 +372,18 @@ static void check_daylight(void)
                    1e-14, "%s is linear between every 10 nm", word);
     }
     CHECK(value_of("daylight:6504*2", 560) == 2, "daylight may have a factor");
-    CHECK_TEXT(
-        refusal("daylight:3000", &err),
-        "line:1:10: error: daylight has a temperature from 4000 to 25000 K; for 3000 K write "
-        "blackbody:3000",
-        "daylight that is too cold is refused, with advice");
     CHECK_TEXT(refusal("daylight:25001", &err),
                "line:1:10: error: daylight has a temperature from 4000 to 25000 K, not 25001",
                "daylight that is too hot is refused");
-    CHECK_TEXT(refusal("daylight:", &err),
-               "line:1:10: error: expected a temperature from 4000 to 25000 K, as daylight:6504",
-               "daylight without a temperature is refused");
     CHECK_TEXT(refusal("daylight:d65", &err),
                "line:1:10: error: temperature must be a number such as 2.5 or 1e-3, not 'd65'",
                "daylight of a name is refused");
-    CHECK_TEXT(refusal("daylight", &err),
-               "line:1:1: error: daylight needs a temperature in K, as daylight:6504",
-               "the name alone is refused, with an example");
 }
 
 static void check_bad_words(void)
 {
-    static const char *const bad[] = {"1.5",
-                                      "-0.1",
-                                      "0.5*3",
-                                      "d65*-1",
+    static const char *const bad[] = {"d65*-1",
                                       "d65*",
-                                      "d65*x",
                                       "d65*nan",
                                       "*2",
                                       "1e999",
@@ -473,29 +393,23 @@ static void check_bad_words(void)
                                       "cie1931:4",
                                       "cie1931:0",
                                       "d65*1e999",
-                                      "blackbody:0",
                                       "blackbody:-5",
                                       "blackbody:2e6",
                                       "blackbody:",
                                       "blackbody:x",
                                       "blackbody:2856",
                                       "gaussian:380",
-                                      "gaussian:380,0",
                                       "gaussian:,40",
                                       "gaussian:380,40,50",
                                       "gaussian:400,40*1.1",
                                       "\"d65",
                                       "builtin:tables/none.csv",
-                                      "/",
                                       "d65:",
                                       "1.5abc"};
     struct error err;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK(refusal(bad[i], &err)[0] != '\0' && err.status == EXIT_INPUT,
               "%s is refused as a reflectance", bad[i]);
-    CHECK_TEXT(refusal("d66", &err),
-               "line:1:1: error: no built-in spectrum and no file 'd66'; did you mean d65?",
-               "the message for a misspelt name proposes a built-in spectrum");
     refusal("sun", &err);
     CHECK(strncmp(err.text, "line:1:1: error: no built-in spectrum and no file 'sun'", 55) == 0 &&
               strstr(err.text, " d65, ") != NULL && !strstr(err.text, "cie1931"),
@@ -540,7 +454,6 @@ static void check_append(void)
 int main(void)
 {
     check_words();
-    check_builtin();
     check_blackbody();
     check_interpolation();
     check_formats();

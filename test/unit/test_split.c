@@ -217,49 +217,6 @@ static void check_solids(void)
             }
 }
 
-static bool crosses_at(const struct mesh *mesh, int edge, struct vector *from, struct vector *to)
-{
-    *from = corner_of(mesh, edge / 3, edge % 3);
-    *to = corner_of(mesh, edge / 3, (edge + 1) % 3);
-    return from->x * to->x < 0;
-}
-
-/* Counts border edges from one side to the other. */
-static int crossing_border(const struct mesh *mesh)
-{
-    struct vector a, b, c, d;
-    int n = 0;
-
-    for (int i = 0; i < 3 * mesh->n_triangles; i++) {
-        bool open = crosses_at(mesh, i, &a, &b);
-        for (int k = 0; open && k < 3 * mesh->n_triangles; k++)
-            open = !crosses_at(mesh, k, &c, &d) || memcmp(&a, &d, sizeof a) != 0 ||
-                   memcmp(&b, &c, sizeof b) != 0;
-        n += open;
-    }
-    return n;
-}
-
-/* An open surface keeps its border, except for border edges that the cut divides. */
-static void check_teapot(void)
-{
-    const struct shape teapot = {.kind = SHAPE_TEAPOT, .parameter = {1, 7}};
-    struct mesh mesh = build(&teapot), halves;
-
-    place_mesh(&mesh, 0.05, 70);
-    halves = cut(&mesh);
-    const struct solid before = solid_measure(&mesh), after = solid_measure(&halves);
-    CHECK(halves.n_triangles > mesh.n_triangles && is_sorted(&halves), "the teapot is cut");
-    CHECK_NEAR(area(&halves) / area(&mesh), 1, 1e-12, "the teapot's area stays");
-    CHECK(crossing_border(&mesh) > 0 &&
-              after.open_edges == before.open_edges + crossing_border(&mesh),
-          "the teapot's border stays, except for %d divided edges: %d and %d",
-          crossing_border(&mesh), before.open_edges, after.open_edges);
-    check_mirrored(&mesh, &halves, "teapot");
-    mesh_free(&mesh);
-    mesh_free(&halves);
-}
-
 /* ---- triangles one by one ---- */
 
 static struct mesh triangles(const struct vertex *vertices, int n)
@@ -493,7 +450,6 @@ static void check_halved_solids(void)
 int main(void)
 {
     check_solids();
-    check_teapot();
     check_soup();
     check_cases();
     check_between();

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Textures from stacks that the program writes: their orientation, and their values between and
- * beyond their wavelengths. */
+ * beyond their wavelengths. test/cases/bad has the textures that are refused. */
 #include <stdlib.h>
 #include <sys/stat.h>
-#include <tiffio.h>
 #include <unistd.h>
 
 #include "data/stack/stack.h"
@@ -136,36 +135,6 @@ static void test_spectral(void)
     texture_free(&texture);
 }
 
-static void check_refusal(bool read, struct texture *texture, const struct error *err,
-                          const char *what)
-{
-    CHECK(!read && err->status == EXIT_INPUT && strstr(err->text, what) != NULL &&
-              strncmp(err->text, "a.scene:3:7: error: texture.tif: ", 33) == 0 &&
-              texture->plane[0] == NULL && texture->image.file == NULL,
-          "refused with '%s': %s", what, err->text);
-    texture_free(texture);
-}
-
-static void test_refusals(void)
-{
-    struct texture texture;
-    struct error several = {0}, untold = {0}, negative = {0};
-    bool read = write_stack(PAGES, 1) && read_stack(false, true, &texture, &several);
-    check_refusal(read, &texture, &several, "it has 3 pages; expected one page for a texture");
-    read = write_stack(2, -1) && read_stack(true, true, &texture, &negative);
-    check_refusal(read, &texture, &negative,
-                  "page 1 (400 nm): the radiance at column 0, row 0 is -0.25;");
-    TIFF *tiff = TIFFOpen(path, "w");
-    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 1);
-    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1);
-    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
-    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-    TIFFWriteScanline(tiff, (char[]){1}, 0, 0);
-    TIFFClose(tiff);
-    read = read_stack(true, true, &texture, &untold);
-    check_refusal(read, &texture, &untold, "records no wavelengths; expected a stack");
-}
-
 /* A file is cut short while it is open: its planes fail, and the message says where. */
 static void test_cut(void)
 {
@@ -190,7 +159,6 @@ int main(void)
         return test_end();
     test_grey();
     test_spectral();
-    test_refusals();
     test_cut();
     unlink(path);
     return test_end();

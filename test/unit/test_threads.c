@@ -74,23 +74,17 @@ struct numbers {
     struct pipeline pipeline;
     struct queue made, doubled;
     long made_at[PLACES], doubled_at[PLACES];
-    int n, ahead;   /* how many; so many places are looked at before the first is freed */
-    int fails;      /* a stage, at half of the numbers; or NO_FAILURE */
-    long taken;     /* how many came, in order */
-    bool right;     /* all of them */
-    double seconds; /* that the first stage sleeps before each number */
+    int n, ahead; /* how many; so many places are looked at before the first is freed */
+    int fails;    /* a stage, at half of the numbers; or NO_FAILURE */
+    long taken;   /* how many came, in order */
+    bool right;   /* all of them */
+    bool slow;    /* the first stage sleeps for 0.1 s before each number */
 };
 
 static bool fail_at(const struct numbers *of, int which, int i, struct error *err)
 {
     return !(of->fails == which && i == of->n / 2) ||
            error_usage(err, "stage %d fails at %d", which, i);
-}
-
-static void sleep_for(double seconds)
-{
-    const struct timespec time = {(time_t)seconds, (long)(1e9 * (seconds - floor(seconds)))};
-    nanosleep(&time, NULL);
 }
 
 static bool make_numbers(void *context, struct error *err)
@@ -100,8 +94,8 @@ static bool make_numbers(void *context, struct error *err)
         const int place = queue_room(&of->made);
         if (place < 0 || !fail_at(of, MADE, i, err))
             return false;
-        if (of->seconds > 0)
-            sleep_for(of->seconds);
+        if (of->slow)
+            nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
         of->made_at[place] = i;
         queue_fill(&of->made);
     }
@@ -189,7 +183,7 @@ static void test_failing(void)
 static void test_waiting(void)
 {
     for (int alone = 0; alone < 2; alone++) {
-        struct numbers of = {.n = 4, .fails = NO_FAILURE, .seconds = 0.1};
+        struct numbers of = {.n = 4, .fails = NO_FAILURE, .slow = true};
         struct error err;
         const clock_t before = clock();
         CHECK(run(&of, alone == 1, &err) && of.taken == 4, "stages wait");
