@@ -103,6 +103,14 @@ void digest_end(struct digest *digest, char out[65])
         snprintf(out + 8 * i, 9, "%08lx", (unsigned long)digest->hash[i]);
 }
 
+void digest_bytes(const void *bytes, size_t length, char out[65])
+{
+    struct digest digest;
+    digest_start(&digest);
+    digest_add(&digest, bytes, length);
+    digest_end(&digest, out);
+}
+
 bool digest_descriptor(const char *path, int descriptor, char out[65], struct error *err)
 {
     unsigned char buffer[1024 * BLOCK];

@@ -13,6 +13,7 @@ struct digest {
 void digest_start(struct digest *out);
 void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
+void digest_bytes(const void *bytes, size_t length, char out[65]);
 bool digest_file(const char *path, char out[65], struct error *err);
 /* Reads an open file for it; messages name the path. */
 bool digest_descriptor(const char *path, int descriptor, char out[65], struct error *err);

@@ -36,11 +36,8 @@ static bool note(const char *path, const struct sha256 *sha256, struct error *er
 
 bool digest_note(const char *path, const void *bytes, size_t length, struct error *err)
 {
-    struct digest digest;
     struct sha256 sha256;
-    digest_start(&digest);
-    digest_add(&digest, bytes, length);
-    digest_end(&digest, sha256.text);
+    digest_bytes(bytes, length, sha256.text);
     return path_is_builtin(path) || note(path, &sha256, err);
 }
 

@@ -18,14 +18,6 @@ struct description {
 
 /* ---- files ---- */
 
-static void digest_bytes(const void *bytes, size_t length, char out[DIGEST_TEXT])
-{
-    struct digest digest;
-    digest_start(&digest);
-    digest_add(&digest, bytes, length);
-    digest_end(&digest, out);
-}
-
 static bool take(const struct description *of, const char *name, const void *bytes, size_t length,
                  struct error *err)
 {
