@@ -15,7 +15,7 @@
 static const struct builtin_file *find_module(void)
 {
     const struct builtin_file *file;
-    struct error missing;
+    struct error missing = {.status = EXIT_AGREED};
     int descriptor;
     file_open(BUILTIN_PREFIX "viewer/spectral.wasm.gz", (struct place){NULL, 0, 0}, &descriptor,
               &file, &missing);

@@ -193,7 +193,7 @@ static bool put_detectors(const struct cube *cube, struct json *json, struct err
 /* Puts the white at each page's wavelength; none if the stack records none. */
 static bool put_white(const struct cube *cube, struct json *json, struct error *err)
 {
-    struct error refused;
+    struct error refused = {.status = EXIT_AGREED};
     double *white;
     if (!MAKE_ARRAY(white, (size_t)cube->image.n_pages, err, "the white of a page"))
         return false;
