@@ -30,14 +30,27 @@ static uint64_t used_bytes(void)
     return got > 0 ? strtoull(at, NULL, 10) * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
 }
 
-void memory_limit(uint64_t bytes)
+static uint64_t for_stacks; /* bytes that the limit leaves out until threads start */
+
+void memory_limit(uint64_t bytes, uint64_t stacks)
 {
     struct rlimit limit;
     const uint64_t most = used_bytes() + bytes;
-    if (getrlimit(RLIMIT_DATA, &limit) != 0 || (uint64_t)limit.rlim_cur <= most)
+    if (getrlimit(RLIMIT_DATA, &limit) != 0 || (uint64_t)limit.rlim_cur <= most + stacks)
         return;
     limit.rlim_cur = (rlim_t)most;
+    if (setrlimit(RLIMIT_DATA, &limit) == 0)
+        for_stacks = stacks;
+}
+
+void memory_allow_stacks(void)
+{
+    struct rlimit limit;
+    if (for_stacks == 0 || getrlimit(RLIMIT_DATA, &limit) != 0)
+        return;
+    limit.rlim_cur += (rlim_t)for_stacks;
     setrlimit(RLIMIT_DATA, &limit);
+    for_stacks = 0;
 }
 
 /* Returns the bytes that may still be allocated; UINT64_MAX: there is no limit. */

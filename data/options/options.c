@@ -302,7 +302,7 @@ void options_limit_memory(const struct options *options)
     struct rlimit stack;
     const bool known = getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur != RLIM_INFINITY;
     const uint64_t wanted = options->memory_mib > 0 ? (uint64_t)options->memory_mib : usual_mib;
-    memory_limit((wanted + tile_mib) * mib +
+    memory_limit((wanted + tile_mib) * mib,
                  2 * threads * (known ? (uint64_t)stack.rlim_cur : usual_stack));
 }
 

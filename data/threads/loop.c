@@ -4,6 +4,7 @@
 #include <sched.h>
 #include <unistd.h>
 
+#include "data/base/base.h"
 #include "data/threads/threads.h"
 
 /* Returns 0 where the system does not say. */
@@ -60,6 +61,8 @@ void threads_each(int n_threads, int n, void (*work)(void *context, int i), void
     const int most = n_threads < n ? n_threads : n;
     int n_others = 0;
     pthread_mutex_init(&loop.lock, NULL);
+    if (most > 1)
+        memory_allow_stacks();
     while (n_others < most - 1 && pthread_create(&others[n_others], NULL, run, &loop) == 0)
         n_others++;
     run(&loop);

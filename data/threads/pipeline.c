@@ -4,6 +4,7 @@
  * it works, and opens it where it waits. */
 #include <errno.h>
 
+#include "data/base/base.h"
 #include "data/threads/threads.h"
 
 /* Begin and end the use of queues. */
@@ -105,6 +106,7 @@ static void *run_stage(void *of)
 static int start(struct worker *workers, int n)
 {
     int running = 1;
+    memory_allow_stacks();
     while (running < n && (errno = pthread_create(&workers[running].thread, NULL, run_stage,
                                                   &workers[running])) == 0)
         running++;

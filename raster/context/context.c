@@ -70,6 +70,7 @@ bool contexts_open(const struct context_wish *wish, struct contexts **out, struc
     char threads[16];
     if (!MAKE_ARRAY(*out, 1, err, "a context of OpenGL"))
         return false;
+    memory_allow_stacks(); /* llvmpipe starts threads */
     (*out)->way = wish->way;
     snprintf(threads, sizeof threads, "%d", wish->threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */

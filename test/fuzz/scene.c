@@ -29,7 +29,7 @@ static bool plan_scene(const struct scene *scene, struct error *err)
 {
     const struct plan_options options = {.threads = 1, .check = true, .use_gl = true};
     struct plan plan = {.scene = NULL};
-    struct notes notes = {.list = NULL};
+    struct notes notes = {.n = 0};
     struct lit_scene lit = {0};
     struct light_work work;
     struct json words, json;
