@@ -21,13 +21,11 @@ const char *program_file(const char *link, const char *typed)
 /* ---- the process that becomes the program ---- */
 
 /* Ends this process with the system's reason in a line, as the program itself would. */
-static void refuse(const char *file)
+static void refuse(const char *file, int messages)
 {
     struct error err = {.status = EXIT_AGREED};
     error_system(&err, "cannot run the program %s", file);
-    const bool said =
-        write_all(STDERR_FILENO, err.text, strlen(err.text)) && write_all(STDERR_FILENO, "\n", 1);
-    _exit(said ? EXIT_SYSTEM : EXIT_SYSTEM + 1);
+    _exit(write_all(messages, err.text, strlen(err.text)) ? EXIT_SYSTEM : EXIT_SYSTEM + 1);
 }
 
 /* Makes `to` another name of the open file `from`. */
@@ -50,8 +48,7 @@ static void become(const char *file, const char *const *words, int messages)
         errno = 0;
         execvp(file, line);
     }
-    redirect(messages, STDERR_FILENO);
-    refuse(file);
+    refuse(file, messages);
 }
 
 /* ---- the process that waits ---- */

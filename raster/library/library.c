@@ -37,8 +37,8 @@ bool library_open(const char *const *files, void **out, struct error *err)
         *out = dlopen(*files, RTLD_NOW | RTLD_GLOBAL);
         const char *reason = *out ? NULL : dlerror();
         if (!*out && !is_missing(reason))
-            return error_unsupported(err, "%s cannot be opened: %.500s", *files,
-                                     reason ? reason : "no reason is known");
+            return error_failed(err, "%s cannot be opened: %.500s", *files,
+                                reason ? reason : "no reason is known");
     }
     if (*out)
         *out = dlopen(NULL, RTLD_NOW);
