@@ -109,8 +109,7 @@ most_threads() {
     "$STATIC" render colorchecker --size 2000x1500 --renderer raster --no-check --threads "$1" -o /dev/null -q &
     most=0
     while kill -0 $! 2>/dev/null; do
-        worker=$(cat "/proc/$!/task/$!/children" 2>/dev/null)
-        n=$(ls "/proc/${worker% }/task" 2>/dev/null | wc -l)
+        n=$(ls "/proc/$!/task" 2>/dev/null | wc -l)
         [ "$n" -le "$most" ] || most=$n
     done
     wait $!
