@@ -132,9 +132,9 @@ void memory_free(void *const *items, size_t n);
  * memory lacks. */
 bool memory_resize(void *array, size_t n, size_t size);
 
-/* Limits this process and those that it starts to so many bytes more than it has now, and so many
- * for the stacks of threads, once the second function is called: before the first thread starts.
- * Nothing else can take these before. */
+/* Limits this process and those that it starts to so many bytes more than it has now. A smaller
+ * limit of the user stays. The second function adds the bytes for the stacks of threads, once: call
+ * it before a thread starts. Until then nothing else can take these bytes. */
 void memory_limit(uint64_t bytes, uint64_t stacks);
 void memory_allow_stacks(void);
 /* Refuses what would need more memory than the limit leaves, before it is tried. The format names

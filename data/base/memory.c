@@ -36,11 +36,12 @@ void memory_limit(uint64_t bytes, uint64_t stacks)
 {
     struct rlimit limit;
     const uint64_t most = used_bytes() + bytes;
-    if (getrlimit(RLIMIT_DATA, &limit) != 0 || (uint64_t)limit.rlim_cur <= most + stacks)
+    if (getrlimit(RLIMIT_DATA, &limit) != 0 || (uint64_t)limit.rlim_cur <= most)
         return;
+    const uint64_t above = (uint64_t)limit.rlim_cur - most; /* what the user's own limit leaves */
     limit.rlim_cur = (rlim_t)most;
     if (setrlimit(RLIMIT_DATA, &limit) == 0)
-        for_stacks = stacks;
+        for_stacks = stacks < above ? stacks : above;
 }
 
 void memory_allow_stacks(void)

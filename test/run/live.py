@@ -286,6 +286,19 @@ def quick_edits(browser, which):
     check(len(found) == 1 and found[0].endswith(" 0.5"), f"{which}: two quick edits of an ambient light make one statement", found)
 
 
+def typing(browser, which):
+    """Digits go on to the same field when the rows of lights are made anew between them."""
+    browser.open(view(own("spheres"), "--size", "60x40"))
+    browser.evaluate("(() => { const field = element('ambients-1-intensity'); field.closest('details').open = true; field.focus(); field.select(); })()")
+    browser.type("0.")
+    browser.evaluate("(() => { element('sources').dataset.key = ''; refresh_sources(); })()")
+    browser.type("625")
+    browser.settle()
+    seen = browser.evaluate("element('ambients-1-intensity').value")
+    check(seen == "0.625" and words_of(browser, "ambient")[-1:] == ["0.625"],
+          f"{which}: a number that is typed while rows are made anew is whole", seen, words_of(browser, "ambient"))
+
+
 # ---- opening and saving ----
 
 def drop(browser, *paths):
@@ -527,7 +540,7 @@ BROWSERS = {"Chromium": Browser, "Firefox": Firefox}
 def main():
     for which, kind in BROWSERS.items():
         browser = kind(path_of(which))
-        for part in (policy, gallery, plot, first_edits, quick_edits, controls, opening, mistakes, hostile, stacks):
+        for part in (policy, gallery, plot, first_edits, quick_edits, typing, controls, opening, mistakes, hostile, stacks):
             if which == "Chromium" or part not in SELDOM or os.environ.get("FULL"):
                 part(browser, which)
         if which == "Chromium":

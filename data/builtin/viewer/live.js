@@ -147,13 +147,13 @@ function refresh_sources() {
   const key = JSON.stringify([scene.illuminants.map(({name}) => name), scene.ambients.length, scene.lights.length,
     scene.lights.map(light => !light.position), Object.keys(state.files)]);
   if (element("sources").dataset.key !== key) {
-    const typing = element("sources").contains(document.activeElement) && document.activeElement;
+    const typing = document.activeElement.matches("#sources input") && document.activeElement;
     element("sources").replaceChildren();
     for (const kind of ["ambients", "lights"]) scene[kind].forEach((_, i) => add_live_source(kind, i));
     element("sources").dataset.key = key;
-    if (typing && element(typing.id)) { /* the next letters go where the first ones went */
-      element(typing.id).focus();
-      element(typing.id).value = typing.value;
+    if (typing && element(typing.id)) { /* somebody types: the field stays, with half a number in it */
+      element(typing.id).replaceWith(typing);
+      typing.focus();
     }
   }
   for (const kind of ["ambients", "lights"]) scene[kind].forEach(({illuminant, intensity, position, direction}, i) => {
