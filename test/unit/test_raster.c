@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Clipping neither loses nor doubles any area; counts, floors and exactness are judged as they
- * should be. The bounds on interpolation hold for Mesa's arithmetic in single precision, and are not
- * far too wide. */
+ * should be. The bounds on interpolation hold for Mesa's arithmetic in single precision, and are
+ * not far too wide. */
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
