@@ -99,7 +99,7 @@ const struct file_identity *files_read(int *n);
 bool files_read_add(const struct file_identity *file, struct error *err);
 void files_read_forget(void); /* for tests, which write and read one file again and again */
 
-/* ---- file.c: bytes of an open file ---- */
+/* ---- descriptor.c: bytes of an open file ---- */
 
 /* Repeats a call of the system that a signal has interrupted, e.g. UNTIL_DONE(got, read(...)). */
 #define UNTIL_DONE(result, call)                                                                   \
