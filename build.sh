@@ -67,14 +67,19 @@ prepare() {
     make_builtin
 }
 
-# Sets $sources for $GL; spectral.c, which has main, is the first.
+# Sets $sources for $GL and $TIER; spectral.c, which has main, is the first. raster/beside/ has the
+# rooms that the core does not know, and for each program the table of what it has.
 find_sources() {
-    sources="spectral.c $(find data raster -name '*.c' ! -path 'data/samples/*' | sort)"
+    sources="spectral.c $(find data raster -name '*.c' ! -path 'data/samples/*' ! -path 'raster/beside/rooms*' | sort)"
+    table=rooms
     case $GL in
     osmesa) sources=$(printf '%s\n' $sources | grep -v '/no_[a-z]*[.]c$') ;;
-    none) sources=$(printf '%s\n' $sources | grep -v -e '^raster/context/' -e '^raster/library/' -e '^raster/traits/' -e '^raster/vertices/' -e '^raster/gl/[^n]' -e '^raster/shader/[^n]' -e '^raster/drivers/[^n]' -e '^raster/verify/[^n]' -e '^data/.*/no_') ;;
+    none)
+        table=rooms_no_gl
+        sources=$(printf '%s\n' $sources | grep -v -e '^raster/gl/' -e '^raster/beside/shader/' -e '^raster/beside/measure/' -e '/no_' -e '^raster/beside/verify/[clrt]') ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
+    sources="$sources raster/beside/$table.c"
 }
 
 # stamp FILE TEXT writes the file, unless it holds the text already.

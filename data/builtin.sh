@@ -8,7 +8,7 @@ left_out='/viewer/live[^/]*$' # a pattern of files that are not compiled in
 builtin=builtin.c             # the name below $BUILD
 
 builtin_source() {
-    echo '#include "data/base/base.h"'
+    echo '#include "data/files/files.h"'
     number=0
     while read -r _ file; do
         number=$((number + 1))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # shellcheck shell=sh disable=SC2034,SC2086,SC2153,SC2154
 # The libraries of the program: those of Debian's packages, and those that are built from Debian's sources
-# (data/tiff/libtiff.sh, raster/gl/osmesa.sh); build.sh reads this. On another system nothing is installed:
+# (data/images/libtiff.sh, raster/gl/osmesa.sh); build.sh reads this. On another system nothing is installed:
 # the compiler will say what it lacks. Libraries that were built are kept in $XDG_CACHE_HOME/spectral
 # (~/.cache/spectral).
 case ${XDG_CACHE_HOME:-} in # as the XDG base directory specification has it
@@ -9,7 +9,7 @@ case ${XDG_CACHE_HOME:-} in # as the XDG base directory specification has it
 *) cache=${HOME:-$PWD/build}/.cache/spectral ;;
 esac
 
-. data/tiff/libtiff.sh
+. data/images/libtiff.sh
 
 # links HEADER FUNCTION OPTION... succeeds if $CC makes a program that calls the function.
 links() {

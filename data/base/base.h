@@ -1,9 +1,18 @@
 /* SPDX-License-Identifier: MIT */
 /* The room "base": growing arrays, files, texts, memory. */
-#ifndef BASE_H
-#define BASE_H
+/* The room "threads": loops that several threads share, and stages that work side by side. A thread
+ * that has nothing to do sleeps: it takes no processor from OpenGL, from other programs or from its
+ * own process. (OpenMP's threads spin while they wait; only the environment, before the program
+ * starts, could forbid it.)
+ */
+/* The room "index": finds a thing by its name, however many names there are. */
+/* The room "process": the end of this process, wanted or not; jobs and programs in processes of
+ * their own. */
+#ifndef DATA_BASE_BASE_H
+#define DATA_BASE_BASE_H
 
 #include <errno.h>
+#include <pthread.h>
 #include <sys/types.h>
 
 #include "spectral.h"
@@ -52,52 +61,12 @@ int printable_length(const unsigned char *at);
  */
 void hide_unprintable(char *text, const char *kept);
 
-/* ---- file.c: whole reads, compiled-in files, files that appear whole or not at all ---- */
-
-/* A file that is compiled into the program. Its path is "builtin:" and its name, e.g.
- * builtin:tables/d65.csv. */
-struct builtin_file {
-    const char *name; /* relative to data/builtin/ */
-    const unsigned char *bytes;
-    size_t length;
-};
-extern const struct builtin_file builtin_files[]; /* made by build.sh; sorted by name */
-extern const size_t builtin_file_count;
-
-#define BUILTIN_PREFIX "builtin:"
-enum { BUILTIN_NAME = 256 };
-/* Writes the part of a file's name between a folder and an ending. Returns false if the name does
- * not begin and end so. */
-bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
-                  char out[BUILTIN_NAME]);
-
-/* Reads a whole file, or a "builtin:..." file. *bytes is allocated, with a NUL behind its *length
- * bytes. Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a
- * NUL byte. The message names `from`, the place that names the file; its path is NULL when the
- * command line names it. Waits for a pipe only then. */
-bool file_read(const char *path, struct place from, char **bytes, size_t *length,
-               struct error *err);
-/* Reads standard input likewise, to its end. Messages call it `name`. */
-bool input_read(const char *name, char **bytes, size_t *length, struct error *err);
-
-/* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
- * Refuses what file_read refuses, but accepts NUL bytes. */
-bool file_open(const char *path, struct place from, int *descriptor,
-               const struct builtin_file **builtin, struct error *err);
-
 /* ---- was_read.c: the files that this process has opened for reading ---- */
 
-struct file_identity {
-    uint64_t device, inode;
-};
 /* Notes the regular file of a descriptor: pipes and devices are never replaced. Every opening for
  * reading comes through file.c, which calls this. Fails without memory. */
 bool file_note_read(int descriptor, struct error *err);
 bool file_was_read(const char *path); /* also under another name of the file */
-/* For a process that reads in place of another: the files noted so far; and one more. */
-const struct file_identity *files_read(int *n);
-bool files_read_add(const struct file_identity *file, struct error *err);
-void files_read_forget(void); /* for tests, which write and read one file again and again */
 
 /* ---- descriptor.c: bytes of an open file ---- */
 
@@ -142,28 +111,6 @@ void memory_allow_stacks(void);
 bool memory_suffices(double bytes, struct place place, struct error *err, const char *format, ...)
     PRINTF_LIKE(4, 5);
 
-/* ---- paths.c: how one file names another, and what a path names ---- */
-
-bool path_is_builtin(const char *path);  /* begins with BUILTIN_PREFIX */
-const char *path_name(const char *path); /* points behind the last '/' */
-/* Returns the path of `name` as seen from the file `base`: an absolute or "builtin:" name stays,
- * any other name is relative to the folder of base. "a/../" is removed from builtin paths. The
- * result is allocated; NULL: no memory. */
-char *file_relative(const char *base, const char *name);
-
-/* Find whether the name is that of a regular file, or of a link to one, and not "-"; whether two
- * names are those of one file. Fail only where the system does. */
-bool file_is_regular(const char *path, bool *out, struct error *err);
-bool file_is_same(const char *a, const char *b, bool *out, struct error *err);
-bool file_is_missing(const char *path); /* no file has the name, which is not "builtin:..." */
-/* format.c: finds the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text": they
- * have no NUL; "": another one, or no such file; "ENVI": an ENVI header, or raw samples with a
- * header beside them. Fails only where the system does. */
-bool file_format(const char *path, const char **out, struct error *err);
-/* Returns the name of the raw samples of such a header, otherwise the path itself; allocated. NULL:
- * no memory. */
-char *envi_data(const char *path);
-
 /* ---- progress.c: time, progress and memory of this process ---- */
 
 double clock_seconds(void);     /* of a clock that only goes forward */
@@ -180,5 +127,136 @@ bool progress_start(struct progress_line *out, bool quiet);
  * struct progress_line. */
 void progress_show(void *context, long done, long all);
 uint64_t peak_bytes(void); /* the largest memory of the process so far; 0: unknown */
+
+/* ---- loop.c ---- */
+
+/* Returns `wanted`, at most MOST_THREADS; 0 stands for the number of processors that this process
+ * may run on. */
+int threads_count(int wanted);
+/* Returns how many of n_threads threads are worth waking for n items, where a thread should have at
+ * least `least` of them: at least 1. */
+int threads_for(int n_threads, size_t n, size_t least);
+/* Calls work(context, i) once for each i below n, on n_threads threads, this one included, and
+ * returns after the last call. A thread takes the next i as soon as it is free. Where the system
+ * starts fewer threads, those that there are do the work. */
+void threads_each(int n_threads, int n, void (*work)(void *context, int i), void *context);
+/* Does the same for n items in blocks of `block`: calls work(context, first, end) for the items
+ * first .. end - 1. */
+void threads_blocks(int n_threads, size_t n, size_t block,
+                    void (*work)(void *context, size_t first, size_t end), void *context);
+
+/* A number that several threads add to; COUNTER begins it. */
+struct counter {
+    pthread_mutex_t lock;
+    uint64_t n;
+};
+#define COUNTER                                                                                    \
+    {                                                                                              \
+        PTHREAD_MUTEX_INITIALIZER, 0                                                               \
+    }
+void counter_add(struct counter *to, uint64_t n);
+
+/* ---- pipeline.c: stages that work side by side, one on what another has made ---- */
+
+/* Stages share it. If `alone`, one stage works at a time, until it waits: there is one thread. */
+struct pipeline {
+    bool alone;
+    bool stopped; /* a stage has failed */
+    pthread_mutex_t lock;
+    pthread_cond_t changed;
+    const struct rest *rest; /* of no_threads.c */
+};
+/* A part of the work; false: it failed, or the pipeline has stopped. */
+typedef bool stage(void *context, struct error *err);
+enum { MOST_STAGES = 3 };
+/* Runs the stages at the same time, the first one on this thread, and returns when all have ended.
+ * If a stage fails, the others stop where they wait for it, and *err is the error of the first. */
+bool pipeline_run(struct pipeline *out, bool alone, stage *const stages[], int n, void *context,
+                  struct error *err);
+
+/* A row of places that one stage fills in turn, and another takes and frees in the same order. It
+ * says only which places are full; their contents belong to the stages. Zero it, but for the first
+ * two members, before the pipeline runs. */
+struct queue {
+    struct pipeline *pipeline;
+    int n_places;
+    long filled, freed; /* how many so far */
+    bool ended;         /* nothing is filled any more */
+};
+/* Return a place, or -1 where the pipeline has stopped. The first waits for a free place. The
+ * second waits until there are more than `ahead` full places, and returns the one behind these; -1
+ * also where the queue ends before. */
+int queue_room(struct queue *queue);
+int queue_next(struct queue *queue, int ahead);
+/* Say that the place is full; that the place that was filled first is free; that no other follows.
+ */
+void queue_fill(struct queue *queue);
+void queue_free(struct queue *queue);
+void queue_end(struct queue *queue);
+
+/* ---- index.c: a hash table from keys to numbers ---- */
+
+/* Numbers by their keys, strings of any bytes. The time to find a key does not grow with the number
+ * of keys. Zeroed it is empty. It keeps copies of the keys. */
+struct index {
+    struct index_slot *slots; /* owned */
+    size_t n_slots, n_keys;   /* n_slots: 0 or a power of two, above n_keys */
+    char *keys;               /* one behind the other; owned */
+    size_t length, room;      /* bytes of the keys, and bytes that `keys` has room for */
+    uint64_t seed;            /* another one in each index: no input can make all keys collide */
+};
+/* Returns the number of a key; -1: the index does not have it. */
+int index_find(const struct index *index, const void *key, size_t length);
+/* Adds a key that the index does not have, with its number, 0 or above. A failure, for lack of
+ * memory, changes nothing. */
+bool index_add(struct index *index, const void *key, size_t length, int number, struct error *err);
+void index_free(struct index *index);
+/* Returns a number whose every bit depends on every bit of the argument. */
+uint64_t hash_bits(uint64_t bits);
+
+/* ---- guard.c: the end of this process ---- */
+
+/* Call once, first of all. From then on:
+ * - SIGINT, SIGTERM and SIGHUP end the process at once, unless it ignores them, and remove the
+ * names that guard_remove knows.
+ * - A crash, or an exit that is not by guard_exit, removes these names, prints one line and ends
+ * the process with EXIT_SYSTEM: a library may end its process, as LLVM does without memory. */
+void guard_begin(void);
+/* Ends the process with the exit status of a command. Does not return. */
+void guard_exit(int status);
+
+/* Remembers the name of a file or of an empty folder that must not outlive the process; the latest
+ * is removed first. Returns false where there is no room for it: the caller then makes no such
+ * file. The name is absolute, or relative to a working folder that stays. guard_forget takes it
+ * back. */
+bool guard_remove(const char *path);
+void guard_forget(const char *path);
+
+/* Between these two calls the signals that end the process wait: outputs get their names, or a
+ * folder holds files that have no guard. They nest. */
+void guard_hold(void);
+void guard_release(void);
+bool is_interrupted(void); /* such a signal waits */
+
+/* ---- process.c: a job in a process of its own ---- */
+
+/* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
+ * What the job has read counts as read by this process: see file_was_read. No other thread of this
+ * process runs now, and it starts no OpenGL: a copy of a process has none of its threads, and
+ * OpenGL would wait for them. */
+bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
+                 size_t size, struct error *err);
+
+/* ---- program.c: this program again, as a user's command line runs it ---- */
+
+/* The seconds of a program from exec to exit: by the clock; and of the processor, for the user and
+ * for the system, in all processes of the program. */
+struct run_seconds {
+    double wall, processor;
+};
+/* Runs this program with the words, which end with NULL; the first is the name that this program
+ * was started by. Standard input and output are /dev/null. Returns false with the last line that
+ * the program printed on standard error, and with its exit status. */
+bool process_program(const char *const *words, struct run_seconds *out, struct error *err);
 
 #endif

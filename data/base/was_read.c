@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
-#include "data/base/base.h"
+#include "data/base/inside.h"
 
 static struct {
     pthread_mutex_t lock;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The room "colour": tristimulus values, colour differences, adaptation, displays, ICC profiles. */
-#ifndef COLOUR_H
-#define COLOUR_H
+#ifndef DATA_COLOUR_COLOUR_H
+#define DATA_COLOUR_COLOUR_H
 
 #include "spectral.h"
 
@@ -83,14 +83,5 @@ bool display_store(enum display_kind kind, int bits, const double linear[3], voi
 /* Writes the profile of a display, its matrix and tone curves, and returns its length in bytes. */
 enum { LARGEST_PROFILE = 1024 };
 size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE]);
-
-/* ---- Inside this room ---- */
-
-/* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
- * linear = slope x value. */
-struct display_curve {
-    double exponent, gain, offset, slope, from;
-};
-struct display_curve display_curve(enum display_kind kind, int channel);
 
 #endif

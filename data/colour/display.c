@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
+#include "data/colour/inside.h"
 #include "data/maths/maths.h"
 
 static const char *const names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};

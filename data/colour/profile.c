@@ -3,7 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
+#include "data/colour/inside.h"
 
 enum { HEADER = 128, TAGS = 10, TAG_ENTRY = 12 };
 

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* The room "maths": elementary functions, vectors, matrices. It needs nothing but the C library, so
  * that the reference rasterizer can be compiled with this room alone. */
-#ifndef MATHS_H
-#define MATHS_H
+#ifndef DATA_MATHS_MATHS_H
+#define DATA_MATHS_MATHS_H
 
 #include <stdbool.h>
 #include <stdint.h>
+
+#include "spectral.h"
 
 /* Unit roundoffs: rounding to the nearest number changes a value by at most this part of it, unless
  * it underflows. Single precision holds all whole numbers up to 1 / SINGLE_ROUNDOFF. */

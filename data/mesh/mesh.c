@@ -7,7 +7,8 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/mesh/mesh.h"
+#include "data/maths/maths.h"
+#include "data/mesh/inside.h"
 
 /* ---- the mesh itself ---- */
 

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
+/* The room "polygon": faces of several corners, and their cutting into triangles. */
 /* The room "mesh": triangles, Wavefront OBJ files. */
-#ifndef MESH_H
-#define MESH_H
+/* The room "shape": the shapes of the scene language as triangles, and the surfaces that the
+ * triangles of built-in shapes approximate. */
+#ifndef DATA_MESH_MESH_H
+#define DATA_MESH_MESH_H
 
-#include "data/index/index.h"
+#include "data/base/base.h"
 #include "data/maths/maths.h"
-#include "data/names/names.h"
-#include "data/polygon/polygon.h"
+#include "data/text/text.h"
 #include "spectral.h"
 
 /* ---- mesh.c: triangles ---- */
@@ -29,21 +31,6 @@ struct mesh {
     struct division *division; /* the triangles of each part, once mesh_part has asked; owned */
 };
 
-/* Makes room for so many more vertices and triangles; *mesh keeps its content. A second call before
- * the room is filled must ask for the rest of it again; 0, 0 gives back all unused room. Fails with
- * EXIT_SYSTEM. */
-bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
-/* Does the same for the mesh of a shape. Refuses one that, planned and drawn, would need more
- * memory than is left. */
-bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
-/* Reads a Wavefront OBJ file: v, vt, vn, f and usemtl. Skips other known statements, refuses
- * unknown and malformed ones. Cuts faces of any size, concave ones too, into triangles. A corner
- * without vn gets the mean normal of its face and of the faces there that meet it at less than
- * crease_deg, weighted by their angles; a face without area has no weight. A corner without vt gets
- * planar coordinates, as by mesh_planar. With unitize, the mesh is first moved and scaled into the
- * cube [-1, 1]^3. `from` is the place that names the file. */
-bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
-               struct mesh *out, struct error *err);
 /* Finds the bounding box. Without vertices *low is HUGE_VAL and *high -HUGE_VAL. */
 void mesh_box(const struct mesh *mesh, struct vector *low, struct vector *high);
 /* Sets texture coordinates, 0 to 1, from x and y in the bounding box of the mesh. */
@@ -56,6 +43,7 @@ void mesh_free(struct mesh *mesh);
 bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err);
 
 /* ---- split.c: parts of a mesh, and of its edges ---- */
+
 /* Cuts all triangles that cross x = 0 there, and makes two parts: 0 at negative x, 1 at positive x.
  * New vertices lie at exactly x = 0, with the same bits on both sides and in neighbouring
  * triangles, so that no crack opens. The parts and names of *from are lost. */
@@ -67,51 +55,76 @@ bool mesh_halve(struct mesh *mesh, struct error *err);
  * order. It may be empty: n_triangles 0. */
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);
 
-/* ---- Inside this room ---- */
+/* ---- shape.c: the words of the scene language ---- */
 
-void division_free(struct division *division); /* in split.c; NULL is fine */
-
-/* obj.c: the statements of a Wavefront OBJ file. */
-
-enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
-
-struct obj_corner {
-    int32_t index[3]; /* into the lists, from 0; -1: none */
-    int32_t face;
-    /* The normal of the whole face, and the angle of the face here: mesh.c sets them if normals are
-     * lacking. A face without area has 0 0 0 and 0, and so no weight in any mean. */
-    struct vector normal;
-    double angle;
+/* The table in shape.c has their words and sizes. A plane and a disk face +z. */
+enum shape_kind {
+    SHAPE_SPHERE,
+    SHAPE_TORUS,
+    SHAPE_BOX,
+    SHAPE_PLANE,
+    SHAPE_CYLINDER,
+    SHAPE_CONE,
+    SHAPE_DISK,
+    SHAPE_TEAPOT,
+    SHAPE_MESH /* an OBJ file */
 };
-struct obj_list {
-    struct vector *at;
-    int n;
+struct shape {
+    enum shape_kind kind;
+    double parameter[4]; /* the sizes; 0 behind the last one */
+    char *path;          /* SHAPE_MESH; owned */
+    bool unitize;
+    double crease_deg; /* 90 by default */
+    bool planar;       /* texture coordinates by mesh_planar */
+    double repeat[2];  /* how often a texture fits along s and t; 1 1 by default */
+    struct place place;
 };
-struct obj_face {
-    int32_t first, n; /* of its corners */
-    int32_t name;     /* index of its usemtl */
+const char *shape_name(enum shape_kind kind); /* the scene language's word */
+/* Prints the word of a built-in shape, its sizes, and what they are where they are left out. */
+void shape_print_signature(enum shape_kind kind, struct printed *to);
+/* Returns whether all faces of the shape are flat. The rim of a disk is round all the same. */
+bool shape_is_flat(enum shape_kind kind);
+/* Reads a shape's word and sizes, or `mesh` and a file. Sizes that are left out and the other
+ * members get their defaults. */
+bool shape_read(struct text *text, struct shape *out, struct error *err);
+/* Returns the shape with `factor` times as many slices, stacks, ...: rounded, and kept within the
+ * range that shape_read accepts. The result shares what *shape owns and is not to be freed. */
+struct shape shape_tessellated(const struct shape *shape, double factor);
+void shape_free(struct shape *shape);
+
+/* ---- patches.c: the surface of a built-in shape ---- */
+
+/* A shape is made of parametric patches. u and v count cells from 0 to patch_cells, as the slices
+ * and stacks of the shape. Where patches meet, equal places have equal bits. */
+struct patches {
+    const struct shape *shape;
+    struct teapot_patch *teapot; /* owned; NULL: another shape */
 };
-/* A face has at least 3 corners, and neighbouring ones lie at different places. All counts are
- * below 2^30, since the file is shorter than 2^31 bytes. */
-struct obj {
-    struct obj_list list[3]; /* OBJ_POINT, OBJ_TEXTURE; OBJ_NORMAL, of unit length or 0 0 0 */
-    struct obj_corner *corners;
-    struct obj_face *faces;
-    char **names; /* of usemtl, in order of first use by a face; "" before the first; owned */
-    struct index places; /* of the names */
-    int n_corners, n_faces, n_names;
-    struct word material; /* the latest usemtl, while the file is read */
-    int32_t name;         /* its index; -1: not used yet */
-    bool lacks_normals;   /* some corner that was read has none */
+/* Opens the surface of a shape, which must outlive it; of a mesh nothing. The caller always closes
+ * it. Fails only where the system does. */
+bool patches_open(const struct shape *shape, struct patches *out, struct error *err);
+void patches_close(struct patches *patches);
+/* Returns whether a patch is flat, so that its triangles are exact but at a round rim. */
+bool patch_is_flat(const struct shape *shape, int patch);
+/* Brings parameters that have left a curved patch back into it: around where it is closed,
+ * otherwise to its border. */
+void patch_enter(const struct shape *shape, double *u, double *v);
+/* Returns the place on a patch, rounded to 2^-18 of a cell, with its outward normal. */
+struct vertex patch_vertex(const struct patches *patches, int patch, double u, double v);
+
+/* ---- build.c: the triangles of a shape ---- */
+
+/* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
+bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
+
+/* Lets a texture fit as often as the shape says: multiplies s and t. */
+void shape_repeat_texture(const struct shape *shape, struct mesh *mesh);
+
+/* teapot.c: the 32 bicubic Bézier patches of the Utah teapot. */
+enum { TEAPOT_PATCHES = 32 };
+struct teapot_patch {
+    struct vector point[16];
+    bool pole; /* its first row is one point */
 };
 
-/* Reads and checks the file. Refuses one without any face. */
-bool obj_read(const char *path, struct place from, struct obj *out, struct error *err);
-struct vector obj_point(const struct obj *obj, int corner); /* the place of a corner */
-void obj_free(struct obj *obj);
-
-/* normals.c: computes the normals that corners lack, and adds them to the list. The corners of a
- * point are order[starts[point]] up to before order[starts[point + 1]], and increase. */
-bool normals_fill(struct obj *obj, const int32_t *order, const int32_t *starts, double crease_deg,
-                  struct error *err);
 #endif

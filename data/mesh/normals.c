@@ -7,7 +7,8 @@
 #include <stdlib.h>
 
 #include "data/base/base.h"
-#include "data/mesh/mesh.h"
+#include "data/maths/maths.h"
+#include "data/mesh/inside.h"
 
 struct crowd;
 /* The corners at a point. */

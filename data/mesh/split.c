@@ -3,7 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/mesh/mesh.h"
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "data/mesh/inside.h"
 
 /* ---- edges that get a vertex ---- */
 

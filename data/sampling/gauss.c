@@ -3,7 +3,8 @@
 #include <stdlib.h>
 
 #include "data/colour/colour.h"
-#include "data/sampling/sampling.h"
+#include "data/sampling/inside.h"
+#include "data/spectra/spectra.h"
 
 /* ---- one rule ---- */
 

@@ -1,14 +1,142 @@
 /* SPDX-License-Identifier: MIT */
+/* The room "terms": products of the spectra of lights and materials, multiplied once for all
+ * vertices. It depends on no geometry, no drawing and no method of sampling. */
+/* The room "method": ways to sample a spectrum, as words. */
 /* The room "sampling": few pages stand for a whole spectrum. */
-#ifndef SAMPLING_H
-#define SAMPLING_H
+#ifndef DATA_SAMPLING_SAMPLING_H
+#define DATA_SAMPLING_SAMPLING_H
 
-
-#include "data/method/method.h"
+#include "data/base/base.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
-#include "data/terms/terms.h"
 #include "spectral.h"
+
+/* ---- data/sampling/spectral_pages.c: pages made of spectra ---- */
+
+/* The pages of a picture, made of spectra. The arrays belong to others. A page holds the value of a
+ * spectrum at the page's wavelength. If there is an analysis, it holds the sum of the spectrum
+ * times the page's row of the analysis, over the grid first_nm, first_nm + 1, ... nm. */
+struct spectral_pages {
+    int n; /* pages */
+    double *wavelength_nm;
+    double first_nm;
+    int n_nm;
+    double *analysis;             /* [page * n_nm + j]; NULL: values at wavelengths */
+    double *reflectance_analysis; /* of reflectances alone, whose pages then multiply those of
+                                     lights, and show no fluorescence; NULL: as of lights */
+    bool of_products;             /* light times reflectance is analysed, not each by itself */
+    bool clips;                   /* a sum below 0 becomes 0 */
+};
+/* Returns the pages of a scene that is not sampled: one a wavelength. They are valid as long as the
+ * scene. */
+struct spectral_pages scene_pages(const struct scene *scene);
+/* Return how many wavelengths the pages depend on, and wavelength i of them: those of the pages, or
+ * every nm of the grid. */
+int pages_looked_at(const struct spectral_pages *pages);
+double pages_looked_at_nm(const struct spectral_pages *pages, int i);
+/* Returns whether a light is above 0 at any of these wavelengths. */
+bool pages_show(const struct spectral_pages *pages, const struct spectrum *light);
+
+/* Computes the mean of all lights and ambient lights, weighted by intensity: the radiance on each
+ * page of a perfect diffuser under one such light of intensity 1. Returns the sum of the
+ * intensities, or 0 if nothing shines; *out is then undefined. */
+double scene_white(const struct scene *scene, const struct spectral_pages *pages, double *out);
+
+/* ---- data/sampling/illumination.c: lights that shine ---- */
+
+/* Returns whether a spectrum is 0 at every wavelength, as far as its own numbers show. */
+bool spectrum_is_zero(const struct spectrum *spectrum);
+struct shining_light {
+    const struct light *light;
+    int first;    /* index of the first light of the same spectrum; perhaps this one */
+    double share; /* this light's radiation divided by that of the first one */
+    int n_alike;  /* lights whose first one this is */
+};
+/* The light of a scene, and the pages that show it. */
+struct illumination {
+    const struct scene *scene;
+    struct spectral_pages pages;
+    bool exchangeable; /* lights may be exchanged afterwards: lights and terms that are 0 are kept,
+                          and each light has its own terms */
+    int n_lights;
+    struct shining_light *lights; /* in the scene's order; owned */
+    int *first, n_first;          /* those that are the first of their spectrum; owned */
+};
+/* Lists the lights that are not 0 everywhere. Scene and pages must outlive *out. */
+bool illumination_make(const struct scene *scene, const struct spectral_pages *pages,
+                       bool exchangeable, struct illumination *out, struct error *err);
+void illumination_free(struct illumination *illumination);
+
+/* ---- data/sampling/terms.c: materials under lights ---- */
+
+/* Radiance at a point is a sum over terms of weight(point) x spectrum(wavelength) (local
+ * illumination is linear), times the texture there: weights depend on geometry only, spectra on
+ * light and material. */
+enum term_kind {
+    TERM_CONSTANT, /* ambient light and emission; its weight is 1 */
+    TERM_DIFFUSE,
+    TERM_SPECULAR
+};
+struct spectral_term {
+    enum term_kind kind;
+    int light;         /* index of the first light of its spectrum; -1: none */
+    double peak, mean; /* of its spectrum on all pages: the largest value, and the mean of them */
+};
+/* The terms of a material. Lights of one spectrum share their terms, and terms that are 0 on all
+ * pages are left out. */
+struct material_terms {
+    const struct material *material;
+    int n;
+    struct spectral_term *terms; /* owned */
+    double *spectra;             /* [term][page]; owned */
+    bool ambient, emits, fluoresces;
+    long excitation_integrals; /* how many were computed */
+};
+/* Makes the terms of the material under the light. The material must outlive *out. */
+bool material_terms_make(const struct illumination *illumination, const struct material *material,
+                         struct material_terms *out, struct error *err);
+void material_terms_free(struct material_terms *terms);
+/* Computes the luminescence of a material on each page, under a light of intensity 1 that shines on
+ * it at a right angle. Pages must not be components. */
+bool material_luminescence(const struct spectral_pages *pages, const struct material *material,
+                           const struct spectrum *light, double *out, struct error *err);
+
+/* ---- method.c: names of samplings ---- */
+
+enum sampling_kind {
+    SAMPLING_BOX,      /* box:N - N boxes of equal area under the detector's functions (Hall) */
+    SAMPLING_RIEMANN,  /* riemann:STEP - a value every STEP nm */
+    SAMPLING_GAUSS,    /* gauss:N[,FUNCTIONS] - quadrature weighted by functions of the detector */
+    SAMPLING_ADAPTIVE, /* adaptive:TOL - segments, peaks found, quadrature between (Deville) */
+    SAMPLING_BASIS,    /* basis:K - principal components of the scene's lights x reflectances */
+    SAMPLING_RGB,      /* rgb - linear sRGB of lights times linear sRGB of reflectances */
+    SAMPLING_XYZ       /* xyz - tristimulus values of lights times those of reflectances */
+};
+/* The functions that weigh the quadrature of gauss. Each of the three functions of XYZ, LMS and ACC
+ * has nodes of its own. */
+enum sampling_functions {
+    FUNCTIONS_DETECTOR, /* the sum of the magnitudes of the detector's three */
+    FUNCTIONS_OPEN,     /* the constant 1: any detector can be used afterwards */
+    FUNCTIONS_XYZ,      /* the observer's own */
+    FUNCTIONS_LMS,      /* Hunt-Pointer-Estevez cone responses, linear in those */
+    FUNCTIONS_ACC       /* opponent A, C1, C2: the principal axes of the cones' overlaps, linear in
+                           those; C1 and C2 change sign */
+};
+struct sampling_method {
+    enum sampling_kind kind;
+    int count;        /* N or K; gauss: 1 to LARGEST_QUADRATURE */
+    double step_nm;   /* STEP */
+    double tolerance; /* TOL: of a channel's response to a light, in parts of that */
+    enum sampling_functions functions;
+};
+/* Reads a method as written above. Messages name `option`. */
+bool sampling_read(const char *option, const char *text, struct sampling_method *out,
+                   struct error *err);
+/* Writes a method as sampling_read takes it, with the fewest digits that are exact. */
+enum { SAMPLING_NAME = 48 };
+void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME]);
+/* Returns whether pages of the method of this name are means over segments, not values in them. */
+bool sampling_takes_means(const char *name);
 
 /* ---- sampling.c, fine_spectra.c: samplings of a scene ---- */
 
@@ -95,40 +223,13 @@ const char **sampling_labels(const struct sampling *sampling, int n, struct erro
 void sampling_print(const struct sampling *sampling, struct printed *to);
 void sampling_free(struct sampling *sampling);
 
-/* ---- Inside this room ---- */
+/* ---- sampling_options.c: a scene as the command line samples it ---- */
 
-/* The input of a maker; `out` has the method, the detector's name and the fine detector. */
-struct sampling_task {
-    char name[SAMPLING_NAME];
-    const struct detector *detector;
-    const struct fine_spectra *spectra;
-    struct sampling *out;
-};
-
-/* Makes room for n pages, with segments if wanted. */
-bool sampling_room(struct sampling *out, int n, bool segments, struct error *err);
-/* Returns a zeroed array; NULL after an error. */
-double *sampling_numbers(size_t count, struct error *err);
-/* Returns the sum of the magnitudes of the detector's weights at nm j of the grid. */
-double sampling_seen(const struct sampling *sampling, int j);
-/* Refuses more pages than `most` nm. In uniform.c, as the next. */
-bool sampling_refuse(const struct sampling_task *task, int most, struct error *err);
-/* Combines three rows of n numbers by a matrix. */
-void sampling_transform(double m[3][3], const double *rows, int n, double *out);
-
-/* Makers, in uniform.c, gauss.c, adaptive.c and basis.c. Each makes room for pages and sets their
- * wavelengths, or their analysis and synthesis (which is otherwise linear between wavelengths), and
- * their segments, or weights where these do not follow from segments. */
-bool sample_box(const struct sampling_task *task, struct error *err);
-bool sample_riemann(const struct sampling_task *task, struct error *err);
-bool sample_tristimulus(const struct sampling_task *task, struct error *err); /* rgb and xyz */
-bool sample_gauss_detector(const struct sampling_task *task, struct error *err);
-bool sample_gauss_open(const struct sampling_task *task, struct error *err);
-bool sample_gauss_functions(const struct sampling_task *task, struct error *err);
-bool sample_adaptive(const struct sampling_task *task, struct error *err);
-bool sample_basis(const struct sampling_task *task, struct error *err);
-/* In basis.c. Turns rows of n numbers (finite, with squares that are) among themselves until they
- * are orthogonal, the longest first: Jacobi's method on one side. */
-void orthogonal_rows(double *row, int rows, int n);
+extern const struct option_list sampling_options;
+/* Reads SCENE with its changes, and samples it if --sampling is given; otherwise *sampling stays
+ * zeroed. Refuses --detector without --sampling or --accuracy. The caller frees both, also after a
+ * failure. */
+bool scene_read_sampled(const struct options *options, struct scene *out, struct sampling *sampling,
+                        struct error *err);
 
 #endif

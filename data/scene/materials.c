@@ -6,7 +6,9 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/scene/scene.h"
+#include "data/scene/inside.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
 
 /* ---- definitions ---- */
 

@@ -6,7 +6,10 @@
 #include <stdlib.h>
 
 #include "data/base/base.h"
-#include "data/scene/scene.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/inside.h"
+#include "data/text/text.h"
 
 /* ---- transforms ---- */
 

@@ -5,8 +5,10 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/digest/digest.h"
-#include "data/scene/scene.h"
+#include "data/files/files.h"
+#include "data/scene/inside.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
 
 /* ---- files ---- */
 

@@ -1,12 +1,42 @@
 /* SPDX-License-Identifier: MIT */
+/* The room "material": the thesis's material files, materials in words, MTL files. */
 /* The room "scene": the scene language. */
-#ifndef SCENE_H
-#define SCENE_H
+/* The room "catalogue": the names of everything that is built in. */
+#ifndef DATA_SCENE_SCENE_H
+#define DATA_SCENE_SCENE_H
 
-#include "data/material/material.h"
 #include "data/maths/maths.h"
-#include "data/shape/shape.h"
+#include "data/mesh/mesh.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
 #include "spectral.h"
+
+/* ---- material.c: materials from files and from words ---- */
+
+/* How a surface reflects and emits light. All reflectances are in [0, 1]. */
+struct material {
+    char *name; /* file name without folder and ending, or the scene's name; owned */
+    char *path; /* owned; NULL for a material written in the scene */
+    struct place place;
+    struct spectrum diffuse;  /* always present */
+    struct spectrum specular; /* absent with gloss > 0: 1 at every wavelength */
+    double gloss;             /* 0..128; 0: no highlight */
+    struct place gloss_place;
+    struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
+    char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
+    struct place donaldson_place;
+    char *texture;       /* file; owned, NULL: none */
+    bool texture_linear; /* of either kind */
+    struct place texture_place;
+    char *spectral_texture; /* stack; owned, NULL: none */
+    struct place spectral_texture_place;
+    struct spectrum glow;     /* emission that needs no light */
+    char *partner_name;       /* `metamer MATERIAL`: name in the scene; owned */
+    int partner_index;        /* in the scene, if an object uses this material; otherwise 0 */
+    struct material *partner; /* from the m lines of a material file; owned; NULL: none */
+    struct place partner_place;
+    bool from_rgb; /* spectra are made of three numbers of an MTL file, not measured */
+};
 
 struct light {
     struct spectrum spectrum;
@@ -88,63 +118,24 @@ bool scene_set_shading(struct scene *scene, const char *text, struct error *err)
 bool scene_set_samples(struct scene *scene, const char *text, struct error *err);
 bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);
 
-/* ---- Inside this room ---- */
-enum { DEEPEST_INCLUDE = 32, MOST_INCLUDES = 1000, N_ONCE = 5 };
+/* ---- scene_options.c: a scene as the command line names and changes it ---- */
 
-/* The state of reading a scene. A function NAME_read below reads one statement, from behind its
- * first word. */
-struct scene_reader {
-    struct scene *scene;
-    struct word *materials;     /* of each object, the name of its material or map, to be looked up
-                                   when all materials are known; start NULL: it is known already */
-    struct text *text;          /* the statement that is read */
-    struct place place;         /* of its first word */
-    struct place given[N_ONCE]; /* of the statements that may be given only once */
-    const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
-    int n_open, n_included;            /* n_included: all files included, each as often as it is */
-    struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
-    /* Indices of materials: by name; by file, of those in lists; by MTL file and entry. The last
-     * one has the indices of the MTL files in `mtl`. */
-    struct index named, listed, entries, mtl_paths;
-    struct mtl *mtl; /* the MTL files that were read */
-    int n_mtl;
-};
-/* Gives the text to the scene, which owns it; a failure frees it. *text stays valid as a cursor. */
-bool scene_keep(struct scene *scene, struct text *text, struct error *err);
-/* Opens the file of this kind that the word names, and keeps it. */
-bool scene_open(struct scene *scene, const struct word *word, enum file_kind kind, struct text *out,
-                struct error *err);
+/* Changes of all scenes; and of those that are shaded once, as cost and verify do not. */
+extern const struct option_list scene_options, shading_options;
+/* Reads SCENE and makes the changes that the options ask for, in their order. */
+bool scene_read_options(const struct options *options, struct scene *out, struct error *err);
+/* Refuses a text file, or the name of a built-in scene, where a stack is expected: nobody has
+ * rendered it yet.
+ * A missing file passes: whoever opens it reports that. */
+bool scene_refuse(const char *stack, struct error *err);
 
-/* view.c: wavelengths, size, camera, shading. */
-bool wavelengths_read(struct scene_reader *reader, struct error *err);
-bool size_read(struct scene_reader *reader, struct error *err);
-bool camera_read(struct scene_reader *reader, struct error *err);
-bool viewer_read(struct scene_reader *reader, struct error *err);
-bool shading_read(struct scene_reader *reader, struct error *err);
-/* Sets the size, camera, ... that hold unless a statement says otherwise. */
-void view_set_defaults(struct scene *scene);
-/* Sets the wavelengths where no statement has set them. */
-bool wavelengths_complete(struct scene *scene, struct error *err);
-/* Opens an option's value as a text of one line. The scene keeps it: places point into it. */
-bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
-                 struct error *err);
-/* The bytes of an option's text from `start` up to `end` as a word. */
-struct word option_word(const struct text *text, const char *start, const char *end);
+/* ---- command.c: spectral list, spectral show ---- */
 
-bool ambient_read(struct scene_reader *reader, struct error *err); /* in lights.c */
-bool light_read(struct scene_reader *reader, struct error *err);
-
-/* materials.c: finds materials by name, and reads those that are used. */
-bool definition_read(struct scene_reader *reader, struct error *err);
-/* Adds the material of a file that a list names, unless it is there already; *out is its index. */
-bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err);
-/* Finds the materials of all objects and reads those that are used. */
-bool materials_resolve(struct scene_reader *reader, struct error *err);
-void materials_forget(struct scene_reader *reader); /* frees what finds materials by name */
-
-/* object.c: shapes, objects and grids of them. */
-bool object_read(struct scene_reader *reader, struct error *err);
-bool checker_read(struct scene_reader *reader, struct error *err);
-void object_free(struct object *object);
+/* Prints the names of one kind, or of all kinds. */
+extern const struct command list_command;
+/* Writes a built-in file, by the name that a list prints or by its path "builtin:...", to standard
+ * output or to the output. If files of several kinds have the name, it is the first of scene,
+ * material, list of materials, spectrum or detector, model, material map and texture. */
+extern const struct command show_command;
 
 #endif

@@ -4,7 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/spectra/spectra.h"
+#include "data/spectra/inside.h"
+#include "data/text/text.h"
 
 /* ---- wavelengths ---- */
 

@@ -6,7 +6,9 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "data/base/base.h"
 #include "data/spectra/spectra.h"
+#include "data/text/text.h"
 
 /* ---- the wavelengths of two spectra ---- */
 

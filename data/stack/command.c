@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral info: how a stack was made, as JSON or in words. */
-#include "data/invocation/invocation.h"
-#include "data/stack/stack.h"
+#include "data/base/base.h"
+#include "data/images/images.h"
+#include "data/stack/inside.h"
 #include "data/text/text.h"
 
 bool record_open(const char *path, struct image *image, struct record *out, struct error *err)
@@ -62,7 +63,7 @@ static void put_facts(struct json *json, const struct image *image, const struct
     json_string(json, "verdict", image->verdict);
 }
 
-bool command_info(struct options *options, struct error *err)
+static bool run_info(struct options *options, struct error *err)
 {
     struct json json;
     struct image image = {.path = NULL};
@@ -80,3 +81,14 @@ bool command_info(struct options *options, struct error *err)
     image_close(&image);
     return done;
 }
+
+static const struct option_list *const lists[] = {&json_option, &common_options, NULL};
+const struct command info_command = {
+    .name = "info",
+    .operands = "STACK",
+    .summary = "print how a stack was made",
+    .example = "info spheres.tif",
+    .run = run_info,
+    .lists = lists,
+    .n_operands = 1,
+};

@@ -5,11 +5,17 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/method/method.h"
-#include "data/stack/stack.h"
+#include "data/base/base.h"
+#include "data/images/images.h"
+#include "data/sampling/sampling.h"
+#include "data/stack/inside.h"
+#include "data/text/text.h"
 
 enum { COPIED_BYTES = 1 << 22 };
 
+struct join_options {
+    bool keep, envi;
+};
 struct joined {
     struct cube first; /* part; it stays open */
     char *record;      /* of all parts, as make_common makes it; owned */
@@ -94,23 +100,35 @@ static bool add_verdict(struct joined *joined, const struct cube *part, struct e
     return true;
 }
 
+/* Finds the share of object pixels that may stay unchecked, by the options of the record. */
+static bool find_share(const struct record *record, double *out, struct error *err)
+{
+    static const char unchecked[] = "--unchecked=";
+    const size_t length = sizeof unchecked - 1;
+    *out = USUAL_UNCHECKED;
+    for (int i = 0; i < record->n_options; i++)
+        if (strcmp(record->options[i], "--strict") == 0)
+            *out = 0;
+    for (int i = 0; i < record->n_options; i++)
+        if (strncmp(record->options[i], unchecked, length) == 0 &&
+            !option_number("--unchecked", record->options[i] + length, 0, 1, out, err))
+            return false;
+    return true;
+}
+
 /* Concludes from the sums as a check of the whole picture does, by the recorded options. Each part
  * agrees on average by itself. */
-static bool conclude(struct joined *joined, const struct options *options, struct error *err)
+static bool conclude(struct joined *joined, struct error *err)
 {
-    const struct option_rules rules = {"render", options->table, RECORDED, 0};
-    struct options recorded;
     struct stack_verdict *sums = &joined->sums;
     double most;
-    const bool done = options_read(&rules, joined->first.record.options,
-                                   joined->first.record.n_options, &recorded, err) &&
-                      options_unchecked(&recorded, &most, err);
-    options_free(&recorded);
-    if (done && strcmp(sums->word, "differs") != 0)
+    if (!find_share(&joined->first.record, &most, err))
+        return false;
+    if (strcmp(sums->word, "differs") != 0)
         snprintf(sums->word, sizeof sums->word, "%s",
                  (double)sums->unchecked > most * (double)sums->objects ? "not verified"
                                                                         : "agreed");
-    return done;
+    return true;
 }
 
 /* ---- rows ---- */
@@ -237,22 +255,23 @@ static bool check_rows(const struct joined *joined, struct error *err)
 /* Stores the stack if its verdict agrees, or if it is kept anyway. */
 static bool finish(struct joined *joined, struct options *options, struct error *err)
 {
+    const struct join_options *own = options->own;
     char line[STACK_VERDICT];
-    if (!check_rows(joined, err) || (joined->has_sums && !conclude(joined, options, err)))
+    if (!check_rows(joined, err) || (joined->has_sums && !conclude(joined, err)))
         return false;
     snprintf(line, sizeof line, "%s", joined->first.image.verdict);
     if (joined->has_sums)
         stack_verdict_text(&joined->sums, line);
     const bool agreed = !joined->has_sums || strcmp(joined->sums.word, "agreed") == 0;
     bool done = stack_finish(&joined->writer, line, err);
-    if (done && (agreed || options->keep))
-        done = options->envi
+    if (done && (agreed || own->keep))
+        done = own->envi
                    ? stack_commit_envi(&joined->writer, options->output, &options->outputs, err)
                    : stack_commit(&joined->writer, &options->outputs, err);
     return done &&
            (agreed ||
             error_different(err, "the joined picture: %s; %s", line,
-                            options->keep ? "the stack was kept"
+                            own->keep ? "the stack was kept"
                                           : "no stack was written (--keep stores it anyway)"));
 }
 
@@ -266,7 +285,7 @@ static bool report(const struct options *options, const struct joined *joined, s
     return printed_show(&printed, options_table(options, options->output), err);
 }
 
-bool command_join(struct options *options, struct error *err)
+static bool run_join(struct options *options, struct error *err)
 {
     struct joined joined = {.record = NULL};
     if (!options->output || !options->operand || picture_is_png(options->output))
@@ -283,3 +302,22 @@ bool command_join(struct options *options, struct error *err)
     FREE_ALL(joined.record, joined.has, joined.bytes);
     return done;
 }
+
+static const struct option join_rows[] = {
+    {"-o, --output STACK.tif", "writes there; - is standard output", SHARED(TEXT, output),
+     .writes = true},
+    {"--keep", "stores the stack even if the check fails", OWN(FLAG, join_options, keep)},
+    {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, join_options, envi)},
+};
+static const struct option_list join_list = OPTION_LIST(join_rows);
+static const struct option_list *const lists[] = {&join_list, &quiet_option, &common_options, NULL};
+const struct command join_command = {
+    .name = "join",
+    .operands = "-o STACK PART...",
+    .summary = "put together the parts that render --part drew",
+    .example = "join -o spheres.tif spheres.*-of-4.tif",
+    .run = run_join,
+    .lists = lists,
+    .own_size = sizeof(struct join_options),
+    .n_operands = MAX_OPERANDS,
+};

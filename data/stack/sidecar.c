@@ -6,9 +6,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/invocation/invocation.h"
-#include "data/method/method.h"
-#include "data/stack/stack.h"
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/sampling/sampling.h"
+#include "data/stack/inside.h"
+#include "data/text/text.h"
 
 /* ---- the header ---- */
 
@@ -169,7 +172,7 @@ static bool write_header(const char *stack, const char *path, struct outputs *ou
     return done;
 }
 
-bool command_envi(struct options *options, struct error *err)
+static bool run_envi(struct options *options, struct error *err)
 {
     const char *stack = options->operand;
     if (!stack)
@@ -181,3 +184,20 @@ bool command_envi(struct options *options, struct error *err)
     free(beside);
     return done;
 }
+
+static const struct option envi_options[] = {
+    {"-o, --output FILE.hdr",
+     "writes there; - is standard output (default: STACK's name + .hdr, beside it)",
+     SHARED(TEXT, output), .writes = true},
+};
+static const struct option_list envi_list = OPTION_LIST(envi_options);
+static const struct option_list *const lists[] = {&envi_list, &common_options, NULL};
+const struct command envi_command = {
+    .name = "envi",
+    .operands = "STACK [-o FILE.hdr]",
+    .summary = "write the header by which ENVI and GDAL map a stack",
+    .example = "envi spheres.tif",
+    .run = run_envi,
+    .lists = lists,
+    .n_operands = 1,
+};

@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
-#include "data/stack/stack.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/stack/inside.h"
 
 static bool check_options(const struct stack_options *options, struct error *err)
 {

@@ -1,14 +1,110 @@
 /* SPDX-License-Identifier: MIT */
+/* The room "inputs": the files that a scene is made of, beside its own text. */
+/* The room "invocation": a scene as the command line names it, changes it and samples it. */
+/* The room "record": how a stack was made, as text in its first page. */
 /* The room "stack": writing a spectral stack, and reading one. */
-#ifndef STACK_H
-#define STACK_H
+#ifndef DATA_STACK_STACK_H
+#define DATA_STACK_STACK_H
 
-#include "data/options/options.h"
-#include "data/pages/pages.h"
-#include "data/record/record.h"
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
-#include "data/tiff/tiff.h"
+#include "data/text/text.h"
 #include "spectral.h"
+
+/* Materials, spectra, textures, meshes: files that decide a picture, and that are not built in. */
+struct inputs {
+    char **path; /* in the order of strcmp, each once; both are owned */
+    int n;
+};
+/* Lists the files that the scene's text and its options name, as far as the picture needs them and
+ * they are there: a material that no object uses is not read, and a plan refuses a missing file
+ * that it needs. detector: a file or a built-in name; NULL: the scene is not sampled for one. The
+ * caller frees *out, also after a failure. */
+bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
+                 struct error *err);
+/* Lists these and the files of the scene's text, unless that came from a pipe. */
+bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,
+                struct error *err);
+void inputs_free(struct inputs *inputs);
+/* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
+bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);
+
+
+struct texts {
+    const char **text; /* the array is owned, the texts are not */
+    int n;
+};
+struct numbers {
+    double *value; /* owned */
+    int n;
+};
+/* Rows of a picture, from the top, that lie in a stack of their own. */
+struct part_rows {
+    int first, count;
+};
+/* Everything that decides the bytes of a stack, except OpenGL. A member is a row in `fields` of
+ * record.c, by which it is written, read and freed. */
+struct record {
+    const char *program; /* name and version */
+    const char *scene;   /* as the command line named it */
+    const char *scene_sha256;
+    struct texts files;          /* that the scene names, as inputs_digest prints them */
+    const char *renderer;        /* "raster", or OpenGL's GL_RENDERER */
+    char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
+    int n_options;
+    struct texts lights, ambients; /* of the scene, each as SPECTRUM*INTENSITY */
+    /* scene_white, on each page; none where nothing shines, in pages of components, or in a stack
+     * without this record. */
+    struct numbers white;
+    struct numbers illumination; /* one: the sum of the lights' intensities, if there is a white */
+    /* How the spectra were sampled: as sampling_name, and for which detector; NULL: at the
+     * wavelengths. */
+    const char *sampling, *sampling_detector;
+    const char *components; /* "yes": pages have no wavelengths; NULL: they are radiances */
+    /* Two limits a page, which lies between them. They rise without overlap, and at most
+     * LARGEST_QUADRATURE pages share one segment. */
+    struct numbers segments;
+    /* A fixed sampling has a response: its weights. They hold for the cells of 1 nm between the two
+     * limits in range_nm. white_response is the detector's response to the white there: three
+     * numbers, or none if it does not see the white. */
+    struct numbers response, range_nm, white_response;
+    struct texts objects; /* by their numbers in the object map, from 1; 0 is the background */
+    /* Only a part has these: its first row, its number of rows and that of the picture; the
+     * wavelengths of its pages, with all digits. */
+    struct numbers rows, wavelengths;
+    /* Only record_read sets these: how samples become radiances; the object map, "OFFSET
+     * BYTES_PER_PIXEL", and both of its numbers, 0 where there is no map. */
+    const char *full_scale, *scale, *object_map;
+    uint64_t map_offset;
+    int map_bytes;
+    char *text; /* files, lights, ambients and, once it is read, all strings point into it; owned */
+};
+/* Returns how many decimal digits of a number read back as the same double. */
+int exact_digits(double number);
+/* Records a scene: its name, its files and that of the detector it is drawn for (NULL: none), its
+ * lights, its white and its sampling (NULL: none). Scene and sampling must outlive the record. */
+bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
+                  struct record *out, struct error *err);
+/* Records that the stack has these rows of a picture, and n wavelengths (components: 0). height:
+ * the rows of the picture. */
+bool record_part(struct record *record, const struct part_rows *rows, int height,
+                 const double *wavelengths_nm, int n, struct error *err);
+/* Compares the files that a scene names, and that of its detector (NULL: none), with those that are
+ * recorded. *change says in words what the first difference is; "": there is none. */
+enum { FILE_CHANGE = 1024 };
+bool record_find_change(const struct record *record, const struct scene *scene,
+                        const char *detector, char change[FILE_CHANGE], struct error *err);
+/* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
+ * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
+char *record_text(const struct record *record, struct error *err);
+
+/* Returns the sum of the lights' intensities; 0: no white is recorded. */
+double record_illumination(const struct record *record);
+void record_free(struct record *record);
 
 /* ---- stack.c: the multi-page TIFF ---- */
 
@@ -67,9 +163,6 @@ struct stack_verdict {
     uint64_t unexplained, pixels, unchecked, objects;
 };
 void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT]);
-/* Returns false where the line records no numbers: nothing was checked, or the reference's pixels
- * are stored. */
-bool stack_verdict_read(const char *line, struct stack_verdict *out);
 
 /* ---- cube.c: a spectral stack to be read ---- */
 
@@ -128,12 +221,14 @@ void cube_close(struct cube *cube);
 /* Joins the stacks of parts, in any order, into the bytes of the whole stack. Refuses parts that
  * are missing, double, or of another render. Fails with EXIT_DIFFERENT where too little of the
  * whole picture could be checked. */
-bool command_join(struct options *options, struct error *err);
+extern const struct command join_command;
+/* The share of object pixels that may stay unchecked, unless --unchecked says otherwise. */
+#define USUAL_UNCHECKED 0.01
 
 /* ---- sidecar.c: the ENVI header of a stack, STACK.tif.hdr; spectral envi ---- */
 
 /* Writes the header of a stack. */
-bool command_envi(struct options *options, struct error *err);
+extern const struct command envi_command;
 /* Refuses a stack that will be no file (/dev/null, a pipe), and a header that cannot be written.
  * Leaves no file. */
 bool sidecar_can_open(const char *stack, struct error *err);
@@ -147,19 +242,9 @@ char *sidecar_name(const char *stack, struct error *err);
 /* ---- command.c: spectral info ---- */
 
 /* Prints how a stack was made. */
-bool command_info(struct options *options, struct error *err);
+extern const struct command info_command;
 /* Opens a stack and reads its record. The caller closes the image and frees the record, also after
  * a failure; the record needs the image no longer. */
 bool record_open(const char *path, struct image *image, struct record *out, struct error *err);
-
-/* ---- Inside this room ---- */
-
-#define PAGE_LABEL "%.10g nm"
-/* tags.c: returns the width of a page: the mean distance to its neighbours; 0: it is the only one.
- */
-double page_width_nm(const double *wavelengths_nm, int n, int page);
-/* Sets all tags of the current directory but those of its format. It is the page_tags of a
- * stack_writer, to which `stack` points. */
-bool tags_set(struct tiff *tiff, const void *stack, int page, struct error *err);
 
 #endif

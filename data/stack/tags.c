@@ -7,8 +7,9 @@
 #include <string.h>
 #include <tiffio.h>
 
-#include "data/stack/stack.h"
-#include "data/text/text.h"
+#include "data/base/base.h"
+#include "data/images/images.h"
+#include "data/stack/inside.h"
 
 #define RADIANCE_UNIT "W sr-1 m-2 nm-1 (relative)"
 #define OME_SCHEMA "http://www.openmicroscopy.org/Schemas/OME/2016-06"

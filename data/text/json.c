@@ -6,6 +6,8 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "data/base/base.h"
+#include "data/files/files.h"
 #include "data/text/text.h"
 
 void json_begin(struct json *json)

@@ -10,7 +10,8 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "data/digest/digest.h"
+#include "data/base/base.h"
+#include "data/files/files.h"
 #include "data/text/text.h"
 
 enum {

@@ -1,12 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 /* The room "text": strict words and numbers in, JSON out. */
-#ifndef TEXT_H
-#define TEXT_H
+/* The room "names": the files that words name. Some files are built in, and each kind of them has
+ * names of its own, which `spectral list` prints. */
+/* The room "options": reads the options of a command line by the rules of a table.
+ * This room does not depend on the meaning of a value. Still it refuses a wrong one at once, so
+ * that the user sees the first mistake: the table has bounds, choices, and functions of other
+ * rooms. */
+#ifndef DATA_TEXT_TEXT_H
+#define DATA_TEXT_TEXT_H
+
+#include <stddef.h>
+#include <stdio.h>
 
 #include "data/base/base.h"
-#include "data/output/output.h"
+#include "data/files/files.h"
 #include "data/maths/maths.h"
 #include "spectral.h"
+
+struct scene;
 
 /* ---- text.c: a text file, word by word ---- */
 
@@ -150,5 +161,152 @@ void json_numbers(struct json *json, const char *key, const double *values, int 
 char *json_take(struct json *json, struct error *err);
 /* Ends both and writes the text to a file, as file_write; words appear on standard output. */
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err);
+
+/* ---- names.c ---- */
+
+enum file_kind {
+    FILE_SCENE,
+    FILE_MATERIAL,
+    FILE_LIST, /* of materials */
+    FILE_TABLE,
+    FILE_MODEL,
+    FILE_MAP, /* of materials of a mesh */
+    FILE_TEXTURE,
+    FILE_KINDS
+};
+/* Writes the name of a built-in file of this kind. Returns false if the file is of another kind. */
+bool builtin_is(const struct builtin_file *file, enum file_kind kind, char out[BUILTIN_NAME]);
+/* Finds the path of the file that a word names, relative to the word's own file. *out is allocated.
+ * Refuses an empty word. */
+bool word_path(const struct word *word, char **out, struct error *err);
+/* Finds the file that a word names: a built-in one by its name, or a file relative to the word's
+ * own file; if that is missing, a built-in one whose name differs in case. *out is its path,
+ * allocated. Refuses an empty word, but not a missing file. */
+bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err);
+/* Refuses a missing file, and proposes a built-in one of this kind. The place names the file. */
+bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err);
+
+enum option_kind {
+    OPTION_TEXT,   /* const char *: kept as it is written */
+    OPTION_NUMBER, /* double, from lowest to highest */
+    OPTION_COUNT,  /* int: a whole number from lowest to highest */
+    OPTION_FLAG,   /* bool: takes no value */
+    OPTION_CHANGE  /* changes the scene, by the function `change` */
+};
+
+/* An option. Rows of one command have names of their own. */
+struct option {
+    const char *usage; /* names with their dashes, then the value's: "-o, --output FILE" */
+    const char *help;  /* for --help, which breaks its lines */
+    enum option_kind kind;
+    bool own;                   /* the value is in the command's own options, not in struct options */
+    size_t offset;              /* of the value there; unused by OPTION_CHANGE */
+    double lowest, highest;     /* of a number or a count */
+    const char *const *choices; /* OPTION_TEXT: the words to choose from, then NULL; NULL: any */
+    /* OPTION_TEXT: refuses a value that the command cannot use; NULL: any is good. */
+    bool (*accepts)(const char *option, const char *value, struct error *err);
+    bool (*change)(struct scene *scene, const char *value, struct error *err);
+    bool writes;     /* OPTION_TEXT: the value names a file that the command writes */
+    bool made_again; /* OPTION_TEXT: the value names a file that --output may name, too */
+    bool recorded;   /* it decides the picture: a stack records it, and --again reads it there */
+};
+/* Where the value of an option is: in struct options, or in the own struct of the command. */
+#define SHARED(KIND, field) .kind = OPTION_##KIND, .offset = offsetof(struct options, field)
+#define OWN(KIND, type, field)                                                                     \
+    .own = true, .kind = OPTION_##KIND, .offset = offsetof(struct type, field)
+#define CHANGES(function) .kind = OPTION_CHANGE, .change = (function)
+
+/* Options that stand together: those of one command, or some that several commands take. */
+struct option_list {
+    const struct option *options;
+    int n;
+};
+#define OPTION_LIST(rows) {(rows), (int)(sizeof(rows) / sizeof *(rows))}
+
+struct options;
+struct command {
+    const char *name;
+    const char *operands, *summary; /* for --help, which breaks the lines of the summary */
+    const char *example;            /* the words behind "spectral" */
+    bool (*run)(struct options *options, struct error *err);
+    const struct option_list *const *lists; /* the options that it takes, then NULL */
+    size_t own_size;                        /* bytes of its own options; 0: it has none */
+    int n_operands;                         /* the most; at most MAX_OPERANDS */
+};
+
+/* The commands of this program, then NULL: see raster/beside/rooms.c. */
+extern const struct command *const commands[];
+
+/* Options that many commands take. */
+extern const struct option_list common_options; /* that all take */
+extern const struct option_list threads_option, json_option, quiet_option;
+extern const struct option_list seeing_options; /* --detector and --white of a stack's picture */
+
+/* A change of the scene, to be made after the scene is read. */
+struct option_change {
+    bool (*apply)(struct scene *scene, const char *value, struct error *err);
+    const char *value;
+};
+
+enum { MAX_OPERANDS = 1024, MAX_RECORDED = 64 };
+
+/* A command line as it was read. Texts point into it. NULL, 0 or false means that an option was not
+ * given. */
+struct options {
+    const struct command *command;
+    const char *program;              /* the name that the user started the program by */
+    const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
+    const char *operands[MAX_OPERANDS];
+    struct option_change changes[MAX_RECORDED]; /* in the order given */
+    char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each option with `recorded`; owned */
+    int n_operands, n_changes, n_recorded;
+    char *named_output;     /* of options_name_output; owned */
+    struct outputs outputs; /* complete; they appear when the command has ended well */
+    void *own;              /* the own options of the command, zeroed before reading; owned */
+    const char *output, *json, *sampling, *detector, *white, *accuracy;
+    int threads, memory_mib, max_triangles;
+    bool quiet, verbose, help;
+};
+
+/* Reads the words behind the command's name: "--option value", "--option=value", flags and
+ * operands; behind "--" all words are operands. Refuses an output that is a file of another word.
+ * The words must outlive *out. Call options_free also after a failure. */
+bool options_read(const struct command *command, char *const *words, int n_words,
+                  struct options *out, struct error *err);
+/* Reads words that a stack has recorded: no other options are known. */
+bool options_read_recorded(const struct command *command, char *const *words, int n_words,
+                           struct options *out, struct error *err);
+void options_free(struct options *options);
+
+/* Names the output after the file `path`, with another ending, where the command line gives none;
+ * after "scene" where the path is "-". Refuses a name that the command line has, too. options_free
+ * ends it. */
+bool options_name_output(struct options *options, const char *path, const char *ending,
+                         struct error *err);
+/* Limits the memory of the command: see memory_limit. */
+void options_limit_memory(const struct options *options);
+/* Returns SCENE, or the built-in colorchecker if none is given. */
+const char *options_scene(const struct options *options);
+/* Returns the detector or observer, or cie1931 if none is given. */
+const char *options_detector(const struct options *options);
+
+/* Returns the descriptor of a command's table: standard output, or standard error if the JSON or
+ * the command's output (NULL: none) may go to standard output. */
+int options_table(const struct options *options, const char *output);
+/* Reads the one number of an option or operand, from lowest to highest. Messages name `option`. */
+bool option_number(const char *option, const char *value, double lowest, double highest,
+                   double *out, struct error *err);
+bool option_count(const char *option, const char *value, double lowest, double highest, int *out,
+                  struct error *err); /* a whole number, up to INT_MAX */
+
+/* ---- help.c: the explanations of --help ---- */
+
+/* Prints the words of a text from the cursor's column on. A new line begins at that column. */
+void help_words(struct printed *to, const char *text, int column);
+/* Prints a command or an option as the user types it, and its explanation beside it, or below if
+ * there is no room. */
+void help_explain(struct printed *to, const char *typed, const char *explanation);
+/* Explains the options of a command. */
+void help_options(const struct command *command, struct printed *to);
 
 #endif

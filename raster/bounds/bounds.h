@@ -2,13 +2,13 @@
 /* Bounds OpenGL's errors in single precision: at a vertex, and in a texture. Values of the
  * reference come in, bounds on absolute errors come out. They hold for every order of operations,
  * with or without fused multiply-add. "slack" bounds a position. */
-#ifndef BOUNDS_H
-#define BOUNDS_H
+#ifndef RASTER_BOUNDS_BOUNDS_H
+#define RASTER_BOUNDS_BOUNDS_H
 
 #include "data/maths/maths.h"
-#include "raster/driver/driver.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 #include "spectral.h"
 
 /* ---- bounded.c: values with bounds on their errors ---- */
@@ -19,14 +19,6 @@ struct bounded {
 };
 struct bounded bounded_product(struct bounded a, struct bounded b);
 struct bounded bounded_quotient(struct bounded a, struct bounded b); /* first order; b is not 0 */
-
-/* ---- exact.c: where single precision makes no error ---- */
-
-/* True where single precision rounds nothing: in a sum of terms, in whatever order it is made; in
- * the dot product of two vectors that it holds; in the product of two matrices that it holds. */
-bool exact_sum(const double *terms, int n);
-bool exact_row(const double row[4], const double v[4]);
-bool exact_product(const struct matrix *a, const struct matrix *b);
 
 /* ---- vertex.c, light.c: vertices ---- */
 
@@ -74,12 +66,6 @@ const struct surface_bounds *bounds_of(const struct lit_scene *lit,
                                        const struct screen_triangle *screen);
 /* False where nothing of a surface can be in the rectangle. */
 bool surface_reaches(const struct surface_bounds *surface, const struct rectangle *at);
-/* The distance of the upper 3x3 from the rigid matrix that OpenGL takes it for; 0: for none. */
-double distance_from_rigid(const struct matrix *m);
-/* Adds a vertex's bounds to the surface's errors; e_eye bounds its place in eye space. They are
- * infinite where a weight has no bound. */
-void light_bounds(const struct lit_scene *lit, int surface, int index, double e_eye,
-                  struct light_work *work);
 
 /* The relative error of Mesa's base^exponent. */
 double pow_error(double base, double exponent);
@@ -91,9 +77,6 @@ double pow_error(double base, double exponent);
 double edge_error(const struct driver *driver, int width, int height);
 /* True if the triangle may turn the other way, where its corners may each be off by e pixels. */
 bool may_turn(const struct screen_triangle *triangle, const double e[3]);
-/* Fills in the hidden triangles of a surface whose vertices have bounds: those that OpenGL sees
- * from behind for sure, on a solid, one-sided surface between the near and the far plane. */
-bool find_hidden(const struct lit_scene *lit, int surface, struct error *err);
 
 /* ---- texel.c: a texture at a point ---- */
 

@@ -3,7 +3,12 @@
  * leaves it through a back, so backs are hidden, and OpenGL need not draw them. */
 #include <math.h>
 
-#include "raster/bounds/bounds.h"
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "raster/bounds/inside.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 
 double edge_error(const struct driver *driver, int width, int height)
 {

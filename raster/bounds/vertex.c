@@ -3,8 +3,13 @@
  * OpenGL may be off there. Refuses what single precision cannot hold. */
 #include <math.h>
 
-#include "data/threads/threads.h"
-#include "raster/bounds/bounds.h"
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "data/scene/scene.h"
+#include "raster/bounds/inside.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 
 /* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
  * projection entry (3), the product of the two matrices and the product with the vertex, each four

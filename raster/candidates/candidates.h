@@ -1,16 +1,22 @@
 /* SPDX-License-Identifier: MIT */
+/* Triangles as OpenGL sets them up: clipped at the tile's border and in depth, fanned, and
+ * interpolated through planes, with bounds on its errors there. "slack" bounds a position. */
+/* The fragments that OpenGL may have at each pixel: those that it may show, and how many it may
+ * draw, hidden ones included. After the reference has drawn, the triangles are walked a second
+ * time. */
 /* The candidates of each pixel: the triangle that the reference shows, and every other triangle
  * that OpenGL may show there, with weights and bounds. */
-#ifndef CANDIDATES_H
-#define CANDIDATES_H
+#ifndef RASTER_CANDIDATES_CANDIDATES_H
+#define RASTER_CANDIDATES_CANDIDATES_H
 
-#include "raster/fragments/fragments.h"
+#include "raster/bounds/bounds.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
+struct bounded_pixel; /* attributes with bounds on OpenGL's errors */
+
 /* ---- pixel.c: a triangle at a pixel ---- */
 
-struct bounded_pixel; /* attributes with bounds on OpenGL's errors */
 /* The cause of a bound: the light at the vertices; positions, where radiance changes within
  * a pixel; the place in a texture. Or there is none: the triangle has hardly any area in the
  * window, or the roundings of 1 / w are as large as it is. */
@@ -29,26 +35,6 @@ struct mean_bound {
     float shared, varying;
     enum bound_cause cause; /* of most of it */
 };
-/* NULL: no memory. The fragments must outlive it. */
-struct bounded_pixel *pixel_open(const struct fragments *fragments);
-void pixel_close(struct bounded_pixel *pixel);
-/* Computes attributes and their bounds; without a texture, weights only if weights_matter. */
-void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *triangle, int x, int y,
-                 bool weights_matter);
-/* Finds the places in the texture that OpenGL may sample: 1 without a texture. Take one of them. */
-int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES]);
-void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *place);
-/* Counts the outcomes of unclear gates at the triangle's vertices, the reference's first, at
- * most 8. Turn to one of them, after pixel_bound. */
-int pixel_gates(const struct bounded_pixel *pixel);
-void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
-void pixel_weights(const struct bounded_pixel *pixel, double *rows); /* see put_rows */
-/* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
- */
-struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,
-                               float *errors, float *own);
-/* Bounds the change of radiance within a pixel's width, at any wavelength. */
-double pixel_steepness(const struct bounded_pixel *pixel);
 
 /* ---- chunk.c: a part of a tile, with its candidates ---- */
 
@@ -89,13 +75,6 @@ struct chunk {
     float *candidate_errors, *candidate_own;
     size_t n_ambiguous, n_candidates, n_numbers;
 };
-/* Draws chunk `index`, counted from the top, of a tile: CHUNK_ROWS rows, fewer in the last chunk.
- * Finds its candidates if the plan asks for a check. A plan that neither checks nor stores the
- * reference's pixels gets no picture: only picture.at is set. Results do not depend on how a
- * picture is cut into chunks. False: no memory. chunk_free accepts what a failure left. */
-bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out);
-void chunk_free(struct chunk *chunk);
 
 /* ---- tiles.c: the loop over tiles ---- */
 

@@ -4,11 +4,12 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "data/base/base.h"
 #include "data/maths/maths.h"
-#include "data/terms/terms.h"
-#include "data/texture/texture.h"
-#include "raster/candidates/candidates.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 
 /* The state of a chunk while its pixels get their bounds. */
 struct bounding {

@@ -5,10 +5,14 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "data/base/base.h"
+#include "data/images/images.h"
 #include "data/maths/maths.h"
-#include "data/texture/texture.h"
-#include "raster/candidates/candidates.h"
+#include "data/sampling/sampling.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 
 /* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
 struct attribute_bound {

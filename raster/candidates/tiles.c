@@ -2,9 +2,11 @@
 /* The loop over the tiles of a region. Threads share the chunks of a tile. */
 #include <stdlib.h>
 
-#include "data/threads/threads.h"
-#include "raster/candidates/candidates.h"
+#include "data/base/base.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 
 /* A tile whose chunks are drawn. */
 struct drawn_tile {

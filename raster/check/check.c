@@ -6,8 +6,12 @@
 #include <math.h>
 #include <string.h>
 
-#include "raster/check/check.h"
+#include "data/base/base.h"
+#include "raster/candidates/candidates.h"
+#include "raster/check/inside.h"
+#include "raster/counts/counts.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 
 size_t chunk_pixels(const struct chunk *chunk)
 {

@@ -1,15 +1,186 @@
 /* SPDX-License-Identifier: MIT */
+/* One geometry explains all bands. Where OpenGL's positions, lighting or places in a texture are
+ * off, they are off by the same amount in every band: a pixel's radiances stay a sum over terms of
+ * weight x spectrum, with weights that are off. A few bands, the pilots, show by how much. What the
+ * weights so found leave of another band must be small: the roundings of that band, and those of
+ * the pilots.
+ *
+ * With d for OpenGL's counts minus the reference's, S for spectra in counts, w for the error of the
+ * weights and r for a band's own roundings, d_b = sum_t S_tb w_t + r_b. From the pilots k, linear
+ * gains make the estimate v_t = sum_k g_tk d_k. With h_bk = sum_t S_tb g_tk a band then keeps
+ *     d_b - sum_t S_tb v_t = r_b - sum_k h_bk r_k + sum_t (S_tb - sum_k h_bk S_tk) w_t,
+ * whatever the gains are. With |r_b| <= sum_t q_t S_tb and |w_t| <= e_t this has the bound
+ * sum_t (own_tb q_t + rest_tb e_t). A pilot helps to explain itself: what it keeps, and the bound,
+ * are divided by 1 - h_bb, so that an error of this band alone shows in full. The gains are those
+ * of least squares, with the bounds e as prior knowledge (Kalman 1960). */
+/* The verdict on a picture: sums over samples and pixels, how much was checked, and what follows.
+ */
 /* Judges each pixel of OpenGL's picture: some candidate must explain its triangle, its depth, its
  * fragments and its radiance in every band, within bounds. This room draws nothing, and may not
  * know how bounds and candidates come about. No pixel is skipped. */
-#ifndef CHECK_H
-#define CHECK_H
+#ifndef RASTER_CHECK_CHECK_H
+#define RASTER_CHECK_CHECK_H
 
+#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
-#include "raster/fit/fit.h"
-#include "raster/renderer/renderer.h"
-#include "raster/verdict/verdict.h"
+#include "raster/counts/counts.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 #include "spectral.h"
+
+enum { MAX_PILOT_PASSES = 3, MAX_PILOTS = MAX_PILOT_PASSES * BANDS_PER_PASS };
+/* A material; spectra are in counts. Arrays are owned. */
+struct material_fit {
+    float *spectra, *own, *rest; /* [band][term] */
+    float *gains;                /* [pilot][term] */
+    float *share;   /* [band] rest_tb / spectrum_tb of the term where that is largest */
+    float *flushed; /* [band] what results flushed to zero may add, in counts */
+    float *scale;   /* [band] 1 / (1 - h_bb), or 0: the band is not fitted */
+};
+struct fit {
+    const struct plan *plan;
+    int n_passes,
+        passes[MAX_PILOT_PASSES];   /* of the pilots, ascending: only the last may be short */
+    struct material_fit *materials; /* as of the plan */
+};
+/* Chooses the pilots: the passes that say most about the weights of all materials. Nothing is
+ * fitted in a colour buffer of few steps, whose rounding hides what a fit could show, and on
+ * surfaces whose texture differs from band to band. The plan must outlive *out; fit_free accepts
+ * what a failure left. */
+bool fit_make(const struct plan *plan, double full_scale, struct fit *out, struct error *err);
+void fit_free(struct fit *fit);
+
+/* A run in a band, in counts: the part of each difference that the estimate explains, a bound on
+ * the rest, and the largest error of this band alone that can pass. */
+struct fit_block {
+    float explained[BLOCK], limit[BLOCK], floor[BLOCK];
+};
+
+/* ---- statistics.c: sums over many samples ---- */
+
+/* Samples beside the candidates that explain them; in counts, before rounding. */
+struct check_samples {
+    uint64_t n, exact, within_1;
+    double largest;             /* |OpenGL - reference| */
+    double sum, sum_of_squares; /* of OpenGL - reference */
+    double worst_ratio;     /* largest |OpenGL - reference| / bound of those within it; -1: none */
+    double worst_fit_ratio; /* the same of what the other bands do not explain */
+};
+/* The floor of a pixel: the largest error that can pass there, in counts. An error of twice the
+ * floor is always found. A histogram of pixels, and how many have a floor of at most 1, 8 and 256
+ * counts. Above CHECKED_COUNTS, a step of a picture of 8 bits, a pixel is not checked. */
+enum { FLOOR_BINS = 320, FLOOR_LEVELS = 3, CHECKED_COUNTS = 256 };
+struct check_floor {
+    uint64_t n, bins[FLOOR_BINS], within[FLOOR_LEVELS];
+    double worst;
+};
+/* Returns the floor that `part` of the pixels do not exceed; too high by an eighth at most. */
+double floor_quantile(const struct check_floor *of, double part);
+
+enum failure_kind {
+    FAILURE_RADIANCE,
+    FAILURE_BANDS, /* no one geometry explains all bands */
+    FAILURE_TRIANGLE,
+    FAILURE_DEPTH,
+    FAILURE_FRAGMENTS
+};
+/* The first pixel that no candidate explains. */
+struct check_failure {
+    bool found;
+    enum failure_kind kind;
+    int x, y;
+    int surface;                  /* of the reference; -1: background */
+    struct shown shown;           /* FAILURE_TRIANGLE: by OpenGL */
+    int band;                     /* FAILURE_RADIANCE, FAILURE_BANDS */
+    double seen, expected, bound; /* counts; depths; fragments */
+};
+/* A pixel inside a surface is smooth if its radiance changes by no more than this within a pixel's
+ * width, in any band: one step of a picture of 8 bits. */
+enum { SMOOTH_COUNTS = 256 };
+struct check_verdict {
+    struct check_samples samples;
+    uint64_t pixels, ambiguous, unexplained;
+    /* pixels of objects; those of them that have no bound below full scale; those not checked */
+    uint64_t objects, unbounded, unchecked;
+    int unchecked_surface;            /* the one with most of these; -1: there are none */
+    enum bound_cause unchecked_cause; /* of most of its own */
+    double mean_limit;                /* what roundings may leave of the mean residual, in counts */
+    /* pixels where triangles meet, with too few or too many fragments */
+    uint64_t edge_holes, edge_doubles;
+    double worst_depth_ratio;
+    /* of an error common to all bands; of that inside smooth surfaces; of an error of one band */
+    struct check_floor floor, smooth_floor, band_floor;
+    struct check_failure first;
+    struct renderer_lacks lacks; /* not judged */
+};
+
+/* Samples together with the values and bounds that are expected. */
+struct block {
+    size_t n;
+    float *seen;            /* OpenGL's, in parts of full scale; has room for whole lanes */
+    double expected[BLOCK]; /* in counts */
+    float bound[BLOCK];
+    struct textured_sample textured[BLOCK]; /* kept for the fit */
+    bool fitted;
+    struct fit_block fit;    /* with no limit if the band is not fitted */
+    float difference[BLOCK]; /* seen - expected, in counts */
+};
+
+/* Adds a block to a comparison, and fills in its differences. Returns false where any is outside of
+ * its bound, or the rest that the fit leaves of it is outside of the limit. */
+bool samples_compare(struct check_samples *samples, struct block *block);
+void samples_add(struct check_samples *to, const struct check_samples *from);
+void floor_note(struct check_floor *to, double counts);
+void verdict_add(struct check_verdict *to, const struct check_verdict *from);
+
+/* ---- outcome.c: the verdict on the picture ---- */
+
+/* Shared by all checks of a render. */
+struct check_scene {
+    const struct lit_scene *lit;
+    const struct fit *fit;
+    double full_scale;
+    bool clips;  /* of find_full_scale */
+    bool mapped; /* a map is wanted */
+};
+/* Sums over the chunks of a tile, or over the tiles of a picture. The picture's are sums of tiles'
+ * sums, in the order of the tiles: to the last bit they do not depend on who drew which tile. */
+struct check_totals {
+    const struct check_scene *scene;
+    struct check_verdict verdict;
+    double shared;   /* of all pixels: see struct mean_bound; in counts */
+    double *varying; /* of each triangle, the sum over its pixels */
+    size_t n_triangles;
+    size_t *shown, n_shown, most_shown;  /* the triangles of a tile whose sum is above 0 */
+    size_t *first;                       /* of each surface, its first triangle in `varying` */
+    uint64_t (*unchecked)[BOUND_CAUSES]; /* of each surface: its pixels that are not checked */
+};
+/* False: no memory. The scene must outlive it. totals_free accepts what a failure left. */
+bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err);
+void totals_free(struct check_totals *totals);
+
+/* Completes the verdict of the picture when all tiles are added. */
+void totals_finish(struct check_totals *totals);
+
+/* Agreed: no pixel is unexplained, and few enough are not checked. Differs: some pixel, or the mean
+ * of all samples, is not what OpenGL may show. Not verified: too little could be checked. */
+enum check_outcome { OUTCOME_AGREED, OUTCOME_DIFFERS, OUTCOME_NOT_VERIFIED };
+enum check_outcome check_outcome(const struct plan *plan, const struct check_verdict *verdict);
+/* The mean of OpenGL - reference over all samples; NaN: there is none. */
+double mean_residual(const struct check_samples *samples);
+/* True if roundings cannot leave so large a mean. */
+bool is_biased(const struct check_verdict *verdict);
+
+/* ---- sums over a tile ---- */
+
+struct tile_sums {
+    struct check_totals totals; /* open; scene NULL: there is no check */
+    struct odd_samples odd;
+    struct light_work light;
+};
+/* Adds a tile's sums to the picture's, and sets them to 0 for the next tile. */
+void sums_add(struct tile_sums *picture, struct tile_sums *tile);
 
 /* ---- check.c: the verdict on each pixel ---- */
 
@@ -51,8 +222,6 @@ enum check_class { CLASS_CHECKED, CLASS_AMBIGUOUS, CLASS_NOT_CHECKED, CLASS_DIFF
 enum check_class check_class(const struct check *check, size_t pixel);
 void check_free(struct check *check);
 
-/* ---- inside this room ---- */
-
 /* Pixels of one surface, or of the background, in a row: at most BLOCK. */
 struct stretch {
     size_t first, n;
@@ -66,7 +235,5 @@ struct hypothesis {
     int band; /* the last one; -1: OpenGL shows another candidate */
 };
 size_t chunk_pixels(const struct chunk *chunk);
-/* Counts the pixel as not explained. The first such pixel is kept with its failure. */
-void check_fail(struct check *check, size_t pixel, const struct check_failure *failure);
 
 #endif

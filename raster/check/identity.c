@@ -2,8 +2,10 @@
 /* Judges the triangle that OpenGL names at each pixel, its depth, and the number of fragments. */
 #include <math.h>
 
-#include "raster/check/check.h"
-#include "raster/plan/plan.h"
+#include "raster/candidates/candidates.h"
+#include "raster/check/inside.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 
 static const double depth_steps = 16777215;
 

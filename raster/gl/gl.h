@@ -1,96 +1,290 @@
 /* SPDX-License-Identifier: MIT */
+/* The room "library": a library of OpenGL that is opened at run time, and the functions of OpenGL
+ * that the program calls. */
+/* The room "context": OpenGL without a window, by OSMesa's library or by EGL's. Either is opened at
+ * run time, so that the program starts without both. The static program has an OSMesa of its own,
+ * and no EGL. */
+/* The room "vertices": what rooms that draw a plan through OpenGL share: the driver that is
+ * accepted, meshes in buffer objects, textures, and triangles that are drawn in numbers. */
 /* Draws the plan's picture through OpenGL, a tile and a pass at a time, and says which triangle
  * OpenGL shows at each pixel. It may not know what the reference shows: of lit scenes it reads only
  * where each surface lies in the window, so that it draws nothing that a tile cannot show. */
-#ifndef GL_H
-#define GL_H
+#ifndef RASTER_GL_GL_H
+#define RASTER_GL_GL_H
 
-#include "data/maths/maths.h"
-#include "data/texture/texture.h"
+#include <GL/gl.h>
+#include <GL/glext.h>
+
+#include "data/base/base.h"
+#include "data/images/images.h"
 #include "raster/bounds/bounds.h"
-#include "raster/passes/passes.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
-#include "raster/renderer/renderer.h"
-#include "raster/vertices/vertices.h"
+#include "raster/renderers/renderers.h"
 #include "spectral.h"
 
-/* Returns false in a program without OpenGL, where gl_open always fails. */
-bool gl_is_built(void);
-/* Writes name, version and driver of the library that is used by default. */
-void gl_library(char *out, size_t capacity);
-/* Opens OpenGL for a plan, which must outlive *out. n_buffers: at most MOST_BUFFERS. Fails with
- * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. The caller
- * closes *out unless it is NULL, also after a failure. One can be open at a time. */
-enum { MOST_BUFFERS = 8 };
-bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err);
+/* ---- functions.c: the functions of OpenGL ---- */
 
-/* ---- inside this room ---- */
-
-struct gl {
-    struct renderer renderer; /* the first member */
-    const struct plan *plan;
-    const struct lit_scene *lit;
-    struct contexts *contexts;
-    const struct gl_functions *call;
-    struct canvas *colours; /* numbers are drawn there, too, where `numbers` is NULL */
-    struct canvas *numbers; /* of floats, where `colours` has steps */
-    /* tile_height rows of tile_width pixels of 4 floats, from the top */
-    float *buffers[MOST_BUFFERS], *part; /* part: of some lights; NULL where one pass has all */
-    float *shown;                        /* numbers of triangles; NULL: no check */
-    uint8_t *steps;   /* the same of uint8_t or uint16_t, where `colours` has steps */
-    uint32_t *depths; /* 24 bits of depth, 8 of stencil; NULL: no check */
-    bool is_stale[2]; /* of `colours` and `numbers`: the buffer holds colours of another tile */
-    struct canvas *current;
-    /* the state of `colours`, which is set only where it changes: */
-    int group;               /* the group of lights that is placed; -1: none */
-    struct pass_colours set; /* colours of lights and of a material */
-    float gloss;             /* of the last material that shines; -1: none did */
-    bool two_sided, mirrored;
-    const struct texture *texture; /* NULL: textures are switched off */
-    struct vertex_buffers vertices;
-    unsigned *textures; /* names of the texture objects, one for each texture; 0: not drawn */
-    struct rectangle tile;
+/* Each calls EACH(type of the result, name without "gl", parameters): the functions that every
+ * OpenGL and OpenGL ES has; those of lighting without shaders; those of shaders. */
+#define COMMON_FUNCTIONS(EACH)                                                                     \
+    EACH(void, BindBuffer, (GLenum target, GLuint buffer))                                         \
+    EACH(void, BindFramebuffer, (GLenum target, GLuint framebuffer))                               \
+    EACH(void, BindRenderbuffer, (GLenum target, GLuint renderbuffer))                             \
+    EACH(void, BindTexture, (GLenum target, GLuint texture))                                       \
+    EACH(void, BufferData, (GLenum target, GLsizeiptr size, const void *data, GLenum usage))       \
+    EACH(GLenum, CheckFramebufferStatus, (GLenum target))                                          \
+    EACH(void, Clear, (GLbitfield mask))                                                           \
+    EACH(void, ClearColor, (GLclampf red, GLclampf green, GLclampf blue, GLclampf alpha))          \
+    EACH(void, DepthFunc, (GLenum function))                                                       \
+    EACH(void, Disable, (GLenum capability))                                                       \
+    EACH(void, DrawArrays, (GLenum mode, GLint first, GLsizei count))                              \
+    EACH(void, DrawElements, (GLenum mode, GLsizei count, GLenum type, const void *indices))       \
+    EACH(void, Enable, (GLenum capability))                                                        \
+    EACH(void, Finish, (void))                                                                     \
+    EACH(void, FramebufferRenderbuffer, (GLenum target, GLenum at, GLenum type, GLuint buffer))    \
+    EACH(void, FrontFace, (GLenum mode))                                                           \
+    EACH(void, GenBuffers, (GLsizei n, GLuint * buffers))                                          \
+    EACH(void, GenFramebuffers, (GLsizei n, GLuint * framebuffers))                                \
+    EACH(void, GenRenderbuffers, (GLsizei n, GLuint * renderbuffers))                              \
+    EACH(void, GenTextures, (GLsizei n, GLuint * textures))                                        \
+    EACH(GLenum, GetError, (void))                                                                 \
+    EACH(void, GetIntegerv, (GLenum name, GLint * values))                                         \
+    EACH(const GLubyte *, GetString, (GLenum name))                                                \
+    EACH(void, ReadPixels,                                                                         \
+         (GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,             \
+          void *pixels))                                                                           \
+    EACH(void, RenderbufferStorage, (GLenum target, GLenum format, GLsizei width, GLsizei height)) \
+    EACH(void, StencilOp, (GLenum fail, GLenum depth_fail, GLenum pass))                           \
+    EACH(void, TexImage2D,                                                                         \
+         (GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height, GLint border, \
+          GLenum format, GLenum type, const void *pixels))                                         \
+    EACH(void, TexParameteri, (GLenum target, GLenum name, GLint value))                           \
+    EACH(void, Viewport, (GLint x, GLint y, GLsizei width, GLsizei height))
+#define FIXED_FUNCTIONS(EACH)                                                                      \
+    EACH(void, ClampColorARB, (GLenum target, GLenum clamp))                                       \
+    EACH(void, Color4f, (GLfloat red, GLfloat green, GLfloat blue, GLfloat alpha))                 \
+    EACH(void, ColorPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))       \
+    EACH(void, DisableClientState, (GLenum array))                                                 \
+    EACH(void, EnableClientState, (GLenum array))                                                  \
+    EACH(void, LightModelfv, (GLenum name, const GLfloat *values))                                 \
+    EACH(void, LightModeli, (GLenum name, GLint value))                                            \
+    EACH(void, Lightf, (GLenum light, GLenum name, GLfloat value))                                 \
+    EACH(void, Lightfv, (GLenum light, GLenum name, const GLfloat *values))                        \
+    EACH(void, LoadIdentity, (void))                                                               \
+    EACH(void, LoadMatrixd, (const GLdouble *columns))                                             \
+    EACH(void, Materialf, (GLenum face, GLenum name, GLfloat value))                               \
+    EACH(void, Materialfv, (GLenum face, GLenum name, const GLfloat *values))                      \
+    EACH(void, MatrixMode, (GLenum mode))                                                          \
+    EACH(void, NormalPointer, (GLenum type, GLsizei stride, const void *pointer))                  \
+    EACH(void, PopMatrix, (void))                                                                  \
+    EACH(void, PushMatrix, (void))                                                                 \
+    EACH(void, Rectf, (GLfloat left, GLfloat bottom, GLfloat right, GLfloat top))                  \
+    EACH(void, ShadeModel, (GLenum mode))                                                          \
+    EACH(void, TexCoordPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))    \
+    EACH(void, VertexPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))
+#define SHADER_FUNCTIONS(EACH)                                                                     \
+    EACH(void, ActiveTexture, (GLenum unit))                                                       \
+    EACH(void, AttachShader, (GLuint program, GLuint shader))                                      \
+    EACH(void, BindVertexArray, (GLuint array))                                                    \
+    EACH(void, CompileShader, (GLuint shader))                                                     \
+    EACH(GLuint, CreateProgram, (void))                                                            \
+    EACH(GLuint, CreateShader, (GLenum type))                                                      \
+    EACH(void, DisableVertexAttribArray, (GLuint index))                                           \
+    EACH(void, DrawBuffers, (GLsizei n, const GLenum *buffers))                                    \
+    EACH(void, EnableVertexAttribArray, (GLuint index))                                            \
+    EACH(void, GenVertexArrays, (GLsizei n, GLuint * arrays))                                      \
+    EACH(void, GetProgramiv, (GLuint program, GLenum name, GLint * value))                         \
+    EACH(void, GetShaderInfoLog, (GLuint shader, GLsizei size, GLsizei * length, char *log))       \
+    EACH(void, GetShaderiv, (GLuint shader, GLenum name, GLint * value))                           \
+    EACH(const GLubyte *, GetStringi, (GLenum name, GLuint index))                                 \
+    EACH(GLint, GetUniformLocation, (GLuint program, const char *name))                            \
+    EACH(void, LinkProgram, (GLuint program))                                                      \
+    EACH(void, ReadBuffer, (GLenum buffer))                                                        \
+    EACH(void, ShaderSource,                                                                       \
+         (GLuint shader, GLsizei n, const char *const *texts, const GLint *lengths))               \
+    EACH(void, Uniform1f, (GLint at, GLfloat value))                                               \
+    EACH(void, Uniform1fv, (GLint at, GLsizei n, const GLfloat *values))                           \
+    EACH(void, Uniform1i, (GLint at, GLint value))                                                 \
+    EACH(void, Uniform3fv, (GLint at, GLsizei n, const GLfloat *values))                           \
+    EACH(void, Uniform4fv, (GLint at, GLsizei n, const GLfloat *values))                           \
+    EACH(void, UniformMatrix3fv,                                                                   \
+         (GLint at, GLsizei n, GLboolean transposed, const GLfloat *values))                       \
+    EACH(void, UniformMatrix4fv,                                                                   \
+         (GLint at, GLsizei n, GLboolean transposed, const GLfloat *values))                       \
+    EACH(void, UseProgram, (GLuint program))                                                       \
+    EACH(void, VertexAttribPointer,                                                                \
+         (GLuint index, GLint size, GLenum type, GLboolean normalized, GLsizei stride,             \
+          const void *pointer))
+#define GL_FUNCTION(type, name, parameters) type(*name) parameters;
+struct gl_functions {
+    COMMON_FUNCTIONS(GL_FUNCTION)
+    FIXED_FUNCTIONS(GL_FUNCTION)
+    SHADER_FUNCTIONS(GL_FUNCTION)
 };
 
-/* ---- open.c ---- */
+/* Returns false after any error of OpenGL since the last call. */
+bool functions_succeeded(const struct gl_functions *call, struct error *err);
 
-/* Makes OpenGL draw into these floats from now on; NULL: into steps. `numbers`: not colours. */
-bool gl_draw_into(struct gl *gl, float *floats, bool numbers, struct error *err);
-/* Empties what the current context has drawn of another tile. */
-void gl_clear_stale(struct gl *gl);
+/* ---- program.c: programs of shaders ---- */
 
-/* ---- upload.c ---- */
+/* Prints the first lines of a shader. */
+void program_begin(enum gl_way way, struct printed *to);
+/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
+ * also after a failure. */
+bool program_end(const struct gl_functions *call, struct printed *vertex, struct printed *fragment,
+                 unsigned *out, struct error *err);
 
-/* As struct renderer_kind says. Uploads the vertices, triangles and textures that are drawn; of
- * spectral textures no texels. */
-bool gl_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err);
-/* Loads and uploads all spectral textures for the bands of a pass. */
-bool gl_upload_bands(struct gl *gl, int first_band, struct error *err);
-/* The next draw call takes its vertices from an instance's mesh. Returns how many. */
-int gl_bind_mesh(const struct gl *gl, int instance);
-/* The next draw calls show a texture of the plan; NULL: none. */
-void gl_bind_texture(struct gl *gl, const struct texture *texture);
+/* ---- context.c: a library in use, and what it draws on ---- */
 
-/* ---- pass.c ---- */
+/* The choice of --gl: see driver_accepts_library. "auto" (NULL too) takes the first of osmesa and
+ * egl that is there. driver: Mesa's; NULL: any. threads: of llvmpipe. */
+struct context_wish {
+    const char *library, *driver;
+    int threads;
+    enum gl_way way; /* by shaders: EGL only */
+};
+/* A library in use. */
+struct contexts {
+    const char *name; /* "OSMesa" or "EGL" */
+    enum gl_way way;
+    struct gl_functions call;
+    bool flipped;  /* the first row that OpenGL draws is the top of the picture */
+    bool mirrored; /* the projection must turn y around for this, so that fronts go round with the
+                      clock; known when a canvas is open */
+    struct canvas *current;
+    /* what the library does for a canvas; by osmesa.c or egl.c */
+    const struct context_kind {
+        bool (*open)(struct canvas *canvas, struct error *err);
+        bool (*use)(struct canvas *canvas, struct error *err);
+        void (*fill)(const struct canvas *canvas);
+        void (*close)(struct canvas *canvas);
+        void (*end)(struct contexts *contexts);
+    } * kind;
+    void *own; /* of osmesa.c or egl.c; owned */
+};
+/* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
+ * opens one of them. contexts_close frees *out, also after a failure. */
+bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err);
+void contexts_close(struct contexts *contexts); /* NULL is fine; after all of its canvases */
 
-/* As struct renderer_kind says. */
-void gl_aim(struct renderer *renderer, const struct rectangle *tile);
-bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-             struct error *err);
-/* Sets the state of a new context that no pass changes. */
-void gl_set_state(const struct gl *gl);
-/* Loads projection and viewport of the aimed tile. */
-void gl_load_view(const struct gl *gl);
-/* Replaces the current matrix of OpenGL. */
-void gl_load_matrix(const struct gl *gl, const struct matrix *m);
-/* Empties the colours of the buffer, and leaves textures switched off. */
-void gl_blacken(struct gl *gl);
+/* A context with a buffer of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
+ * own, and shares no objects. */
+struct canvas;
+struct canvas_size {
+    int bits, width, height; /* bits: of a channel, 8, 16, or 32 of floats */
+    int n_colours;           /* buffers of colours, where shaders draw; otherwise 1 */
+};
+/* The caller closes *out, also after a failure. */
+bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
+                 struct error *err);
+void canvas_close(struct canvas *canvas); /* NULL is fine */
+/* Makes OpenGL draw on the canvas, whose pixels go to the caller's memory: rows from the top. */
+bool canvas_use(struct canvas *canvas, void *pixels, struct error *err);
+/* Waits until all is drawn, and has filled the caller's pixels. */
+void canvas_fill(const struct canvas *canvas);
+/* Waits, and reads one of the buffers of colours of a canvas of EGL. */
+void canvas_read(const struct canvas *canvas, int colour, void *pixels);
+/* Returns whether OpenGL has an extension; a canvas is open. */
+bool contexts_have(const struct contexts *contexts, const char *extension);
 
-/* ---- identify.c ---- */
+/* ---- describe.c: what can be used ---- */
 
-/* As struct renderer_kind says. */
-bool gl_identify(struct renderer *renderer, struct error *err);
-struct shown gl_shown(const struct renderer *renderer, int x, int y);
+/* Finds the names of what draws; a canvas is in use. Refuses a size that is too large for OpenGL,
+ * and another driver than the wanted one, which was chosen before the first canvas. wanted: NULL:
+ * any. */
+bool contexts_accept(const struct contexts *contexts, const struct rectangle *size,
+                     const char *wanted, struct renderer_names *out, struct error *err);
+struct context_description {
+    struct renderer_names names;
+    char vendor[128];
+    int largest_viewport[2], largest_texture; /* pixels, texels, a side */
+};
+/* Opens a library and closes it. For a process of its own, which opens no other one. */
+bool contexts_describe(const struct context_wish *wish, struct context_description *out,
+                       struct error *err);
+
+/* Finds how many devices EGL lists; 0 without EGL. For a process of its own. */
+bool contexts_devices(int *out, struct error *err);
+
+struct canvas {
+    struct contexts *contexts;
+    struct canvas_size size;
+    void *context; /* the library's; NULL: none */
+    void *pixels;
+};
+bool has_extension(const char *list, const char *name); /* list: words; NULL: none */
+GLenum canvas_type(const struct canvas *canvas);        /* of a channel */
+
+/* ---- opened.c ---- */
+
+/* Takes the names of what draws the plan, and the bounds by which it is judged: an unknown driver
+ * is measured first. A canvas is in use. Refuses what contexts_accept and driver_has_threads
+ * refuse. The bounds of raster/bounds hold for the shaders of a known driver as for its own
+ * lighting: the shaders do the same operations, and both measure the same (test/run/traits.py). */
+bool opened_accept(struct renderer *renderer, const struct plan *plan, struct contexts *contexts,
+                   const struct driver_threads *before, struct error *err);
+/* Returns what the pixel x, y of a tile of the plan's size shows: numbers from the top, depths
+ * (NULL: none) from the bottom unless `flipped`. */
+struct shown shown_at(const struct plan *plan, const float *numbers, const uint32_t *depths,
+                      bool flipped, int x, int y);
+
+/* ---- buffers.c ---- */
+
+/* Floats of a vertex in its two buffers: position and normal; texture coordinates, which only
+ * textured meshes have. */
+enum { VERTEX_FLOATS = 6, COORDINATE_FLOATS = 2 };
+/* Nothing is uploaded twice, and nothing of an instance out of view. */
+struct vertex_buffers {
+    const struct gl_functions *call;
+    const struct plan *plan;
+    const struct lit_scene *lit;
+    unsigned *objects; /* names of the buffer objects: some for each mesh; 0: not in view */
+    unsigned *indices; /* of triangles: each mesh's, then those of instances that hide some */
+};
+/* Uploads vertices and triangles for OpenGL's current context. All three must outlive *out.
+ * vertex_buffers_free accepts what a failure left; the names end with their context. */
+bool vertex_buffers_fill(const struct gl_functions *call, const struct lit_scene *lit,
+                         struct vertex_buffers *out, struct error *err);
+void vertex_buffers_free(struct vertex_buffers *buffers);
+/* Binds the triangles of an instance. Returns how many corners they have. */
+int vertex_buffers_bind(const struct vertex_buffers *of, int instance);
+/* Bind the buffer of positions and normals, and that of texture coordinates; the latter returns
+ * false where the instance shows no texture. */
+void vertex_buffers_bind_vertices(const struct vertex_buffers *of, int instance);
+bool vertex_buffers_bind_coordinates(const struct vertex_buffers *of, int instance);
+
+/* ---- textures.c ---- */
+
+/* Refuses a texture that is too large for OpenGL. */
+bool texture_fits(const struct gl_functions *call, const struct texture *texture,
+                  struct error *err);
+/* Sets filter and repetition of the bound texture. */
+void texture_repeats(const struct gl_functions *call, const struct texture *texture);
+/* Uploads the texels of a spectral texture for the bands of a pass into the bound texture. */
+bool texture_upload_bands(const struct gl_functions *call, const struct plan *plan,
+                          struct texture *texture, int first_band, struct error *err);
+
+/* ---- numbers.c ---- */
+
+/* A corner of a triangle that is drawn in its number: see shown_of. */
+struct numbered_vertex {
+    float position[3], number[3];
+};
+/* Draws all instances that reach a tile: places each, and gives its triangles that are not hidden
+ * to `draw`, some at a time. */
+struct numbered_draw {
+    void (*place)(void *of, int instance);
+    void (*draw)(void *of, const struct numbered_vertex *corners, int n);
+    void *of;
+};
+bool numbers_draw(const struct lit_scene *lit, const struct rectangle *tile,
+                  const struct numbered_draw *by, struct error *err);
+
+/* Writes name, version and driver of the library that is used by default. */
+void gl_library(char *out, size_t capacity);
+/* Opens OpenGL for a plan: see struct drawing_ways. n_buffers: at most MOST_BUFFERS. */
+enum { MOST_BUFFERS = 8 };
+bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err);
 
 #endif

@@ -2,15 +2,12 @@
 /* Opens OpenGL for a plan, with what it draws on: floats, or counts of 8 or 16 bits. */
 #include <stdlib.h>
 
-#include "raster/context/context.h"
-#include "raster/gl/gl.h"
+#include "data/base/base.h"
+#include "raster/gl/inside.h"
+#include "raster/plan/plan.h"
+#include "raster/renderers/renderers.h"
 
 /* ---- the driver ---- */
-
-bool gl_is_built(void)
-{
-    return true;
-}
 
 void gl_library(char *out, size_t capacity)
 {

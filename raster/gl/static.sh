@@ -8,7 +8,7 @@ static_packages='g++ libc6-dev libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev
 
 # Sets $sources, $CFLAGS and $libraries. Mesa calls the pthread functions only if another object brings
 # them, and crashes without. libjbig
-# would put the program under the GPL: its functions are left out and never called, since data/tiff/image.c
+# would put the program under the GPL: its functions are left out and never called, since data/images/image.c
 # refuses its pictures.
 find_static_libraries() {
     [ "$GL" = osmesa ] || refuse "build.sh: the static program has an OSMesa of its own; GL=$GL is for the plain build"

@@ -7,7 +7,11 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "raster/plan/plan.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "raster/plan/inside.h"
+#include "raster/reference/reference.h"
 
 /* A mesh as its shape describes it, before it is parted and moved. */
 struct whole {

@@ -1,14 +1,21 @@
 /* SPDX-License-Identifier: MIT */
 /* The plan of a render, decided once: instances, terms, effects, passes, bytes. */
-#ifndef PLAN_H
-#define PLAN_H
+/* The room "passes": which bands OpenGL draws together, in which colours, and which it need not
+ * draw. */
+/* The room "notes": the plan in words, and notes on a scene: what makes its picture black or
+ * guessed. A note changes no pixel and no exit status. */
+#ifndef RASTER_PLAN_PLAN_H
+#define RASTER_PLAN_PLAN_H
 
+#include "data/base/base.h"
+#include "data/images/images.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "data/terms/terms.h"
-#include "data/texture/texture.h"
-#include "raster/driver/driver.h"
+#include "data/text/text.h"
 #include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 #include "spectral.h"
 
 /* CHUNK_ROWS: of a tile, that a thread draws and judges at a time; a pixel lies in one chunk. */
@@ -129,21 +136,70 @@ bool instance_is_lit(const struct plan *plan, const struct placed_instance *plac
 bool reflects(const struct instance *instance, const struct eye_light *light); /* by some term */
 /* A group of lights has one that is not idle, or is the first: OpenGL draws it. */
 bool group_is_drawn(const struct plan *plan, int group);
-/* The value of all texels, where a product with it is exact in single precision; otherwise -1. */
-double texture_factor(const struct plan *plan, const struct texture *texture);
+
 /* OpenGL needs the texture (NULL: none): it is in view, and is no such factor. */
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
-/* ---- inside this room ---- */
+/* ---- passes.c ---- */
 
-bool reach_find(struct plan *plan, struct error *err); /* reach.c: fills what it says in */
-void plan_effects(struct plan *plan);                  /* effects.c: fills plan->effects */
-/* lights.c. Lists the lights that shine; forgets those that light nothing, when all is made. */
-bool lights_list(struct plan *plan, struct error *err);
-bool lights_drop_idle(struct plan *plan, struct error *err);
-/* Makes the shaded material of a material when it is first asked for; *out is its index. */
-bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
-                          struct error *err);
-bool instances_make(struct plan *plan, const int *halvings, struct error *err); /* NULL: none */
+/* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
+ * pass, or for several that follow each other and have the same products of spectra. A pass whose
+ * products are 0 has no frame: its pixels are 0. Where another program draws (plan_options), each
+ * pass has a frame of its own. */
+enum { DARK = -1 };
+struct passes {
+    int n_frames, n_dark; /* n_dark: passes without a frame */
+    int *frame;           /* of each pass, ascending; or DARK; owned */
+    int *first_pass;      /* of each frame; owned */
+};
+/* The plan is made. passes_free accepts what a failure left. */
+bool passes_make(const struct plan *plan, struct passes *out, struct error *err);
+void passes_free(struct passes *passes);
+
+/* ---- colours.c ---- */
+
+/* The colours of a material in a pass under one group of lights: products of the spectra of lights
+ * and material in parts of full scale, red, green and blue for three bands, and 1. Where there is
+ * no such term, or no such band, a colour is black. */
+struct pass_colours {
+    float constant[4], diffuse[LIGHTS_PER_PASS][4], specular[LIGHTS_PER_PASS][4];
+    int n_lights; /* of this group */
+    bool shines;  /* there is a specular term */
+};
+/* group: lights group * LIGHTS_PER_PASS and on; group 0 has the constant term. */
+void pass_colours(const struct plan *plan, const struct shaded_material *shaded, int group,
+                  int first_band, double full_scale, struct pass_colours *out);
+
+/* ---- texels.c ---- */
+
+/* Reads the texels of a spectral texture for the bands of a pass: red, green and blue of each, rows
+ * from the bottom. Those of bands that do not exist are 0. out has room for all. */
+bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
+                 struct error *err);
+
+/* ---- tile.c ---- */
+
+/* The projection that makes a tile of the picture fill clip space; mirrored: y is turned around. */
+struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
+/* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour
+ * buffer to parts of full scale; adds what one group of lights adds to the others. */
+void pass_convert(const struct plan *plan, const void *steps, float *pixels);
+void pass_add(const struct plan *plan, const float *part, float *sum);
+
+/* ---- facts.c: the plan as JSON or in words ---- */
+
+/* Puts the facts: work, effects, lights, values that are guessed. Fails only where memory does. */
+bool plan_facts(const struct plan *plan, struct json *json, struct error *err);
+/* Puts the list of the scene's files with their digests. Fails only where memory or a file does. */
+bool plan_put_files(const struct plan *plan, struct json *json, struct error *err);
+/* Puts the members on the scene, and on the size and the wavelengths of its picture. */
+void scene_put(const struct plan *plan, struct json *json);
+
+/* ---- beyond_tables.c: spectra that are tables, and end before the picture's wavelengths do ---- */
+
+enum { BEYOND_TEXT = 384 };
+/* Prints a line for each table that the picture reaches beyond; `to` NULL: none. Returns the number
+ * of tables whose end matters, and describes the first of them. */
+int tables_beyond(const struct plan *plan, struct printed *to, char first[BEYOND_TEXT]);
 
 #endif

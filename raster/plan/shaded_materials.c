@@ -5,7 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "raster/plan/plan.h"
+#include "data/base/base.h"
+#include "data/images/images.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "raster/plan/inside.h"
+#include "raster/reference/reference.h"
 
 /* ---- textures ---- */
 

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 /* ---- triangles in the window ---- */

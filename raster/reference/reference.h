@@ -6,14 +6,15 @@
  * spectrum, times its texture. Weights depend on geometry only: one drawing serves all wavelengths.
  * Eye space has the eye at the origin, looks along -z, and has y upwards. The window counts pixels,
  * x to the right and y downwards; pixel centres lie at half-integers; depth is 0 near, 1 far. */
-#ifndef REFERENCE_H
-#define REFERENCE_H
+#ifndef RASTER_REFERENCE_REFERENCE_H
+#define RASTER_REFERENCE_REFERENCE_H
 
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "data/maths/maths.h"
+#include "spectral.h"
 
 struct rectangle {
     int x, y, width, height; /* in pixels, from the top left corner of the picture */

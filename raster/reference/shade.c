@@ -4,6 +4,7 @@
  */
 #include <math.h>
 
+#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 static void shade_phong(const struct view *view, const struct screen_triangle *triangle,

@@ -6,17 +6,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/files/files.h"
+#include "data/images/images.h"
 #include "data/scene/scene.h"
-#include "data/tiff/tiff.h"
-#include "raster/render/render.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "raster/render/inside.h"
 
 /* Reads the options that a record holds; others come from the command line. `from`: the file with
  * the record, for messages. The caller frees *out, also after a failure. */
 static bool recorded_options(const struct options *options, const char *from,
                              const struct record *record, struct options *out, struct error *err)
 {
-    const struct option_rules rules = {"render", options->table, RECORDED, 1};
-    if (!options_read(&rules, record->options, record->n_options, out, err))
+    if (!options_read_recorded(&render_command, record->options, record->n_options, out, err))
         return false;
     if (out->operand)
         return error_usage(err, "%s records '%s', which is not an option", from, out->operand);
@@ -32,21 +34,23 @@ static bool recorded_options(const struct options *options, const char *from,
 static bool again_options(const struct options *options, const struct record *record,
                           struct options *out, struct error *err)
 {
-    if (!recorded_options(options, options->again, record, out, err))
+    const struct render_options *own = options->own;
+    if (!recorded_options(options, own->again, record, out, err))
         return false;
-    if (!out->renderer || strcmp(out->renderer, "raster") != 0)
-        return !(options->no_check || options->strict || options->unchecked) ||
+    struct render_options *made = out->own;
+    if (!made->renderer || strcmp(made->renderer, "raster") != 0)
+        return !(own->no_check || own->strict || own->unchecked) ||
                error_usage(err,
                            "%s stores OpenGL's pixels and records whether to check them; "
                            "--again takes no %s",
-                           options->again,
-                           options->no_check ? "--no-check"
-                           : options->strict ? "--strict"
-                                             : "--unchecked");
-    out->no_check = options->no_check;
-    out->strict = options->strict;
-    out->unchecked = options->unchecked;
-    out->check_map = options->check_map;
+                           own->again,
+                           own->no_check ? "--no-check"
+                           : own->strict ? "--strict"
+                                         : "--unchecked");
+    made->no_check = own->no_check;
+    made->strict = own->strict;
+    made->unchecked = own->unchecked;
+    made->check_map = own->check_map;
     return true;
 }
 
@@ -167,13 +171,14 @@ static bool render_recorded(const struct options *options, const struct render_o
     struct image image = {.path = NULL};
     struct record record = {.text = NULL};
     struct options made = {.operand = NULL};
-    bool done = record_open(options->again, &image, &record, err) &&
+    const struct render_options *own = options->own;
+    bool done = record_open(own->again, &image, &record, err) &&
                 again_options(options, &record, &made, err) &&
-                (options->trust || record_is_trusted(options->again, &record, err)) &&
+                (own->trust || record_is_trusted(own->again, &record, err)) &&
                 can_be_same(&record, output, err) &&
                 render_with_options(&made, output, &record, err);
-    if (!done && !options->trust)
-        hide_message(options->again, err);
+    if (!done && !own->trust)
+        hide_message(own->again, err);
     options_free(&made);
     record_free(&record);
     image_close(&image);
@@ -182,29 +187,30 @@ static bool render_recorded(const struct options *options, const struct render_o
 
 bool render_again(struct options *options, struct error *err)
 {
+    const struct render_options *own = options->own;
     options_forget_check(options);
     if (options->operand || options->n_recorded > 0)
         return error_usage(err, "--again takes no %s: the stack records it",
                            options->operand ? "SCENE" : options->recorded[0]);
-    if (options->part)
+    if (own->part)
         return error_usage(err, "--again takes no --part: it makes a whole stack");
     /* With -o /dev/null, or with its own name, the stack is written under its default name,
      * compared, and then discarded. */
     bool discard = false;
     if (options->output && strcmp(options->output, "/dev/null") != 0 &&
-        !file_is_same(options->output, options->again, &discard, err))
+        !file_is_same(options->output, own->again, &discard, err))
         return false;
     discard = discard || (options->output && strcmp(options->output, "/dev/null") == 0);
     if (discard)
         options->output = NULL;
-    if (!options_name_output(options, options->again, "-again.tif", err))
+    if (!options_name_output(options, own->again, "-again.tif", err))
         return false;
     const struct render_output output = {.path = options->output,
-                                         .check_map = options->check_map,
-                                         .again = options->again,
-                                         .keep = options->keep,
+                                         .check_map = own->check_map,
+                                         .again = own->again,
+                                         .keep = own->keep,
                                          .discard = discard,
-                                         .envi = options->envi,
+                                         .envi = own->envi,
                                          .outputs = &options->outputs};
     return render_recorded(options, &output, err);
 }

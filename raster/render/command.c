@@ -5,25 +5,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/digest/digest.h"
-#include "data/invocation/invocation.h"
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "raster/render/render.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "raster/check/check.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/render/inside.h"
+#include "raster/renderers/renderers.h"
 
 /* ---- checks before anything is drawn ---- */
 
-static bool stores_raster(const struct options *options)
+static bool stores_raster(const struct render_options *own)
 {
-    return options->renderer && strcmp(options->renderer, "raster") == 0;
+    return own->renderer && strcmp(own->renderer, "raster") == 0;
 }
 
 /* Returns an option that needs a check, if there is one; otherwise NULL. */
-static const char *asks_check(const struct options *options)
+static const char *asks_check(const struct render_options *own)
 {
-    return options->strict      ? "--strict"
-           : options->unchecked ? "--unchecked"
-           : options->check_map ? "--check-map"
+    return own->strict      ? "--strict"
+           : own->unchecked ? "--unchecked"
+           : own->check_map ? "--check-map"
                                 : NULL;
 }
 
@@ -40,7 +47,8 @@ static bool check_stack_name(const char *path, struct error *err)
 static bool check_asked(const struct options *options, const struct render_output *output,
                         struct error *err)
 {
-    const char *checks = options->no_check ? asks_check(options) : NULL;
+    const struct render_options *own = options->own;
+    const char *checks = own->no_check ? asks_check(own) : NULL;
     if (checks)
         return error_usage(err, "%s needs the check that --no-check leaves out", checks);
     return check_stack_name(output->path, err) &&
@@ -51,13 +59,17 @@ static bool check_asked(const struct options *options, const struct render_outpu
  * again; NULL: none. */
 static bool check_gl(const struct options *options, const char *again, struct error *err)
 {
-    const char *checks = asks_check(options);
+    const struct render_options *own = options->own;
+    const char *checks = asks_check(own);
+    const char *driver;
     if (gl_is_built())
-        return true;
-    if (!stores_raster(options) && again)
+        return drawing_ways.open[driver_way(own->renderer, &driver)] ||
+               error_usage(err, "this program draws without shaders; expected another --renderer "
+                                "than %s", own->renderer);
+    if (!stores_raster(own) && again)
         return error_usage(
             err, "%s stores OpenGL's pixels, but this program was built without OpenGL", again);
-    if (!stores_raster(options))
+    if (!stores_raster(own))
         return error_usage(err, "this program was built without OpenGL; add --renderer raster");
     return !checks ||
            error_usage(err, "%s checks OpenGL, but this program was built without OpenGL", checks);
@@ -68,14 +80,15 @@ static bool check_gl(const struct options *options, const char *again, struct er
 static bool check_shading(const struct options *options, const struct scene *scene,
                           struct plan_options *plan, struct error *err)
 {
+    const struct render_options *own = options->own;
     if (scene->shading != SHADING_PHONG)
         return true;
     if (!plan->store_raster)
         return error_usage(err, "OpenGL lights vertices only and cannot draw phong shading; add %s",
                            plan->complete ? "--shading smooth" : "--renderer raster");
-    if (asks_check(options))
+    if (asks_check(own))
         return error_usage(err, "%s checks OpenGL, which has no phong shading",
-                           asks_check(options));
+                           asks_check(own));
     plan->check = plan->use_gl = false;
     return true;
 }
@@ -171,7 +184,7 @@ static bool report(const struct options *options, const struct plan *plan,
         return false;
     struct json words;
     words_begin(&words);
-    if (!options->quiet && ((options->verbose && !plan_facts(plan, NULL, &words, err)) ||
+    if (!options->quiet && ((options->verbose && !(plan_facts(plan, &words, err) && plan_put_files(plan, &words, err))) ||
                             !print_report(plan, result, output, stored, &words.printed, err)))
         return false;
     if (!printed_show(&words.printed, table, err))
@@ -201,24 +214,27 @@ static int bits_of(const char *choice)
 static bool plan_options_of(const struct options *options, bool foreign, struct plan_options *out,
                             struct error *err)
 {
-    struct plan_options plan = {.full_scale = options->full_scale,
-                                .buffer_bits = bits_of(options->buffer),
-                                .gl_library = options->gl,
+    const struct render_options *own = options->own;
+    struct plan_options plan = {.full_scale = own->full_scale,
+                                .buffer_bits = bits_of(own->buffer),
+                                .gl_library = own->gl,
                                 .detector = options->detector,
-                                .strict = options->strict,
-                                .store_raster = stores_raster(options),
-                                .bits = bits_of(options->depth),
+                                .strict = own->strict,
+                                .store_raster = stores_raster(own),
+                                .bits = bits_of(own->depth),
                                 .threads = options->threads,
                                 .recorded = options->recorded,
                                 .n_recorded = options->n_recorded};
-    plan.gl_way = driver_way(options->renderer, &plan.gl_driver);
+    plan.gl_way = driver_way(own->renderer, &plan.gl_driver);
     if (plan.gl_way != GL_WITHOUT_SHADERS && plan.buffer_bits != 0 && plan.buffer_bits != 32)
-        return error_usage(err, "shaders draw into floats; leave out --buffer %s", options->buffer);
+        return error_usage(err, "shaders draw into floats; leave out --buffer %s", own->buffer);
     plan.complete = foreign;
-    plan.check = (gl_is_built() || foreign) && !options->no_check;
+    plan.check = (gl_is_built() || foreign) && !own->no_check;
     plan.use_gl = plan.check || !plan.store_raster;
     *out = plan;
-    return options_unchecked(options, &out->unchecked, err);
+    out->unchecked = own->strict ? 0 : USUAL_UNCHECKED;
+    return !own->unchecked ||
+           option_number("--unchecked", own->unchecked, 0, 1, &out->unchecked, err);
 }
 
 /* before: the seconds that it took to read the scene and make the plan. */
@@ -244,12 +260,12 @@ static bool render_planned(const struct options *options, const struct plan *pla
 bool render_with_options(const struct options *options, const struct render_output *output,
                          const struct record *made, struct error *err)
 {
+    const struct render_options *own = options->own;
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
-    struct refine_result refined = {.levels = 0};
     struct plan_options plan_options;
-    struct notes notes = {.refined = options->accuracy ? &refined : NULL};
+    struct notes notes = {.n = 0};
     struct render_output noted = *output;
     struct part_seconds seconds = {.read = 0};
     double start = clock_seconds();
@@ -262,15 +278,14 @@ bool render_with_options(const struct options *options, const struct render_outp
                 (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err));
     seconds.read = clock_seconds() - start;
     done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
-           refine_options(options, &plan, &refined, err);
+           notes_refine(options, &plan, &notes, err);
     seconds.plan = clock_seconds() - start - seconds.read;
     if (!options->quiet || options->json)
         noted.notes = &notes;
     done = done && output_can_open(options->json, err) &&
-           output_can_open(options->check_map, err) &&
+           output_can_open(own->check_map, err) &&
            render_planned(options, &plan, &seconds, &noted, made, err);
     notes_free(&notes);
-    refine_result_free(&refined);
     plan_free(&plan);
     sampling_free(&sampling);
     scene_free(&scene);
@@ -304,7 +319,7 @@ static bool part_read(const char *option, const char *value, struct picture_part
                        value);
 }
 
-bool part_accepts(const char *option, const char *value, struct error *err)
+static bool part_accepts(const char *option, const char *value, struct error *err)
 {
     struct picture_part part;
     return part_read(option, value, &part, err);
@@ -322,25 +337,103 @@ static bool name_stack(struct options *options, const struct picture_part *part,
 /* Renders a scene, or a part of it, and reports the result. */
 static bool render_scene(struct options *options, struct error *err)
 {
+    const struct render_options *own = options->own;
     struct picture_part part = {.count = 0};
-    if (options->part && options->check_map)
+    if (own->part && own->check_map)
         return error_usage(err, "--part takes no --check-map, which shows the whole picture");
-    if ((options->part && !part_read("--part", options->part, &part, err)) ||
+    if ((own->part && !part_read("--part", own->part, &part, err)) ||
         !name_stack(options, &part, err))
         return false;
-    if (stores_raster(options))
+    if (stores_raster(own))
         options_forget_check(options);
     const bool discard = strcmp(options->output, "/dev/null") == 0;
     const struct render_output wanted = {.path = discard ? NULL : options->output,
-                                         .check_map = options->check_map,
-                                         .keep = options->keep,
-                                         .envi = options->envi,
+                                         .check_map = own->check_map,
+                                         .keep = own->keep,
+                                         .envi = own->envi,
                                          .outputs = &options->outputs,
                                          .part = part};
     return render_with_options(options, &wanted, NULL, err);
 }
 
-bool command_render(struct options *options, struct error *err)
+static bool run_render(struct options *options, struct error *err)
 {
-    return options->again ? render_again(options, err) : render_scene(options, err);
+    const struct render_options *own = options->own;
+    return own->again ? render_again(options, err) : render_scene(options, err);
 }
+
+/* ---- options ---- */
+
+static const char *const buffers[] = {"8", "16", "float", NULL};
+static const char *const depths[] = {"8", "16", "32f", NULL};
+static const struct option renderer_rows[] = {
+    {"--renderer gl|llvmpipe|softpipe|gl-shader[:DRIVER]|es-shader[:DRIVER]|raster",
+     "stores pixels of gl (default), of its driver llvmpipe or softpipe, of shaders by OpenGL 3.3 "
+     "core or OpenGL ES 3, or of the reference",
+     OWN(TEXT, render_options, renderer), .accepts = driver_accepts_renderer, .recorded = true},
+    {"--buffer 8|16|float", "bits of OpenGL's colours (default: float)",
+     OWN(TEXT, render_options, buffer), .choices = buffers, .recorded = true},
+};
+static const struct option library_rows[] = {
+    {"--gl LIBRARY", "osmesa, egl, egl:N for EGL's device N, or auto (default), whichever is here",
+     OWN(TEXT, render_options, gl), .accepts = driver_accepts_library, .recorded = true},
+};
+static const struct option judged_rows[] = {
+    {"--strict", "like --unchecked 0; also no fragment may be lost or doubled where triangles meet",
+     OWN(FLAG, render_options, strict), .recorded = true},
+    {"--unchecked SHARE",
+     "the part of object pixels that may stay unchecked, from 0 to 1 (default: 0.01)",
+     OWN(TEXT, render_options, unchecked), .recorded = true},
+};
+static const struct option map_rows[] = {
+    {"--check-map FILE",
+     "writes what the check can see at each pixel, and its verdict there (.tif or .png)",
+     OWN(TEXT, render_options, check_map), .writes = true},
+};
+static const struct option scale_rows[] = {
+    {"--full-scale R", "radiance of count 65535 (default: the largest)",
+     OWN(NUMBER, render_options, full_scale), .lowest = 1e-300, .highest = 1e300, .recorded = true},
+};
+static const struct option verbose_rows[] = {
+    {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated",
+     SHARED(FLAG, verbose)},
+};
+static const struct option render_rows[] = {
+    {"-o, --output STACK.tif",
+     "writes there; - is standard output; /dev/null: checks only, writes nothing",
+     SHARED(TEXT, output), .writes = true},
+    {"--again STACK",
+     "makes that stack again, from its record (default output: STACK's name + -again.tif)",
+     OWN(TEXT, render_options, again), .made_again = true},
+    {"--trust", "--again reads files outside of this folder, too",
+     OWN(FLAG, render_options, trust)},
+    {"--no-check", "does not cross-check", OWN(FLAG, render_options, no_check), .recorded = true},
+    {"--keep", "stores the stack even if the check fails", OWN(FLAG, render_options, keep)},
+    {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, render_options, envi)},
+    {"--part I/N", "draws part I of N as a stack of some rows of the picture; see join",
+     OWN(TEXT, render_options, part), .accepts = part_accepts},
+    {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
+     OWN(TEXT, render_options, depth), .choices = depths, .recorded = true},
+};
+static const struct option_list render_list = OPTION_LIST(render_rows);
+const struct option_list renderer_options = OPTION_LIST(renderer_rows),
+                         library_option = OPTION_LIST(library_rows),
+                         judged_options = OPTION_LIST(judged_rows),
+                         map_option = OPTION_LIST(map_rows),
+                         scale_option = OPTION_LIST(scale_rows),
+                         verbose_option = OPTION_LIST(verbose_rows);
+static const struct option_list *const lists[] = {
+    &render_list,     &scene_options,    &shading_options, &accuracy_options, &sampling_options,
+    &renderer_options, &library_option,  &judged_options,  &map_option,       &scale_option,
+    &threads_option,  &json_option,      &verbose_option,  &quiet_option,     &common_options,
+    NULL};
+const struct command render_command = {
+    .name = "render",
+    .operands = "[SCENE] [-o STACK.tif]",
+    .summary = "render, cross-check, write a stack",
+    .example = "render spheres --size 1920x1280 -o spheres.tif",
+    .run = run_render,
+    .lists = lists,
+    .own_size = sizeof(struct render_options),
+    .n_operands = 1,
+};

@@ -2,10 +2,17 @@
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
 #include <time.h>
 
+#include "data/base/base.h"
 #include "data/sampling/sampling.h"
+#include "data/stack/stack.h"
 #include "raster/bounds/bounds.h"
-#include "raster/fit/fit.h"
-#include "raster/render/render.h"
+#include "raster/check/check.h"
+#include "raster/counts/counts.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/render/inside.h"
+#include "raster/renderers/renderers.h"
 
 /* A render on its way: what the stages work on, in the order in which it is made. */
 struct state {
@@ -117,11 +124,10 @@ static bool open_renderer(struct state *state, const struct render_foreign *fore
     const int n_buffers = stages->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
     const struct plan *plan = stages->plan;
     struct renderer **out = &stages->renderer;
-    const bool shaders = plan->options.gl_way != GL_WITHOUT_SHADERS,
-               done = foreign ? foreign->open(foreign->of, plan, n_buffers, out, err)
-                      : !plan->options.use_gl ? true
-                      : shaders               ? shader_open(plan, n_buffers, out, err)
-                                              : gl_open(plan, n_buffers, out, err);
+    const bool done =
+        foreign ? foreign->open(foreign->of, plan, n_buffers, out, err)
+                : !plan->options.use_gl ||
+                      drawing_ways.open[plan->options.gl_way](plan, n_buffers, out, err);
     if (done && stages->renderer) {
         state->result->names = stages->renderer->names;
         state->lacks = stages->renderer->lacks;

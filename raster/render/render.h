@@ -1,23 +1,89 @@
 /* SPDX-License-Identifier: MIT */
+/* The room "stages": draws, judges and writes all tiles of a picture. OpenGL, the check and the
+ * file work side by side, each on what the one before has made. */
 /* Renders a plan into a stack, tile by tile and pass by pass, and reports the result. This room
  * connects the reference, OpenGL, the check and the stack. It does not depend on how any of them
  * works. */
-#ifndef RENDER_H
-#define RENDER_H
+#ifndef RASTER_RENDER_RENDER_H
+#define RASTER_RENDER_RENDER_H
 
 #include "data/base/base.h"
-#include "data/options/options.h"
-#include "data/record/record.h"
+#include "data/files/files.h"
 #include "data/stack/stack.h"
-#include "raster/driver/driver.h"
-#include "raster/gl/gl.h"
-#include "raster/notes/notes.h"
+#include "data/text/text.h"
+#include "raster/bounds/bounds.h"
+#include "raster/check/check.h"
+#include "raster/counts/counts.h"
 #include "raster/plan/plan.h"
-#include "raster/radiance/radiance.h"
-#include "raster/shader/shader.h"
-#include "raster/stages/stages.h"
-#include "raster/verdict/verdict.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 #include "spectral.h"
+
+struct shading;
+
+/* ---- notes.c: a list of notes ---- */
+
+enum { NOTE_TEXT = 768, MOST_NOTES = 8 };
+struct note {
+    const char *code;     /* a name for scripts, which stays from version to version: "black" */
+    char text[NOTE_TEXT]; /* one line */
+};
+struct notes {
+    struct note list[MOST_NOTES];
+    int n;
+    struct shading *shading; /* what the judge of shading found; NULL: nothing; owned */
+};
+/* Pixels at which shading is judged: enough for a note, and for a table of objects. */
+enum { SOME_PIXELS = 2048, MANY_PIXELS = 16384 };
+/* Makes the notes on a lit scene, in time linear in vertices x terms and in triangles. *out comes
+ * in zeroed, but for what notes_refine left. Judges the shading of about so many pixels, unless the
+ * plan was refined. */
+bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
+                struct error *err);
+/* Makes them on a plan. Refuses what lit_make refuses, as a render does. */
+bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out,
+                   struct error *err);
+
+/* Prints a line for each note. */
+void notes_print(const struct notes *notes, struct printed *to);
+/* Prints the lines; as JSON: the array "notes" of objects with the members "code" and "text". */
+void notes_put(const struct notes *notes, struct json *json);
+/* Puts what the judge of shading found, as the object "accuracy". */
+void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json);
+/* Divides the triangles of a plan if the options ask for it. After an error the plan can only be
+ * freed. */
+bool notes_refine(const struct options *options, struct plan *plan, struct notes *notes,
+                  struct error *err);
+void notes_free(struct notes *notes);
+
+/* Judges by how much a shaded picture is off light at every point of the true surfaces, before it
+ * is drawn: see raster/beside/accuracy. */
+struct shading_judge {
+    /* As notes_refine. *out is allocated; NULL: the options do not ask for it. */
+    bool (*refine)(const struct options *options, struct plan *plan, struct shading **out,
+                   struct error *err);
+    /* Judges about so many pixels, unless the plan was refined, and adds notes. */
+    bool (*judge)(const struct lit_scene *lit, int pixels, struct notes *notes, struct error *err);
+    void (*print)(const struct shading *shading, struct printed *to); /* how it was refined */
+    void (*put)(const struct plan *plan, const struct shading *shading, struct json *json);
+    void (*free)(struct shading *shading);
+};
+extern const struct shading_judge *const shading_judge; /* NULL: this program has none */
+
+/* ---- plan_command.c: spectral plan ---- */
+
+/* Prints the plan of a scene, and the notes on it. */
+extern const struct command plan_command;
+
+void note_add(struct notes *notes, const char *code, const char *format, ...) PRINTF_LIKE(3, 4);
+
+/* ---- stages.c ---- */
+
+/* Seconds of each part. Parts work side by side, so that their sum may exceed the total. The
+ * processor's are those of all threads. */
+struct part_seconds {
+    double read, plan, gl, raster, check, write, total, processor;
+};
 
 /* ---- render.c: everything before the first pixel, and after the last one ---- */
 
@@ -62,62 +128,32 @@ struct render_output {
         int number, count;                /* from 1 */
     } part;
 };
-/* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
- * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
- * or a difference (without `keep`) no file has been created or changed. */
-bool render(const struct plan *plan, const struct render_output *output,
-            struct progress_line *progress, struct render_result *out, struct error *err);
-bool render_agreed(const struct plan *plan, const struct render_result *result);
-/* Returns the renderer of the stored pixels: "raster", or OpenGL's GL_RENDERER. */
-const char *render_stored(const struct plan *plan, const struct render_result *result);
 
 /* ---- words.c: the verdict in words ---- */
 
-/* Writes the verdict as one line of ASCII, for the stack. */
-void report_verdict(const struct plan *plan, const struct check_verdict *verdict,
-                    char out[STACK_VERDICT]);
 /* Returns false with EXIT_DIFFERENT. The message names the first pixel where the pictures differ,
  * or what could not be checked, and ends with `then`, the consequence; NULL: with none. */
 bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
                          const char *then, struct error *err);
-/* Does the same for a stack that differs from the stack at `path`, whose record is `made`. The
- * message names the most certain reason. */
-bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
-                      const struct record *made, const char *then, struct error *err);
-/* Returns "agreed", "differs", "not verified" or "not checked". */
-const char *verdict_word(const struct plan *plan, const struct check_verdict *verdict);
-/* Prints the verdict with its reason. */
-void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
-                   struct printed *to);
-
-/* ---- report.c: results as a table and as JSON ---- */
-
-void report_print(const struct plan *plan, const struct render_result *result, struct printed *to);
-/* Begins a text with one JSON object. output: the stack's name, sha256: its digest; NULL becomes
- * null. */
-void report_json(const struct plan *plan, const struct render_result *result, const char *output,
-                 const char *sha256, uint64_t peak_bytes, struct json *json);
 
 /* ---- command.c: spectral render ---- */
 
 /* Renders a scene, or makes a stack again. Fails with EXIT_DIFFERENT if the pictures differ. */
-bool command_render(struct options *options, struct error *err);
-bool part_accepts(const char *option, const char *value, struct error *err); /* "3/7" */
+extern const struct command render_command;
+/* The own options of render; of commands that render, too, they are the first member of theirs. */
+struct render_options {
+    const char *again, *check_map, *renderer, *gl, *buffer, *depth, *unchecked, *part;
+    double full_scale;
+    bool trust, no_check, strict, keep, envi;
+};
+/* Options of these, which other commands take, too. `judged`: what may stay unchecked. */
+extern const struct option_list renderer_options, library_option, judged_options, map_option,
+    scale_option, verbose_option;
+/* Options of the judge of shading; empty without it. */
+extern const struct option_list accuracy_options;
 /* Reads, plans and renders the scene of the options, and reports the result. made: the record of
  * the stack that is made again; NULL: the stack is new. */
 bool render_with_options(const struct options *options, const struct render_output *output,
                          const struct record *made, struct error *err);
-
-/* ---- inside this room ---- */
-
-/* Removes --no-check and --strict from the options that the stack records. A stack of the
- * reference's pixels is the same with any check. */
-void options_forget_check(struct options *options);
-
-/* ---- again.c: spectral render --again ---- */
-
-/* Makes a stack again from the scene and the options that it records. Fails with EXIT_DIFFERENT if
- * any byte of the new stack differs. */
-bool render_again(struct options *options, struct error *err);
 
 #endif

@@ -3,11 +3,15 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/method/method.h"
+#include "data/base/base.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
+#include "data/stack/stack.h"
 #include "data/text/text.h"
-#include "raster/render/render.h"
+#include "raster/check/check.h"
+#include "raster/plan/plan.h"
+#include "raster/render/inside.h"
+#include "raster/renderers/renderers.h"
 
 /* NaN: there is none. */
 static double rms(const struct check_samples *samples)
@@ -370,7 +374,7 @@ void report_json(const struct plan *plan, const struct render_result *result, co
     else
         json_string(json, "check", NULL);
     if (result->notes) {
-        accuracy_put(plan, result->notes, json);
+        notes_put_shading(plan, result->notes, json);
         notes_put(result->notes, json);
     }
     json_again(json, &result->difference);

@@ -25,7 +25,7 @@ build_fuzzer() {
     CC=clang GL=none
     prepare
     version=$(debian_version libtiff6)
-    key="$(cat data/tiff/libtiff.sh) $fuzz_sanitizers $($CC -v 2>&1)"
+    key="$(cat data/images/libtiff.sh) $fuzz_sanitizers $($CC -v 2>&1)"
     cached tiff_fuzz tiff "$version" "$key"
     libraries="-fsanitize=fuzzer -L$library -ltiff -ldeflate -ljbig -ljpeg -lLerc -llzma -lwebp -lzstd -lz -lm"
     CFLAGS=$own_sanitizers

@@ -6,11 +6,13 @@
 
 int spectral_main(int argc, char **argv);
 #define main spectral_main
+#include "data/scene/scene.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
 #include "spectral.c"
+#include "test/fuzz/fuzz.h"
 #undef main
 
-#include "data/invocation/invocation.h"
-#include "test/fuzz/fuzz.h"
 
 enum { MOST_WORDS = 64 };
 

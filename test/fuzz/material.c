@@ -4,8 +4,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/material/material.h"
+#include "data/scene/inside.h"
+#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
+#include "data/text/text.h"
 #include "test/fuzz/fuzz.h"
 
 static const struct place nowhere = {0};

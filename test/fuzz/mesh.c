@@ -2,6 +2,8 @@
 /* Fuzz target: an OBJ file becomes a mesh, which is cut. */
 #include <math.h>
 
+#include "data/maths/maths.h"
+#include "data/mesh/inside.h"
 #include "data/mesh/mesh.h"
 #include "test/fuzz/fuzz.h"
 

@@ -4,7 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/record/record.h"
+#include "data/images/images.h"
+#include "data/stack/inside.h"
+#include "data/stack/stack.h"
 #include "test/fuzz/fuzz.h"
 
 enum { N_PAGES = 3 };

@@ -3,7 +3,6 @@
  * last line names the input that ends the program. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "test/fuzz/fuzz.h"
 
 static bool read_input(const char *path, unsigned char **bytes, size_t *length)

@@ -4,9 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/base/base.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
 #include "raster/bounds/bounds.h"
-#include "raster/notes/notes.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/render/render.h"
+#include "raster/renderers/renderers.h"
 #include "test/fuzz/fuzz.h"
 
 /* A sphere of 4096 x 4096 is good input, and takes seconds. */
@@ -37,7 +43,7 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     json_begin(&json);
     bool done = plan_make(scene, NULL, &options, &plan, err) &&
                 lit_make(&plan, driver_of(NULL), &lit, &work, err) &&
-                notes_make(&lit, 256, &notes, err) && plan_facts(&plan, &notes, &words, err) &&
+                notes_make(&lit, 256, &notes, err) && plan_facts(&plan, &words, err) &&
                 plan_facts(&plan, &notes, &json, err) && json_write(&json, "/dev/null", NULL, err);
     free(printed_end(&words.printed));
     free(printed_end(&json.printed));

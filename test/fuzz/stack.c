@@ -4,11 +4,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/compare/compare.h"
-#include "data/develop/develop.h"
-#include "data/probe/probe.h"
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/images/images.h"
+#include "data/sampling/sampling.h"
 #include "data/stack/stack.h"
-#include "data/texture/texture.h"
+#include "data/text/text.h"
+#include "raster/beside/see/inside.h"
+#include "raster/beside/see/see.h"
 #include "test/fuzz/fuzz.h"
 
 /* Good input may have any number of pixels; more of them reach no other code. */

@@ -9,14 +9,16 @@
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
-#include "raster/setup/setup.h"
+#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
-#include "raster/driver/driver.h"
+#include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
-#include "spectral.h"
+#include "raster/renderers/renderers.h"
 #include "slow.h"
+#include "spectral.h"
 #include "test.h"
 
 /* Powers of two, so that a grid in the window is one in the scene. */

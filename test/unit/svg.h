@@ -6,7 +6,7 @@
 
 #include <unistd.h>
 
-#include "data/chart/chart.h"
+#include "data/base/base.h"
 #include "test.h"
 
 /* Returns whether Python's parser takes the file, and no number in it is infinite or NaN. */

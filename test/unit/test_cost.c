@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Conclusions from times and errors, and processes that return a result. The times are invented
  * here, so that the right conclusions are known. */
+#include "data/base/base.h"
+#include "data/scene/scene.h"
+#include "raster/beside/cost/inside.h"
+#include "spectral.h"
 #include "test.h"
 
 #include <signal.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/scene/scene.h"
-#include "raster/cost/cost.h"
-#include "spectral.h"
 
 /* ---- the frontier ---- */
 

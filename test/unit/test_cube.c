@@ -2,16 +2,17 @@
 /* A stack's record of its scene, that is the lights, their white, and the object at each pixel, is
  * compared with the scene, which was written by hand. A stack whose record is forged, damaged or
  * missing is read like a stack of another program; a file that is no spectral stack is refused. */
-#include "data/method/method.h"
+#include "bytes.h"
+#include "data/base/inside.h"
+#include "data/images/images.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
-#include "data/tiff/tiff.h"
 #include "raster/plan/plan.h"
+#include "raster/render/inside.h"
 #include "raster/render/render.h"
 #include "spectral.h"
-#include "bytes.h"
 
 #include <stdlib.h>
 #include <tiffio.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares detectors with the CIE's published white points, and weights and losses with values
  * worked by hand. */
-#include "data/base/base.h"
 #include "data/colour/colour.h"
+#include "data/files/files.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
 #include "spectral.h"

@@ -11,8 +11,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "data/digest/digest.h"
-#include "data/output/output.h"
+#include "data/base/base.h"
+#include "data/base/inside.h"
+#include "data/files/files.h"
 #include "spectral.h"
 #include "test.h"
 

@@ -4,7 +4,12 @@
  * one band alone, of twice the floor, is always found. */
 #include <stdint.h>
 
-#include "raster/fit/fit.h"
+#include "data/images/images.h"
+#include "raster/check/check.h"
+#include "raster/check/inside.h"
+#include "raster/counts/counts.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 #include "test.h"
 
 enum { MOST_TERMS = 4, MOST_BANDS = 31, TRIALS = 20000, SIDE = 4 };

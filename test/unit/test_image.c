@@ -10,11 +10,11 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/stack/stack.h"
-#include "data/tiff/tiff.h"
-#include "spectral.h"
 #include "bytes.h"
+#include "data/base/inside.h"
+#include "data/images/images.h"
+#include "data/stack/stack.h"
+#include "spectral.h"
 
 enum { WIDTH = 37, HEIGHT = 29, PAGES = 3, PIXELS = WIDTH * HEIGHT };
 

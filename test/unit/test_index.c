@@ -2,7 +2,7 @@
 /* A hash table, compared with a list: keys of all lengths, with bytes of all values. */
 #include <stdlib.h>
 
-#include "data/index/index.h"
+#include "data/base/base.h"
 #include "test.h"
 
 enum { KEYS = 20000 };

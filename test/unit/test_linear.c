@@ -5,9 +5,9 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "data/options/options.h"
 #include "data/stack/stack.h"
-#include "raster/notes/notes.h"
+#include "data/text/text.h"
+#include "raster/render/render.h"
 
 int main(int argc, char **argv)
 {

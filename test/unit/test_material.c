@@ -4,7 +4,8 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
-#include "data/material/material.h"
+#include "data/scene/inside.h"
+#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
 #include "spectral.h"

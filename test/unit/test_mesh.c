@@ -6,9 +6,10 @@
 #include <time.h>
 
 #include "data/maths/maths.h"
+#include "data/mesh/inside.h"
 #include "data/mesh/mesh.h"
-#include "spectral.h"
 #include "solid.h"
+#include "spectral.h"
 #include "test.h"
 
 static const double pi = 3.14159265358979323846;

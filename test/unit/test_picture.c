@@ -4,9 +4,8 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/digest/digest.h"
-#include "data/pages/pages.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
 #include "spectral.h"
 #include "test.h"
 

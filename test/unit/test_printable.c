@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/base/base.h"
 #include "data/text/text.h"
 #include "test.h"
 

@@ -9,7 +9,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "data/process/process.h"
+#include "data/base/base.h"
+#include "data/base/inside.h"
 #include "test.h"
 
 static void rest(long ms)

@@ -5,10 +5,12 @@
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
-#include "raster/setup/setup.h"
+#include "raster/bounds/inside.h"
+#include "raster/candidates/inside.h"
 #include "raster/check/check.h"
-#include "raster/driver/driver.h"
+#include "raster/counts/counts.h"
 #include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 #include "test.h"
 
 static void random_triangle(uint64_t *state, struct corner out[3])

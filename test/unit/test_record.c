@@ -5,11 +5,12 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/options/options.h"
-#include "data/record/record.h"
+#include "data/base/inside.h"
+#include "data/images/images.h"
 #include "data/spectra/spectra.h"
+#include "data/stack/inside.h"
 #include "data/stack/stack.h"
-#include "data/tiff/tiff.h"
+#include "data/text/text.h"
 #include "spectral.h"
 #include "test.h"
 

@@ -2,11 +2,11 @@
 /* Compares samplings with the sum over every nm: they are exact where they must be, keep their
  * tolerance, and survive hard cases. test/run/sampling.py computes each method once more. */
 #include "data/base/base.h"
+#include "data/files/files.h"
 #include "data/maths/maths.h"
-#include "data/method/method.h"
+#include "data/sampling/inside.h"
 #include "data/sampling/sampling.h"
 #include "data/spectra/spectra.h"
-#include "data/terms/terms.h"
 #include "data/text/text.h"
 #include "spectral.h"
 #include "test.h"

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <sys/stat.h>
 
-#include "data/material/material.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"

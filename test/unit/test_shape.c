@@ -4,9 +4,9 @@
 #include <float.h>
 
 #include "data/maths/maths.h"
-#include "data/shape/shape.h"
-#include "spectral.h"
+#include "data/mesh/mesh.h"
 #include "solid.h"
+#include "spectral.h"
 #include "test.h"
 
 static const double pi = 3.14159265358979323846;

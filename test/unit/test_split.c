@@ -4,9 +4,10 @@
 #include <float.h>
 
 #include "data/maths/maths.h"
-#include "data/shape/shape.h"
-#include "spectral.h"
+#include "data/mesh/inside.h"
+#include "data/mesh/mesh.h"
 #include "solid.h"
+#include "spectral.h"
 #include "test.h"
 
 static void stop_unless(bool good, const struct error *err)

@@ -7,9 +7,9 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/pages/pages.h"
+#include "data/base/inside.h"
+#include "data/images/images.h"
 #include "data/stack/stack.h"
-#include "data/tiff/tiff.h"
 #include "spectral.h"
 #include "test.h"
 

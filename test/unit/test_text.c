@@ -5,6 +5,7 @@
 #include <limits.h>
 #include <stdlib.h>
 
+#include "data/base/base.h"
 #include "data/text/text.h"
 #include "spectral.h"
 #include "test.h"

@@ -5,8 +5,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "data/base/inside.h"
+#include "data/images/images.h"
 #include "data/stack/stack.h"
-#include "data/texture/texture.h"
 #include "spectral.h"
 #include "test.h"
 

@@ -2,7 +2,8 @@
 /* A loop does each part once, on any number of threads. Stages hand over all that they make, in its
  * order, whether they work side by side or one at a time. Where one fails, all end. A stage that
  * waits sleeps. */
-#include "data/threads/threads.h"
+#include "data/base/base.h"
+#include "data/base/inside.h"
 #include "test.h"
 
 #include <stdlib.h>

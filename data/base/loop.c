@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT */
+/* Loops that several threads share. */
+#define _GNU_SOURCE /* sched_getaffinity */
+#include <sched.h>
+#include <unistd.h>
+
+#include "data/base/inside.h"
+
+/* Returns 0 where the system does not say. */
+static int count_processors(void)
+{
+#ifdef __linux__
+    cpu_set_t allowed;
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0)
+        return CPU_COUNT(&allowed);
+#endif
+    return (int)sysconf(_SC_NPROCESSORS_ONLN);
+}
+
+int threads_count(int wanted)
+{
+    const int n = wanted > 0 ? wanted : count_processors();
+    return n < 1 ? 1 : n < MOST_THREADS ? n : MOST_THREADS;
+}
+
+int threads_for(int n_threads, size_t n, size_t least)
+{
+    const size_t worth = n / least;
+    return worth < 1 ? 1 : worth < (size_t)n_threads ? (int)worth : n_threads;
+}
+
+struct loop {
+    void (*work)(void *context, int i);
+    void *context;
+    int n, next;
+    pthread_mutex_t lock; /* of `next` */
+};
+
+/* Returns the next i; n: none is left. */
+static int take(struct loop *loop)
+{
+    pthread_mutex_lock(&loop->lock);
+    const int i = loop->next < loop->n ? loop->next++ : loop->n;
+    pthread_mutex_unlock(&loop->lock);
+    return i;
+}
+
+static void *run(void *of)
+{
+    struct loop *loop = of;
+    for (int i; (i = take(loop)) < loop->n;)
+        loop->work(loop->context, i);
+    return NULL;
+}
+
+void threads_each(int n_threads, int n, void (*work)(void *context, int i), void *context)
+{
+    struct loop loop = {.work = work, .context = context, .n = n};
+    pthread_t others[MOST_THREADS];
+    const int most = n_threads < n ? n_threads : n;
+    int n_others = 0;
+    pthread_mutex_init(&loop.lock, NULL);
+    if (most > 1)
+        memory_allow_stacks();
+    while (n_others < most - 1 && pthread_create(&others[n_others], NULL, run, &loop) == 0)
+        n_others++;
+    run(&loop);
+    for (int i = 0; i < n_others; i++)
+        pthread_join(others[i], NULL);
+    pthread_mutex_destroy(&loop.lock);
+}
+
+struct blocks {
+    void (*work)(void *context, size_t first, size_t end);
+    void *context;
+    size_t n, block;
+};
+
+static void work_block(void *of, int i)
+{
+    const struct blocks *blocks = of;
+    const size_t first = (size_t)i * blocks->block, left = blocks->n - first;
+    blocks->work(blocks->context, first, first + (left < blocks->block ? left : blocks->block));
+}
+
+void threads_blocks(int n_threads, size_t n, size_t block,
+                    void (*work)(void *context, size_t first, size_t end), void *context)
+{
+    struct blocks blocks = {work, context, n, block};
+    threads_each(n_threads, (int)((n + block - 1) / block), work_block, &blocks);
+}
+
+void counter_add(struct counter *to, uint64_t n)
+{
+    pthread_mutex_lock(&to->lock);
+    to->n += n;
+    pthread_mutex_unlock(&to->lock);
+}

@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "colour" share. */
+#ifndef DATA_COLOUR_INSIDE_H
+#define DATA_COLOUR_INSIDE_H
+
+#include "data/colour/colour.h"
+#include "spectral.h"
+
+/* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
+ * linear = slope x value. */
+struct display_curve {
+    double exponent, gain, offset, slope, from;
+};
+struct display_curve display_curve(enum display_kind kind, int channel);
+
+#endif

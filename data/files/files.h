@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "digest": SHA-256 (FIPS 180-4). */
+/* The room "output": files that appear whole or not at all, and the names of files that a command
+ * writes. */
+#ifndef DATA_FILES_FILES_H
+#define DATA_FILES_FILES_H
+
+#include <dirent.h>
+
+#include "data/base/base.h"
+#include "spectral.h"
+
+/* ---- file.c: whole reads, compiled-in files, files that appear whole or not at all ---- */
+
+/* A file that is compiled into the program. Its path is "builtin:" and its name, e.g.
+ * builtin:tables/d65.csv. */
+struct builtin_file {
+    const char *name; /* relative to data/builtin/ */
+    const unsigned char *bytes;
+    size_t length;
+};
+extern const struct builtin_file builtin_files[]; /* made by build.sh; sorted by name */
+extern const size_t builtin_file_count;
+
+#define BUILTIN_PREFIX "builtin:"
+enum { BUILTIN_NAME = 256 };
+/* Writes the part of a file's name between a folder and an ending. Returns false if the name does
+ * not begin and end so. */
+bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
+                  char out[BUILTIN_NAME]);
+
+/* Reads a whole file, or a "builtin:..." file. *bytes is allocated, with a NUL behind its *length
+ * bytes. Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a
+ * NUL byte. The message names `from`, the place that names the file; its path is NULL when the
+ * command line names it. Waits for a pipe only then. */
+bool file_read(const char *path, struct place from, char **bytes, size_t *length,
+               struct error *err);
+/* Reads standard input likewise, to its end. Messages call it `name`. */
+bool input_read(const char *name, char **bytes, size_t *length, struct error *err);
+
+/* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
+ * Refuses what file_read refuses, but accepts NUL bytes. */
+bool file_open(const char *path, struct place from, int *descriptor,
+               const struct builtin_file **builtin, struct error *err);
+
+/* ---- paths.c: how one file names another, and what a path names ---- */
+
+bool path_is_builtin(const char *path);  /* begins with BUILTIN_PREFIX */
+const char *path_name(const char *path); /* points behind the last '/' */
+/* Returns the path of `name` as seen from the file `base`: an absolute or "builtin:" name stays,
+ * any other name is relative to the folder of base. "a/../" is removed from builtin paths. The
+ * result is allocated; NULL: no memory. */
+char *file_relative(const char *base, const char *name);
+
+/* Find whether the name is that of a regular file, or of a link to one, and not "-"; whether two
+ * names are those of one file. Fail only where the system does. */
+bool file_is_regular(const char *path, bool *out, struct error *err);
+bool file_is_same(const char *a, const char *b, bool *out, struct error *err);
+bool file_is_missing(const char *path); /* no file has the name, which is not "builtin:..." */
+/* format.c: finds the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text": they
+ * have no NUL; "": another one, or no such file; "ENVI": an ENVI header, or raw samples with a
+ * header beside them. Fails only where the system does. */
+bool file_format(const char *path, const char **out, struct error *err);
+/* Returns the name of the raw samples of such a header, otherwise the path itself; allocated. NULL:
+ * no memory. */
+char *envi_data(const char *path);
+
+struct digest {
+    uint32_t hash[8];
+    unsigned char block[64]; /* bytes that do not fill a block yet */
+    uint64_t total;          /* bytes */
+};
+void digest_start(struct digest *out);
+void digest_add(struct digest *digest, const void *bytes, size_t length);
+void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
+void digest_bytes(const void *bytes, size_t length, char out[65]);
+bool digest_file(const char *path, char out[65], struct error *err);
+
+/* ---- noted.c: digests of the files that this process has read ---- */
+
+/* Notes the digest of a file as its bytes were read, or as it lies open. A built-in file has none.
+ */
+bool digest_note(const char *path, const void *bytes, size_t length, struct error *err);
+bool digest_note_open(const char *path, int descriptor, struct error *err);
+/* Finds the digest of a file that was read. Returns false for any other file. */
+bool digest_was_read(const char *path, char out[65]);
+
+/* ---- output.c: files that appear whole or not at all ---- */
+
+/* A regular or new file is written beside its place, and gets its name at the end; anything else (a
+ * pipe, a device, "-" for standard output) receives a copy of a temporary file. */
+struct output {
+    int descriptor;
+    char *path;      /* final name, links resolved */
+    char *temporary; /* the path under which this process can read the file before it has its final
+                        name; NULL: no file is open */
+    bool named;      /* the temporary name stands in the folder, and must be removed */
+    bool copied;     /* path is no regular file, or "-": copy at the end */
+};
+/* Creates the file. Refuses a path that cannot be written, a terminal, and a file that this process
+ * has read: see file_was_read. */
+bool output_open(struct output *out, const char *path, struct error *err);
+bool output_sync(const struct output *output, struct error *err); /* bytes are then on the disk */
+void output_discard(struct output *out); /* safe after output_pass, and on a zeroed struct */
+
+/* The outputs of a command: they appear together, when all that can fail is done. */
+enum { MOST_OUTPUTS = 4 };
+struct outputs {
+    struct output list[MOST_OUTPUTS]; /* complete, and owned */
+    int n;
+};
+/* Passes a complete output, which is zeroed, to a command's outputs. NULL: lets it appear at once.
+ * A copy is made at once in any case. After a failure it is discarded, and no temporary file is
+ * left. */
+bool output_pass(struct output *output, struct outputs *outputs, struct error *err);
+/* Finds the name by which the output of a path can be read before it is committed; NULL: it is none
+ * of them. Fails only where the system does. */
+bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
+                      struct error *err);
+/* Lets all outputs appear under their names. Refuses to replace a file that this process has read:
+ * then none appears. */
+bool outputs_commit(struct outputs *outputs, struct error *err);
+void outputs_discard(struct outputs *outputs); /* safe after commit */
+/* Writes a whole small file, which appears whole or not at all. "-" is standard output; if its
+ * reader closes the pipe, that is no failure. outputs as output_pass takes them. */
+bool file_write(const char *path, const char *bytes, size_t length, struct outputs *outputs,
+                struct error *err);
+/* Writes a whole text likewise, and frees it. */
+bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,
+                   struct error *err);
+/* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
+bool output_can_open(const char *path, struct error *err);
+
+/* ---- disk.c: room on the disk ---- */
+
+/* Refuses a disk that has no room for so many bytes more, before hours of rendering are lost. */
+bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err);
+/* Reserves the blocks of a large file, so that they lie together, and a full disk shows before the
+ * work begins. Returns false with errno where the disk is too full; true, too, where a file system
+ * cannot reserve, or a file is small. */
+bool output_reserve(const struct output *output, uint64_t length);
+
+/* ---- paths.c: the names of files that a command writes ---- */
+
+/* Returns the default name of an output: that of a file without its folder, and with another
+ * ending. Allocated; NULL: no memory. */
+char *output_name(const char *path, const char *ending, struct error *err);
+/* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
+ * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
+bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
+bool output_is_standard(const char *path); /* true of "-", standard output */
+bool output_is_stream(const char *path);   /* true of "-", and of what exists and is no file */
+
+/* ---- folder.c: a folder for files that nobody keeps ---- */
+
+struct folder {
+    char path[4096]; /* Linux takes no longer one; "": there is none */
+    DIR *entries; /* open, so that the folder can be emptied without memory; NULL: there is none */
+};
+/* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove). The caller lets the
+ * guard know the files in it. */
+bool folder_open(struct folder *out, struct error *err);
+/* Makes a folder beside the path, which must not exist, for files that the user keeps. The caller
+ * holds signals back until folder_close: see guard_hold. */
+bool folder_open_beside(const char *path, struct folder *out, struct error *err);
+/* Gives the folder the name of that path, with all files in it. */
+bool folder_keep(struct folder *folder, const char *path, struct error *err);
+void folder_close(struct folder *folder); /* with all files in it, unless they are kept */
+
+#endif

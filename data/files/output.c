@@ -1,0 +1,307 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes files that appear whole or not at all: a long rendering must never leave half a stack, or
+ * destroy an older one. */
+#include <assert.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/inside.h"
+
+/* ---- opening ---- */
+
+/* A closed pipe gets no message. */
+static bool write_fault(struct error *err, const char *path)
+{
+    const struct place nowhere = {NULL, 0, 0};
+    if (errno == EPIPE)
+        return error_unread(err);
+    return error_cause(err, nowhere, errno, "cannot write %s",
+                       output_is_standard(path) ? "to standard output" : path);
+}
+
+/* Opens a device, a pipe or standard output: its temporary file is created in the folder for
+ * temporary files. */
+static bool open_copied(struct output *out, const char *path, struct error *err)
+{
+    const char *folder = getenv("TMPDIR");
+    char beside[PATH_MAX];
+    if (folder == NULL || folder[0] == '\0')
+        folder = "/tmp";
+    snprintf(beside, sizeof beside, "%s/spectral", folder);
+    out->copied = true;
+    out->path = strdup(path);
+    return out->path == NULL
+               ? memory_lacks(err, (double)strlen(path), "the name %s", path)
+               : temporary_create(out, beside, 0600) ||
+                     error_system(err, "cannot create a temporary file in %s", folder);
+}
+
+/* Opens a regular file, or a name that is free (`existing` is NULL). Sets the mode of the replaced
+ * file again, since the umask may have removed bits of it. */
+static bool open_beside(struct output *out, const char *path, const struct stat *existing,
+                        struct error *err)
+{
+    const mode_t mode = existing != NULL ? existing->st_mode & 0777 : 0666;
+    out->path = existing != NULL ? realpath(path, NULL) : strdup(path);
+    return (out->path != NULL && temporary_create(out, out->path, mode) &&
+            (existing == NULL || fchmod(out->descriptor, mode) == 0)) ||
+           write_fault(err, path);
+}
+
+/* Refuses to replace a file that this process has read. */
+static bool spares_inputs(const char *path, struct error *err)
+{
+    return !file_was_read(path) ||
+           error_usage(err, "%s would replace an input; expected another file", path);
+}
+
+static bool open_target(struct output *out, const char *path, struct error *err)
+{
+    struct stat status;
+    size_t length = strlen(path);
+    if (output_is_standard(path))
+        return open_copied(out, path, err);
+    if (stat(path, &status) == 0) {
+        if (S_ISDIR(status.st_mode))
+            return error_usage(err, "cannot write %s: it is a folder", path);
+        if (access(path, W_OK) != 0)
+            return write_fault(err, path);
+        return !S_ISREG(status.st_mode)
+                   ? open_copied(out, path, err)
+                   : spares_inputs(path, err) && open_beside(out, path, &status, err);
+    }
+    if (errno != ENOENT)
+        return write_fault(err, path);
+    if (length == 0 || path[length - 1] == '/' || path_is_builtin(path))
+        return error_usage(err, "cannot write '%s': it names no file", path);
+    if (lstat(path, &status) == 0)
+        return error_usage(err, "cannot write %s: it is a link to a missing file", path);
+    return open_beside(out, path, NULL, err);
+}
+
+static bool open_output(struct output *out, const char *path, struct error *err)
+{
+    *out = (struct output){.descriptor = -1};
+    if (open_target(out, path, err))
+        return true;
+    output_discard(out);
+    return false;
+}
+
+/* Returns whether the output is a terminal. Opens no pipe, which would wait for its reader. */
+static bool is_terminal(const char *path)
+{
+    struct stat status;
+    if (output_is_standard(path))
+        return isatty(STDOUT_FILENO);
+    if (stat(path, &status) != 0 || !S_ISCHR(status.st_mode))
+        return false;
+    const int descriptor = open(path, O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    const bool found = descriptor >= 0 && isatty(descriptor);
+    if (descriptor >= 0)
+        close(descriptor);
+    return found;
+}
+
+bool output_open(struct output *out, const char *path, struct error *err)
+{
+    *out = (struct output){.descriptor = -1};
+    return is_terminal(path)
+               ? error_usage(
+                     err, "%s is a terminal, and a picture is no text; expected a file or a pipe",
+                     output_is_standard(path) ? "standard output" : path)
+               : open_output(out, path, err);
+}
+
+bool output_can_open(const char *path, struct error *err)
+{
+    struct output probe = {.path = NULL};
+    bool able = !path || output_is_standard(path) || open_output(&probe, path, err);
+    output_discard(&probe);
+    return able;
+}
+
+/* ---- the end ---- */
+
+/* Some file systems cannot sync, and return EINVAL: that is no failure. */
+static bool sync_descriptor(int descriptor)
+{
+    int got;
+    UNTIL_DONE(got, fsync(descriptor));
+    return got == 0 || errno == EINVAL;
+}
+
+bool output_sync(const struct output *output, struct error *err)
+{
+    return sync_descriptor(output->descriptor) || write_fault(err, output->path);
+}
+
+void folder_sync(const char *path)
+{
+    char *folder = file_relative(path, ".");
+    const int descriptor = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (descriptor >= 0) {
+        sync_descriptor(descriptor);
+        close(descriptor);
+    }
+    free(folder);
+}
+
+static bool commit_name(struct output *out, struct error *err)
+{
+    if (!spares_inputs(out->path, err))
+        return false;
+    guard_hold();
+    const bool done = temporary_name(out, out->path) || write_fault(err, out->path);
+    guard_release();
+    if (!done)
+        return false;
+    folder_sync(out->path);
+    return true;
+}
+
+static bool copy_bytes(int from, int to)
+{
+    char buffer[1 << 16];
+    uint64_t at = 0;
+    for (;;) {
+        const ssize_t got = read_at(from, buffer, sizeof buffer, at);
+        if (got <= 0)
+            return got == 0;
+        if (!write_all(to, buffer, (size_t)got))
+            return false;
+        at += (uint64_t)got;
+    }
+}
+
+/* Removes the name of the temporary file first: the program may be killed while it waits for the
+ * reader of a pipe. */
+static bool commit_copy(struct output *out, struct error *err)
+{
+    int target;
+    temporary_remove(out);
+    if (output_is_standard(out->path))
+        target = dup(STDOUT_FILENO);
+    else
+        UNTIL_DONE(target, open(out->path, O_WRONLY | O_CLOEXEC));
+    const bool done = target >= 0 && copy_bytes(out->descriptor, target);
+    return ((target < 0 || close(target) == 0 || errno == EINTR) && done) ||
+           write_fault(err, out->path);
+}
+
+static bool commit(struct output *out, struct error *err)
+{
+    const bool done = out->copied ? commit_copy(out, err) : commit_name(out, err);
+    output_discard(out);
+    return done;
+}
+
+void output_discard(struct output *out)
+{
+    if (out->path && out->descriptor >= 0)
+        close(out->descriptor);
+    temporary_remove(out);
+    free(out->path);
+    *out = (struct output){0};
+}
+
+/* ---- outputs ---- */
+
+/* Syncs at once: a file system may report a failed write as late as then, and no output may have
+ * appeared. */
+bool output_pass(struct output *output, struct outputs *outputs, struct error *err)
+{
+    if (!output->copied && !output_sync(output, err)) {
+        output_discard(output);
+        return false;
+    }
+    if (!outputs || output->copied)
+        return commit(output, err);
+    assert(outputs->n < MOST_OUTPUTS);
+    outputs->list[outputs->n++] = *output;
+    *output = (struct output){.path = NULL};
+    return true;
+}
+
+/* The outputs have the names that open_beside found. A pipe may have none. */
+bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
+                      struct error *err)
+{
+    char *resolved = realpath(path, NULL);
+    *out = NULL;
+    if (!resolved && errno != ENOENT && errno != EACCES)
+        return error_system(err, "cannot find the folder of %s", path);
+    for (int i = 0; i < outputs->n; i++)
+        if (strcmp(outputs->list[i].path, resolved ? resolved : path) == 0)
+            *out = outputs->list[i].temporary;
+    free(resolved);
+    return true;
+}
+
+/* Refuses two outputs of one name: the later would replace the earlier. */
+static bool is_one_of_its_own(const struct outputs *outputs, int i, struct error *err)
+{
+    const char *path = outputs->list[i].path;
+    for (int j = 0; j < i; j++) {
+        bool same;
+        if (!file_is_same(outputs->list[j].path, path, &same, err))
+            return false;
+        if (same)
+            return error_usage(err, "%s would be written twice; expected two files", path);
+    }
+    return true;
+}
+
+bool outputs_commit(struct outputs *outputs, struct error *err)
+{
+    bool done = true;
+    for (int i = 0; done && i < outputs->n; i++)
+        done = spares_inputs(outputs->list[i].path, err) && is_one_of_its_own(outputs, i, err);
+    guard_hold();
+    for (int i = 0; done && i < outputs->n; i++)
+        done = commit(&outputs->list[i], err);
+    outputs_discard(outputs);
+    guard_release();
+    return done;
+}
+
+void outputs_discard(struct outputs *outputs)
+{
+    for (int i = 0; i < outputs->n; i++)
+        output_discard(&outputs->list[i]);
+    outputs->n = 0;
+}
+
+/* ---- small files ---- */
+
+bool file_write(const char *path, const char *bytes, size_t length, struct outputs *outputs,
+                struct error *err)
+{
+    struct output output;
+    if (output_is_standard(path))
+        return write_all(STDOUT_FILENO, bytes, length) || errno == EPIPE ||
+               error_system(err, "cannot write to standard output");
+    if (!open_output(&output, path, err))
+        return false;
+    if (!write_all(output.descriptor, bytes, length)) {
+        write_fault(err, path);
+        output_discard(&output);
+        return false;
+    }
+    return output_pass(&output, outputs, err);
+}
+
+bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,
+                   struct error *err)
+{
+    const size_t length = printed->length;
+    char *text = printed_take(printed, err);
+    const bool done = text && file_write(path, text, length, outputs, err);
+    free(text);
+    return done;
+}

@@ -1,0 +1,115 @@
+/* SPDX-License-Identifier: MIT */
+/* Paths: how one file names another, and what a path names. */
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+
+bool path_is_builtin(const char *path)
+{
+    return strncmp(path, BUILTIN_PREFIX, strlen(BUILTIN_PREFIX)) == 0;
+}
+
+const char *path_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* Removes "./" and "a/../" in place. The folder above the root is the root. */
+static void fold(char *path)
+{
+    char *out = path;
+    const char *in = path;
+    while (*in != '\0') {
+        size_t length = strcspn(in, "/");
+        bool folder = in[length] == '/';
+        if (folder && length == 2 && strncmp(in, "..", 2) == 0) {
+            out -= out > path;
+            while (out > path && out[-1] != '/')
+                out--;
+        } else if (!folder || length != 1 || in[0] != '.') {
+            memmove(out, in, length + folder);
+            out += length + folder;
+        }
+        in += length + folder;
+    }
+    *out = '\0';
+}
+
+char *file_relative(const char *base, const char *name)
+{
+    const bool whole = base == NULL || name[0] == '/' || path_is_builtin(name);
+    const char *slash = whole ? NULL : strrchr(base, '/');
+    size_t folder = 0;
+    struct printed path = {.text = NULL};
+    if (slash != NULL)
+        folder = (size_t)(slash + 1 - base);
+    else if (!whole && path_is_builtin(base))
+        folder = strlen(BUILTIN_PREFIX);
+    print(&path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
+    char *out = printed_end(&path);
+    if (out != NULL && path_is_builtin(out))
+        fold(out + strlen(BUILTIN_PREFIX));
+    return out;
+}
+
+/* ---- what a path names ---- */
+
+/* Fails only where the system does. */
+static bool examine(const char *path, bool *exists, struct stat *out, struct error *err)
+{
+    const struct place nowhere = {NULL, 0, 0};
+    struct error failure = {.status = EXIT_AGREED};
+    *exists = stat(path, out) == 0;
+    if (*exists)
+        return true;
+    error_cause(&failure, nowhere, errno, "cannot examine %s", path);
+    if (failure.status == EXIT_SYSTEM)
+        *err = failure;
+    return failure.status != EXIT_SYSTEM;
+}
+
+bool file_is_regular(const char *path, bool *out, struct error *err)
+{
+    struct stat status;
+    bool exists = false;
+    const bool done = strcmp(path, "-") == 0 || examine(path, &exists, &status, err);
+    *out = exists && S_ISREG(status.st_mode);
+    return done;
+}
+
+bool file_is_missing(const char *path)
+{
+    return !path_is_builtin(path) && access(path, F_OK) != 0 && errno == ENOENT;
+}
+
+static bool examine_folder(const char *path, bool *exists, struct stat *out, struct error *err)
+{
+    char folder[PATH_MAX];
+    const int length = (int)(path_name(path) - path);
+    *exists = false;
+    return snprintf(folder, sizeof folder, "%.*s.", length, path) >= PATH_MAX ||
+           examine(folder, exists, out, err);
+}
+
+/* Files that do not exist yet are one if they have one name in one folder. */
+bool file_is_same(const char *a, const char *b, bool *out, struct error *err)
+{
+    struct stat one, other;
+    bool a_is, b_is;
+    *out = strcmp(a, b) == 0;
+    if (*out)
+        return true;
+    if (!examine(a, &a_is, &one, err) || !examine(b, &b_is, &other, err))
+        return false;
+    if (!a_is && !b_is && strcmp(path_name(a), path_name(b)) == 0 &&
+        (!examine_folder(a, &a_is, &one, err) || !examine_folder(b, &b_is, &other, err)))
+        return false;
+    *out = a_is && b_is && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    return true;
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/* Files that are being written. Linux keeps a file without a name (O_TMPFILE), which vanishes with
+ * its process. On a file system that cannot, the file has a temporary name, which is removed when
+ * the process ends, unless the process is killed. */
+#define _GNU_SOURCE /* O_TMPFILE */
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/inside.h"
+
+/* The longest name in /proc, or what a temporary name adds; the most names that are tried. */
+enum { NAME_ROOM = 64, MOST_NAMES = 10000 };
+
+/* ---- files without a name ---- */
+
+#ifdef O_TMPFILE
+static void write_link(char out[NAME_ROOM], int descriptor)
+{
+    snprintf(out, NAME_ROOM, "/proc/self/fd/%d", descriptor);
+}
+
+/* Without /proc such a file cannot get a name later. */
+static bool create_nameless(struct output *out, const char *folder, mode_t mode)
+{
+    UNTIL_DONE(out->descriptor, open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, mode));
+    if (out->descriptor < 0)
+        return false;
+    write_link(out->temporary, out->descriptor);
+    if (access(out->temporary, F_OK) == 0)
+        return true;
+    close(out->descriptor);
+    out->descriptor = -1;
+    return false;
+}
+
+static bool link_nameless(int descriptor, const char *path)
+{
+    char name[NAME_ROOM];
+    write_link(name, descriptor);
+    return linkat(AT_FDCWD, name, AT_FDCWD, path, AT_SYMLINK_FOLLOW) == 0;
+}
+#else
+static bool create_nameless(struct output *out, const char *folder, mode_t mode)
+{
+    (void)out;
+    (void)folder;
+    (void)mode;
+    return false;
+}
+
+static bool link_nameless(int descriptor, const char *path)
+{
+    (void)descriptor;
+    (void)path;
+    return false;
+}
+#endif
+
+/* ---- files with a temporary name ---- */
+
+/* Writes .NAME.PID.N.tmp beside the path. NAME is cut, so that the name stays below NAME_MAX. */
+static void write_name(char *out, const char *path, int attempt)
+{
+    const char *name = path_name(path);
+    sprintf(out, "%.*s.%.200s.%ld.%d.tmp", (int)(name - path), path, name, (long)getpid(), attempt);
+}
+
+/* Opens a new file under its temporary name. The guard knows the name first, so that no moment is
+ * left in which a signal leaves the file behind. */
+static bool create_named(struct output *out, const char *path, mode_t mode)
+{
+    errno = EEXIST;
+    for (int attempt = 0; attempt < MOST_NAMES && errno == EEXIST; attempt++) {
+        write_name(out->temporary, path, attempt);
+        if (!guard_remove(out->temporary)) {
+            errno = ENAMETOOLONG;
+            return false;
+        }
+        UNTIL_DONE(out->descriptor,
+                   open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+        out->named = out->descriptor >= 0;
+        if (out->named)
+            return true;
+        guard_forget(out->temporary);
+    }
+    return false;
+}
+
+/* ---- both ---- */
+
+/* The names may be as long as the path and NAME_ROOM twice: PID and N are numbers of 20 digits at
+ * most. */
+static bool create_in(const char *folder, struct output *out, const char *path, mode_t mode)
+{
+    out->temporary = malloc(strlen(path) + 2 * NAME_ROOM);
+    if (!out->temporary)
+        return false;
+    if (create_nameless(out, folder, mode) || create_named(out, path, mode))
+        return true;
+    free(out->temporary);
+    out->temporary = NULL;
+    return false;
+}
+
+bool temporary_create(struct output *out, const char *path, mode_t mode)
+{
+    char *folder = file_relative(path, ".");
+    const bool done = folder && create_in(folder, out, path, mode);
+    const int cause = errno;
+    free(folder);
+    errno = cause;
+    return done;
+}
+
+/* Gives a file without a name a temporary one, by which it can replace another file: signals wait
+ * meanwhile. */
+static bool name_temporarily(struct output *out, const char *path)
+{
+    for (int attempt = 0; attempt < MOST_NAMES && !out->named; attempt++) {
+        write_name(out->temporary, path, attempt);
+        out->named = link_nameless(out->descriptor, out->temporary);
+        if (!out->named && errno != EEXIST)
+            return false;
+    }
+    return out->named;
+}
+
+bool temporary_name(struct output *out, const char *path)
+{
+    if (!out->named && link_nameless(out->descriptor, path))
+        return true;
+    if ((!out->named && (errno != EEXIST || !name_temporarily(out, path))) ||
+        rename(out->temporary, path) != 0)
+        return false;
+    guard_forget(out->temporary);
+    out->named = false;
+    return true;
+}
+
+void temporary_remove(struct output *out)
+{
+    const int cause = errno;
+    if (out->temporary && out->named) {
+        unlink(out->temporary);
+        guard_forget(out->temporary);
+    }
+    free(out->temporary);
+    out->temporary = NULL;
+    out->named = false;
+    errno = cause;
+}

@@ -1,0 +1,419 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens TIFF files through libtiff, and keeps its messages for our own. GDAL writes the bands of a
+ * picture as grey samples of one directory; each of these bands is a page, too. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/inside.h"
+#include "data/text/text.h"
+
+/* ---- the layout of a page ---- */
+
+bool PRINTF_LIKE(4, 5)
+    image_refuse(const struct image *image, int page, struct error *err, const char *format, ...)
+{
+    char why[512], where[64] = "";
+    va_list arguments;
+    if (!source_is_sound(image, err))
+        return false; /* not the file is to blame */
+    va_start(arguments, format);
+    vsnprintf(why, sizeof why, format, arguments);
+    va_end(arguments);
+    if (page >= 0 && image->wavelengths_nm != NULL && image->no_wavelengths[0] == '\0' &&
+        image->wavelengths_nm[page] > 0)
+        snprintf(where, sizeof where, "page %d (%.10g nm): ", page + 1,
+                 image->wavelengths_nm[page]);
+    else if (page >= 0)
+        snprintf(where, sizeof where, "page %d: ", page + 1);
+    return error_at(err, image->file->from,
+                    "%s: %s%s; expected a TIFF file of grey or RGB pages of 8 or 16 bits or of"
+                    " grey 32-bit float ones",
+                    image->path, where, why);
+}
+
+bool image_refuse_broken(const struct image *image, int page, struct error *err)
+{
+    const char *message = image->file->message;
+    return image_refuse(image, page, err, "libtiff: %s",
+                        message[0] != '\0' ? message : "its pages cannot be read");
+}
+
+/* Returns a number of the current directory; UINT16_MAX: it has none, and there is no default. */
+static uint16_t short_tag(TIFF *tiff, uint32_t tag)
+{
+    uint16_t value = UINT16_MAX;
+    TIFFGetFieldDefaulted(tiff, tag, &value);
+    return value;
+}
+
+static bool blocks_find(const struct image *image, int page, struct sample_layout *out,
+                        struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
+    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE &&
+        bytes > (double)image->file->bytes)
+        return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
+                            bytes);
+    out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
+    out->tiled = TIFFIsTiled(tiff);
+    out->block_width = out->width;
+    if (out->tiled)
+        TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &out->block_width);
+    TIFFGetFieldDefaulted(tiff, out->tiled ? TIFFTAG_TILELENGTH : TIFFTAG_ROWSPERSTRIP,
+                          &out->block_height);
+    if (!out->tiled && out->block_height > out->height)
+        out->block_height = out->height;
+    out->block_bytes = (size_t)(out->tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff));
+    return out->block_bytes > 0 || image_refuse_broken(image, page, err);
+}
+
+/* Finds where the rows of all planes begin if they lie one after the other, uncompressed, as in
+ * most stacks: such rows are read without libtiff. Refuses a file that ends before the last row. */
+static bool rows_find(const struct image *image, int page, struct sample_layout *out,
+                      struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    const uint32_t n = TIFFNumberOfStrips(tiff);
+    const uint32_t per_plane = (out->height - 1) / out->block_height + 1;
+    const uint64_t first = TIFFGetStrileOffset(tiff, 0);
+    const size_t fitting = ((size_t)1 << 18) / out->row_bytes;
+    uint64_t end = first;
+    if (out->tiled || short_tag(tiff, TIFFTAG_COMPRESSION) != COMPRESSION_NONE ||
+        short_tag(tiff, TIFFTAG_FILLORDER) != FILLORDER_MSB2LSB)
+        return true;
+    for (uint32_t strip = 0; strip < n && end <= image->file->bytes; strip++) {
+        const uint32_t left = out->height - strip % per_plane * out->block_height;
+        const uint32_t rows = left < out->block_height ? left : out->block_height;
+        const uint64_t bytes = (uint64_t)rows * out->row_bytes;
+        if (TIFFGetStrileOffset(tiff, strip) != end || TIFFGetStrileByteCount(tiff, strip) < bytes)
+            return true;
+        end += bytes;
+    }
+    out->rows_offset = first;
+    out->block_height = fitting < 1 ? 1 : fitting < out->height ? (uint32_t)fitting : out->height;
+    return end <= image->file->bytes ||
+           image_refuse(image, page, err, "its pixels end beyond the end of the file");
+}
+
+/* Returns the number of grey samples a pixel if the file has one directory and no alpha. Returns 1
+ * for every other page, and for every page but the first. */
+static uint16_t count_bands(const struct image *image)
+{
+    TIFF *tiff = image->file->tiff;
+    const uint16_t n_samples = short_tag(tiff, TIFFTAG_SAMPLESPERPIXEL);
+    uint16_t n_extra = 0, *extra = NULL;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
+    if (image->n_pages > 0 || !TIFFLastDirectory(tiff) ||
+        short_tag(tiff, TIFFTAG_PHOTOMETRIC) >= PHOTOMETRIC_RGB || n_samples != n_extra + 1)
+        return 1;
+    for (int i = 0; i < n_extra; i++)
+        if (extra[i] != EXTRASAMPLE_UNSPECIFIED)
+            return 1;
+    return n_samples;
+}
+
+/* Returns true if a pixel has its colours, at most one alpha behind them, and nothing else. */
+static bool colours_alone(TIFF *tiff, const struct sample_layout *layout)
+{
+    uint16_t n_extra = 0, *extra = NULL;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
+    return layout->n_samples == layout->n_colours + n_extra &&
+           (n_extra == 0 || (n_extra == 1 && extra[0] != EXTRASAMPLE_UNSPECIFIED));
+}
+
+static bool samples_find(const struct image *image, int page, struct sample_layout *out,
+                         struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    const uint16_t format = short_tag(tiff, TIFFTAG_SAMPLEFORMAT);
+    const bool separate = short_tag(tiff, TIFFTAG_PLANARCONFIG) == PLANARCONFIG_SEPARATE;
+    uint16_t photometric = short_tag(tiff, TIFFTAG_PHOTOMETRIC);
+    if (photometric == PHOTOMETRIC_YCBCR && !separate &&
+        short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_JPEG &&
+        TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB))
+        photometric = PHOTOMETRIC_RGB;
+    if (photometric > PHOTOMETRIC_RGB) /* the two kinds of grey have smaller numbers */
+        return image_refuse(image, page, err, "its colours are neither grey nor RGB");
+    out->bits = short_tag(tiff, TIFFTAG_BITSPERSAMPLE);
+    out->n_samples = short_tag(tiff, TIFFTAG_SAMPLESPERPIXEL);
+    out->inverted = photometric == PHOTOMETRIC_MINISWHITE;
+    out->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
+    out->n_planes = separate ? out->n_colours : 1;
+    out->pixel_step = separate ? 1 : out->n_samples;
+    out->n_bands = count_bands(image);
+    out->largest = out->bits == 8 ? 255 : out->bits == 16 ? 65535 : 1;
+    if (out->n_bands == 1 && !colours_alone(tiff, out))
+        return image_refuse(image, page, err,
+                            "it has %d samples a pixel instead of %d and at most an alpha; more are"
+                            " bands if they are grey and in the file's only directory",
+                            out->n_samples, out->n_colours);
+    return (format == SAMPLEFORMAT_UINT && (out->bits == 8 || out->bits == 16)) ||
+           (format == SAMPLEFORMAT_IEEEFP && out->bits == 32 &&
+            photometric == PHOTOMETRIC_MINISBLACK) ||
+           image_refuse(image, page, err, "its samples are %d of %d bits, %s", out->n_samples,
+                        out->bits,
+                        format == SAMPLEFORMAT_UINT     ? "unsigned"
+                        : format == SAMPLEFORMAT_IEEEFP ? "float"
+                                                        : "of another kind");
+}
+
+bool image_layout(const struct image *image, int page, struct sample_layout *out, struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    const uint16_t orientation = short_tag(tiff, TIFFTAG_ORIENTATION);
+    const uint16_t compression = short_tag(tiff, TIFFTAG_COMPRESSION);
+    uint32_t depth = 1;
+    *out = (struct sample_layout){.directory = TIFFCurrentDirOffset(tiff)};
+    TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &out->width);
+    TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &out->height);
+    TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
+    if (out->width - 1 >= LONGEST_SIDE || out->height - 1 >= LONGEST_SIDE || depth != 1)
+        return image_refuse(image, page, err,
+                            "it has %" PRIu32 "x%" PRIu32 "x%" PRIu32
+                            " pixels; a side has 1 to %d, and the depth is 1",
+                            out->width, out->height, depth, LONGEST_SIDE);
+    if (orientation != ORIENTATION_TOPLEFT)
+        return image_refuse(image, page, err, "its orientation is %d, not 1 (the top row first)",
+                            orientation);
+    /* JBIG stores 1 bit a pixel. raster/gl/static.sh leaves its library out. */
+    if (compression == COMPRESSION_JBIG || !TIFFIsCODECConfigured(compression))
+        return image_refuse(image, page, err, "its compression (%d) cannot be read", compression);
+    return samples_find(image, page, out, err) && blocks_find(image, page, out, err) &&
+           rows_find(image, page, out, err);
+}
+
+/* ---- opening ---- */
+
+/* Adds the next band of the current directory as a page. The first band decides the layout. */
+static bool page_add(struct image *image, int band, const char *const items[ITEMS],
+                     struct error *err)
+{
+    struct image_file *file = image->file;
+    const int page = image->n_pages;
+    const double nm = metadata_wavelength(file, items);
+    int n_layouts = page, n_nm = page;
+    if (!array_add(&file->pages, &n_layouts, NULL, sizeof *file->pages, err) ||
+        !array_add(&image->wavelengths_nm, &n_nm, &nm, sizeof nm, err))
+        return false;
+    struct sample_layout *pages = file->pages, *layout = &pages[page];
+    if (band > 0) {
+        *layout = pages[0];
+        layout->plane = (uint16_t)(layout->pixel_step == 1 ? band : 0);
+    } else if (!image_layout(image, page, layout, err)) {
+        return false;
+    }
+    if (layout->width != pages->width || layout->height != pages->height ||
+        layout->bits != pages->bits)
+        return image_refuse(
+            image, page, err,
+            "it has %" PRIu32 "x%" PRIu32 "x%d bits, the first page %" PRIu32 "x%" PRIu32 "x%d",
+            layout->width, layout->height, layout->bits, pages->width, pages->height, pages->bits);
+    image->coloured = image->coloured || layout->n_colours > 1;
+    file->directory = layout->directory;
+    image->n_pages++;
+    return metadata_scale(image, page, layout, items, err);
+}
+
+/* Notes why the wavelengths cannot be used, if the page added last is the reason. */
+static void check_wavelength(struct image *image)
+{
+    const int page = image->n_pages;
+    const double nm = image->wavelengths_nm[page - 1];
+    const double before = page > 1 ? image->wavelengths_nm[page - 2] : 0;
+    if (image->no_wavelengths[0] != '\0' || nm > before)
+        return;
+    if (nm > 0)
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
+                 "its wavelengths %s: page %d records %.10g nm after %.10g nm",
+                 nm < before ? "decrease" : "repeat", page, nm, before);
+    else if (nm == 0)
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
+                 "page %d records its wavelength in '%s'; expected a unit such as nm or um", page,
+                 image->file->unit);
+    else
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
+                 "page %d records no wavelength", page);
+}
+
+static bool directory_add(struct image *image, struct error *err)
+{
+    const int n_bands = count_bands(image);
+    const char **items;
+    bool good = MAKE_ARRAY(items, (size_t)n_bands * ITEMS, err, "the bands of %s", image->path);
+    if (good)
+        metadata_items(image->file->tiff, n_bands, items);
+    for (int band = 0; good && band < n_bands; band++) {
+        good = page_add(image, band, items + (size_t)band * ITEMS, err);
+        if (good)
+            check_wavelength(image);
+    }
+    free(items);
+    return good;
+}
+
+/* Drops the wavelengths where they cannot be used. */
+static bool wavelengths_keep(struct image *image, struct error *err)
+{
+    const struct sample_layout *first = image->file->pages;
+    bool recorded = false;
+    for (int page = 0; page < image->n_pages; page++)
+        recorded = recorded || !isnan(image->wavelengths_nm[page]);
+    if (!recorded && first->n_bands > 1)
+        return image_refuse(image, -1, err,
+                            "it has %d samples a pixel and records no wavelengths for them",
+                            first->n_samples);
+    if (!recorded)
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths, "records no wavelengths");
+    if (image->no_wavelengths[0] != '\0') {
+        free(image->wavelengths_nm);
+        image->wavelengths_nm = NULL;
+    }
+    return true;
+}
+
+/* Returns the number of pages that a stack of this program records; 0: another program's file. */
+static int pages_recorded(TIFF *tiff)
+{
+    uint16_t page = 0, n_pages = 0;
+    uint32_t length = 0;
+    const char *verdict = NULL;
+    if (!TIFFGetField(tiff, TAG_VERDICT, &length, &verdict) ||
+        !TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &page, &n_pages))
+        return 0;
+    return n_pages;
+}
+
+/* Refuses another number of pages than the recorded one. For libtiff a damaged link to the next
+ * page is the end. */
+static bool pages_are_whole(const struct image *image, int recorded, struct error *err)
+{
+    return recorded == 0 || recorded == image->n_pages ||
+           image_refuse(image, -1, err, "it has %d pages, but records %d; it was cut or damaged",
+                        image->n_pages, recorded);
+}
+
+static bool pages_read(struct image *image, struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    const int recorded = pages_recorded(tiff);
+    if (!metadata_description(image, err))
+        return false;
+    do {
+        if (image->n_pages > 0 && !TIFFReadDirectory(tiff))
+            return image_refuse_broken(image, -1, err);
+        if (!source_is_sound(image, err) || !directory_add(image, err) ||
+            !source_is_sound(image, err))
+            return false;
+    } while (!TIFFLastDirectory(tiff));
+    if (!pages_are_whole(image, recorded, err))
+        return false;
+    image->width = (int)image->file->pages->width;
+    image->height = (int)image->file->pages->height;
+    return wavelengths_keep(image, err);
+}
+
+/* ---- the file ---- */
+
+bool image_is(const char *path, bool *out, struct error *err)
+{
+    const char *format;
+    const bool done = file_format(path, &format, err);
+    *out = done && (strcmp(format, "TIFF") == 0 || strcmp(format, "ENVI") == 0);
+    return done;
+}
+
+/* Returns the names of the picture and of the TIFF file that it is to become, for a shell. */
+static char *names_of_conversion(const char *path, struct error *err)
+{
+    struct printed to = {.text = NULL};
+    char *name = output_name(path, ".tif", err);
+    print_shell(&to, path);
+    print_shell(&to, name ? name : "picture.tif");
+    free(name);
+    return printed_take(&to, err);
+}
+
+/* Refuses a picture of another format, with the command that converts it. GDAL's options write a
+ * cube's samples of any type, times their gains, as floats. */
+static bool refuse_foreign(const struct image *image, struct error *err)
+{
+    const char *format, *path = image->path;
+    const struct place from = image->file->from;
+    if (!file_format(path, &format, err))
+        return false;
+    if (format[0] == '\0' || strcmp(format, "TIFF") == 0)
+        return true;
+    if (strcmp(format, "text") == 0)
+        return error_at(err, from, "%s is a text file; expected TIFF", path);
+    const bool is_cube = strcmp(format, "ENVI") == 0;
+    char *data = is_cube ? envi_data(path) : strdup(path);
+    char *names = data ? names_of_conversion(data, err) : NULL;
+    if (!names)
+        memory_lacks(err, (double)strlen(path), "the name of %s", path);
+    else if (is_cube && !file_format(data, &format, err))
+        ;
+    else if (strcmp(format, "TIFF") == 0)
+        error_at(err, from, "%s is the ENVI header of %s; expected the name of that file", path,
+                 data);
+    else if (is_cube)
+        error_at(err, from,
+                 "%s is an ENVI cube; expected TIFF, as GDAL writes by: gdal_translate -unscale"
+                 " -ot Float32%s",
+                 path, names);
+    else
+        error_at(err, from, "%s is a %s file; expected TIFF, as 'convert%s' of ImageMagick writes",
+                 path, format, names);
+    FREE_ALL(data, names);
+    return false;
+}
+
+static bool open_file(struct image *image, const char *path, struct place from, struct error *err)
+{
+    if (!string_copy(path, &image->path, err) ||
+        !MAKE_ARRAY(image->file, 1, err, "the pages of %s", path))
+        return false;
+    image->file->from = from;
+    image->file->descriptor = -1;
+    return refuse_foreign(image, err) && source_open(image, err) && pages_read(image, err);
+}
+
+bool image_open(const char *path, struct place from, struct image *out, struct error *err)
+{
+    *out = (struct image){.scale = 1};
+    const bool done = open_file(out, path, from, err);
+    if (!done)
+        image_close(out);
+    return done;
+}
+
+bool image_is_float(const struct image *image)
+{
+    bool done = !image->coloured;
+    for (int i = 0; i < image->n_pages && done; i++)
+        done = image->file->pages[i].bits == 32;
+    return done;
+}
+
+static void close_file(struct image_file *file)
+{
+    if (file->tiff != NULL)
+        TIFFClose(file->tiff);
+    if (file->descriptor >= 0)
+        close(file->descriptor);
+    FREE_ALL(file->pages, file->kept.samples, file);
+}
+
+void image_close(struct image *image)
+{
+    if (image->file != NULL)
+        close_file(image->file);
+    FREE_ALL(image->path, image->description, image->verdict, image->wavelengths_nm);
+    *image = (struct image){0};
+}

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "tiff": pictures in, from TIFF files. */
+/* The room "texture": pictures on surfaces. */
+/* The room "pages": TIFF files out, as pages of one format; colour pictures as TIFF or PNG. */
+#ifndef DATA_IMAGES_IMAGES_H
+#define DATA_IMAGES_IMAGES_H
+
+#include <pthread.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "spectral.h"
+
+struct tiff; /* libtiff's TIFF */
+struct png;
+
+/* ---- image.c: pages and their metadata ---- */
+
+enum { TAG_VERDICT = 65111 };           /* of a stack of this program: the verdict of its check */
+#define STACK_UNFINISHED "not finished" /* the verdict of a stack that is not whole yet */
+
+/* A TIFF file of grey or RGB pages of 8 or 16 bits, or of grey pages of 32-bit floats. If its only
+ * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. */
+struct image {
+    char *path; /* owned */
+    int width, height, n_pages;
+    bool coloured;            /* some page is RGB */
+    double *wavelengths_nm;   /* of each page, increasing; NULL: some page has none; owned */
+    char no_wavelengths[128]; /* why they are NULL: "page 2 records no wavelength" */
+    double scale;      /* radiance of value 1 (count 65535 of 16 bits); 1: the file records none */
+    char *description; /* of the first page; "": it has none; owned */
+    char *verdict;     /* of stack_finish; "": it has none; owned */
+    struct image_file *file; /* owned */
+};
+/* Finds whether the file is a TIFF file, or an ENVI cube, which image_open refuses by name. Fails
+ * only where the system does. */
+bool image_is(const char *path, bool *out, struct error *err);
+/* Opens the file (or "builtin:..." file) and reads the metadata of its pages, but no samples.
+ * Refuses, at the place `from`: pages without pixels or of different sizes, other samples than the
+ * above, bands without wavelengths, a file that is too short. Refuses a file of another format with
+ * the command that converts it. */
+bool image_open(const char *path, struct place from, struct image *out, struct error *err);
+/* Reads rows y .. y + rows - 1 of a page, width values each, the top row first. A value is 0 to 1,
+ * or a float sample, times the scale. An RGB pixel has the luma 0.2126 R + 0.7152 G + 0.0722 B
+ * (ITU-R BT.709) of its stored values. Refuses a value that is negative or not finite, and a file
+ * that ends too early. If the page is uncompressed, only these
+ * rows are read. If the samples of all bands lie side by side, these rows of up to 256 MB of bands
+ * are kept: read the same rows of one page after the other. */
+bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
+/* Returns whether all samples are grey floats. */
+bool image_is_float(const struct image *image);
+void image_close(struct image *image);
+
+/* ---- decode.c: samples ---- */
+
+/* Reads `length` bytes of the file. Refuses a file that ends before them. */
+bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
+                      struct error *err);
+
+/* describe.c. Finds how the samples of all pages lie, for a program that knows no TIFF. Refuses
+ * colours, grey whose 0 is white, compressed samples, and gaps between pages. */
+struct raw_samples {
+    uint64_t offset; /* of the first sample in the file */
+    int bits;        /* 8 or 16: unsigned; 32: float */
+    bool by_pixels;  /* the bands of a pixel lie side by side */
+    bool big_endian;
+};
+bool image_describe(const struct image *image, struct raw_samples *out, struct error *err);
+
+/* How the samples of a page lie in the file: in blocks, which are tiles, or strips as wide as the
+ * page. Uncompressed rows that lie one after the other are read in blocks of our own choice, which
+ * fit into the processor's cache. */
+struct sample_layout {
+    uint64_t directory; /* the offset of the page's directory */
+    uint32_t width, height, block_width, block_height;
+    uint16_t bits, n_samples, n_colours, n_planes;
+    uint16_t n_bands; /* pages of its directory */
+    uint16_t plane;   /* the first of n_planes */
+    size_t block_bytes;
+    size_t pixel_step;    /* samples of a pixel in a plane */
+    size_t row_bytes;     /* of a plane */
+    uint64_t rows_offset; /* the first of such rows; 0: libtiff decodes the blocks */
+    double largest;       /* sample of white; 1 of floats */
+    bool tiled, inverted; /* inverted: 0 is white */
+};
+/* Rows of some bands as stored, but band after band. In the file the bands lie side by side. */
+struct kept_bands {
+    uint32_t first_row, n_rows;
+    int first_page, end_page;
+    size_t band_bytes;
+    char *samples;
+};
+struct image_file {
+    struct tiff *tiff;
+    int descriptor;                     /* -1: builtin is read */
+    const struct builtin_file *builtin; /* NULL: descriptor is read */
+    uint64_t position, bytes;           /* where libtiff reads; the file's size */
+    int cause;                          /* errno of the first call that failed; 0: none did */
+    double count_scale;                 /* radiance of a count, by page 0's GDAL metadata */
+    struct sample_layout *pages;
+    uint64_t directory; /* where libtiff is; 0: at none of the pages */
+    struct kept_bands kept;
+    const char *channels; /* of its OME-XML: those of the pages that follow */
+    char unit[32];        /* of the last page's wavelength, if it is unknown; otherwise "" */
+    struct place from;
+    bool decoding;     /* a warning then means that samples are lost */
+    char message[256]; /* the first of libtiff */
+};
+
+enum { TEXTURE_PLANES = 3 };
+/* Planes have rows from t = 0 (the picture's bottom row) upwards, width values each. */
+struct texture {
+    struct image image; /* open as long as planes are to be loaded */
+    bool spectral;
+    bool linear;                  /* between texel centres; otherwise the nearest texel */
+    double smallest, largest;     /* of all values of all pages */
+    float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */
+    pthread_mutex_t *reading;     /* held while the image is read; owned */
+};
+/* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
+ * with values that hold for every wavelength. A spectral texture is a stack of pages with
+ * wavelengths; all of them are read once, to find their smallest and largest value. Refuses a side
+ * of more than 16384 texels, since OpenGL's textures have a limit, too. */
+bool texture_read(const char *path, struct place from, struct texture *out, struct error *err);
+/* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end
+ * page beyond the first and the last one. Does nothing for a grey texture. */
+bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err);
+/* Does the same with planes of the caller's, which have room for a page each. Several threads may
+ * call it. */
+bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
+                  float *const planes[TEXTURE_PLANES], struct error *err);
+void texture_free(struct texture *texture);
+
+/* ---- pages.c: files of uncompressed pages ---- */
+
+/* A file of uncompressed pages of the same format. All directories come first, then all pages
+ * without gaps. */
+struct pages {
+    int count, width, height;
+    int channels;          /* 1: grey, 3: RGB */
+    int bits;              /* of a sample: 8, 16, or 32 of a float */
+    uint64_t bytes_behind; /* behind the last page, where no TIFF reader looks */
+    const char *room;      /* beginning of a text in the first page; pages_finish writes it */
+    size_t room_bytes;     /* of that text; room NULL: there is none */
+    uint32_t room_tag;
+    /* set by pages_open: */
+    struct output output;
+    uint64_t first; /* the offset of the first page's pixels */
+    uint64_t room_offset;
+    bool big; /* BigTIFF */
+};
+
+/* Sets those tags of the current directory that describe the page. `of` is the caller's. */
+typedef bool page_tags(struct tiff *tiff, const void *of, int page, struct error *err);
+
+/* Writes the directories of the file that the first half of `pages` describes, and reserves the
+ * places of the pages. If there are bytes behind the last page, tags may record their pages_offset.
+ * On failure nothing is left open. */
+bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
+                struct error *err);
+/* Returns the offset of a page's pixels; for page `count`, of the bytes behind the last page. */
+uint64_t pages_offset(const struct pages *pages, int page);
+uint64_t pages_end(const struct pages *pages); /* the size of the whole file */
+/* Writes bytes into a page, from byte `at` of its pixels on. */
+bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
+                 struct error *err);
+/* Fills the room with a text (NULL: there is no room). Reads all directories again, and fails if
+ * one of them is not complete. */
+bool pages_finish(struct pages *pages, const char *room, struct error *err);
+
+/* ---- picture.c: colour pictures ---- */
+
+/* Refuses the name of a picture whose ending is neither .png nor .tif or .tiff. */
+bool picture_accepts(const char *path, struct error *err);
+bool picture_is_png(const char *path); /* any other picture, as one of /dev/stdout, is a TIFF */
+
+enum picture_samples { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
+struct picture_options {
+    int width, height;            /* a TIFF above 4 GiB becomes a BigTIFF */
+    enum picture_samples samples; /* a PNG has no floats */
+    const char *channels[3];      /* of a float picture, such as "X", "Y", "Z" */
+    bool srgb;                    /* a PNG says so in chunks of its own, and needs no profile */
+    const unsigned char *profile; /* ICC; NULL: none */
+    size_t profile_length;
+    const char *description; /* ASCII */
+};
+/* Replaces all but newlines and printable ASCII by '?', as a description needs it. Returns the
+ * text; NULL is fine. */
+char *picture_text(char *text);
+/* A picture that is written from the top, and appears whole or not at all. RGB is one page of three
+ * samples a pixel. Floats are three pages, one for each channel, with its name. A PNG is
+ * compressed, and takes the memory of some rows. */
+struct picture_writer {
+    struct picture_options options;
+    int row; /* the next one */
+    bool finished;
+    struct pages pages; /* of a TIFF */
+    struct png *png;    /* NULL: a TIFF; owned */
+    struct picture_strip {
+        char *samples;  /* owned */
+        int first, end; /* its rows */
+    } strip;            /* rows that are not complete yet */
+};
+/* The path chooses the format, which picture_accepts. */
+bool picture_open(struct picture_writer *out, const char *path,
+                  const struct picture_options *options, struct error *err);
+/* Writes the next rows: three samples a pixel of uint8_t, uint16_t or float. */
+bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err);
+/* Writes a rectangle of RGB, row by row without gaps. Rows are kept until a rectangle reaches the
+ * right border: it comes after all others of its rows, and no row comes before the one above it. */
+struct picture_rectangle {
+    int x, y, width, height;
+};
+bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
+                 const void *samples, struct error *err);
+/* picture_finish completes the file; picture_commit does so, too, and lets it appear: see
+ * output_pass. */
+bool picture_finish(struct picture_writer *writer, struct error *err);
+bool picture_commit(struct picture_writer *writer, struct outputs *outputs, struct error *err);
+void picture_discard(struct picture_writer *writer); /* safe after commit */
+
+/* ---- scale.c: numbers as colours ---- */
+
+/* A scale of colours for numbers from 0 on, in steps of powers of two. 0 is black; numbers up to
+ * `least` are navy, and each doubling is the next colour, from blue over pale yellow (up to 128 x
+ * least) to dark red (up to 4096 x least); all others, also infinity, are maroon. Blue and red stay
+ * apart for colour-blind readers. */
+void scale_colour(double value, double least, uint8_t out[3]);
+/* Prints the meaning of the colours but black, in a line without its end. */
+void scale_print(double least, struct printed *to);
+
+/* ---- planes.c: float pages with names ---- */
+
+struct planes_options {
+    int width, height, n;
+    const char *const *names; /* of the n pages */
+    const char *description;  /* ASCII */
+};
+/* A file of these pages, filled in rectangles of any order. planes_finish completes it;
+ * planes_commit lets it appear. */
+bool planes_open(struct pages *out, const char *path, const struct planes_options *options,
+                 struct error *err);
+/* Writes the samples of a rectangle, row by row without gaps. */
+struct plane_rectangle {
+    int page, x, y, width, height;
+};
+bool planes_write(const struct pages *pages, const struct plane_rectangle *to, const float *samples,
+                  struct error *err);
+bool planes_finish(struct pages *pages, struct error *err);
+bool planes_commit(struct pages *pages, struct outputs *outputs, struct error *err);
+void planes_discard(struct pages *pages); /* safe after commit */
+
+#endif

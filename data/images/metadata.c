@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads the wavelengths and the scale that the pages of a TIFF file record: as data/stack/tags.c
+ * writes them, as GDAL does, or as OME-XML. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tiffio.h>
+
+#include "data/base/base.h"
+#include "data/images/inside.h"
+#include "data/text/text.h"
+
+/* Returns the number at `at`; NaN: there is none. */
+static double number_at(const char *at)
+{
+    const struct word word = {.start = at, .length = strcspn(at, " \t\r\n<\"")};
+    struct error ignored = {0};
+    double number;
+    return word_number(&word, "it", 0, HUGE_VAL, &number, &ignored) ? number : (double)NAN;
+}
+
+/* Returns the number behind `mark`; NaN: no number is there. Returns `otherwise` if the text has no
+ * mark. */
+static double number_after(const char *text, const char *mark, double otherwise)
+{
+    const char *at = strstr(text, mark);
+    return at != NULL ? number_at(at + strlen(mark)) : otherwise;
+}
+
+/* Finds `mark` before `end` in a tag of XML, and returns the place behind it: with the mark "
+ * NAME=\"" the value of an attribute. NULL: there is no mark. */
+static const char *attribute(const char *at, const char *end, const char *mark)
+{
+    const size_t length = strlen(mark);
+    for (; (size_t)(end - at) >= length; at++)
+        if (memcmp(at, mark, length) == 0)
+            return at + length;
+    return NULL;
+}
+
+/* Returns the text of a private tag; NULL: there is none. libtiff does not know these tags, and
+ * adds no NUL. */
+static const char *private_text(TIFF *tiff, uint32_t tag)
+{
+    uint32_t length = 0;
+    const char *text = NULL;
+    return TIFFGetField(tiff, tag, &length, &text) && length > 0 &&
+                   memchr(text, '\0', length) != NULL
+               ? text
+               : NULL;
+}
+
+void metadata_items(TIFF *tiff, int n_bands, const char **out)
+{
+    static const char *const marks[ITEMS] = {" name=\"wavelength\"", " name=\"wavelength_units\"",
+                                             " name=\"CENTRAL_WAVELENGTH_UM\"", " role=\"scale\"",
+                                             " role=\"offset\""};
+    const char *at = private_text(tiff, TIFFTAG_GDAL_METADATA), *end;
+    for (; at != NULL && (at = strstr(at, "<Item ")) != NULL; at = end) {
+        end = strchr(at, '>');
+        if (end == NULL)
+            return;
+        const char *sample = attribute(at, end, " sample=\"");
+        const long band = n_bands == 1 ? 0 : sample != NULL ? strtol(sample, NULL, 10) : -1;
+        for (int item = 0; item < ITEMS && band >= 0 && band < n_bands; item++)
+            if (out[band * ITEMS + item] == NULL && attribute(at, end, marks[item]) != NULL)
+                out[band * ITEMS + item] = end + 1;
+    }
+}
+
+/* Converts a number with a unit to nm. The micro sign also appears as the letter mu and as an
+ * entity. NaN: there is no number, or the unit, which is then kept, is unknown. */
+static double length_nm(struct image_file *file, const char *number, const char *unit)
+{
+    static const struct {
+        const char *name;
+        double nm, divisor;
+    } units[] = {{"nm", 1, 1},         {"Nanometers", 1, 1}, {"µm", 1000, 1},
+                 {"\u03bcm", 1000, 1}, {"um", 1000, 1},      {"Micrometers", 1000, 1},
+                 {"Å", 1, 10},         {"&#197;", 1, 10},    {"&#181;m", 1000, 1},
+                 {"&#xB5;m", 1000, 1}, {"m", 1e9, 1}};
+    const size_t length = strcspn(unit, "<\"");
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
+        if (strlen(units[i].name) == length && memcmp(units[i].name, unit, length) == 0)
+            return number_at(number) * units[i].nm / units[i].divisor;
+    snprintf(file->unit, sizeof file->unit, "%.*s", length < 31 ? (int)length : 31, unit);
+    return (double)NAN;
+}
+
+/* Reads the next <Channel> of the OME-XML: it records the wavelength of the next page. Without a
+ * unit it is in nm. */
+static double channel_wavelength(struct image_file *file)
+{
+    static const char mark[] = "<Channel";
+    const char *at = file->channels, *number, *unit, *end;
+    do {
+        at = strstr(at, mark);
+        if (at == NULL) {
+            file->channels = "";
+            return (double)NAN;
+        }
+        at += strlen(mark);
+    } while (strchr(" \t\r\n", *at) == NULL);
+    end = at + strcspn(at, "<");
+    file->channels = end;
+    number = attribute(at, end, " EmissionWavelength=\"");
+    unit = attribute(at, end, " EmissionWavelengthUnit=\"");
+    return number == NULL ? (double)NAN : length_nm(file, number, unit != NULL ? unit : "nm\"");
+}
+
+double metadata_wavelength(struct image_file *file, const char *const items[ITEMS])
+{
+    const char *name = "";
+    file->unit[0] = '\0';
+    const double channel = channel_wavelength(file);
+    double nm = (double)NAN;
+    TIFFGetField(file->tiff, TIFFTAG_PAGENAME, &name);
+    if (strcmp(name + strcspn(name, " "), " nm") == 0)
+        nm = number_at(name);
+    if (isnan(nm) && items[ITEM_WAVELENGTH] != NULL && items[ITEM_UNIT] != NULL)
+        nm = length_nm(file, items[ITEM_WAVELENGTH], items[ITEM_UNIT]);
+    if (isnan(nm) && items[ITEM_MICROMETRES] != NULL)
+        nm = 1000 * number_at(items[ITEM_MICROMETRES]);
+    if (isnan(nm))
+        nm = channel;
+    return nm > 0 && nm <= DBL_MAX ? nm : file->unit[0] != '\0' ? 0 : (double)NAN;
+}
+
+bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,
+                    const char *const items[ITEMS], struct error *err)
+{
+    const double plain = 1 / layout->largest;
+    const double count_scale = items[ITEM_SCALE] != NULL ? number_at(items[ITEM_SCALE]) : plain;
+    if (layout->bits == 32)
+        return true;
+    if (items[ITEM_OFFSET] != NULL && number_at(items[ITEM_OFFSET]) != 0)
+        return image_refuse(image, page, err, "its samples have an offset");
+    if (page == 0) {
+        /* the names before it are the user's */
+        const char *own = strstr(image->description, "<Description>");
+        image->file->count_scale = count_scale;
+        image->scale =
+            number_after(own != NULL ? own : image->description,
+                         "full_scale: ", count_scale == plain ? 1 : count_scale * layout->largest);
+    }
+    return (image->scale > 0 && image->scale <= DBL_MAX &&
+            count_scale == image->file->count_scale) ||
+           image_refuse(image, page, err,
+                        "its scale is not positive, or not that of the first page");
+}
+
+bool metadata_description(struct image *image, struct error *err)
+{
+    struct image_file *file = image->file;
+    const char *text = "", *verdict = private_text(file->tiff, TAG_VERDICT);
+    size_t length = verdict != NULL ? strlen(verdict) : 0;
+    while (length > 0 && verdict[length - 1] == ' ')
+        length--;
+    TIFFGetField(file->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
+    if (!string_copy(text, &image->description, err) ||
+        !MAKE_ARRAY(image->verdict, length + 1, err, "the verdict of %s", image->path))
+        return false;
+    file->channels = image->description;
+    if (length > 0)
+        memcpy(image->verdict, verdict, length);
+    return strcmp(image->verdict, STACK_UNFINISHED) != 0 ||
+           image_refuse(image, -1, err, "it is not finished: its render goes on, or was killed");
+}

@@ -1,0 +1,303 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes TIFF files of uncompressed pages: first all directories, then all pixels, page after page
+ * and without gaps. The place of every sample is known from the start, so that samples can be
+ * written in any order.
+ *
+ * libtiff writes the directories, through callbacks on our own descriptor. Instead of the pixels of
+ * a page it gets a pointer that nobody reads. The callback only moves the end of the file: libtiff
+ * records the right offset, and no blank pixels are written or kept. */
+#include <inttypes.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/inside.h"
+
+#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "pages are little-endian, and samples go into them as they lie in memory"
+#endif
+
+/* ---- places ---- */
+
+uint64_t pages_row_bytes(const struct pages *pages)
+{
+    return (uint64_t)pages->width * (uint64_t)pages->channels * (uint64_t)pages->bits / 8;
+}
+
+static uint64_t page_bytes(const struct pages *pages)
+{
+    return pages_row_bytes(pages) * (uint64_t)pages->height;
+}
+
+uint64_t pages_offset(const struct pages *pages, int page)
+{
+    return pages->first + (uint64_t)page * page_bytes(pages);
+}
+
+uint64_t pages_end(const struct pages *pages)
+{
+    return pages_offset(pages, pages->count) + pages->bytes_behind;
+}
+
+/* ---- the calls by which libtiff writes ---- */
+
+/* The address of the client stands for the pixels of a whole page. */
+struct client {
+    struct pages *pages;
+    struct error *err;
+    uint64_t position, end;
+    bool failed; /* err has the reason */
+};
+
+static bool put(const struct pages *pages, const void *bytes, size_t length, uint64_t offset,
+                struct error *err)
+{
+    return write_at(pages->output.descriptor, bytes, length, offset) ||
+           error_system(err, "%s: cannot be written", pages->output.path);
+}
+
+static tmsize_t client_read(thandle_t handle, void *bytes, tmsize_t length)
+{
+    struct client *client = handle;
+    const ssize_t count =
+        read_at(client->pages->output.descriptor, bytes, (size_t)length, client->position);
+    if (count < 0)
+        client->failed =
+            !error_system(client->err, "%s: cannot be read", client->pages->output.path);
+    else
+        client->position += (uint64_t)count;
+    return count;
+}
+
+static tmsize_t client_write(thandle_t handle, void *bytes, tmsize_t length)
+{
+    struct client *client = handle;
+    struct pages *pages = client->pages;
+    if (bytes != client) {
+        if (pages->room != NULL && (size_t)length == pages->room_bytes &&
+            memcmp(bytes, pages->room, strlen(pages->room)) == 0)
+            pages->room_offset = client->position;
+        if (!put(pages, bytes, (size_t)length, client->position, client->err)) {
+            client->failed = true;
+            return -1;
+        }
+    }
+    client->position += (uint64_t)length;
+    if (client->position > client->end)
+        client->end = client->position;
+    return length;
+}
+
+static toff_t client_seek(thandle_t handle, toff_t offset, int whence)
+{
+    struct client *client = handle;
+    uint64_t base = whence == SEEK_CUR ? client->position : whence == SEEK_END ? client->end : 0;
+    client->position = base + offset;
+    return client->position;
+}
+
+static int client_close(thandle_t handle)
+{
+    (void)handle; /* the descriptor belongs to struct output */
+    return 0;
+}
+
+static toff_t client_size(thandle_t handle)
+{
+    const struct client *client = handle;
+    return client->end;
+}
+
+/* Keeps an error. Warnings come without a client: they are about our own private tags. */
+static int PRINTF_LIKE(4, 0) client_message(TIFF *tiff, void *data, const char *module,
+                                            const char *format, va_list arguments)
+{
+    struct client *client = data;
+    char message[1024];
+    (void)tiff;
+    (void)module;
+    if (client != NULL && errno != ENOMEM) {
+        client->failed = true;
+        vsnprintf(message, sizeof message, format, arguments);
+        error_failed(client->err, "%s: libtiff: %s", client->pages->output.path, message);
+    }
+    return 1; /* libtiff prints nothing */
+}
+
+/* Returns NULL on failure. From here to close_tiff nothing may set errno to 0. */
+static TIFF *open_tiff(struct client *client, const char *mode)
+{
+    errno = 0;
+    TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
+    if (options == NULL) {
+        memory_lacks(client->err, 0, "libtiff, which writes %s", client->pages->output.path);
+        return NULL;
+    }
+    TIFFOpenOptionsSetErrorHandlerExtR(options, client_message, client);
+    TIFFOpenOptionsSetWarningHandlerExtR(options, client_message, NULL);
+    TIFF *tiff =
+        TIFFClientOpenExt(client->pages->output.path, mode, client, client_read, client_write,
+                          client_seek, client_close, client_size, NULL, NULL, options);
+    TIFFOpenOptionsFree(options);
+    return tiff;
+}
+
+/* Returns true if nothing has failed. Sets an error if libtiff has given none. tiff may be NULL.
+ * For lack of memory libtiff may leave out a tag, and say nothing: the C library has set errno
+ * then. */
+static bool close_tiff(TIFF *tiff, const struct client *client, bool good)
+{
+    if (tiff != NULL)
+        TIFFClose(tiff);
+    if (errno == ENOMEM && !client->failed)
+        return memory_lacks(client->err, 0, "libtiff, which writes %s", client->pages->output.path);
+    return (good && !client->failed) ||
+           error_failed(client->err, "%s: the written file is not complete",
+                        client->pages->output.path);
+}
+
+/* ---- the layout ---- */
+
+static int sample_format(const struct pages *pages)
+{
+    return pages->bits == 32 ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT;
+}
+
+/* Sets no Orientation: ImageJ would then ignore the number of images. */
+static bool set_format(TIFF *tiff, const struct pages *pages, int page)
+{
+    return TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_PAGE) &&
+           TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, pages->width) &&
+           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, pages->height) &&
+           TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, pages->bits) &&
+           TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE) &&
+           TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
+                        pages->channels == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK) &&
+           TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, pages->channels) &&
+           TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, pages->height) &&
+           TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) &&
+           TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, sample_format(pages)) &&
+           TIFFSetField(tiff, TIFFTAG_PAGENUMBER, page, pages->count);
+}
+
+static bool write_directories(TIFF *tiff, const struct pages *pages, page_tags *set_tags,
+                              const void *of, struct error *err)
+{
+    bool good = true;
+    for (int page = 0; good && page < pages->count; page++)
+        good = set_format(tiff, pages, page) && set_tags(tiff, of, page, err) &&
+               TIFFDeferStrileArrayWriting(tiff) && TIFFWriteCheck(tiff, 0, PROGRAM) &&
+               TIFFWriteDirectory(tiff);
+    return good;
+}
+
+/* Places each page at the end of the file, and records the offset in its directory. Calls
+ * TIFFReadDirectory for the next page: TIFFSetDirectory would walk the chain from its start. */
+static bool place_pages(TIFF *tiff, struct client *client)
+{
+    const struct pages *pages = client->pages;
+    const tmsize_t size = (tmsize_t)page_bytes(pages);
+    for (int page = 0; page < pages->count; page++)
+        if (!(page == 0 ? TIFFSetDirectory(tiff, 0) : TIFFReadDirectory(tiff)) ||
+            TIFFWriteRawStrip(tiff, 0, client, size) != size ||
+            !TIFFForceStrileArrayWriting(tiff) ||
+            TIFFGetStrileOffset(tiff, 0) != pages_offset(pages, page))
+            return false;
+    return true;
+}
+
+/* Writes all directories, then places all pages. Starts again, as BigTIFF, if the file would pass
+ * the 4 GiB of a classic TIFF. Starts again, too, if the tags record another offset than the pages
+ * get: with the right offset they may be longer. Offsets only grow, so that this ends. */
+static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, struct error *err)
+{
+    struct client client = {.pages = pages, .err = err};
+    TIFF *tiff = open_tiff(&client, pages->big ? "w8l" : "wl");
+    bool good = tiff != NULL && write_directories(tiff, pages, set_tags, of, err) &&
+                (pages->room == NULL || pages->room_offset != 0);
+    client.end = (client.end + 3) / 4 * 4; /* a program may map a page of floats into memory */
+    const bool recorded = pages->bytes_behind == 0 || pages->first == client.end;
+    pages->first = client.end;
+    const uint64_t end = pages_end(pages);
+    const bool fits = (pages->big || end <= UINT32_MAX) && recorded;
+    good = good && (!fits || place_pages(tiff, &client));
+    if (!close_tiff(tiff, &client, good) ||
+        !output_fits(pages->output.descriptor, pages->output.path, end, err))
+        return false;
+    int resized;
+    UNTIL_DONE(resized, ftruncate(pages->output.descriptor, fits ? (off_t)end : 0));
+    if (resized != 0 || (fits && !output_reserve(&pages->output, end)))
+        return error_system(err, "%s: cannot hold %" PRIu64 " bytes", pages->output.path, end);
+    pages->big = pages->big || end > UINT32_MAX;
+    return fits || lay_out(pages, set_tags, of, err);
+}
+
+bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
+                struct error *err)
+{
+    /* 63 bits hold the pages, the directories and the bytes behind. A page fits into tmsize_t,
+     * which is as wide as ptrdiff_t. */
+    const uint64_t most_bytes = UINT64_C(1) << 62;
+    const uint64_t rows = (uint64_t)pages->height * ((uint64_t)pages->count + 1);
+    if (pages_row_bytes(pages) > most_bytes / rows || page_bytes(pages) > PTRDIFF_MAX)
+        return error_usage(err, "%d pages of %dx%d pixels are too many for one file", pages->count,
+                           pages->width, pages->height);
+    if (output_open(&pages->output, path, err) && lay_out(pages, set_tags, of, err))
+        return true;
+    output_discard(&pages->output);
+    return false;
+}
+
+bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
+                 struct error *err)
+{
+    return put(pages, bytes, length, pages_offset(pages, page) + at, err);
+}
+
+/* ---- the check at the end ---- */
+
+/* Returns true if the current directory describes this page and has its offset. */
+static bool page_is_whole(TIFF *tiff, const struct pages *pages, int page)
+{
+    uint16_t format = 0, compression = 0;
+    TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format);
+    TIFFGetField(tiff, TIFFTAG_COMPRESSION, &compression);
+    return format == sample_format(pages) && compression == COMPRESSION_NONE &&
+           TIFFNumberOfStrips(tiff) == 1 && TIFFScanlineSize64(tiff) == pages_row_bytes(pages) &&
+           TIFFStripSize64(tiff) == page_bytes(pages) &&
+           TIFFGetStrileByteCount(tiff, 0) == page_bytes(pages) &&
+           TIFFGetStrileOffset(tiff, 0) == pages_offset(pages, page);
+}
+
+/* Returns true if the room holds the text. libtiff does not know the room's tag: it returns a
+ * counted array of characters. */
+static bool room_is_filled(TIFF *tiff, const struct pages *pages, const char *room)
+{
+    uint32_t count = 0;
+    const char *text = NULL;
+    return TIFFGetField(tiff, pages->room_tag, &count, &text) && count == pages->room_bytes &&
+           memcmp(text, room, count) == 0;
+}
+
+/* Reads every directory with libtiff, as another program would. "c": libtiff does not split a large
+ * strip into small ones. */
+bool pages_finish(struct pages *pages, const char *room, struct error *err)
+{
+    const int last = pages->count - 1;
+    struct client client = {.pages = pages, .err = err};
+    struct stat status;
+    if (room != NULL && !put(pages, room, pages->room_bytes, pages->room_offset, err))
+        return false;
+    if (fstat(pages->output.descriptor, &status) != 0)
+        return error_system(err, "%s: cannot be examined", pages->output.path);
+    client.end = (uint64_t)status.st_size;
+    TIFF *tiff = open_tiff(&client, "rc");
+    bool good = tiff != NULL && (room == NULL || room_is_filled(tiff, pages, room));
+    for (int page = 0; good && page <= last; page++)
+        good = page_is_whole(tiff, pages, page) && (page == last || TIFFReadDirectory(tiff));
+    good = good && TIFFLastDirectory(tiff) && pages_end(pages) == client.end;
+    return close_tiff(tiff, &client, good);
+}

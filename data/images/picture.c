@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes colour pictures, as TIFF or PNG. RGB is one page of three samples a pixel. Floats are
+ * three grey pages of a TIFF: ImageJ and Pillow open no other floats. */
+#include <assert.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tiffio.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/inside.h"
+
+char *picture_text(char *text)
+{
+    for (char *at = text; at && *at != '\0'; at++)
+        if ((*at < ' ' || *at > '~') && *at != '\n')
+            *at = '?';
+    return text;
+}
+
+static bool set_tags(TIFF *tiff, const void *of, int page, struct error *err)
+{
+    const struct picture_options *options = of;
+    (void)err; /* libtiff reports its failures */
+    return TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, options->description) &&
+           TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) &&
+           (options->samples != PICTURE_FLOAT ||
+            TIFFSetField(tiff, TIFFTAG_PAGENAME, options->channels[page])) &&
+           (options->profile == NULL ||
+            TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)options->profile_length,
+                         options->profile));
+}
+
+static const char *const endings[] = {".png", ".tif", ".tiff", NULL};
+
+bool picture_accepts(const char *path, struct error *err)
+{
+    int ending;
+    return output_ending(path, endings, &ending, err);
+}
+
+bool picture_is_png(const char *path)
+{
+    struct error ignored = {0};
+    int ending;
+    return output_ending(path, endings, &ending, &ignored) && ending == 0;
+}
+
+static size_t sample_bytes(const struct picture_options *options)
+{
+    static const size_t bytes[] = {[PICTURE_8] = 1, [PICTURE_16] = 2, [PICTURE_FLOAT] = 4};
+    return bytes[options->samples];
+}
+
+bool picture_open(struct picture_writer *out, const char *path,
+                  const struct picture_options *options, struct error *err)
+{
+    const bool floating = options->samples == PICTURE_FLOAT;
+    assert(options->width > 0 && options->height > 0);
+    *out = (struct picture_writer){.options = *options,
+                                   .pages = {.count = floating ? 3 : 1,
+                                             .width = options->width,
+                                             .height = options->height,
+                                             .channels = floating ? 1 : 3,
+                                             .bits = 8 * (int)sample_bytes(options)}};
+    if (!picture_accepts(path, err))
+        return false;
+    assert(!floating || !picture_is_png(path));
+    return picture_is_png(path) ? png_open(&out->png, path, options, err)
+                                : pages_open(&out->pages, path, set_tags, options, err);
+}
+
+/* Writes each channel of some rows into its page. */
+static bool write_planes(const struct picture_writer *writer, const float *samples, int rows,
+                         struct error *err)
+{
+    const uint64_t row_bytes = pages_row_bytes(&writer->pages);
+    const size_t n = (size_t)rows * (size_t)writer->options.width;
+    float *plane;
+    bool done = MAKE_ARRAY(plane, n, err, "rows of the picture");
+    for (int channel = 0; done && channel < 3; channel++) {
+        for (size_t i = 0; i < n; i++)
+            plane[i] = samples[3 * i + (size_t)channel];
+        done = pages_write(&writer->pages, channel, (uint64_t)writer->row * row_bytes, plane,
+                           n * sizeof *plane, err);
+    }
+    free(plane);
+    return done;
+}
+
+bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err)
+{
+    const uint64_t row_bytes = pages_row_bytes(&writer->pages);
+    assert(rows >= 0 && rows <= writer->options.height - writer->row);
+    const bool done = writer->png ? png_write(writer->png, samples, rows, err)
+                      : writer->options.samples == PICTURE_FLOAT
+                          ? write_planes(writer, samples, rows, err)
+                          : pages_write(&writer->pages, 0, (uint64_t)writer->row * row_bytes,
+                                        samples, (size_t)rows * (size_t)row_bytes, err);
+    writer->row += rows;
+    return done;
+}
+
+/* Makes room for the rows up to `end`. A strip whose rows are all written begins anew. */
+static bool extend_strip(struct picture_writer *writer, int end, size_t row_bytes,
+                         struct error *err)
+{
+    struct picture_strip *strip = &writer->strip;
+    if (strip->end == writer->row)
+        strip->first = writer->row;
+    if (end <= strip->end)
+        return true;
+    const size_t n = (size_t)(end - strip->first);
+    if (!memory_resize(&strip->samples, n, row_bytes))
+        return memory_lacks(err, (double)n * (double)row_bytes, "rows of the picture");
+    strip->end = end;
+    return true;
+}
+
+bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
+                 const void *samples, struct error *err)
+{
+    const size_t pixel = 3 * sample_bytes(&writer->options);
+    const size_t row_bytes = pixel * (size_t)writer->options.width, n = pixel * (size_t)at->width;
+    const int end = at->y + at->height;
+    assert(at->y >= writer->row);
+    if (n == row_bytes)
+        return picture_write(writer, samples, at->height, err);
+    if (!extend_strip(writer, end, row_bytes, err))
+        return false;
+    const int first = writer->strip.first;
+    char *to = writer->strip.samples + (size_t)(at->y - first) * row_bytes + pixel * (size_t)at->x;
+    for (int row = 0; row < at->height; row++)
+        memcpy(to + (size_t)row * row_bytes, (const char *)samples + (size_t)row * n, n);
+    const char *next = writer->strip.samples + (size_t)(writer->row - first) * row_bytes;
+    return at->x + at->width < writer->options.width ||
+           picture_write(writer, next, end - writer->row, err);
+}
+
+bool picture_finish(struct picture_writer *writer, struct error *err)
+{
+    assert(writer->row == writer->options.height);
+    writer->finished =
+        writer->png ? png_finish(writer->png, err) : pages_finish(&writer->pages, NULL, err);
+    return writer->finished;
+}
+
+bool picture_commit(struct picture_writer *writer, struct outputs *outputs, struct error *err)
+{
+    const bool done = (writer->finished || picture_finish(writer, err)) &&
+                      (writer->png ? png_commit(writer->png, outputs, err)
+                                   : output_pass(&writer->pages.output, outputs, err));
+    picture_discard(writer);
+    return done;
+}
+
+void picture_discard(struct picture_writer *writer)
+{
+    png_free(writer->png);
+    output_discard(&writer->pages.output);
+    free(writer->strip.samples);
+    *writer = (struct picture_writer){.row = 0};
+}

@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes PNG files: ISO/IEC 15948:2004, "the specification" below. zlib compresses the rows as they
+ * come. Each row goes through the filter that makes its bytes smallest, as section 12.8 recommends.
+ * zlib gets a row at a time, so that its output does not depend on how many rows come at once. */
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#define ZLIB_CONST /* zlib then reads constant bytes */
+#include <zlib.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/inside.h"
+
+enum { CHUNK_BYTES = 1 << 16, LEVEL = 6, CHANNELS = 3 };
+struct png {
+    struct output output;
+    z_stream stream;
+    bool deflating; /* the stream is open */
+    size_t pixel_bytes, row_bytes;
+    unsigned char *rows;         /* the memory of all rows; owned */
+    unsigned char *row, *above;  /* samples as the file has them */
+    unsigned char *best, *tried; /* filtered, behind the number of the filter */
+    unsigned char packed[CHUNK_BYTES];
+    uint64_t written; /* bytes of the file */
+};
+enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
+
+/* ---- chunks ---- */
+
+static void put_number(uint32_t number, unsigned char *out)
+{
+    for (int i = 0; i < 4; i++)
+        out[i] = (unsigned char)(number >> (24 - 8 * i));
+}
+
+static bool put_bytes(struct png *png, const void *bytes, size_t length, struct error *err)
+{
+    png->written += length;
+    return write_all(png->output.descriptor, bytes, length) ||
+           error_system(err, "%s: cannot be written", png->output.path);
+}
+
+/* Writes a chunk of fewer than 2^31 bytes. */
+static bool put_chunk(struct png *png, const char *type, const void *bytes, size_t length,
+                      struct error *err)
+{
+    unsigned char head[8], check[4];
+    uLong sum = crc32(0, (const Bytef *)type, 4);
+    if (length > 0)
+        sum = crc32(sum, bytes, (uInt)length);
+    put_number((uint32_t)length, head);
+    memcpy(head + 4, type, 4);
+    put_number((uint32_t)sum, check);
+    return put_bytes(png, head, sizeof head, err) && put_bytes(png, bytes, length, err) &&
+           put_bytes(png, check, sizeof check, err);
+}
+
+/* ---- before the pixels ---- */
+
+static bool put_header(struct png *png, const struct picture_options *options, struct error *err)
+{
+    static const unsigned char signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    unsigned char header[13] = {0};
+    put_number((uint32_t)options->width, header);
+    put_number((uint32_t)options->height, header + 4);
+    header[8] = (unsigned char)(8 * png->pixel_bytes / CHANNELS);
+    header[9] = 2; /* RGB; compression, filters and interlacing are 0, the usual ones */
+    return put_bytes(png, signature, sizeof signature, err) &&
+           put_chunk(png, "IHDR", header, sizeof header, err);
+}
+
+/* Says that samples are sRGB's, with the gamma and the chromaticities that section 11.3.3.5 lists
+ * for programs that do not know the sRGB chunk. */
+static bool put_srgb(struct png *png, struct error *err)
+{
+    static const uint32_t chromaticities[8] = {31270, 32900, 64000, 33000,
+                                               30000, 60000, 15000, 6000};
+    unsigned char gamma[4], places[32];
+    put_number(45455, gamma);
+    for (int i = 0; i < 8; i++)
+        put_number(chromaticities[i], places + 4 * (size_t)i);
+    return put_chunk(png, "gAMA", gamma, sizeof gamma, err) &&
+           put_chunk(png, "cHRM", places, sizeof places, err) &&
+           put_chunk(png, "sRGB", "", 1, err); /* 0: the perceptual intent, for pictures */
+}
+
+/* Writes the profile, compressed, behind its name and the number of the compression. */
+static bool put_profile(struct png *png, const struct picture_options *options, struct error *err)
+{
+    static const char name[] = "display"; /* with its NUL */
+    uLongf length = compressBound((uLong)options->profile_length);
+    unsigned char *chunk;
+    if (!MAKE_ARRAY(chunk, sizeof name + 1 + length, err, "the profile of a PNG file"))
+        return false;
+    memcpy(chunk, name, sizeof name);
+    chunk[sizeof name] = 0; /* deflate */
+    const bool done = (compress2(chunk + sizeof name + 1, &length, options->profile,
+                                 (uLong)options->profile_length, Z_BEST_COMPRESSION) == Z_OK ||
+                       memory_lacks(err, (double)length, "the profile of a PNG file")) &&
+                      put_chunk(png, "iCCP", chunk, sizeof name + 1 + length, err);
+    free(chunk);
+    return done;
+}
+
+/* Writes a text chunk: a keyword, a NUL, and Latin-1 text. */
+static bool put_text(struct png *png, const char *keyword, const char *text, struct error *err)
+{
+    const size_t before = strlen(keyword) + 1, length = strlen(text);
+    char *chunk;
+    if (!MAKE_ARRAY(chunk, before + length, err, "a text in a PNG file"))
+        return false;
+    memcpy(chunk, keyword, before);
+    memcpy(chunk + before, text, length);
+    const bool done = put_chunk(png, "tEXt", chunk, before + length, err);
+    free(chunk);
+    return done;
+}
+
+static bool put_head(struct png *png, const struct picture_options *options, struct error *err)
+{
+    return put_header(png, options, err) &&
+           (options->srgb      ? put_srgb(png, err)
+            : options->profile ? put_profile(png, options, err)
+                               : true) &&
+           put_text(png, "Software", PROGRAM, err) &&
+           put_text(png, "Description", options->description, err);
+}
+
+/* ---- filters ---- */
+
+/* Returns the one of three neighbours that is nearest to left + above - corner. */
+static int paeth(int left, int above, int corner)
+{
+    const int to_left = abs(above - corner), to_above = abs(left - corner);
+    const int to_corner = abs(left + above - 2 * corner);
+    return to_left <= to_above && to_left <= to_corner ? left
+           : to_above <= to_corner                     ? above
+                                                       : corner;
+}
+
+/* Filters the row: each byte minus what the filter predicts from the pixel to the left and from the
+ * row above. Zeros stand before each row and above the first one. */
+static void filter_row(const struct png *png, int filter, unsigned char *restrict out)
+{
+    const unsigned char *row = png->row, *above = png->above;
+    const unsigned char *left = row - png->pixel_bytes, *corner = above - png->pixel_bytes;
+    const size_t n = png->row_bytes;
+    *out++ = (unsigned char)filter;
+    switch (filter) {
+    case FILTER_NONE:
+        memcpy(out, row, n);
+        break;
+    case FILTER_SUB:
+        for (size_t i = 0; i < n; i++)
+            out[i] = (unsigned char)(row[i] - left[i]);
+        break;
+    case FILTER_UP:
+        for (size_t i = 0; i < n; i++)
+            out[i] = (unsigned char)(row[i] - above[i]);
+        break;
+    case FILTER_AVERAGE:
+        for (size_t i = 0; i < n; i++)
+            out[i] = (unsigned char)(row[i] - (left[i] + above[i]) / 2);
+        break;
+    case FILTER_PAETH:
+        for (size_t i = 0; i < n; i++)
+            out[i] = (unsigned char)(row[i] - paeth(left[i], above[i], corner[i]));
+    }
+}
+
+/* Returns the sum of the sizes of filtered bytes, as numbers from -128 to 127. */
+static uint64_t filtered_size(const unsigned char *bytes, size_t n)
+{
+    uint64_t sum = 0;
+    for (size_t i = 0; i < n; i++)
+        sum += bytes[i] < 128 ? bytes[i] : 256U - bytes[i];
+    return sum;
+}
+
+/* Filters the row into png->best. */
+static void choose_filter(struct png *png)
+{
+    uint64_t least = UINT64_MAX;
+    for (int filter = 0; filter < FILTERS; filter++) {
+        filter_row(png, filter, png->tried);
+        const uint64_t size = filtered_size(png->tried + 1, png->row_bytes);
+        if (size < least) {
+            unsigned char *better = png->tried;
+            png->tried = png->best;
+            png->best = better;
+            least = size;
+        }
+    }
+}
+
+/* ---- pixels ---- */
+
+/* Writes what zlib has packed since the last chunk. */
+static bool put_packed(struct png *png, struct error *err)
+{
+    const size_t length = sizeof png->packed - png->stream.avail_out;
+    png->stream.next_out = png->packed;
+    png->stream.avail_out = sizeof png->packed;
+    return length == 0 || put_chunk(png, "IDAT", png->packed, length, err);
+}
+
+/* Packs up to 1 GiB; `flush` is Z_FINISH after the last row, otherwise Z_NO_FLUSH. */
+static bool pack(struct png *png, const unsigned char *bytes, size_t length, int flush,
+                 struct error *err)
+{
+    int status = Z_OK;
+    png->stream.next_in = bytes;
+    png->stream.avail_in = (uInt)length;
+    while (flush == Z_FINISH ? status != Z_STREAM_END : png->stream.avail_in > 0) {
+        status = deflate(&png->stream, flush);
+        if (status == Z_STREAM_ERROR)
+            return error_failed(err, "%s: zlib cannot compress the picture", png->output.path);
+        if (png->stream.avail_out == 0 && !put_packed(png, err))
+            return false;
+    }
+    return flush != Z_FINISH || put_packed(png, err);
+}
+
+/* Turns the samples of a row into bytes: a PNG is big-endian. */
+static void store_row(const struct png *png, const void *samples)
+{
+    const uint16_t *wide = samples;
+    if (png->pixel_bytes == CHANNELS)
+        memcpy(png->row, samples, png->row_bytes);
+    else
+        for (size_t i = 0; i < png->row_bytes / 2; i++) {
+            png->row[2 * i] = (unsigned char)(wide[i] >> 8);
+            png->row[2 * i + 1] = (unsigned char)(wide[i] & 0xff);
+        }
+}
+
+bool png_write(struct png *png, const void *samples, int rows, struct error *err)
+{
+    const size_t most = 1 << 30;
+    const unsigned char *from = samples;
+    for (int y = 0; y < rows; y++, from += png->row_bytes) {
+        store_row(png, from);
+        choose_filter(png);
+        for (size_t at = 0, n = png->row_bytes + 1; at < n; at += most)
+            if (!pack(png, png->best + at, n - at < most ? n - at : most, Z_NO_FLUSH, err))
+                return false;
+        unsigned char *row = png->row;
+        png->row = png->above;
+        png->above = row;
+    }
+    return true;
+}
+
+/* ---- the file ---- */
+
+/* One allocation has all rows: two of samples with zeros before them, and two filtered ones. */
+static bool allocate_rows(struct png *png, struct error *err)
+{
+    const size_t n = png->row_bytes, pixel = png->pixel_bytes;
+    if (!MAKE_ARRAY(png->rows, 4 * n + 2 * pixel + 2, err, "rows of a PNG file"))
+        return false;
+    png->row = png->rows + pixel;
+    png->above = png->row + n + pixel;
+    png->best = png->above + n;
+    png->tried = png->best + n + 1;
+    return true;
+}
+
+bool png_open(struct png **out, const char *path, const struct picture_options *options,
+              struct error *err)
+{
+    struct png *png;
+    if (!MAKE_ARRAY(*out, 1, err, "a PNG file"))
+        return false;
+    png = *out;
+    png->pixel_bytes = (size_t)CHANNELS * (options->samples == PICTURE_16 ? 2 : 1);
+    png->row_bytes = png->pixel_bytes * (size_t)options->width;
+    png->deflating = deflateInit(&png->stream, LEVEL) == Z_OK;
+    png->stream.next_out = png->packed;
+    png->stream.avail_out = sizeof png->packed;
+    if ((png->deflating || memory_lacks(err, 0, "zlib, which writes %s", path)) &&
+        allocate_rows(png, err) && output_open(&png->output, path, err) &&
+        put_head(png, options, err))
+        return true;
+    png_free(png);
+    *out = NULL;
+    return false;
+}
+
+/* Returns whether the file has as many bytes as were written. */
+static bool is_whole(const struct png *png, struct error *err)
+{
+    struct stat status;
+    if (fstat(png->output.descriptor, &status) != 0)
+        return error_system(err, "%s: cannot be examined", png->output.path);
+    return (uint64_t)status.st_size == png->written ||
+           error_failed(err, "%s: the written file is not complete", png->output.path);
+}
+
+bool png_finish(struct png *png, struct error *err)
+{
+    return pack(png, NULL, 0, Z_FINISH, err) && put_chunk(png, "IEND", NULL, 0, err) &&
+           is_whole(png, err);
+}
+
+bool png_commit(struct png *png, struct outputs *outputs, struct error *err)
+{
+    return output_pass(&png->output, outputs, err);
+}
+
+void png_free(struct png *png)
+{
+    if (!png)
+        return;
+    if (png->deflating)
+        deflateEnd(&png->stream);
+    output_discard(&png->output);
+    FREE_ALL(png->rows, png);
+}

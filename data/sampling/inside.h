@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "sampling" share. */
+#ifndef DATA_SAMPLING_INSIDE_H
+#define DATA_SAMPLING_INSIDE_H
+
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "spectral.h"
+
+/* ---- data/sampling/spectral_pages.c: pages made of spectra ---- */
+
+/* Returns the value of a spectrum on a page. SPECTRUM_HOLD means a reflectance, SPECTRUM_ZERO a
+ * light. */
+double page_value(const struct spectral_pages *pages, const struct spectrum *spectrum, int page,
+                  enum spectrum_ends ends);
+
+/* ---- data/sampling/terms.c: materials under lights ---- */
+
+/* Lists the materials of all objects, each once, and their partners. Lists all materials of a
+ * material map, since only its mesh decides which of them are needed. The array is allocated, even
+ * for no materials; after a failure it is NULL. */
+bool materials_shown(const struct scene *scene, const struct material ***out, int *n,
+                     struct error *err);
+
+/* The input of a maker; `out` has the method, the detector's name and the fine detector. */
+struct sampling_task {
+    char name[SAMPLING_NAME];
+    const struct detector *detector;
+    const struct fine_spectra *spectra;
+    struct sampling *out;
+};
+
+/* Makes room for n pages, with segments if wanted. */
+bool sampling_room(struct sampling *out, int n, bool segments, struct error *err);
+/* Returns a zeroed array; NULL after an error. */
+double *sampling_numbers(size_t count, struct error *err);
+/* Returns the sum of the magnitudes of the detector's weights at nm j of the grid. */
+double sampling_seen(const struct sampling *sampling, int j);
+/* Refuses more pages than `most` nm. In uniform.c, as the next. */
+bool sampling_refuse(const struct sampling_task *task, int most, struct error *err);
+/* Combines three rows of n numbers by a matrix. */
+void sampling_transform(double m[3][3], const double *rows, int n, double *out);
+
+/* Makers, in uniform.c, gauss.c, adaptive.c and basis.c. Each makes room for pages and sets their
+ * wavelengths, or their analysis and synthesis (which is otherwise linear between wavelengths), and
+ * their segments, or weights where these do not follow from segments. */
+bool sample_box(const struct sampling_task *task, struct error *err);
+bool sample_riemann(const struct sampling_task *task, struct error *err);
+bool sample_tristimulus(const struct sampling_task *task, struct error *err); /* rgb and xyz */
+bool sample_gauss_detector(const struct sampling_task *task, struct error *err);
+bool sample_gauss_open(const struct sampling_task *task, struct error *err);
+bool sample_gauss_functions(const struct sampling_task *task, struct error *err);
+bool sample_adaptive(const struct sampling_task *task, struct error *err);
+bool sample_basis(const struct sampling_task *task, struct error *err);
+/* In basis.c. Turns rows of n numbers (finite, with squares that are) among themselves until they
+ * are orthogonal, the longest first: Jacobi's method on one side. */
+void orthogonal_rows(double *row, int rows, int n);
+
+#endif

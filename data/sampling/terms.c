@@ -1,0 +1,279 @@
+/* SPDX-License-Identifier: MIT */
+/* Makes the terms of a material: spectra of light, reflectance and fluorescence, multiplied. A term
+ * that is 0 on every page is left out, unless lights may be exchanged. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/sampling/inside.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+
+struct luminescence {
+    const struct spectral_pages *pages;
+    const struct material *material;
+    bool glows;              /* the pages show the emission that belongs to an excitation */
+    struct donaldson matrix; /* the pages show its emission; no emission: there is none */
+};
+struct terms_maker {
+    const struct illumination *illumination;
+    struct material_terms *out;
+    struct luminescence luminescence;
+    double *row; /* the next term: 0 until something is added to it; owned */
+};
+
+/* ---- products ---- */
+
+/* Returns how many values a product has: one a page, or for components one a nm. */
+static int product_length(const struct spectral_pages *pages)
+{
+    return pages->of_products ? pages->n_nm : pages->n;
+}
+
+static double factor_at(const struct spectral_pages *pages, const struct spectrum *spectrum, int i,
+                        enum spectrum_ends ends)
+{
+    return pages->of_products ? spectrum_at(spectrum, pages_looked_at_nm(pages, i), ends)
+                              : page_value(pages, spectrum, i, ends);
+}
+
+/* Adds factor x spectrum x reflectance (NULL: 1) to a row; returns whether any value is not 0. */
+static bool add_product(const struct spectral_pages *pages, double factor,
+                        const struct spectrum *spectrum, const struct spectrum *reflectance,
+                        double *row)
+{
+    const int n = product_length(pages);
+    bool any = false;
+    for (int i = 0; i < n; i++) {
+        double radiance = factor * factor_at(pages, spectrum, i, SPECTRUM_ZERO) *
+                          (reflectance ? factor_at(pages, reflectance, i, SPECTRUM_HOLD) : 1);
+        row[i] += radiance;
+        any = any || radiance != 0;
+    }
+    return any;
+}
+
+/* ---- fluorescence ---- */
+
+/* Reads the fluorescence of a material, unless no page shows its emission. */
+static bool open_luminescence(const struct spectral_pages *pages, const struct material *material,
+                              struct luminescence *out, struct error *err)
+{
+    struct donaldson *matrix = &out->matrix;
+    *out = (struct luminescence){.pages = pages, .material = material};
+    if (pages->reflectance_analysis)
+        return true;
+    out->glows =
+        material->excitation.kind != SPECTRUM_NONE && pages_show(pages, &material->emission);
+    if (!material->donaldson)
+        return true;
+    if (!donaldson_read(material->donaldson, material->donaldson_place, &material->diffuse, matrix,
+                        err))
+        return false;
+    if (matrix->emission.wavelength_nm[0] > pages_looked_at_nm(pages, pages_looked_at(pages) - 1) ||
+        matrix->emission.wavelength_nm[matrix->emission.count - 1] < pages_looked_at_nm(pages, 0))
+        donaldson_free(matrix);
+    return true;
+}
+
+/* Adds the luminescence under a light to the row; sets *any if any value is not 0. */
+static bool luminesce(const struct luminescence *of, const struct spectrum *light, double intensity,
+                      double *row, bool *any, struct error *err)
+{
+    *any = false;
+    if (of->glows) {
+        double mean = excitation_mean(light, &of->material->excitation);
+        *any = add_product(of->pages, intensity * mean, &of->material->emission, NULL, row);
+    }
+    if (of->matrix.emission.count > 0) {
+        struct spectrum emission = {.kind = SPECTRUM_NONE};
+        if (!donaldson_emission(&of->matrix, light, &emission, err))
+            return false;
+        *any = add_product(of->pages, intensity, &emission, NULL, row);
+        spectrum_free(&emission);
+    }
+    return true;
+}
+
+/* Adds the luminescence under a light to the row, and sets *lit if there is any. */
+static bool add_luminescence(struct terms_maker *maker, const struct spectrum *light,
+                             double intensity, double *row, bool *lit, struct error *err)
+{
+    const struct luminescence *luminescence = &maker->luminescence;
+    bool any;
+    if (!luminesce(luminescence, light, intensity, row, &any, err))
+        return false;
+    maker->out->excitation_integrals += luminescence->glows + luminescence->matrix.emission.count;
+    maker->out->fluoresces = maker->out->fluoresces || any;
+    *lit = *lit || any;
+    return true;
+}
+
+bool material_luminescence(const struct spectral_pages *pages, const struct material *material,
+                           const struct spectrum *light, double *out, struct error *err)
+{
+    struct luminescence luminescence;
+    bool any;
+    for (int i = 0; i < pages->n; i++)
+        out[i] = 0;
+    bool done = open_luminescence(pages, material, &luminescence, err) &&
+                luminesce(&luminescence, light, 1, out, &any, err);
+    donaldson_free(&luminescence.matrix);
+    return done;
+}
+
+/* ---- terms ---- */
+
+/* Makes components of the row. The components of a term are not negative. A sum of n products is
+ * off by at most n 2^-53 of the sum of their magnitudes; a sum below 0 is such an error. */
+static void analyse(const struct spectral_pages *pages, const double *row, double *out)
+{
+    const int n_nm = pages->n_nm;
+    for (int page = 0; page < pages->n; page++) {
+        double sum = 0;
+        for (int j = 0; j < n_nm; j++)
+            sum += pages->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * row[j];
+        out[page] = sum < 0 ? 0 : sum;
+    }
+}
+
+/* Makes a term of the row, which becomes 0 again. */
+static void keep_term(struct terms_maker *maker, enum term_kind kind, int light)
+{
+    const struct spectral_pages *pages = &maker->illumination->pages;
+    const size_t n = (size_t)pages->n, length = (size_t)product_length(pages);
+    double *spectrum = maker->out->spectra + (size_t)maker->out->n * n;
+    struct spectral_term term = {.kind = kind, .light = light};
+    if (pages->of_products)
+        analyse(pages, maker->row, spectrum);
+    else
+        memcpy(spectrum, maker->row, n * sizeof *spectrum);
+    memset(maker->row, 0, length * sizeof *maker->row);
+    for (int i = 0; i < pages->n; i++) {
+        term.peak = fmax(term.peak, spectrum[i]);
+        term.mean += spectrum[i] / pages->n;
+    }
+    maker->out->terms[maker->out->n++] = term;
+}
+
+static bool add_constant(struct terms_maker *maker, struct error *err)
+{
+    const struct illumination *illumination = maker->illumination;
+    const struct scene *scene = illumination->scene;
+    struct material_terms *out = maker->out;
+    double *row = maker->row;
+    for (int i = 0; i < scene->n_ambients; i++) {
+        const struct ambient *ambient = &scene->ambients[i];
+        if (ambient->intensity == 0 || spectrum_is_zero(&ambient->spectrum))
+            continue;
+        if (add_product(&illumination->pages, ambient->intensity, &ambient->spectrum,
+                        &out->material->diffuse, row))
+            out->ambient = true;
+        if (!add_luminescence(maker, &ambient->spectrum, ambient->intensity, row, &out->ambient,
+                              err))
+            return false;
+    }
+    out->emits = out->material->glow.kind != SPECTRUM_NONE &&
+                 add_product(&illumination->pages, 1, &out->material->glow, NULL, row);
+    if (out->ambient || out->emits || illumination->exchangeable)
+        keep_term(maker, TERM_CONSTANT, -1);
+    return true;
+}
+
+static bool add_light(struct terms_maker *maker, int index, struct error *err)
+{
+    const struct spectral_pages *pages = &maker->illumination->pages;
+    const struct light *light = maker->illumination->lights[index].light;
+    const struct material *material = maker->out->material;
+    bool kept = maker->illumination->exchangeable;
+    double *row = maker->row;
+    bool lit = add_product(pages, light->intensity, &light->spectrum, &material->diffuse, row);
+    if (!add_luminescence(maker, &light->spectrum, light->intensity, row, &lit, err))
+        return false;
+    if (lit || kept)
+        keep_term(maker, TERM_DIFFUSE, index);
+    if (material->gloss > 0 &&
+        (add_product(pages, light->intensity, &light->spectrum,
+                     material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL, row) ||
+         kept))
+        keep_term(maker, TERM_SPECULAR, index);
+    return true;
+}
+
+static bool allocate(struct terms_maker *maker, struct error *err)
+{
+    const struct spectral_pages *pages = &maker->illumination->pages;
+    struct material_terms *out = maker->out;
+    size_t most = 1 + 2 * (size_t)maker->illumination->n_first;
+    return MAKE_ARRAY(out->terms, most, err, "the terms of a material") &&
+           MAKE_ARRAY(out->spectra, most * (size_t)pages->n, err, "the terms of a material") &&
+           MAKE_ARRAY(maker->row, (size_t)product_length(pages), err, "the terms of a material");
+}
+
+bool material_terms_make(const struct illumination *illumination, const struct material *material,
+                         struct material_terms *out, struct error *err)
+{
+    struct terms_maker maker = {.illumination = illumination, .out = out};
+    *out = (struct material_terms){.material = material};
+    bool done = open_luminescence(&illumination->pages, material, &maker.luminescence, err) &&
+                allocate(&maker, err) && add_constant(&maker, err);
+    for (int i = 0; done && i < illumination->n_first; i++)
+        done = add_light(&maker, illumination->first[i], err);
+    donaldson_free(&maker.luminescence.matrix);
+    free(maker.row);
+    if (!done)
+        material_terms_free(out);
+    return done;
+}
+
+void material_terms_free(struct material_terms *terms)
+{
+    FREE_ALL(terms->terms, terms->spectra);
+    *terms = (struct material_terms){.n = 0};
+}
+
+/* ---- materials that objects show ---- */
+
+struct material_list {
+    const struct material **list;
+    int n;
+    struct index known; /* of the materials in the list */
+};
+
+static bool add_once(struct material_list *to, const struct material *material, struct error *err)
+{
+    if (index_find(&to->known, &material, sizeof material) >= 0)
+        return true;
+    to->list[to->n++] = material;
+    return index_add(&to->known, &material, sizeof material, to->n - 1, err);
+}
+
+/* Adds a material, and its partner if it has one. */
+static bool add_halves(const struct scene *scene, int index, struct material_list *to,
+                       struct error *err)
+{
+    const struct material *material = &scene->materials[index];
+    const struct material *partner = scene_partner(scene, material);
+    return add_once(to, material, err) && (!partner || add_once(to, partner, err));
+}
+
+bool materials_shown(const struct scene *scene, const struct material ***out, int *n,
+                     struct error *err)
+{
+    struct material_list to = {.list = NULL};
+    bool done = MAKE_ARRAY(to.list, 2 * (size_t)scene->n_materials, err, "a list of materials");
+    for (int i = 0; done && i < scene->n_objects; i++) {
+        const struct object *object = &scene->objects[i];
+        if (!object->material_map)
+            done = add_halves(scene, object->material, &to, err);
+        for (int line = 0; done && line < object->n_assignments; line++)
+            done = add_halves(scene, object->assignments[line].material, &to, err);
+    }
+    index_free(&to.known);
+    if (!done)
+        free(to.list);
+    *out = done ? to.list : NULL;
+    *n = done ? to.n : 0;
+    return done;
+}

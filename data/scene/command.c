@@ -1,0 +1,207 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral list: the names that scenes and options can use. spectral show: a built-in file. */
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+
+static void list_shapes(struct printed *to)
+{
+    for (enum shape_kind kind = SHAPE_SPHERE; kind < SHAPE_MESH; kind++) {
+        print_text(to, "  ");
+        shape_print_signature(kind, to);
+        print_text(to, "\n");
+    }
+    print_text(to, "  mesh FILE.obj [unitize] [crease ANGLE]\n");
+}
+
+static void list_samplings(struct printed *to)
+{
+    print_text(
+        to,
+        "  box:N               N boxes of equal area under the detector's functions\n"
+        "  riemann:STEP        a sample every STEP nm\n"
+        "  gauss:N             Gaussian quadrature weighted by the detector's functions\n"
+        "  gauss:N,open        by none: the detector is left open\n"
+        "  gauss:N,xyz|lms|acc by tristimulus values, cones or opponent functions, each its own\n"
+        "  adaptive:TOLERANCE  emission peaks, and quadrature between them\n"
+        "  basis:K             K principal components of lights x reflectances: no spectra\n"
+        "  rgb, xyz            three numbers a light and a material: no spectra, no "
+        "fluorescence\n");
+}
+
+static const struct list {
+    const char *name, *alias;          /* alias NULL: none */
+    void (*print)(struct printed *to); /* NULL: the list has the names of built-in files */
+    enum file_kind kind;               /* of these files */
+} lists[] = {
+    {"scenes", NULL, NULL, FILE_SCENE},
+    {"materials", NULL, NULL, FILE_MATERIAL},
+    {"illuminants", "lights", NULL, FILE_TABLE},
+    {"detectors", "observers", NULL, FILE_TABLE},
+    {"shapes", NULL, list_shapes, FILE_KINDS},
+    {"models", "meshes", NULL, FILE_MODEL},
+    {"lists", NULL, NULL, FILE_LIST},
+    {"textures", NULL, NULL, FILE_TEXTURE},
+    {"samplings", NULL, list_samplings, FILE_KINDS},
+};
+enum { N_LISTS = sizeof lists / sizeof lists[0] };
+
+/* Returns whether the list has this file. The tables are illuminants and detectors, and a material
+ * may stand for a spectrum. */
+static bool holds(const struct list *list, const struct builtin_file *file, char name[BUILTIN_NAME])
+{
+    char material[BUILTIN_NAME];
+    return builtin_is(file, list->kind, name) &&
+           (list->kind != FILE_TABLE ||
+            (!builtin_is(file, FILE_MATERIAL, material) &&
+             table_is_detector(file) == (strcmp(list->name, "detectors") == 0)));
+}
+
+/* Orders names as a reader does: numbers in them by their value, so that f2 comes before f10. */
+static int compare_names(const void *a, const void *b)
+{
+    const char *one = a, *other = b;
+    for (; *one && *other; one++, other++) {
+        char *end, *other_end;
+        const long difference = isdigit((unsigned char)*one) && isdigit((unsigned char)*other)
+                                    ? strtol(one, &end, 10) - strtol(other, &other_end, 10)
+                                    : (unsigned char)*one - (unsigned char)*other;
+        if (difference != 0)
+            return difference < 0 ? -1 : 1;
+        if (isdigit((unsigned char)*one)) {
+            one = end - 1;
+            other = other_end - 1;
+        }
+    }
+    return (unsigned char)*one - (unsigned char)*other;
+}
+
+static bool print_list(const struct list *list, struct printed *to, struct error *err)
+{
+    char(*names)[BUILTIN_NAME];
+    size_t n = 0;
+    if (!MAKE_ARRAY(names, builtin_file_count, err, "the names of built-in files"))
+        return false;
+    print(to, "%s\n", list->name);
+    for (size_t i = 0; i < builtin_file_count && !list->print; i++)
+        n += holds(list, &builtin_files[i], names[n]);
+    qsort(names, n, sizeof *names, compare_names);
+    for (size_t i = 0; i < n; i++)
+        print(to, "  %s\n", names[i]);
+    free(names);
+    if (list->print)
+        list->print(to);
+    return true;
+}
+
+static bool run_list(struct options *options, struct error *err)
+{
+    const char *wanted = options->operand ? options->operand : "";
+    const struct word typed = {.start = wanted, .length = strlen(wanted)};
+    struct suggestion suggestion = {.distance = 0};
+    struct printed printed = {.text = NULL};
+    bool found = false, done = true;
+    for (int i = 0; done && i < N_LISTS; i++) {
+        const struct list *list = &lists[i];
+        suggestion_add(&suggestion, &typed, list->name, strlen(list->name));
+        if (*wanted && strcasecmp(wanted, list->name) != 0 &&
+            !(list->alias && strcasecmp(wanted, list->alias) == 0))
+            continue;
+        found = true;
+        done = print_list(list, &printed, err);
+    }
+    if (done && !found)
+        done = error_usage(err, "there is no list '%s'; %s", wanted,
+                           suggestion_end(&suggestion, "the lists are"));
+    if (done)
+        return printed_show(&printed, STDOUT_FILENO, err);
+    free(printed_end(&printed));
+    return false;
+}
+
+/* ---- spectral show ---- */
+
+/* Refuses a name that is not built in, and proposes one that is. */
+static bool refuse_shown(const struct word *typed, struct error *err)
+{
+    struct suggestion suggestion = {.distance = 0};
+    char name[BUILTIN_NAME];
+    for (size_t i = 0; i < builtin_file_count; i++)
+        for (enum file_kind kind = 0; kind < FILE_KINDS; kind++)
+            if (builtin_is(&builtin_files[i], kind, name))
+                suggestion_add(&suggestion, typed, name, strlen(name));
+    suggestion.known[0] = '\0'; /* a list of them all is too long */
+    return error_usage(err, "no built-in file '%.*s'; %s", word_shown(typed), typed->start,
+                       suggestion_end(&suggestion, "spectral list prints the names"));
+}
+
+/* Finds the built-in file of that name, of the first kind that has it. *out is its path, allocated.
+ */
+static bool find_shown(const char *name, char **out, struct error *err)
+{
+    const struct word word = {.start = name, .length = strlen(name)};
+    bool done = word.length > 0 || error_usage(err, "show takes the NAME of a built-in file");
+    *out = NULL;
+    for (enum file_kind kind = 0; done && kind < FILE_KINDS; kind++) {
+        free(*out);
+        done = word_file(&word, kind, out, err);
+        if (done && path_is_builtin(*out))
+            return true;
+    }
+    return done && refuse_shown(&word, err);
+}
+
+static bool run_show(struct options *options, struct error *err)
+{
+    const char *output = options->output ? options->output : "-";
+    const struct builtin_file *file;
+    const struct place nowhere = {0};
+    int descriptor;
+    char *path = NULL;
+    bool done = find_shown(options->operand ? options->operand : "", &path, err) &&
+                file_open(path, nowhere, &descriptor, &file, err);
+    if (done && isatty(STDOUT_FILENO) && strcmp(output, "-") == 0 &&
+        memchr(file->bytes, '\0', file->length))
+        done = error_usage(err, "%s is no text; add -o FILE", options->operand);
+    done =
+        done && file_write(output, (const char *)file->bytes, file->length, &options->outputs, err);
+    free(path);
+    return done;
+}
+
+static const struct option_list *const list_lists[] = {&common_options, NULL};
+const struct command list_command = {
+    .name = "list",
+    .operands = "[KIND]",
+    .summary = "print the names of all that is built in, or of one kind",
+    .example = "list materials",
+    .run = run_list,
+    .lists = list_lists,
+    .n_operands = 1,
+};
+
+static const struct option show_options[] = {
+    {"-o, --output FILE", "writes there (default: standard output)", SHARED(TEXT, output),
+     .writes = true},
+};
+static const struct option_list show_list = OPTION_LIST(show_options);
+static const struct option_list *const show_lists[] = {&show_list, &common_options, NULL};
+const struct command show_command = {
+    .name = "show",
+    .operands = "NAME [-o FILE]",
+    .summary = "print a built-in file, to start one of your own with",
+    .example = "show room -o my.scene",
+    .run = run_show,
+    .lists = show_lists,
+    .n_operands = 1,
+};

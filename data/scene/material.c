@@ -1,0 +1,360 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads materials from files in the format of the 1998 thesis (in its Table 1, the first word of a
+ * line is the kind of the line) and from the words of a scene. Both have the same ranges. */
+#include <ctype.h>
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/scene/inside.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+
+/* Refuses an excitation whose sum is not above 0 and finite. The excitation by a light is divided
+ * by this sum, the excitation by a light of 1 at all wavelengths. */
+static bool check_excitation(const struct spectrum *excitation, struct error *err)
+{
+    double sum = excitation->factor;
+    if (excitation->kind == SPECTRUM_CONSTANT)
+        sum *= excitation->parameter[0];
+    if (excitation->kind == SPECTRUM_SAMPLED) {
+        double values = 0;
+        for (int i = 0; i < excitation->count; i++)
+            values += excitation->value[i];
+        sum *= values;
+    }
+    if (sum > 0 && isfinite(sum))
+        return true;
+    return error_at(err, excitation->place,
+                    "the sum of the excitation is %g; expected a finite sum above 0", sum);
+}
+
+/* ---- material files ---- */
+
+/* Reads WAVELENGTH REFLECTANCE. */
+static bool read_reflectance(struct text *text, struct spectrum *out, struct error *err)
+{
+    struct word word;
+    double nm, value;
+    return text_expect(text, &word, "a wavelength", err) &&
+           word_number(&word, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err) &&
+           text_number(text, "reflectance", 0, 1, &value, err) &&
+           spectrum_append(out, nm, value, word.place, err);
+}
+
+/* Reads WAVELENGTH EXCITATION EMISSION. */
+static bool read_fluorescence(struct text *text, struct material *out, struct error *err)
+{
+    struct word word;
+    double nm, excitation, emission;
+    return text_expect(text, &word, "a wavelength", err) &&
+           word_number(&word, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err) &&
+           text_number(text, "excitation", 0, HUGE_VAL, &excitation, err) &&
+           text_number(text, "emission", 0, HUGE_VAL, &emission, err) &&
+           spectrum_append(&out->excitation, nm, excitation, word.place, err) &&
+           spectrum_append(&out->emission, nm, emission, word.place, err);
+}
+
+/* Returns the partner, and makes it if there is none yet; NULL: no memory. */
+static struct material *partner_of(struct material *material, struct place place, struct error *err)
+{
+    if (material->partner)
+        return material->partner;
+    if (MAKE_ARRAY(material->partner, 1, err, "a metameric partner"))
+        material->partner->place = material->partner_place = place;
+    return material->partner;
+}
+
+/* Returns the kind of a line: the last letter of its first word, in lower case; 0: unknown word. */
+static char line_kind(const struct word *word)
+{
+    static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg"};
+    if (word->quoted)
+        return 0;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (word->length == strlen(known[i]) &&
+            strncasecmp(word->start, known[i], word->length) == 0)
+            return known[i][word->length - 1];
+    return 0;
+}
+
+static bool read_line(struct text *text, const struct word *first, struct material *out,
+                      struct error *err)
+{
+    bool number = word_begins_number(first);
+    char kind = number ? 'r' : line_kind(first);
+    struct word word;
+    if (number)
+        text->at = first->start;
+    if (kind != 0 && tolower((unsigned char)first->start[0]) == 'm') {
+        out = partner_of(out, first->place, err);
+        if (!out)
+            return false;
+    }
+    switch (kind) {
+    case 'r':
+        return read_reflectance(text, &out->diffuse, err);
+    case 's':
+        return read_reflectance(text, &out->specular, err);
+    case 'f':
+        return read_fluorescence(text, out, err);
+    case 'g':
+        return place_once(&out->gloss_place, first->place, "gloss", err) &&
+               text_expect(text, &word, "a gloss", err) &&
+               word_number(&word, "gloss", 0, HIGHEST_GLOSS, &out->gloss, err);
+    case 't':
+        return place_once(&out->texture_place, first->place, "texture", err) &&
+               text_expect(text, &word, "a texture file", err) &&
+               word_file(&word, FILE_TEXTURE, &out->texture, err);
+    default:
+        return error_at(err, first->place,
+                        "unknown line '%.*s'; a line begins with a wavelength, g, s, f, t, mr, mg, "
+                        "ms or mf",
+                        word_shown(first), first->start);
+    }
+}
+
+static bool read_lines(struct text *text, struct material *out, struct error *err)
+{
+    struct word word;
+    while (text_next_line(text))
+        if (text_word(text, &word) &&
+            (!read_line(text, &word, out, err) || !text_end(text, "this line", err)))
+            return false;
+    return true;
+}
+
+/* Checks the material when all its lines are read, and names its spectra. */
+static bool complete(struct material *material, const char *no_diffuse, struct error *err)
+{
+    struct spectrum *spectra[] = {&material->diffuse, &material->specular, &material->excitation,
+                                  &material->emission};
+    if (material->diffuse.kind == SPECTRUM_NONE)
+        return error_at(err, material->place, "%s", no_diffuse);
+    if (material->excitation.kind != SPECTRUM_NONE && !check_excitation(&material->excitation, err))
+        return false;
+    for (size_t i = 0; i < sizeof spectra / sizeof spectra[0]; i++)
+        if (spectra[i]->kind != SPECTRUM_NONE &&
+            (!spectrum_is_in_nm(spectra[i], err) ||
+             !string_copy(material->name, &spectra[i]->name, err)))
+            return false;
+    return true;
+}
+
+static bool complete_file(struct material *out, struct error *err)
+{
+    struct material *partner = out->partner;
+    if (!complete(out, "no diffuse reflectance; a material has lines of a wavelength and one", err))
+        return false;
+    return !partner ||
+           (string_copy(out->name, &partner->name, err) &&
+            string_copy(out->path, &partner->path, err) &&
+            complete(partner, "the partner has no mr lines; it needs a diffuse reflectance", err));
+}
+
+bool material_read(const char *path, struct place from, struct material *out, struct error *err)
+{
+    struct text text;
+    bool done;
+    *out = (struct material){0};
+    if (!file_expected(path, from, FILE_MATERIAL, err) || !text_open(&text, path, from, err))
+        return false;
+    out->path = text.path; /* taken over: the places point at it */
+    out->place = text_whole(&text);
+    out->name = output_name(path, "", err);
+    done = out->name && read_lines(&text, out, err) && complete_file(out, err);
+    text.path = NULL;
+    text_free(&text);
+    if (!done)
+        material_free(out);
+    return done;
+}
+
+/* ---- materials written in a scene ---- */
+
+/* Reads the next word, of this line or a later one. Refuses a } that touches a word: it would pass
+ * for a part of the word. */
+static bool block_word(struct text *text, struct word *out, struct place open, struct error *err)
+{
+    while (!text_peek(*text, out))
+        if (!text_next_line(text))
+            return error_at(err, open, "this { is never closed by a }");
+    return text_expect(text, out, "a word", err) &&
+           (out->quoted || out->length == 1 || !memchr(out->start, '}', out->length) ||
+            error_at(err, out->place, "a } stands between blanks: { ... }"));
+}
+
+/* Reads the value behind a word. */
+static bool block_value(struct text *text, struct word *out, const char *what, struct place open,
+                        struct error *err)
+{
+    return block_word(text, out, open, err) &&
+           (!word_is(out, "}") || error_at(err, out->place, "expected %s before }", what));
+}
+
+static bool read_filter(struct text *text, struct material *out, struct error *err)
+{
+    struct text before = *text;
+    struct word word;
+    if (!block_word(text, &word, out->place, err))
+        return false;
+    out->texture_linear = word_is(&word, "linear");
+    if (!out->texture_linear && !word_is(&word, "nearest"))
+        *text = before;
+    return true;
+}
+
+static bool read_emission(struct text *text, struct material *out, struct error *err)
+{
+    struct word word;
+    return check_excitation(&out->excitation, err) &&
+           block_value(text, &word, "a spectrum", out->place, err) &&
+           spectrum_read(&word, 0, HUGE_VAL, &out->emission, err);
+}
+
+enum block_kind {
+    BLOCK_DIFFUSE,
+    BLOCK_SPECULAR,
+    BLOCK_GLOSS,
+    BLOCK_FLUORESCENCE,
+    BLOCK_DONALDSON,
+    BLOCK_TEXTURE,
+    BLOCK_SPECTRAL_TEXTURE,
+    BLOCK_EMISSION,
+    BLOCK_METAMER,
+    BLOCK_END
+};
+static const char *const block_words[] = {
+    "diffuse", "specular",         "gloss",    "fluorescence", "donaldson",
+    "texture", "spectral-texture", "emission", "metamer",      "}",
+    NULL};
+static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", "a gloss",
+                                                    "a spectrum", "a file",     "a file",
+                                                    "a file",     "a spectrum", "a material"};
+
+static bool block_entry(struct text *text, int kind, struct material *out, struct error *err)
+{
+    struct word word;
+    if (kind != BLOCK_END && !block_value(text, &word, block_values[kind], out->place, err))
+        return false;
+    switch ((enum block_kind)kind) {
+    case BLOCK_DIFFUSE:
+        return spectrum_read(&word, 0, 1, &out->diffuse, err);
+    case BLOCK_SPECULAR:
+        return spectrum_read(&word, 0, 1, &out->specular, err);
+    case BLOCK_GLOSS:
+        return word_number(&word, "gloss", 0, HIGHEST_GLOSS, &out->gloss, err);
+    case BLOCK_FLUORESCENCE:
+        return spectrum_read(&word, 0, HUGE_VAL, &out->excitation, err) &&
+               read_emission(text, out, err);
+    case BLOCK_DONALDSON:
+        return word_path(&word, &out->donaldson, err);
+    case BLOCK_TEXTURE:
+        return word_file(&word, FILE_TEXTURE, &out->texture, err) && read_filter(text, out, err);
+    case BLOCK_SPECTRAL_TEXTURE:
+        return word_file(&word, FILE_TEXTURE, &out->spectral_texture, err) &&
+               read_filter(text, out, err);
+    case BLOCK_EMISSION:
+        return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
+    case BLOCK_METAMER:
+        out->partner_name = word_copy(&word, err);
+        return out->partner_name != NULL;
+    case BLOCK_END:
+        break;
+    }
+    return true;
+}
+
+static bool exclude(struct place first, struct place second, const char *what, struct error *err)
+{
+    return first.line == 0 || second.line == 0 ||
+           error_at(err, second, "a material has either %s, not both", what);
+}
+
+/* A material with an emission or a specular reflectance needs no diffuse one; that is 0 then. */
+static bool complete_diffuse(struct material *out, struct error *err)
+{
+    if (out->diffuse.kind != SPECTRUM_NONE)
+        return true;
+    if (out->specular.kind == SPECTRUM_NONE && out->glow.kind == SPECTRUM_NONE)
+        return error_at(err, out->place, "the material has none of diffuse, specular and emission");
+    out->diffuse = (struct spectrum){.kind = SPECTRUM_CONSTANT, .factor = 1, .place = out->place};
+    return string_copy("0", &out->diffuse.name, err);
+}
+
+bool material_has_word(const struct word *word)
+{
+    bool found = false;
+    for (int kind = 0; kind < BLOCK_END; kind++)
+        found = found || word_is(word, block_words[kind]);
+    return found;
+}
+
+/* Refuses a word that begins a later line than the { and is like no word of a material: it may be
+ * the next statement, and then a } is missing. */
+static bool check_closed(const struct text *text, const struct word *word, struct place open,
+                         struct error *err)
+{
+    const char *line = text->line_start + strspn(text->line_start, " \t");
+    struct suggestion suggestion = {.distance = 0};
+    if (line != word->start || word->place.line == open.line || material_has_word(word) ||
+        word_is(word, "}"))
+        return true;
+    for (int kind = 0; kind < BLOCK_END; kind++)
+        suggestion_add(&suggestion, word, block_words[kind], strlen(block_words[kind]));
+    return suggestion.nearest[0] ||
+           error_at(err, word->place,
+                    "'%.*s' is no word of a material; a } is missing before it: the { is in line "
+                    "%d, column %d",
+                    word_shown(word), word->start, open.line, open.column);
+}
+
+static bool read_block(struct text *text, struct material *out, struct error *err)
+{
+    struct place given[BLOCK_END + 1] = {{0}};
+    struct word word;
+    for (int kind = 0; kind != BLOCK_END;) {
+        if (!block_word(text, &word, out->place, err) ||
+            !check_closed(text, &word, out->place, err))
+            return false;
+        kind = word_choose_once(&word, block_words, "word in a material", given, err);
+        if (kind < 0 || !block_entry(text, kind, out, err))
+            return false;
+    }
+    out->gloss_place = given[BLOCK_GLOSS];
+    out->donaldson_place = given[BLOCK_DONALDSON];
+    out->texture_place = given[BLOCK_TEXTURE];
+    out->spectral_texture_place = given[BLOCK_SPECTRAL_TEXTURE];
+    out->partner_place = given[BLOCK_METAMER];
+    return exclude(given[BLOCK_FLUORESCENCE], out->donaldson_place, "fluorescence or donaldson",
+                   err) &&
+           exclude(out->texture_place, out->spectral_texture_place, "texture or spectral-texture",
+                   err) &&
+           complete_diffuse(out, err);
+}
+
+bool material_read_words(struct text *text, struct material *out, struct error *err)
+{
+    *out = (struct material){.place = text_place(text)};
+    out->place.column--; /* the cursor stands behind the { */
+    if (read_block(text, out, err))
+        return true;
+    material_free(out);
+    return false;
+}
+
+void material_free(struct material *material)
+{
+    spectrum_free(&material->diffuse);
+    spectrum_free(&material->specular);
+    spectrum_free(&material->excitation);
+    spectrum_free(&material->emission);
+    spectrum_free(&material->glow);
+    if (material->partner)
+        material_free(material->partner);
+    FREE_ALL(material->partner, material->partner_name, material->donaldson, material->texture,
+             material->spectral_texture, material->name, material->path);
+    *material = (struct material){0};
+}

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads entries of MTL files, the materials that come with OBJ models. A colour is three numbers,
+ * which say nothing about single wavelengths. This file spreads them over the spectrum so that grey
+ * is constant. It reads Kd, Ks, Ns and Ke, and skips all else, since the format has many dialects.
+ * An entry is read only if a scene uses it. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "data/scene/inside.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+
+enum statement { KD, KS, KE, NS, STATEMENTS };
+static const char *const statements[STATEMENTS] = {"Kd", "Ks", "Ke", "Ns"};
+
+struct entry {
+    double colour[NS][3]; /* red, green, blue */
+    double shininess;     /* Ns: 0..1000 */
+    struct place place, given[STATEMENTS];
+};
+
+static bool read_colour(struct text *text, enum statement statement, double out[3],
+                        struct error *err)
+{
+    static const char *const parts[] = {"red", "green", "blue"};
+    for (int i = 0; i < 3; i++) {
+        char what[16];
+        snprintf(what, sizeof what, "%s of %s", parts[i], statements[statement]);
+        if (!text_number(text, what, 0, statement == KE ? HUGE_VAL : 1, &out[i], err))
+            return false;
+    }
+    return true;
+}
+
+static bool read_statement(struct text *text, const struct word *first, struct entry *out,
+                           struct error *err)
+{
+    int i = 0;
+    while (i < STATEMENTS && !word_is(first, statements[i]))
+        i++;
+    if (i == STATEMENTS)
+        return true;
+    return place_once(&out->given[i], first->place, statements[i], err) &&
+           (i == NS ? text_number(text, statements[i], 0, 1000, &out->shininess, err)
+                    : read_colour(text, (enum statement)i, out->colour[i], err)) &&
+           text_end(text, statements[i], err);
+}
+
+/* ---- finding the entries ---- */
+
+/* Where an entry is in its file. */
+struct mtl_entry {
+    struct text behind; /* the cursor behind its name */
+    struct word name;
+    struct place again; /* of the next entry of that name; line 0: there is none */
+};
+
+/* Adds the entry of a newmtl. A second entry of one name is refused only if a scene uses it. */
+static bool add_entry(struct mtl *mtl, const struct word *name, struct error *err)
+{
+    const int first = index_find(&mtl->names, name->start, name->length);
+    const struct mtl_entry entry = {.behind = mtl->text, .name = *name};
+    if (first >= 0) {
+        if (mtl->entries[first].again.line == 0)
+            mtl->entries[first].again = name->place;
+        return true;
+    }
+    return index_add(&mtl->names, name->start, name->length, mtl->n_entries, err) &&
+           array_add(&mtl->entries, &mtl->n_entries, &entry, sizeof entry, err);
+}
+
+static bool find_entries(struct mtl *mtl, struct error *err)
+{
+    struct word word;
+    while (text_next_line(&mtl->text))
+        if (text_word(&mtl->text, &word) && word_is(&word, "newmtl") &&
+            (!text_expect(&mtl->text, &word, "a name", err) || !add_entry(mtl, &word, err)))
+            return false;
+    return true;
+}
+
+bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err)
+{
+    *out = (struct mtl){.n_entries = 0};
+    if (text_open(&out->text, path, from, err) && find_entries(out, err))
+        return true;
+    mtl_free(out);
+    return false;
+}
+
+void mtl_free(struct mtl *mtl)
+{
+    text_free(&mtl->text);
+    index_free(&mtl->names);
+    free(mtl->entries);
+    *mtl = (struct mtl){.n_entries = 0};
+}
+
+/* ---- reading an entry ---- */
+
+static bool refuse_missing(const struct mtl *mtl, struct place from, const struct word *name,
+                           struct error *err)
+{
+    struct suggestion suggestion = {.distance = 0};
+    for (int i = 0; i < mtl->n_entries; i++)
+        suggestion_add(&suggestion, name, mtl->entries[i].name.start, mtl->entries[i].name.length);
+    return error_at(err, from, "no entry '%.*s' in %.200s; %s", word_shown(name), name->start,
+                    mtl->text.path, suggestion_end(&suggestion, "its entries are"));
+}
+
+/* Reads the statements of the entry up to the next newmtl. Their places name `path`. */
+static bool read_entry(const struct mtl_entry *found, char *path, struct entry *out,
+                       struct error *err)
+{
+    struct text text = found->behind;
+    struct word word;
+    text.path = path;
+    out->place = found->name.place;
+    out->place.path = path;
+    while (text_next_line(&text)) {
+        if (!text_word(&text, &word))
+            continue;
+        if (word_is(&word, "newmtl"))
+            break;
+        if (!read_statement(&text, &word, out, err))
+            return false;
+    }
+    return found->again.line == 0 || place_once(&out->place, found->again, "this entry", err);
+}
+
+/* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. It
+ * begins and ends beyond all light, so that nobody reads past its ends. */
+static bool spread(const struct entry *entry, enum statement statement, const char *name,
+                   struct spectrum *out, struct error *err)
+{
+    static const struct {
+        double nm;
+        int part;
+    } knots[] = {{1, 2}, {480, 2}, {500, 1}, {570, 1}, {600, 0}, {999999, 0}};
+    for (size_t i = 0; i < sizeof knots / sizeof knots[0]; i++)
+        if (!spectrum_append(out, knots[i].nm, entry->colour[statement][knots[i].part],
+                             entry->given[statement], err))
+            return false;
+    return string_copy(name, &out->name, err);
+}
+
+/* An entry with Ks or Ke needs no Kd, which is 0 then. A highlight needs both Ks and Ns. Shininess
+ * above 128, the largest of OpenGL, becomes 128. */
+static bool make_material(struct entry *entry, struct material *out, struct error *err)
+{
+    bool present[NS];
+    struct place *given = entry->given;
+    if (given[KD].line == 0) {
+        if (given[KS].line == 0 && given[KE].line == 0)
+            return error_at(err, entry->place, "the entry has none of Kd, Ks and Ke");
+        given[KD] = entry->place;
+    }
+    for (int i = 0; i < NS; i++)
+        present[i] = entry->colour[i][0] > 0 || entry->colour[i][1] > 0 || entry->colour[i][2] > 0;
+    out->place = entry->place;
+    out->from_rgb = true;
+    out->gloss = present[KS] ? fmin(entry->shininess, HIGHEST_GLOSS) : 0;
+    out->gloss_place = given[NS];
+    return spread(entry, KD, out->name, &out->diffuse, err) &&
+           (out->gloss == 0 || spread(entry, KS, out->name, &out->specular, err)) &&
+           (!present[KE] || spread(entry, KE, out->name, &out->glow, err));
+}
+
+bool mtl_read(const struct mtl *mtl, struct place from, const struct word *name,
+              struct material *out, struct error *err)
+{
+    struct entry entry = {.shininess = 0};
+    const int found = index_find(&mtl->names, name->start, name->length);
+    *out = (struct material){0};
+    if (found < 0)
+        return refuse_missing(mtl, from, name, err);
+    out->name = word_copy(name, err);
+    return out->name && string_copy(mtl->text.path, &out->path, err) &&
+           read_entry(&mtl->entries[found], out->path, &entry, err) &&
+           make_material(&entry, out, err);
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: MIT */
+/* A scene as the command line names and changes it. */
+#include <string.h>
+
+#include "data/files/files.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
+
+static const struct option changes[] = {
+    {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",
+     CHANGES(scene_set_wavelengths), .recorded = true},
+    {"--size WxH", "width and height in pixels", CHANGES(scene_set_size), .recorded = true},
+    {"--light N=SPECTRUM[*INTENSITY]", "replaces the spectrum of light N (from 1); may be repeated",
+     CHANGES(scene_set_light), .recorded = true},
+    {"--ambient SPECTRUM[*INTENSITY]", "replaces the ambient light", CHANGES(scene_set_ambient),
+     .recorded = true},
+    {"--samples K", "stores the mean of K x K positions of each pixel: 1 (default), 2, 4, 8 or 16",
+     CHANGES(scene_set_samples), .recorded = true},
+};
+static const struct option shading[] = {
+    {"--shading smooth|flat|phong", "replaces the scene's; phong needs --renderer raster",
+     CHANGES(scene_set_shading), .recorded = true},
+    {"--tessellation FACTOR", "multiplies the slices, stacks, ... of built-in shapes",
+     CHANGES(scene_set_tessellation), .recorded = true},
+};
+const struct option_list scene_options = OPTION_LIST(changes),
+                         shading_options = OPTION_LIST(shading);
+
+/* Refuses a stack or a picture where a scene is expected. */
+static bool refuse_picture(const char *scene, struct error *err)
+{
+    const char *format;
+    if (!file_format(scene, &format, err))
+        return false;
+    if (strcmp(format, "TIFF") == 0)
+        return error_usage(err,
+                           "%s is a TIFF file, not a scene; a stack is for develop, probe, "
+                           "compare, view and info",
+                           scene);
+    return format[0] == '\0' || strcmp(format, "text") == 0 ||
+           error_usage(err, "%s is a %s file, not a scene", scene, format);
+}
+
+bool scene_read_options(const struct options *options, struct scene *out, struct error *err)
+{
+    if (!refuse_picture(options_scene(options), err) ||
+        !scene_read(options_scene(options), out, err))
+        return false;
+    for (int i = 0; i < options->n_changes; i++)
+        if (!options->changes[i].apply(out, options->changes[i].value, err))
+            return false;
+    return true;
+}
+
+bool scene_refuse(const char *stack, struct error *err)
+{
+    const char *format;
+    if (!file_format(stack, &format, err))
+        return false;
+    const bool is_text = strcmp(format, "text") == 0;
+    return (!is_text && (!file_is_missing(stack) || scene_is_missing(stack))) ||
+           error_usage(err, "%s is %s, not a stack; spectral render writes the stack of a scene",
+                       stack, is_text ? "a text file" : "a scene");
+}

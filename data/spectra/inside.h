@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "spectra" share. */
+#ifndef DATA_SPECTRA_INSIDE_H
+#define DATA_SPECTRA_INSIDE_H
+
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* The columns that are wanted of a table. */
+struct columns {
+    struct word table;              /* a built-in name, or a file */
+    int count;                      /* 1, or the 3 of a detector */
+    long first;                     /* from 1; 0: the table has no others */
+    double lowest, highest, factor; /* limits of a value times the factor */
+    bool scaled;                    /* the factor was written */
+};
+/* Reads them into out[count], without the factor. *xyz: they are named x, y and z. On failure the
+ * caller frees *out. spectra_read reads three columns without limits. */
+bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, struct error *err);
+bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);
+/* Computes CIE daylight of a correlated colour temperature from 4000 to 25000 K. */
+bool daylight_read(const struct word *temperature, struct spectrum *out, struct error *err);
+
+#endif

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: MIT */
+/* Lists the files that a scene is made of. A stack records them with their digests, so that a
+ * picture of one machine can be compared with that of another. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+
+/* ---- finding ---- */
+
+/* Adds a copy of the path, unless it is NULL, built in or missing. */
+static bool add(struct inputs *to, const char *path, struct error *err)
+{
+    char *copy = NULL;
+    if (!path || path_is_builtin(path) || file_is_missing(path))
+        return true;
+    if (!string_copy(path, &copy, err))
+        return false;
+    if (array_add(&to->path, &to->n, &copy, sizeof copy, err))
+        return true;
+    free(copy);
+    return false;
+}
+
+static bool add_spectra(struct inputs *to, const struct material *material, struct error *err)
+{
+    const struct spectrum *spectra[] = {&material->diffuse, &material->specular,
+                                        &material->excitation, &material->emission,
+                                        &material->glow};
+    for (size_t i = 0; i < sizeof spectra / sizeof spectra[0]; i++)
+        if (!add(to, spectra[i]->path, err))
+            return false;
+    return true;
+}
+
+/* A material that was not read has no diffuse reflectance. The partner in a material file has that
+ * file's path. */
+static bool add_material(struct inputs *to, const struct material *material, struct error *err)
+{
+    return material->diffuse.kind == SPECTRUM_NONE ||
+           (add(to, material->path, err) && add_spectra(to, material, err) &&
+            add(to, material->donaldson, err) && add(to, material->texture, err) &&
+            add(to, material->spectral_texture, err) &&
+            (!material->partner || add(to, material->partner->texture, err)));
+}
+
+static bool add_detector(struct inputs *to, const char *name, struct error *err)
+{
+    const struct word word = {.start = name, .length = name ? strlen(name) : 0};
+    char *path = NULL;
+    const bool done = !name || (word_file(&word, FILE_TABLE, &path, err) && add(to, path, err));
+    free(path);
+    return done;
+}
+
+static bool add_all(struct inputs *to, const struct scene *scene, struct error *err)
+{
+    bool done = true;
+    for (int i = 0; done && i < scene->n_ambients; i++)
+        done = add(to, scene->ambients[i].spectrum.path, err);
+    for (int i = 0; done && i < scene->n_lights; i++)
+        done = add(to, scene->lights[i].spectrum.path, err);
+    for (int i = 0; done && i < scene->n_materials; i++)
+        done = add_material(to, &scene->materials[i], err);
+    for (int i = 0; done && i < scene->n_objects; i++)
+        done = add(to, scene->objects[i].shape.path, err);
+    return done;
+}
+
+/* ---- the list ---- */
+
+static int compare_paths(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static void sort(struct inputs *inputs)
+{
+    int n = 0;
+    if (inputs->n > 0)
+        qsort(inputs->path, (size_t)inputs->n, sizeof *inputs->path, compare_paths);
+    for (int i = 0; i < inputs->n; i++)
+        if (n > 0 && strcmp(inputs->path[n - 1], inputs->path[i]) == 0)
+            free(inputs->path[i]);
+        else
+            inputs->path[n++] = inputs->path[i];
+    inputs->n = n;
+}
+
+bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
+                 struct error *err)
+{
+    *out = (struct inputs){.path = NULL};
+    const bool done = add_all(out, scene, err) && add_detector(out, detector, err);
+    sort(out);
+    return done;
+}
+
+bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,
+                struct error *err)
+{
+    bool done = inputs_list(scene, detector, out, err), regular;
+    for (int i = 0; done && i < scene->n_texts; i++)
+        done = file_is_regular(scene->files[i].path, &regular, err) &&
+               (!regular || add(out, scene->files[i].path, err));
+    sort(out);
+    return done;
+}
+
+void inputs_free(struct inputs *inputs)
+{
+    for (int i = 0; i < inputs->n; i++)
+        free(inputs->path[i]);
+    free(inputs->path);
+    *inputs = (struct inputs){.path = NULL};
+}
+
+bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err)
+{
+    char sha256[65];
+    for (int i = 0; i < inputs->n; i++) {
+        if (!digest_was_read(inputs->path[i], sha256) && !digest_file(inputs->path[i], sha256, err))
+            return false;
+        print(to, "%s %s%c", sha256, inputs->path[i], '\0');
+    }
+    return true;
+}

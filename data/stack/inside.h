@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "stack" share. */
+#ifndef DATA_STACK_INSIDE_H
+#define DATA_STACK_INSIDE_H
+
+#include "data/images/images.h"
+#include "data/stack/stack.h"
+#include "spectral.h"
+
+/* Reads the record in the description of a stack's first page. Refuses an image without a record,
+ * or with a record that contradicts itself. */
+bool record_read(const struct image *image, struct record *out, struct error *err);
+
+/* ---- verdict.c: the verdict on a stack, in numbers ---- */
+
+/* Returns false where the line records no numbers: nothing was checked, or the reference's pixels
+ * are stored. */
+bool stack_verdict_read(const char *line, struct stack_verdict *out);
+
+#define PAGE_LABEL "%.10g nm"
+/* tags.c: returns the width of a page: the mean distance to its neighbours; 0: it is the only one.
+ */
+double page_width_nm(const double *wavelengths_nm, int n, int page);
+/* Sets all tags of the current directory but those of its format. It is the page_tags of a
+ * stack_writer, to which `stack` points. */
+bool tags_set(struct tiff *tiff, const void *stack, int page, struct error *err);
+
+#endif

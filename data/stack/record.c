@@ -1,0 +1,543 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes and reads a stack's record of how it was made, by which it can be made again: lines in the
+ * description of its first page, behind the lines of its scale. */
+#include <ctype.h>
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/inside.h"
+
+/* ---- the fields ---- */
+
+/* A field is a line "KEY: VALUE"; of texts and options, a line each. Lines of full_scale, scale and
+ * object_map are written by data/stack/tags.c. */
+enum field_kind {
+    FIELD_TEXT,   /* const char *; NULL: none */
+    FIELD_TEXTS,  /* struct texts */
+    FIELD_OPTION, /* one of record.options */
+    FIELD_NUMBERS /* struct numbers */
+};
+struct field {
+    const char *key;
+    enum field_kind kind;
+    size_t offset; /* in struct record */
+    double lowest; /* of numbers */
+    int count;     /* of numbers; 0: any */
+};
+#define AT(member) offsetof(struct record, member)
+static const struct field fields[] = {
+    {"program", FIELD_TEXT, AT(program), 0, 0},
+    {"scene", FIELD_TEXT, AT(scene), 0, 0},
+    {"scene_sha256", FIELD_TEXT, AT(scene_sha256), 0, 0},
+    {"file", FIELD_TEXTS, AT(files), 0, 0},
+    {"option", FIELD_OPTION, AT(options), 0, 0},
+    {"renderer", FIELD_TEXT, AT(renderer), 0, 0},
+    {"light", FIELD_TEXTS, AT(lights), 0, 0},
+    {"ambient", FIELD_TEXTS, AT(ambients), 0, 0},
+    {"illumination", FIELD_NUMBERS, AT(illumination), 0, 1},
+    {"white", FIELD_NUMBERS, AT(white), 0, 0},
+    {"sampling", FIELD_TEXT, AT(sampling), 0, 0},
+    {"sampling_detector", FIELD_TEXT, AT(sampling_detector), 0, 0},
+    {"components", FIELD_TEXT, AT(components), 0, 0},
+    {"segments", FIELD_NUMBERS, AT(segments), -HUGE_VAL, 0},
+    {"response_range", FIELD_NUMBERS, AT(range_nm), -HUGE_VAL, 2},
+    {"response", FIELD_NUMBERS, AT(response), -HUGE_VAL, 0},
+    {"white_response", FIELD_NUMBERS, AT(white_response), -HUGE_VAL, 3},
+    {"object", FIELD_TEXTS, AT(objects), 0, 0},
+    {"rows", FIELD_NUMBERS, AT(rows), 0, 3},
+    {"wavelengths", FIELD_NUMBERS, AT(wavelengths), 0, 0},
+    {"full_scale", FIELD_TEXT, AT(full_scale), 0, 0},
+    {"scale", FIELD_TEXT, AT(scale), 0, 0},
+    {"object_map", FIELD_TEXT, AT(object_map), 0, 0}};
+enum { FIELDS = sizeof fields / sizeof fields[0] };
+
+static bool add_text(struct texts *list, const char *text, struct error *err)
+{
+    return array_add(&list->text, &list->n, &text, sizeof text, err);
+}
+
+/* ---- of a scene ---- */
+
+int exact_digits(double number)
+{
+    char text[32];
+    for (int digits = 15; digits < 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, number);
+        if (strtod(text, NULL) == number)
+            return digits;
+    }
+    return 17;
+}
+
+static void put_source(struct printed *stream, const struct spectrum *spectrum, double intensity)
+{
+    print(stream, "%s*%.*g%c", spectrum->name, exact_digits(intensity), intensity, '\0');
+}
+
+/* Prints the lights, then the ambient lights, then the name of the sampling, each ended by a NUL.
+ */
+static void put_sources(struct printed *to, const struct scene *scene,
+                        const struct sampling *sampling)
+{
+    char name[SAMPLING_NAME] = "";
+    for (int i = 0; i < scene->n_lights; i++)
+        put_source(to, &scene->lights[i].spectrum, scene->lights[i].intensity);
+    for (int i = 0; i < scene->n_ambients; i++)
+        put_source(to, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
+    if (sampling)
+        sampling_name(&sampling->method, name);
+    print(to, "%s%c", name, '\0');
+}
+
+/* Adds the next n texts; *at moves behind them. */
+static bool add_texts(struct texts *list, const char **at, int n, struct error *err)
+{
+    for (int i = 0; i < n; i++, *at += strlen(*at) + 1)
+        if (!add_text(list, *at, err))
+            return false;
+    return true;
+}
+
+static bool record_texts(const struct scene *scene, const struct sampling *sampling,
+                         const struct inputs *inputs, struct record *out, struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    bool done = inputs_digest(inputs, &printed, err);
+    put_sources(&printed, scene, sampling);
+    out->text = printed_take(&printed, err);
+    done = done && out->text;
+    const char *at = out->text;
+    done = done && add_texts(&out->files, &at, inputs->n, err) &&
+           add_texts(&out->lights, &at, scene->n_lights, err) &&
+           add_texts(&out->ambients, &at, scene->n_ambients, err);
+    out->sampling = done && sampling ? at : NULL;
+    return done;
+}
+
+static bool add_numbers(struct numbers *out, const double *numbers, int n, struct error *err)
+{
+    if (!MAKE_ARRAY(out->value, n, err, "%d numbers of a record", n))
+        return false;
+    out->n = n;
+    memcpy(out->value, numbers, (size_t)n * sizeof *numbers);
+    return true;
+}
+
+/* Records the white of the pages, if something shines there. */
+static bool record_white(const struct scene *scene, const struct sampling *sampling,
+                         struct record *out, struct error *err)
+{
+    const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
+    double *white;
+    if (!MAKE_ARRAY(white, pages.n, err, "a white"))
+        return false;
+    const double illumination = scene_white(scene, &pages, white);
+    const bool done =
+        !(illumination > 0) || (add_numbers(&out->white, white, pages.n, err) &&
+                                add_numbers(&out->illumination, &illumination, 1, err));
+    free(white);
+    return done;
+}
+
+/* Records how a detector responds to the white, if it sees one. */
+static bool record_white_response(const struct scene *scene, const struct sampling *sampling,
+                                  struct record *out, struct error *err)
+{
+    const struct fine_detector *fine = &sampling->fine;
+    const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
+    double *white, response[3];
+    if (!MAKE_ARRAY(white, fine->n, err, "a white"))
+        return false;
+    const double illumination = scene_white(scene, &pages, white);
+    detector_response(fine->weights, white, fine->n, response);
+    free(white);
+    bool seen = false, finite = true;
+    for (int channel = 0; channel < 3; channel++) {
+        seen = seen || response[channel] > 0;
+        finite = finite && fabs(response[channel]) <= DBL_MAX;
+    }
+    if (!(illumination > 0 && seen && finite))
+        return true;
+    free(out->illumination.value);
+    return add_numbers(&out->illumination, &illumination, 1, err) &&
+           add_numbers(&out->white_response, response, 3, err);
+}
+
+/* Records how the pages become channels. */
+static bool record_sampling(const struct sampling *sampling, struct record *out, struct error *err)
+{
+    const double first_nm = sampling->pages.first_nm;
+    const double range_nm[] = {first_nm - 0.5, first_nm + sampling->fine.n - 0.5};
+    out->sampling_detector = sampling->detector;
+    out->components = sampling->spectral ? NULL : "yes";
+    if (sampling->fixed)
+        return add_numbers(&out->range_nm, range_nm, 2, err) &&
+               add_numbers(&out->response, sampling->weights, 3 * sampling->pages.n, err);
+    return !sampling->segment_nm ||
+           add_numbers(&out->segments, sampling->segment_nm[0], 2 * sampling->pages.n, err);
+}
+
+bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
+                  struct record *out, struct error *err)
+{
+    struct inputs inputs;
+    *out = (struct record){.scene = scene->path, .scene_sha256 = scene->sha256};
+    bool done = inputs_list(scene, detector, &inputs, err) &&
+                record_texts(scene, sampling, &inputs, out, err);
+    inputs_free(&inputs);
+    if (!sampling || sampling->spectral)
+        done = done && record_white(scene, sampling, out, err);
+    if (sampling)
+        done = done && record_sampling(sampling, out, err) &&
+               (!sampling->fixed || record_white_response(scene, sampling, out, err));
+    if (!done)
+        record_free(out);
+    return done;
+}
+
+bool record_part(struct record *record, const struct part_rows *rows, int height,
+                 const double *wavelengths_nm, int n, struct error *err)
+{
+    const double numbers[3] = {rows->first, rows->count, height};
+    return add_numbers(&record->rows, numbers, 3, err) &&
+           (n == 0 || add_numbers(&record->wavelengths, wavelengths_nm, n, err));
+}
+
+/* ---- files ---- */
+
+enum { SHA256_DIGITS = 64 };
+
+/* Returns the path in "SHA-256 PATH"; "": there is none. */
+static const char *path_in(const char *file)
+{
+    return strlen(file) > SHA256_DIGITS ? file + SHA256_DIGITS + 1 : "";
+}
+
+/* Says how two such texts differ, in lists that are sorted by paths. NULL: the list has ended. */
+static void describe_change(const char *recorded, const char *now, char out[FILE_CHANGE])
+{
+    const int order = !recorded ? 1 : !now ? -1 : strcmp(path_in(recorded), path_in(now));
+    if (order == 0)
+        snprintf(out, FILE_CHANGE,
+                 "%.700s has changed since the stack was made: expected SHA-256 %.64s, found %.64s",
+                 path_in(now), recorded, now);
+    else if (order < 0)
+        snprintf(out, FILE_CHANGE, "%.700s was a file of the scene when the stack was made",
+                 path_in(recorded));
+    else
+        snprintf(out, FILE_CHANGE, "%.700s was no file of the scene when the stack was made",
+                 path_in(now));
+}
+
+bool record_find_change(const struct record *record, const struct scene *scene,
+                        const char *detector, char change[FILE_CHANGE], struct error *err)
+{
+    struct inputs inputs;
+    struct printed printed = {.text = NULL};
+    const int n = record->files.n;
+    bool done = inputs_list(scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
+    char *text = printed_take(&printed, err);
+    const char *now = text;
+    done = done && text;
+    change[0] = '\0';
+    for (int i = 0; done && change[0] == '\0' && (i < n || i < inputs.n); i++) {
+        const char *recorded = i < n ? record->files.text[i] : NULL;
+        if (i >= inputs.n || !recorded || strcmp(recorded, now) != 0)
+            describe_change(recorded, i < inputs.n ? now : NULL, change);
+        else
+            now += strlen(now) + 1;
+    }
+    inputs_free(&inputs);
+    free(text);
+    return done;
+}
+
+/* ---- writing ---- */
+
+static void put_line(struct printed *stream, const char *key, const char *value)
+{
+    const unsigned char *at = (const unsigned char *)value;
+    print(stream, "%s: ", key);
+    while (*at != '\0') {
+        const int length = utf8_length(at);
+        if (length == 0 || iscntrl(*at) || *at == '%')
+            print(stream, "%%%02X", *at++);
+        else {
+            print_bytes(stream, at, (size_t)length);
+            at += length;
+        }
+    }
+    print_text(stream, "\n");
+}
+
+static void put_numbers(struct printed *stream, const char *key, const struct numbers *numbers)
+{
+    print(stream, "%s:", key);
+    for (int i = 0; i < numbers->n; i++)
+        print(stream, " %.*g", exact_digits(numbers->value[i]), numbers->value[i]);
+    print_text(stream, "\n");
+}
+
+static void put_field(struct printed *stream, const struct record *record,
+                      const struct field *field)
+{
+    const void *member = (const char *)record + field->offset;
+    const char *const *text = member;
+    const struct texts *texts = member;
+    const struct numbers *numbers = member;
+    if (field->kind == FIELD_TEXT && *text)
+        put_line(stream, field->key, *text);
+    for (int i = 0; field->kind == FIELD_TEXTS && i < texts->n; i++)
+        put_line(stream, field->key, texts->text[i]);
+    for (int i = 0; field->kind == FIELD_OPTION && i < record->n_options; i++)
+        put_line(stream, field->key, record->options[i]);
+    if (field->kind == FIELD_NUMBERS && numbers->n > 0)
+        put_numbers(stream, field->key, numbers);
+}
+
+char *record_text(const struct record *record, struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    for (int i = 0; i < FIELDS; i++)
+        put_field(&printed, record, &fields[i]);
+    return printed_take(&printed, err);
+}
+
+/* ---- reading ---- */
+
+/* Replaces, in place, the entities of XML that data/stack/tags.c writes. */
+static void unescape(char *text)
+{
+    static const struct {
+        const char *entity;
+        char character;
+    } known[] = {{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}};
+    char *to = text;
+    for (const char *from = text; *from != '\0'; to++) {
+        size_t length = 1;
+        *to = *from;
+        for (size_t i = 0; *from == '&' && i < sizeof known / sizeof known[0]; i++)
+            if (strncmp(from, known[i].entity, strlen(known[i].entity)) == 0) {
+                length = strlen(known[i].entity);
+                *to = known[i].character;
+                break;
+            }
+        from += length;
+    }
+    *to = '\0';
+}
+
+/* Returns the text of the OME-XML's element Description, unescaped; allocated. NULL: there is none,
+ * or an error. */
+static char *description_text(const char *xml, struct error *err)
+{
+    static const char begin[] = "<Description>";
+    const char *from = strstr(xml, begin), *to = from != NULL ? strstr(from, "</") : NULL;
+    if (!to)
+        return NULL;
+    from += strlen(begin);
+    char *text = strndup(from, (size_t)(to - from));
+    if (text != NULL)
+        unescape(text);
+    else
+        memory_lacks(err, (double)(to - from), "a record");
+    return text;
+}
+
+/* Replaces each %XX by its byte, in place. */
+static void decode(char *text)
+{
+    char *to = text;
+    for (const char *from = text; *from != '\0'; to++) {
+        unsigned byte;
+        if (*from == '%' && isxdigit((unsigned char)from[1]) && isxdigit((unsigned char)from[2]) &&
+            sscanf(from + 1, "%2x", &byte) == 1) {
+            *to = (char)byte;
+            from += 3;
+        } else
+            *to = *from++;
+    }
+    *to = '\0';
+}
+
+/* Reads finite numbers, one blank between them, and adds them to those of earlier lines. A field of
+ * a fixed count begins anew. */
+static bool keep_numbers(struct numbers *out, const struct field *field, const char *value,
+                         struct error *err)
+{
+    struct error ignored = {0};
+    if (field->count > 0)
+        out->n = 0;
+    for (const char *at = value, *end; *at != '\0'; at = *end != '\0' ? end + 1 : end) {
+        end = at + strcspn(at, " ");
+        const struct word word = {.start = at, .length = (size_t)(end - at)};
+        double number;
+        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &number, &ignored) ||
+            !array_add(&out->value, &out->n, &number, sizeof number, err))
+            return false;
+    }
+    return field->count == 0 || out->n == field->count;
+}
+
+/* Keeps a value. Returns false if it is malformed, or one too many. */
+static bool keep_value(struct record *record, const struct field *field, char *value,
+                       struct error *err)
+{
+    void *member = (char *)record + field->offset;
+    switch (field->kind) {
+    case FIELD_TEXT:
+        *(const char **)member = value;
+        return true;
+    case FIELD_TEXTS:
+        return add_text(member, value, err);
+    case FIELD_OPTION:
+        if (record->n_options == MAX_RECORDED)
+            return false;
+        record->options[record->n_options++] = value;
+        return true;
+    default:
+        return keep_numbers(member, field, value, err);
+    }
+}
+
+/* Keeps the value of a known key. Other programs may add lines: an unknown key is not an error. */
+static bool keep_line(struct record *record, const char *key, char *value, struct error *err)
+{
+    for (int i = 0; i < FIELDS; i++)
+        if (strcmp(key, fields[i].key) == 0)
+            return keep_value(record, &fields[i], value, err);
+    return true;
+}
+
+/* Cuts the text into lines, and each into key and value. */
+static bool keep_lines(struct record *record, struct error *err)
+{
+    bool good = true;
+    for (char *line = record->text, *next; good && *line != '\0'; line = next) {
+        next = line + strcspn(line, "\n");
+        if (*next != '\0')
+            *next++ = '\0';
+        char *colon = strstr(line, ": ");
+        if (!colon)
+            continue;
+        *colon = '\0';
+        decode(colon + 2);
+        good = keep_line(record, line, colon + 2, err);
+    }
+    return good && record->program != NULL && record->scene != NULL &&
+           record->scene_sha256 != NULL && record->renderer != NULL;
+}
+
+/* Reads "OFFSET BYTES_PER_PIXEL". Returns true for a record without a map. */
+static bool read_map(struct record *record)
+{
+    const char *map = record->object_map;
+    if (!map)
+        return true;
+    const struct word offset = {.start = map, .length = strcspn(map, " ")};
+    const char *bytes = map + offset.length;
+    struct error ignored = {0};
+    long at;
+    if (!word_integer(&offset, "it", 1, LONG_MAX, &at, &ignored) ||
+        (strcmp(bytes, " 1") != 0 && strcmp(bytes, " 2") != 0))
+        return false;
+    record->map_offset = (uint64_t)at;
+    record->map_bytes = bytes[1] - '0';
+    return true;
+}
+
+/* Returns whether these are two limits that a sum over cells of 1 nm can take: at most the scene
+ * language's longest wavelength. */
+static bool is_range(const double limits[2])
+{
+    return limits[0] >= -1 && limits[1] > limits[0] && limits[1] <= 1e6 + 1;
+}
+
+/* Pages of one segment follow each other, no more than a quadrature has; each lies in its segment,
+ * but for the digits in which pages record their wavelengths. */
+static bool segments_agree(const struct record *record, const struct image *image)
+{
+    const double slack = 1e-9, *nm = image->wavelengths_nm, *own = record->segments.value;
+    int together = 0;
+    for (int i = 0; nm && i < image->n_pages; i++, own += 2) {
+        const bool joins = i > 0 && own[0] == own[-2] && own[1] == own[-1];
+        together = joins ? together + 1 : 1;
+        if (!is_range(own) || together > LARGEST_QUADRATURE ||
+            (i > 0 && !joins && own[0] < own[-1]) || nm[i] < own[0] * (1 - slack) ||
+            nm[i] > own[1] * (1 + slack))
+            return false;
+    }
+    return nm != NULL;
+}
+
+/* Returns whether the record describes in one way, and for all pages, how they become channels. */
+static bool sampling_agrees(const struct record *record, const struct image *image)
+{
+    const int n_segments = record->segments.n, n_response = record->response.n;
+    if (!record->sampling != !record->sampling_detector)
+        return false;
+    if (n_response == 0 && (record->components || record->white_response.n > 0))
+        return false;
+    if (n_segments + n_response > 0 && (!record->sampling || (n_segments > 0 && n_response > 0)))
+        return false;
+    if (n_segments > 0 && !(n_segments == 2 * image->n_pages && segments_agree(record, image)))
+        return false;
+    if (n_response > 0 && !(n_response == 3 * image->n_pages && record->range_nm.n == 2 &&
+                            is_range(record->range_nm.value)))
+        return false;
+    return !record->components || (strcmp(record->components, "yes") == 0 &&
+                                   !image->wavelengths_nm && record->white.n == 0);
+}
+
+/* Returns whether the record has no rows, or those of the image, which lie in their picture, and a
+ * wavelength for each page. */
+static bool rows_agree(const struct record *record, const struct image *image)
+{
+    const double *rows = record->rows.value;
+    return record->rows.n == 0 ||
+           (rows[0] == floor(rows[0]) && rows[1] == image->height && rows[2] == floor(rows[2]) &&
+            rows[0] + rows[1] <= rows[2] && rows[2] <= LONGEST_SIDE &&
+            record->wavelengths.n == (record->components ? 0 : image->n_pages));
+}
+
+double record_illumination(const struct record *record)
+{
+    return record->illumination.n > 0 ? record->illumination.value[0] : 0;
+}
+
+bool record_read(const struct image *image, struct record *out, struct error *err)
+{
+    *out = (struct record){.text = description_text(image->description, err)};
+    if (out->text != NULL && keep_lines(out, err) && out->full_scale != NULL &&
+        out->scale != NULL && read_map(out) &&
+        (out->white.n == 0 || out->white.n == image->n_pages) && rows_agree(out, image) &&
+        (record_illumination(out) > 0 || out->white.n + out->white_response.n == 0) &&
+        sampling_agrees(out, image))
+        return true;
+    record_free(out);
+    return error_usage(err,
+                       "%s: has no record of how it was made; expected a stack of spectral 0.2.0"
+                       " or later",
+                       image->path);
+}
+
+void record_free(struct record *record)
+{
+    free(record->text);
+    for (int i = 0; i < FIELDS; i++) {
+        void *member = (char *)record + fields[i].offset;
+        if (fields[i].kind == FIELD_TEXTS)
+            free(((struct texts *)member)->text);
+        if (fields[i].kind == FIELD_NUMBERS)
+            free(((struct numbers *)member)->value);
+    }
+    *record = (struct record){.text = NULL};
+}

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT */
+/* Names of files. A word names a built-in file by the name that `spectral list` prints, or a file
+ * of the user. */
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/text/text.h"
+
+/* How messages call a kind of files, the word behind `spectral list` that lists them (NULL: the
+ * message does), and where they lie. A spectrum may also be the reflectance of a material file. */
+static const struct {
+    const char *what, *list;
+    struct {
+        const char *folder, *ending;
+    } places[2];
+} kinds[] = {
+    [FILE_SCENE] = {"scene", NULL, {{"scenes/", ".scene"}}},
+    [FILE_MATERIAL] = {"material", "materials", {{"materials/", ".txt"}}},
+    [FILE_LIST] = {"list of materials", NULL, {{"materials/", ".list"}}},
+    [FILE_TABLE] = {"spectrum", "illuminants", {{"tables/", ".csv"}, {"materials/", ".txt"}}},
+    [FILE_MODEL] = {"model", NULL, {{"models/", ".obj"}}},
+    [FILE_MAP] = {"material map", NULL, {{"models/", ".map"}}},
+    [FILE_TEXTURE] = {"texture", "textures", {{"textures/", ".tif"}}},
+};
+
+/* ---- built-in files ---- */
+
+bool builtin_is(const struct builtin_file *file, enum file_kind kind, char out[BUILTIN_NAME])
+{
+    for (int i = 0; i < 2 && kinds[kind].places[i].folder; i++)
+        if (builtin_name(file, kinds[kind].places[i].folder, kinds[kind].places[i].ending, out))
+            return true;
+    return false;
+}
+
+/* Finds the built-in file of that name; NULL: there is none. */
+static const struct builtin_file *find(const char *name, enum file_kind kind, bool exact)
+{
+    char known[BUILTIN_NAME];
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (builtin_is(&builtin_files[i], kind, known) &&
+            (exact ? strcmp(name, known) : strcasecmp(name, known)) == 0)
+            return &builtin_files[i];
+    return NULL;
+}
+
+/* Returns the path of a built-in file, or the other path. Allocated; NULL: no memory. */
+static char *path_of(const struct builtin_file *file, const char *base, const char *name)
+{
+    char path[sizeof "builtin:" + BUILTIN_NAME];
+    if (!file)
+        return file_relative(base, name);
+    snprintf(path, sizeof path, "builtin:%s", file->name);
+    return strdup(path);
+}
+
+/* ---- words ---- */
+
+/* Returns the word as a name, allocated; NULL: it is empty, or there is no memory. */
+static char *file_name(const struct word *word, struct error *err)
+{
+    char *name = NULL;
+    if (word->length == 0)
+        error_at(err, word->place, "a file name must not be empty");
+    else
+        name = word_copy(word, err);
+    return name;
+}
+
+bool word_path(const struct word *word, char **out, struct error *err)
+{
+    char *name = file_name(word, err);
+    *out = name ? file_relative(word->place.path, name) : NULL;
+    free(name);
+    return *out || memory_lacks(err, (double)word->length, "the name of a file");
+}
+
+bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err)
+{
+    char *name = file_name(word, err);
+    *out = name ? path_of(find(name, kind, true), word->place.path, name) : NULL;
+    const struct builtin_file *other_case =
+        *out && file_is_missing(*out) ? find(name, kind, false) : NULL;
+    if (other_case) {
+        free(*out);
+        *out = path_of(other_case, NULL, name);
+    }
+    free(name);
+    return *out || memory_lacks(err, (double)word->length, "the name of a file");
+}
+
+/* Returns the end of a path that has as many folders as a name, without the ending of its kind. */
+static struct word tail(const char *path, const char *name, const char *ending)
+{
+    const char *at = path + strlen(path);
+    size_t length, cut = strlen(ending);
+    int folders = 0;
+    for (; *name; name++)
+        folders += *name == '/';
+    while (at > path && (at[-1] != '/' || folders-- > 0))
+        at--;
+    length = strlen(at);
+    if (length > cut && strcmp(at + length - cut, ending) == 0)
+        length -= cut;
+    return (struct word){.start = at, .length = length};
+}
+
+bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err)
+{
+    struct suggestion suggestion = {.distance = 0};
+    char known[BUILTIN_NAME], otherwise[64] = "built-in are";
+    if (!file_is_missing(path))
+        return true;
+    for (size_t i = 0; i < builtin_file_count; i++) {
+        if (!builtin_is(&builtin_files[i], kind, known))
+            continue;
+        const struct word typed = tail(path, known, strrchr(builtin_files[i].name, '.'));
+        suggestion_add(&suggestion, &typed, known, strlen(known));
+    }
+    if (kinds[kind].list) {
+        suggestion.known[0] = '\0';
+        snprintf(otherwise, sizeof otherwise, "see spectral list %s", kinds[kind].list);
+    }
+    return error_at(err, from, "no file %.500s and no built-in %s of that name; %s", path,
+                    kinds[kind].what, suggestion_end(&suggestion, otherwise));
+}

@@ -1,0 +1,352 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads a command line by the rules of a table. */
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/text/inside.h"
+#include "spectral.h"
+
+/* ---- values ---- */
+
+bool option_number(const char *option, const char *value, double lowest, double highest,
+                   double *out, struct error *err)
+{
+    struct text text;
+    bool done = text_open_string(&text, option, value, err) && text_next_line(&text) &&
+                text_number(&text, "value", lowest, highest, out, err) &&
+                text_end(&text, option, err);
+    if (!done)
+        error_usage(err, "%s takes a number", option);
+    text_free(&text);
+    return done;
+}
+
+bool option_count(const char *option, const char *value, double lowest, double highest, int *out,
+                  struct error *err)
+{
+    double count;
+    if (!option_number(option, value, lowest, highest, &count, err))
+        return false;
+    *out = (int)count;
+    return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
+}
+
+/* Refuses a value that is none of the choices; NULL: any value is good. */
+static bool check_choice(const char *option, const char *const *choices, const char *value,
+                         struct error *err)
+{
+    const struct word typed = {.start = value, .length = strlen(value)};
+    struct suggestion suggestion = {.distance = 0};
+    for (; choices && *choices; choices++) {
+        if (strcmp(value, *choices) == 0)
+            return true;
+        suggestion_add(&suggestion, &typed, *choices, strlen(*choices));
+    }
+    return !choices || error_usage(err, "%s '%s' is not known; %s", option, value,
+                                   suggestion_end(&suggestion, "it is one of"));
+}
+
+/* ---- one option ---- */
+
+const struct option *option_next(struct option_walk *walk)
+{
+    for (; walk->command->lists[walk->list]; walk->list++, walk->row = 0)
+        while (walk->row < walk->command->lists[walk->list]->n) {
+            const struct option *option =
+                &walk->command->lists[walk->list]->options[walk->row++];
+            if (option->recorded || !walk->recorded)
+                return option;
+        }
+    return NULL;
+}
+
+/* Goes on to the next name that a usage begins with, and sets its length. NULL: there is none. */
+static const char *next_name(const char *usage, size_t *length)
+{
+    usage += strspn(usage, ", ");
+    *length = strcspn(usage, ", ");
+    return *usage == '-' ? usage : NULL;
+}
+
+/* Returns whether the word is one of the names that the usage begins with. Case counts in names of
+ * one letter, or if it is to be exact. */
+static bool names_option(const char *usage, const char *word, size_t length, bool exact)
+{
+    size_t n;
+    for (const char *name = usage; (name = next_name(name, &n)); name += n)
+        if (n == length && (exact || n == 2 ? strncmp : strncasecmp)(name, word, n) == 0)
+            return true;
+    return false;
+}
+
+/* The words of a command line, and what they may be. */
+struct reading {
+    const struct command *command;
+    bool recorded; /* only options that a stack records */
+    char *const *words;
+    int n_words, at; /* at: the word that is read */
+};
+
+/* Finds the option that the command takes; NULL: it takes none of that name. */
+static const struct option *find_option(const struct reading *reading, const char *word,
+                                        size_t length)
+{
+    for (int exact = 1; exact >= 0; exact--) {
+        struct option_walk walk = {.command = reading->command, .recorded = reading->recorded};
+        for (const struct option *option; (option = option_next(&walk));)
+            if (names_option(option->usage, word, length, exact))
+                return option;
+    }
+    return NULL;
+}
+
+static bool refuse_option(const struct reading *reading, const char *word, size_t length,
+                          struct error *err)
+{
+    const struct word typed = {.start = word, .length = length};
+    struct option_walk walk = {.command = reading->command, .recorded = reading->recorded};
+    struct suggestion suggestion = {.distance = 0};
+    const char *command = reading->command->name;
+    char otherwise[64];
+    size_t n;
+    for (const struct option *option; (option = option_next(&walk));)
+        for (const char *name = option->usage; (name = next_name(name, &n)); name += n)
+            suggestion_add(&suggestion, &typed, name, n);
+    snprintf(otherwise, sizeof otherwise, "spectral %s --help lists its options", command);
+    suggestion.known[0] = '\0'; /* a list of them all is too long */
+    return error_usage(err, "%s has no option '%.*s'; %s", command, (int)length, word,
+                       suggestion_end(&suggestion, otherwise));
+}
+
+/* Adds "NAME=VALUE", or the name of a flag, to the words that the stack records. */
+static bool record_option(struct options *options, const char *name, const char *value,
+                          struct error *err)
+{
+    size_t length = strlen(name) + (value ? strlen(value) : 0) + sizeof "=";
+    if (options->n_recorded == MAX_RECORDED)
+        return error_usage(err, "%s: more than %d options of the picture", name, MAX_RECORDED);
+    char *word;
+    if (!MAKE_ARRAY(word, length, err, "the option %s", name))
+        return false;
+    snprintf(word, length, "%s%s%s", name, value ? "=" : "", value ? value : "");
+    options->recorded[options->n_recorded++] = word;
+    return true;
+}
+
+/* Checks a value, and stores it at its place in *options. `changes` has room, since each option
+ * that changes the scene is RECORDED, and record_option refuses one too many. */
+static bool store_value(struct options *options, const struct option *option, const char *name,
+                        const char *value, struct error *err)
+{
+    char *at = (option->own ? (char *)options->own : (char *)options) + option->offset;
+    switch (option->kind) {
+    case OPTION_TEXT:
+        memcpy(at, &value, sizeof value);
+        return check_choice(name, option->choices, value, err) &&
+               (!option->accepts || option->accepts(name, value, err));
+    case OPTION_NUMBER:
+        return option_number(name, value, option->lowest, option->highest, (double *)at, err);
+    case OPTION_COUNT:
+        return option_count(name, value, option->lowest, option->highest, (int *)at, err);
+    case OPTION_FLAG:
+        *(bool *)at = true;
+        return true;
+    case OPTION_CHANGE:
+        break;
+    }
+    options->changes[options->n_changes++] = (struct option_change){option->change, value};
+    return true;
+}
+
+/* Returns the value that a word holds behind the name of its option, and sets the length of the
+ * name: "--size=4x4", "-j4". NULL: the word is a name alone. */
+static const char *own_value(const char *word, size_t *length)
+{
+    *length = word[1] == '-' ? strcspn(word, "=") : 2;
+    return word[*length] == '\0' ? NULL : word + *length + (word[*length] == '=');
+}
+
+/* Reads one option with its value, which may be the next word. */
+static bool read_option(struct reading *reading, struct options *options, struct error *err)
+{
+    size_t length;
+    const char *word = reading->words[reading->at], *value = own_value(word, &length);
+    const struct option *option = find_option(reading, word, length);
+    char name[32], first[32];
+    if (!option)
+        return refuse_option(reading, word, length, err);
+    snprintf(name, sizeof name, "%.*s", (int)length, word);
+    snprintf(first, sizeof first, "%.*s", (int)strcspn(option->usage, ", "), option->usage);
+    if (option->kind == OPTION_FLAG && value)
+        return error_usage(err, "%s takes no value", name);
+    if (option->kind != OPTION_FLAG && !value && reading->at + 1 == reading->n_words)
+        return error_usage(err, "%s needs a value: %s", name, option->usage);
+    if (option->kind != OPTION_FLAG && !value)
+        value = reading->words[++reading->at];
+    return (!option->recorded || record_option(options, first, value, err)) &&
+           store_value(options, option, name, value, err);
+}
+
+/* ---- outputs ---- */
+
+/* Returns the text that an option was given; NULL: none. */
+static const char *given_text(const struct options *options, const struct option *row)
+{
+    const char *value = NULL;
+    if (row->kind == OPTION_TEXT)
+        memcpy(&value, (const char *)(row->own ? options->own : options) + row->offset,
+               sizeof value);
+    return value;
+}
+
+/* Points to the long name in a usage, and returns its length. */
+static int long_name(const struct option *row, const char **out)
+{
+    *out = strstr(row->usage, "--");
+    return (int)strcspn(*out, " ,");
+}
+
+/* Refuses an output that is the file of another option. A value that is no file is none of them. */
+static bool spares_option(const struct options *options, const struct option *writes,
+                          const struct option *row, struct error *err)
+{
+    const char *written = given_text(options, writes), *named = given_text(options, row), *one,
+               *other;
+    bool is_file = row->writes, same = false;
+    const bool again = row->made_again && written == options->output;
+    if (row == writes || !named || strcmp(written, "/dev/null") == 0 || again)
+        return true;
+    if ((!is_file && !file_is_regular(named, &is_file, err)) ||
+        (is_file && !file_is_same(written, named, &same, err)))
+        return false;
+    const int length = long_name(writes, &one), other_length = long_name(row, &other);
+    return !same || error_usage(err, "%.*s and %.*s name the same file; expected two files", length,
+                                one, other_length, other);
+}
+
+/* Refuses an output that is the file of an operand. */
+static bool spares_operand(const char *written, const char *operand, struct error *err)
+{
+    bool is_file = false, same = false;
+    if (!file_is_regular(operand, &is_file, err) ||
+        (is_file && !file_is_same(written, operand, &same, err)))
+        return false;
+    return !same || error_usage(err, "%s would replace an input; expected another file", written);
+}
+
+/* Refuses outputs that would replace another file of the command line. */
+static bool check_outputs(const struct options *options, struct error *err)
+{
+    struct option_walk all = {.command = options->command};
+    for (const struct option *writes; (writes = option_next(&all));) {
+        struct option_walk others = {.command = options->command};
+        const char *written = writes->writes ? given_text(options, writes) : NULL;
+        for (const struct option *other; written && (other = option_next(&others));)
+            if (!spares_option(options, writes, other, err))
+                return false;
+        for (int i = 0; written && i < options->n_operands; i++)
+            if (!spares_operand(written, options->operands[i], err))
+                return false;
+    }
+    return true;
+}
+
+/* ---- the command line ---- */
+
+static bool read_words(struct reading *reading, struct options *out, struct error *err)
+{
+    const struct command *command = reading->command;
+    bool only_operands = false;
+    *out = (struct options){.command = command};
+    if (command->own_size > 0 && !memory_make(&out->own, 1, command->own_size))
+        return memory_lacks(err, (double)command->own_size, "the options of %s", command->name);
+    for (; reading->at < reading->n_words; reading->at++) {
+        const char *word = reading->words[reading->at];
+        if (!only_operands && strcmp(word, "--") == 0) {
+            only_operands = true;
+        } else if (!only_operands && word[0] == '-' && word[1]) {
+            if (!read_option(reading, out, err))
+                return false;
+        } else if (out->n_operands == command->n_operands) {
+            return error_usage(err, "unexpected operand '%s'; see spectral %s --help", word,
+                               command->name);
+        } else {
+            out->operands[out->n_operands++] = word;
+        }
+    }
+    out->operand = out->operands[0];
+    return check_outputs(out, err);
+}
+
+bool options_read(const struct command *command, char *const *words, int n_words,
+                  struct options *out, struct error *err)
+{
+    struct reading reading = {.command = command, .words = words, .n_words = n_words};
+    return read_words(&reading, out, err);
+}
+
+bool options_read_recorded(const struct command *command, char *const *words, int n_words,
+                           struct options *out, struct error *err)
+{
+    struct reading reading = {
+        .command = command, .recorded = true, .words = words, .n_words = n_words};
+    return read_words(&reading, out, err);
+}
+
+void options_free(struct options *options)
+{
+    for (int i = 0; i < options->n_recorded; i++)
+        free(options->recorded[i]);
+    options->n_recorded = 0;
+    FREE_ALL(options->named_output, options->own);
+    options->named_output = NULL;
+    options->own = NULL;
+    outputs_discard(&options->outputs);
+}
+
+bool options_name_output(struct options *options, const char *path, const char *ending,
+                         struct error *err)
+{
+    if (options->output)
+        return true;
+    options->output = options->named_output =
+        output_name(strcmp(path, "-") == 0 ? "scene" : path, ending, err);
+    return options->output && check_outputs(options, err);
+}
+
+/* A tile, with the program's and OpenGL's own memory, takes at most 300 MiB: the tests measure it.
+ * Stacks of threads count although most of them stays unused: the program and OpenGL have a thread
+ * for each processor. */
+void options_limit_memory(const struct options *options)
+{
+    const uint64_t mib = 1048576, usual_mib = 1024, tile_mib = 300, usual_stack = 8 * mib;
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const uint64_t threads =
+        (uint64_t)(options->threads > processors ? options->threads : processors);
+    struct rlimit stack;
+    const bool known = getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur != RLIM_INFINITY;
+    const uint64_t wanted = options->memory_mib > 0 ? (uint64_t)options->memory_mib : usual_mib;
+    memory_limit((wanted + tile_mib) * mib,
+                 2 * threads * (known ? (uint64_t)stack.rlim_cur : usual_stack));
+}
+
+const char *options_scene(const struct options *options)
+{
+    return options->operand ? options->operand : "colorchecker";
+}
+
+int options_table(const struct options *options, const char *output)
+{
+    const bool json = options->json && output_is_standard(options->json);
+    return json || (output && output_is_stream(output)) ? STDERR_FILENO : STDOUT_FILENO;
+}
+
+const char *options_detector(const struct options *options)
+{
+    return options->detector ? options->detector : "cie1931";
+}

@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "accuracy" share. */
+#ifndef RASTER_BESIDE_ACCURACY_INSIDE_H
+#define RASTER_BESIDE_ACCURACY_INSIDE_H
+
+#include "data/mesh/mesh.h"
+#include "raster/beside/accuracy/accuracy.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
+
+/* ---- measure.c: differences as a detector sees them ---- */
+
+struct measure {
+    const struct plan *plan;
+    enum measure_unit unit;
+    bool known;        /* false: the detector is no observer, which CIEDE2000 needs */
+    double full_scale; /* of counts; 0 until measure_scale has found it */
+    double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
+    int *first;        /* of each shaded material: where its terms are in xyz; owned */
+    double (*xyz)[3];  /* of a term of weight 1; owned */
+};
+/* Makes the measure of a plan: for its sampling's observer, or for `observer`, a detector's name,
+ * where the scene is not sampled. A measure that is not known measures nothing. The caller always
+ * frees *out. */
+bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
+                  struct measure *out, struct error *err);
+/* Finds the full scale of counts: the plan's, or the largest radiance of a lit vertex. */
+void measure_scale(struct measure *measure, const struct surface *surfaces);
+void measure_free(struct measure *measure);
+/* A point of a shaded material: the weights of its terms, and its texture. */
+struct shaded_point {
+    const double *weights;
+    double texel;
+};
+double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
+                          const struct shaded_point *b);
+
+/* ---- exact.c: the true surface ---- */
+
+/* A surface whose shading is judged, and the surface that its mesh approximates. */
+struct judged_surface {
+    const struct plan *plan;
+    const struct placed_instance *placed;
+    const struct plan_mesh *mesh;  /* without parameters its facets are exact */
+    const struct surface *surface; /* lit */
+    const struct patches *patches; /* of its shape, if there are parameters */
+};
+/* Compares a place of a triangle, with its barycentric coordinates there: the drawn light, and the
+ * light of the point of the true surface that the window shows. On a mesh file the facets are true,
+ * with interpolated normals (Phong 1975). `attributes`: room for those of two points, twice the
+ * plan's max_rows + 2. Returns false where the true surface is not seen. */
+struct compared_point {
+    struct shaded_point drawn, exact;
+};
+bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
+                   const double at[2], const double share[3], double *attributes,
+                   struct compared_point *out);
+
+/* ---- lattice.c: some pixels ---- */
+
+/* A lattice of pixels: each has the same share of the picture, and no row or column has many. */
+struct lattice {
+    int width, height;              /* of the picture */
+    int step, shear, rows, columns; /* pixel (i, j): x = step i + shear j, y = step j */
+};
+struct lattice_pixel {
+    double depth;
+    int32_t surface;                 /* -1: background */
+    struct screen_triangle triangle; /* that is seen */
+};
+struct seen_pixels {
+    struct lattice lattice;
+    struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
+    int n;
+};
+/* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
+bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
+               struct seen_pixels *out, struct error *err);
+/* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
+bool lattice_place(const struct lattice *lattice, int index, double at[2]);
+
+/* ---- estimate.c ---- */
+
+/* Judges about `wanted` pixels of surfaces that are lit. */
+bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
+                    struct accuracy_estimate *out, struct error *err);
+
+#endif

@@ -1,0 +1,204 @@
+/* SPDX-License-Identifier: MIT */
+/* Divides the objects of a plan until its picture is as accurate as is wanted. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
+#include "raster/beside/accuracy/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
+
+/* ---- the words of the option ---- */
+
+static bool read_wanted(const char *option, const char *text, struct wanted_accuracy *out,
+                        struct error *err)
+{
+    static const char counts[] = "counts";
+    const double finest = 1e-3, coarsest = 1e5;
+    const size_t length = strlen(text), tail = strlen(counts);
+    const bool in_counts = length > tail && strcmp(text + length - tail, counts) == 0;
+    const struct word word = {
+        .start = text, .length = length - (in_counts ? tail : 0), .place = {option, 1, 1}};
+    out->unit = in_counts ? MEASURE_COUNTS : MEASURE_CIEDE2000;
+    return word_number(&word, "error", finest, coarsest, &out->error, err);
+}
+
+bool accuracy_accepts(const char *option, const char *value, struct error *err)
+{
+    struct wanted_accuracy wanted;
+    return read_wanted(option, value, &wanted, err);
+}
+
+/* ---- the error of the plan ---- */
+
+struct refinement {
+    struct plan *plan;
+    struct refine_result *result; /* has all objects of the scene until the end */
+    struct measure measure;
+    int *halvings; /* of each object of the scene; owned */
+};
+
+/* Judges the picture of the plan as it is now. */
+static bool look(struct refinement *of, struct error *err)
+{
+    enum { REFINED_PIXELS = 8192 };
+    struct accuracy_estimate *estimate = &of->result->estimate;
+    struct lit_scene lit;
+    struct light_work work;
+    accuracy_estimate_free(estimate);
+    bool done = lit_make(of->plan, driver_of(NULL), &lit, &work, err);
+    if (done) {
+        measure_scale(&of->measure, lit.surfaces);
+        done = estimate_measured(&of->measure, lit.surfaces, REFINED_PIXELS, estimate, err);
+    }
+    lit_free(&lit);
+    return done;
+}
+
+/* ---- division ---- */
+
+/* Returns the index of an instance's object in the scene. */
+static int object_of(const struct plan *plan, int instance)
+{
+    return (int)(plan->instances[instance].object - plan->scene->objects);
+}
+
+/* Counts the triangles of each object, and finds the first of its instances. */
+static void count_triangles(const struct refinement *of)
+{
+    const struct plan *plan = of->plan;
+    struct refined_object *objects = of->result->objects;
+    for (int i = 0; i < plan->scene->n_objects; i++)
+        objects[i].after = 0;
+    for (int i = plan->n_instances - 1; i >= 0; i--) {
+        struct refined_object *object = &objects[object_of(plan, i)];
+        object->after += plan->instances[i].instance.n_triangles;
+        object->surface = i;
+    }
+}
+
+/* Returns whether the shape of an object can have more slices, stacks, ... than it has. */
+static bool is_divisible(const struct refinement *of, int object)
+{
+    const struct scene *scene = of->plan->scene;
+    const struct shape *shape = &scene->objects[object].shape;
+    const double now = ldexp(scene->tessellation, of->halvings[object]);
+    const struct shape a = shape_tessellated(shape, now), b = shape_tessellated(shape, 2 * now);
+    return shape->kind == SHAPE_MESH || memcmp(a.parameter, b.parameter, sizeof a.parameter) != 0;
+}
+
+/* Finds the objects to divide, those of the largest errors first, as long as there is room for
+ * their triangles. Returns whether there are any. */
+static bool choose(const struct refinement *of)
+{
+    struct refine_result *result = of->result;
+    const struct accuracy_estimate *estimate = &result->estimate;
+    long room = result->most_triangles - of->plan->n_triangles;
+    bool any = false;
+    for (int i = 0; i < estimate->n_objects; i++) {
+        const int object = object_of(of->plan, estimate->objects[i].surface);
+        if (estimate->objects[i].quantile_95 <= result->wanted.error || !is_divisible(of, object))
+            continue;
+        /* a triangle becomes four; at poles and rims of built-in shapes, six at most */
+        const bool is_mesh = of->plan->scene->objects[object].shape.kind == SHAPE_MESH;
+        const long growth = (is_mesh ? 3 : 5) * result->objects[object].after;
+        if (growth > room) {
+            result->stopped = true;
+            continue;
+        }
+        room -= growth;
+        of->halvings[object]++;
+        any = true;
+    }
+    return any;
+}
+
+/* Divides an object that another one hides, in the same place, as often as that one: their
+ * triangles have the same depths, so that it stays hidden. */
+static void divide_twins(const struct refinement *of)
+{
+    const struct plan *plan = of->plan;
+    for (int i = 0; i < plan->n_instances; i++) {
+        const struct placed_instance *placed = &plan->instances[i], *other = plan->instances;
+        if (!placed->twin)
+            continue;
+        while (other->mesh != placed->mesh ||
+               memcmp(&other->instance.model_view, &placed->instance.model_view,
+                      sizeof placed->instance.model_view) != 0)
+            other++;
+        int *one = &of->halvings[object_of(plan, i)],
+            *two = &of->halvings[other->object - plan->scene->objects];
+        *one = *two = *one > *two ? *one : *two;
+    }
+}
+
+/* Divides objects until all are good enough, or can be divided no more. */
+static bool divide(struct refinement *of, struct error *err)
+{
+    struct refine_result *out = of->result;
+    bool done = look(of, err);
+    out->error_before = out->estimate.quantile_95;
+    count_triangles(of);
+    for (int i = 0; i < of->plan->scene->n_objects; i++)
+        out->objects[i].before = out->objects[i].after;
+    while (done && choose(of)) {
+        divide_twins(of);
+        done = plan_refine(of->plan, of->halvings, err) && look(of, err);
+        count_triangles(of);
+        out->levels++;
+    }
+    out->triangles_after = of->plan->n_triangles;
+    for (int i = 0; i < of->plan->scene->n_objects; i++)
+        if (out->objects[i].after > out->objects[i].before)
+            out->objects[out->n_objects++] = out->objects[i];
+    return done;
+}
+
+/* ---- all of it ---- */
+
+static bool refine(struct plan *plan, const char *observer, struct refine_result *out,
+                   struct error *err)
+{
+    const size_t n = (size_t)plan->scene->n_objects + 1;
+    struct refinement of = {.plan = plan, .result = out};
+    const bool done =
+        MAKE_ARRAY(of.halvings, n, err, "the objects of %s", plan->scene->path) &&
+        MAKE_ARRAY(out->objects, n, err, "the objects of %s", plan->scene->path) &&
+        measure_make(plan, out->wanted.unit, observer, &of.measure, err) &&
+        (of.measure.known ||
+         error_usage(err,
+                     "--accuracy in CIEDE2000 needs an observer, and %s is none; expected counts, "
+                     "as --accuracy 8counts",
+                     plan->sampling ? plan->sampling->detector : observer)) &&
+        (plan->view.shading == FLAT || divide(&of, err));
+    measure_free(&of.measure);
+    free(of.halvings);
+    return done;
+}
+
+bool refine_options(const struct options *options, struct plan *plan, struct refine_result *out,
+                    struct error *err)
+{
+    enum { USUAL_TRIANGLES = 4000000 };
+    if (!options->accuracy)
+        return true;
+    *out = (struct refine_result){
+        .most_triangles = options->max_triangles > 0 ? options->max_triangles : USUAL_TRIANGLES,
+        .triangles_before = plan->n_triangles,
+        .triangles_after = plan->n_triangles};
+    return read_wanted("--accuracy", options->accuracy, &out->wanted, err) &&
+           refine(plan, options_detector(options), out, err);
+}
+
+void refine_result_free(struct refine_result *result)
+{
+    accuracy_estimate_free(&result->estimate);
+    free(result->objects);
+    *result = (struct refine_result){.objects = NULL};
+}

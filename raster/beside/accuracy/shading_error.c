@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: MIT */
+/* Differences of shading as an observer sees them: a term has tristimulus values, and a point those
+ * of its terms times their weights. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/sampling/sampling.h"
+#include "data/spectra/spectra.h"
+#include "raster/beside/accuracy/inside.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+
+/* Finds the observer's weights of the pages: [channel * n + page]. *known: false if the detector of
+ * the sampling is no observer. */
+static bool find_weights(const struct plan *plan, const char *observer, double *out, bool *known,
+                         struct error *err)
+{
+    const struct sampling *sampling = plan->sampling;
+    struct detector detector = {.name = NULL};
+    const bool done = detector_read(sampling ? sampling->detector : observer, &detector, err);
+    *known = done && detector.observer;
+    if (*known && sampling)
+        memcpy(out, sampling->weights, 3 * (size_t)plan->n_bands * sizeof *out);
+    else if (*known)
+        detector_weights(&detector, plan->scene->wavelengths_nm, plan->n_bands, out);
+    detector_free(&detector);
+    return done;
+}
+
+/* Finds the white of the lights, or of a radiance of 1 where the observer sees none. */
+static bool find_white(const struct plan *plan, const double *weights, double white[3],
+                       struct error *err)
+{
+    const struct spectral_pages *pages = &plan->illumination.pages;
+    double *radiance;
+    if (!MAKE_ARRAY(radiance, (size_t)pages->n, err, "the white of %s", plan->scene->path))
+        return false;
+    const bool lit = scene_white(plan->scene, pages, radiance) > 0;
+    detector_response(weights, lit ? radiance : NULL, pages->n, white);
+    if (!(white[0] > 0 || white[1] > 0 || white[2] > 0))
+        detector_response(weights, NULL, pages->n, white);
+    free(radiance);
+    return true;
+}
+
+static bool find_terms(const struct plan *plan, const double *weights, struct measure *out,
+                       struct error *err)
+{
+    const size_t n_bands = (size_t)plan->n_bands;
+    const char *scene = plan->scene->path;
+    int n = 0;
+    if (!MAKE_ARRAY(out->first, (size_t)plan->n_materials + 1, err, "the materials of %s", scene))
+        return false;
+    for (int m = 0; m < plan->n_materials; m++) {
+        out->first[m] = n;
+        n += plan->materials[m].n_terms;
+    }
+    if (!MAKE_ARRAY(out->xyz, (size_t)n + 1, err, "the colours of %s", scene))
+        return false;
+    for (int m = 0; m < plan->n_materials; m++)
+        for (int t = 0; t < plan->materials[m].n_terms; t++)
+            detector_response(weights, plan->materials[m].made.spectra + (size_t)t * n_bands,
+                              plan->n_bands, out->xyz[out->first[m] + t]);
+    return true;
+}
+
+bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
+                  struct measure *out, struct error *err)
+{
+    double *weights;
+    *out = (struct measure){.plan = plan, .unit = unit, .known = true};
+    if (unit == MEASURE_COUNTS)
+        return true;
+    bool done = MAKE_ARRAY(weights, 3 * (size_t)plan->n_bands, err, "the weights of an observer") &&
+                find_weights(plan, observer, weights, &out->known, err);
+    if (done && out->known)
+        done = find_white(plan, weights, out->white, err) && find_terms(plan, weights, out, err);
+    free(weights);
+    return done;
+}
+
+/* ---- counts ---- */
+
+static double radiance_of(const struct shaded_material *shaded, const double *weights, int n_bands,
+                          int band)
+{
+    double radiance = 0;
+    for (int t = 0; t < shaded->n_terms; t++)
+        radiance += weights[t] * shaded->made.spectra[(size_t)t * (size_t)n_bands + (size_t)band];
+    return radiance;
+}
+
+/* Raises *largest to the largest radiance of a vertex in any band. An upper bound of it is cheap.
+ */
+static void raise_to(const struct plan *plan, const struct shaded_material *shaded,
+                     const double *weights, double *largest)
+{
+    const double texel = shaded->texture ? shaded->texture->largest : 1;
+    double bound = 0;
+    for (int t = 0; t < shaded->n_terms; t++)
+        bound += texel * weights[t] * shaded->made.terms[t].peak;
+    for (int band = 0; band < plan->n_bands && bound > *largest; band++)
+        *largest = fmax(*largest, texel * radiance_of(shaded, weights, plan->n_bands, band));
+}
+
+void measure_scale(struct measure *measure, const struct surface *surfaces)
+{
+    const struct plan *plan = measure->plan;
+    measure->full_scale = plan->options.full_scale;
+    for (int s = 0; s < plan->n_instances && !(plan->options.full_scale > 0); s++)
+        for (int i = 0; surfaces[s].instance && i < surfaces[s].instance->n_vertices; i++)
+            for (int side = 0; side < surfaces[s].n_sides; side++)
+                raise_to(plan, &plan->materials[plan->instances[s].shaded],
+                         surfaces[s].weights + surface_attributes(&surfaces[s], i, side),
+                         &measure->full_scale);
+}
+
+static double counts_between(const struct measure *measure, int shaded,
+                             const struct shaded_point *a, const struct shaded_point *b)
+{
+    const struct plan *plan = measure->plan;
+    const struct shaded_material *material = &plan->materials[shaded];
+    double most = 0;
+    for (int band = 0; band < plan->n_bands; band++)
+        most = fmax(most, fabs(a->texel * radiance_of(material, a->weights, plan->n_bands, band) -
+                               b->texel * radiance_of(material, b->weights, plan->n_bands, band)));
+    return measure->full_scale > 0 ? most / measure->full_scale * UINT16_MAX : 0;
+}
+
+/* ---- either unit ---- */
+
+void measure_free(struct measure *measure)
+{
+    free(measure->first);
+    free(measure->xyz);
+    *measure = (struct measure){.first = NULL};
+}
+
+static void xyz_of(const struct measure *measure, int shaded, const struct shaded_point *point,
+                   double xyz[3])
+{
+    double(*const term)[3] = measure->xyz + measure->first[shaded];
+    xyz[0] = xyz[1] = xyz[2] = 0;
+    for (int t = 0; t < measure->plan->materials[shaded].n_terms; t++)
+        for (int c = 0; c < 3; c++)
+            xyz[c] += point->texel * point->weights[t] * term[t][c];
+}
+
+/* Returns whether two colours differ by roundings only; CIEDE2000 would be below 1e-7. */
+static bool are_same(const double a[3], const double b[3])
+{
+    bool same = true;
+    for (int c = 0; c < 3; c++)
+        same = same && fabs(a[c] - b[c]) <= 1e-10 * fabs(a[c]);
+    return same;
+}
+
+double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
+                          const struct shaded_point *b)
+{
+    double xyz[2][3], lab[2][3];
+    if (measure->unit == MEASURE_COUNTS)
+        return counts_between(measure, shaded, a, b);
+    xyz_of(measure, shaded, a, xyz[0]);
+    xyz_of(measure, shaded, b, xyz[1]);
+    if (are_same(xyz[0], xyz[1]))
+        return 0;
+    cielab(xyz[0], measure->white, lab[0]);
+    cielab(xyz[1], measure->white, lab[1]);
+    return ciede2000_difference(lab[0], lab[1]);
+}

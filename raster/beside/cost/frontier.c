@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+/* Charts of error over cost: each configuration is a point with a number between two logarithmic
+ * axes, and a legend names the numbers. Steps join the points of the frontier, which no cheaper
+ * point beats. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "raster/beside/cost/inside.h"
+#include "raster/beside/see/see.h"
+
+enum {
+    WIDTH = CHART_WIDTH - CHART_LEFT - CHART_MARGIN, /* of the area */
+    HEIGHT = 440,
+    NUMBER_SIZE = 10, /* font size of numbers off the frontier */
+    NAME_LENGTH = 60, /* characters of a name */
+    SAMPLE = 26,      /* width of a number in the legend */
+    PAST_DECADES = 3  /* errors smaller by more decades than this lie on the edge */
+};
+static const char strong[] = "#0072b2", pale[] = "#8a8a8a";
+
+struct plot {
+    const struct frontier *frontier;
+    struct chart_area area;
+    struct axis cost, error;
+    const struct frontier_point **points; /* in the order of their numbers; owned */
+    int n_best;                           /* the first ones, on the frontier */
+};
+
+/* ---- axes ---- */
+
+static struct axis cost_axis(const struct frontier *frontier)
+{
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (int i = 0; i < frontier->n; i++) {
+        const struct frontier_point *point = &frontier->points[i];
+        low = fmin(low, decimal_logarithm(fmin(point->cost, point->cost_low)));
+        high = fmax(high, decimal_logarithm(fmax(point->cost, point->cost_high)));
+    }
+    return axis_logarithmic(low, high);
+}
+
+static struct axis error_axis(const struct frontier *frontier)
+{
+    double largest = 0, least = HUGE_VAL;
+    for (int i = 0; i < frontier->n; i++)
+        largest = fmax(largest, frontier->points[i].error);
+    const double high = largest > 0 ? decimal_logarithm(largest) : -HUGE_VAL;
+    bool clipped = false;
+    for (int i = 0; i < frontier->n; i++) {
+        const double error = frontier->points[i].error;
+        const bool below = !(error > 0) || decimal_logarithm(error) < high - PAST_DECADES;
+        clipped = clipped || below;
+        least = below ? least : fmin(least, decimal_logarithm(error));
+    }
+    struct axis axis = axis_logarithmic(least, high);
+    axis.clipped = clipped;
+    axis.least = largest / 1000;
+    if (clipped && largest > 0)
+        axis.low = high - PAST_DECADES;
+    return axis;
+}
+
+/* ---- the frontier ---- */
+
+static int compare_cost(const struct frontier_point *a, const struct frontier_point *b)
+{
+    return a->cost != b->cost ? (a->cost > b->cost) - (a->cost < b->cost)
+                              : (a->error < b->error) - (a->error > b->error);
+}
+
+/* Gives numbers to points: first to those of the frontier, by cost, then to the others. */
+static void number_points(struct plot *plot)
+{
+    const struct frontier_point *points = plot->frontier->points;
+    int n = 0;
+    for (int i = 0; i < plot->frontier->n; i++) {
+        int at = plot->n_best;
+        if (!points[i].best)
+            continue;
+        for (; at > 0 && compare_cost(plot->points[at - 1], &points[i]) > 0; at--)
+            plot->points[at] = plot->points[at - 1];
+        plot->points[at] = &points[i];
+        plot->n_best++;
+    }
+    for (int i = 0; i < plot->frontier->n; i++)
+        if (!points[i].best)
+            plot->points[plot->n_best + n++] = &points[i];
+}
+
+static double x_of(const struct plot *plot, double cost)
+{
+    return chart_x(&plot->area, &plot->cost, cost);
+}
+
+static double y_of(const struct plot *plot, const struct frontier_point *point)
+{
+    return chart_y(&plot->area, &plot->error, point->error);
+}
+
+/* Draws the steps: from each point along the cost, then down to the error of the next one. */
+static void draw_steps(const struct plot *plot)
+{
+    for (int i = 0; i < plot->n_best; i++) {
+        const double x = x_of(plot, plot->points[i]->cost), y = y_of(plot, plot->points[i]);
+        if (i == 0)
+            print(plot->area.to,
+                  "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f", strong, x,
+                  y);
+        else
+            print(plot->area.to, "H%.2fV%.2f", x, y);
+    }
+    print_text(plot->area.to, plot->n_best > 0 ? "\"/>\n" : "");
+}
+
+/* ---- points drawn ---- */
+
+static void draw_marker(struct printed *to, double x, double y, bool best, bool uncertain)
+{
+    if (uncertain)
+        print(to,
+              "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"6.5\" fill=\"none\" stroke=\"%s\" "
+              "stroke-dasharray=\"2 1.5\"/>",
+              x, y, strong);
+    print(to, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%s\" fill=\"%s\" stroke=\"%s\"/>", x, y,
+          best ? "4.5" : "2.8", best ? strong : "#fff", best ? strong : pale);
+}
+
+/* Writes the number of a point. No other point lies below and left of one of the frontier: there is
+ * room for its number. */
+static void draw_number(const struct plot *plot, int index, double x, double y)
+{
+    const double lowest = CHART_TOP + HEIGHT - 4;
+    if (plot->points[index]->best)
+        print(plot->area.to,
+              "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>", x - 6,
+              fmin(y + CHART_TEXT_SIZE, lowest), strong, index + 1);
+    else
+        print(plot->area.to, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"%d\" fill=\"#555\">%d</text>",
+              x + 4, y - 3, NUMBER_SIZE, index + 1);
+}
+
+static void draw_point(const struct plot *plot, int index)
+{
+    const struct frontier_point *point = plot->points[index];
+    const double x = x_of(plot, point->cost), y = y_of(plot, point);
+    print_text(plot->area.to, "<g><title>");
+    chart_text(plot->area.to, point->name, 200);
+    print(plot->area.to, "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
+          point->best ? strong : pale, x_of(plot, point->cost_low), y,
+          x_of(plot, point->cost_high));
+    draw_marker(plot->area.to, x, y, point->best, point->uncertain);
+    draw_number(plot, index, x, y);
+    print_text(plot->area.to, "</g>\n");
+}
+
+/* ---- the legend ---- */
+
+static struct chart_grid legend_grid(const struct plot *plot)
+{
+    int longest = 1;
+    for (int i = 0; i < plot->frontier->n; i++) {
+        const int length = chart_text_length(plot->frontier->points[i].name);
+        longest = length > longest ? length : longest;
+    }
+    return chart_grid(plot->frontier->n, longest < NAME_LENGTH ? longest : NAME_LENGTH, SAMPLE);
+}
+
+/* Draws the legend of the markers, in one row. */
+static void draw_markers(const struct plot *plot, int y)
+{
+    static const char *const meaning[] = {"on the frontier", "not on it", "either, within noise"};
+    for (int i = 0; i < 3; i++) {
+        const double x = CHART_LEFT + 10 + (CHART_WIDTH - CHART_LEFT) / 3.0 * i;
+        draw_marker(plot->area.to, x, y, i == 0, i == 2);
+        print(plot->area.to, "<text x=\"%.2f\" y=\"%.2f\">%s</text>\n", x + 14,
+              y + 0.35 * CHART_TEXT_SIZE, meaning[i]);
+    }
+}
+
+static void draw_legend(const struct plot *plot, int top)
+{
+    const struct chart_grid grid = legend_grid(plot);
+    const int fitting = chart_fitting(grid.column - SAMPLE - 8, CHART_TEXT_SIZE);
+    for (int i = 0; i < plot->frontier->n; i++) {
+        const double x = CHART_LEFT + grid.column * (i / grid.rows);
+        const double y = top + CHART_LEGEND_ROW * (i % grid.rows) + 0.35 * CHART_TEXT_SIZE;
+        print(plot->area.to,
+              "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>"
+              "<text x=\"%.2f\" y=\"%.2f\">",
+              x + SAMPLE - 8, y, i < plot->n_best ? strong : "#555", i + 1, x + SAMPLE, y);
+        chart_text(plot->area.to, plot->points[i]->name,
+                   fitting < NAME_LENGTH ? fitting : NAME_LENGTH);
+        print_text(plot->area.to, "</text>\n");
+    }
+}
+
+/* ---- the file ---- */
+
+static void draw(const struct plot *plot)
+{
+    const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;
+    const int legend = markers + CHART_LEGEND_ROW + 6;
+    chart_head(plot->area.to, plot->frontier->title,
+               legend + CHART_LEGEND_ROW * legend_grid(plot).rows);
+    axis_draw_x(&plot->area, &plot->cost, plot->frontier->cost_label, 0);
+    axis_draw_y(&plot->area, &plot->error, plot->frontier->error_label, false);
+    chart_frame(&plot->area);
+    draw_steps(plot);
+    for (int i = plot->frontier->n - 1; i >= 0; i--) /* the frontier on top */
+        draw_point(plot, i);
+    draw_markers(plot, markers);
+    draw_legend(plot, legend);
+    print_text(plot->area.to, "</svg>\n");
+}
+
+bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err)
+{
+    struct plot plot = {.frontier = frontier,
+                        .area = {.to = to, .width = WIDTH, .height = HEIGHT},
+                        .cost = cost_axis(frontier),
+                        .error = error_axis(frontier)};
+    if (!MAKE_ARRAY(plot.points, (size_t)frontier->n + 1, err, "the points of a chart"))
+        return false;
+    number_points(&plot);
+    draw(&plot);
+    free(plot.points);
+    return true;
+}

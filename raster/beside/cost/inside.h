@@ -1,0 +1,177 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "cost" share. */
+#ifndef RASTER_BESIDE_COST_INSIDE_H
+#define RASTER_BESIDE_COST_INSIDE_H
+
+#include "data/base/base.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
+#include "raster/beside/cost/cost.h"
+#include "spectral.h"
+
+struct cost_options {
+    const char *gl, *csv, *svg, *tolerance, *budget;
+    int runs;
+};
+
+/* ---- frontier.c: what accuracy costs ---- */
+
+struct frontier_point {
+    const char *name;
+    double cost, cost_low, cost_high; /* above 0 */
+    double error;                     /* 0 or more */
+    bool best;                        /* on the frontier */
+    bool uncertain;                   /* noise might move it onto the frontier, or off it */
+};
+struct frontier {
+    const char *title, *cost_label, *error_label;
+    const struct frontier_point *points;
+    int n;
+};
+/* Prints a whole SVG 1.1 file. Fails without memory. Both axes are logarithmic. Errors below
+ * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
+ * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
+bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err);
+
+enum { COST_WORDS = 10, MAX_CONFIGURATIONS = 80 };
+/* The properties of a scene that decide which configurations make sense, and the observer. */
+struct survey {
+    char scene[256];
+    const char *observer;
+    int width, height, positions; /* positions: a side of each pixel */
+    bool shaded;                  /* smooth, flat and phong shading differ */
+    bool tessellated;             /* has built-in shapes of slices, stacks, ... */
+    bool fluorescent, spectral_texture;
+    bool peaks; /* adaptive sampling finds emission peaks */
+    int rank;   /* of lights x reflectances; 0: a basis was refused */
+};
+
+enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE, BY_SHADERS };
+struct configuration {
+    char sampling[SAMPLING_NAME]; /* or "accuracy:ERROR"; "": at the scene's own wavelengths */
+    enum shading_kind shading;
+    int tessellation;
+    enum cost_renderer renderer;
+    int buffer_bits, bits, positions; /* 0: the default; or as the command line says */
+};
+
+/* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either
+ * picture shows an object (0 if there are none); and in radiance at every nm, relative rms. */
+struct accuracy {
+    int n_pages;
+    bool spectral; /* pages are radiances at wavelengths */
+    double mean, quantile_95, largest;
+    double radiance; /* NaN: the pages determine no radiances */
+};
+struct standard_pixel {
+    double lab[3];
+    bool shown; /* an object; not the background */
+};
+/* The colours of the standard: see standard.c. */
+struct standard {
+    int width, height;
+    bool lit;        /* the observer sees some light */
+    double white[3]; /* XYZ of the lights, or of a radiance of 1 where the observer sees none */
+    double first_nm;
+    int n_nm;
+    int step, columns;             /* of the lattice */
+    struct standard_pixel *pixels; /* owned */
+    float *lattice;                /* [row][column][nm]; owned */
+};
+struct cost_entry {
+    struct configuration configuration;
+    char name[128];
+    char *words[COST_WORDS]; /* options of render, e.g. "--sampling=gauss:8"; owned */
+    int n_words;
+    struct accuracy accuracy;                    /* of 0 pages until it has been measured */
+    double *walls, *processors;                  /* seconds of each run of the program; owned */
+    double seconds, fastest, slowest, processor; /* median and extremes of walls; other median */
+    bool best, uncertain; /* on the frontier of seconds and quantile_95; within noise of it */
+};
+enum { GOOD, COLOURS, SPECTRA, FINE_SPECTRA, N_CHOSEN }; /* samplings with few pages */
+struct cost {
+    struct survey survey;
+    char *scene; /* its name with the changes of the command line; owned */
+    char chosen[N_CHOSEN][SAMPLING_NAME];
+    int runs, n;
+    struct cost_entry *entries; /* room for MAX_CONFIGURATIONS; by seconds in the end; owned */
+    char **notes;               /* on the scene, and on configurations that failed; owned */
+    int n_notes;
+    double standard_seconds;
+};
+
+/* ---- cost.c: conclusions and tables ---- */
+
+void cost_entry_free(struct cost_entry *entry);
+void cost_free(struct cost *cost);
+bool cost_note(struct cost *cost, struct error *err, const char *format, ...) PRINTF_LIKE(3, 4);
+/* Marks the entries on the frontier, and those within noise of it. */
+void cost_mark(struct cost *cost);
+struct advice {
+    const struct cost_entry *entry; /* of its rivals and itself, the one of least processor time */
+    int n_rivals;                   /* that are as good, and whose times overlap */
+};
+/* Return the fastest entry of at most the tolerance in quantile_95, and the most accurate entry of
+ * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
+struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
+struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
+void cost_print(const struct cost *cost, struct printed *to);
+/* Print the table as CSV, and the chart. */
+void cost_csv(const struct cost *cost, struct printed *to);
+bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
+void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */
+
+/* ---- command.c: configurations as command lines ---- */
+
+/* Render the scene of the options, with the words of the entry, to a stack: in this process; and by
+ * running the program. */
+bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
+                 struct error *err);
+bool cost_run(const struct options *options, const struct cost_entry *entry, const char *output,
+              struct run_seconds *out, struct error *err);
+/* Reads and samples the scene as cost_render would; without a sampling, *sampling stays zeroed. The
+ * caller always frees both. entry NULL: no words. */
+bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
+               struct sampling *sampling, struct error *err);
+
+/* ---- measure.c ---- */
+
+/* Measures all configurations that make sense for the scene. The caller always frees *out. */
+bool cost_measure(const struct options *options, struct cost *out, struct error *err);
+
+/* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
+
+struct standard_request {
+    const char *stack, *observer;
+    const struct sampling *sampling; /* of a stack that is compared; zeroed: none */
+    int threads;
+};
+/* Summarize the stack of the standard; measure a stack of the standard's size. The caller always
+ * frees the standard. */
+bool standard_summarize(const struct standard_request *request, struct standard *out,
+                        struct error *err);
+bool standard_compare(const struct standard_request *request, struct standard *standard,
+                      struct accuracy *out, struct error *err);
+void standard_free(struct standard *standard);
+
+/* ---- configurations.c ---- */
+
+/* Survey the scene in a process of its own, and add notes on what it suggests. */
+bool survey_scene(const struct options *options, struct survey *out, struct error *err);
+bool survey_notes(struct cost *cost, struct error *err);
+/* Fills in a zeroed entry, which the caller always frees. */
+bool configuration_entry(const struct configuration *configuration, const char *observer,
+                         struct cost_entry *out, struct error *err);
+/* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
+bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err);
+/* Add every sampling, with the finest shading; choose samplings; add coarser shadings and renderers
+ * with a good one; add the finest ones and depths; add the best samplings with the best shadings.
+ * Choices depend on errors, not on seconds: they are the same in every run. */
+bool configurations_samplings(struct cost *cost, struct error *err);
+void configurations_choose(struct cost *cost);
+bool configurations_pictures(struct cost *cost, struct error *err);
+bool configurations_finest(struct cost *cost, struct error *err);
+bool configurations_combined(struct cost *cost, struct error *err);
+
+#endif

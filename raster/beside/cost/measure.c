@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+/* Runs each configuration of render several times, from exec to exit, and measures the accuracy of
+ * its stack. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
+#include "raster/beside/cost/inside.h"
+
+enum { DEFAULT_RUNS = 5 };
+
+struct measurement {
+    const struct options *options;
+    struct progress_line line;
+    bool shown; /* the line of progress */
+    struct folder folder;
+    char stack[sizeof(struct folder) + 16]; /* a file in it */
+    struct standard standard;
+    long steps, all_steps;
+    struct cost *cost;
+};
+
+static void step(struct measurement *measurement, long steps)
+{
+    measurement->steps += steps;
+    if (measurement->shown && measurement->steps > 0)
+        progress_show(&measurement->line, measurement->steps, measurement->all_steps);
+}
+
+/* ---- the temporary folder ---- */
+
+static bool open_folder(struct measurement *measurement, struct error *err)
+{
+    if (!folder_open(&measurement->folder, err))
+        return false;
+    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
+             measurement->folder.path);
+    guard_remove(measurement->stack);
+    return true;
+}
+
+static void close_folder(struct measurement *measurement)
+{
+    guard_forget(measurement->stack);
+    folder_close(&measurement->folder);
+}
+
+/* ---- jobs for processes of their own ---- */
+
+struct task {
+    struct measurement *measurement;
+    const struct cost_entry *entry;
+};
+
+static bool render_job(void *context, void *out, struct error *err)
+{
+    const struct task *task = context;
+    (void)out;
+    return cost_render(task->measurement->options, task->entry, task->measurement->stack, err);
+}
+
+static struct standard_request request_of(const struct measurement *measurement)
+{
+    return (struct standard_request){.stack = measurement->stack,
+                                     .observer = measurement->cost->survey.observer,
+                                     .threads = measurement->options->threads};
+}
+
+static bool compare_job(void *context, void *out, struct error *err)
+{
+    const struct task *task = context;
+    struct scene scene = {.path = NULL};
+    struct sampling sampling = {.detector = NULL};
+    struct standard_request request = request_of(task->measurement);
+    request.sampling = &sampling;
+    const bool done = cost_read(task->measurement->options, task->entry, &scene, &sampling, err) &&
+                      standard_compare(&request, &task->measurement->standard, out, err);
+    sampling_free(&sampling);
+    scene_free(&scene);
+    return done;
+}
+
+/* Renders an entry to the stack. A program says why it failed in words
+ * only. So this process, in a copy, learns whether the system lacks what the entry needs. */
+static bool render_entry(struct measurement *measurement, const struct cost_entry *entry,
+                         struct run_seconds *seconds, struct error *err)
+{
+    struct task task = {measurement, entry};
+    struct error again = {.status = EXIT_AGREED};
+    if (cost_run(measurement->options, entry, measurement->stack, seconds, err))
+        return true;
+    if (err->status == EXIT_SYSTEM && !process_run(render_job, &task, NULL, 0, &again) &&
+        again.unsupported)
+        *err = again;
+    return false;
+}
+
+/* ---- configurations ---- */
+
+/* Renders the standard, and summarizes its stack. A failure that names a temporary file is for want
+ * of room. */
+static bool make_standard(struct measurement *measurement, struct error *err)
+{
+    struct cost_entry entry = {.n_words = 0};
+    struct standard_request request = request_of(measurement);
+    struct error own = {.status = EXIT_AGREED};
+    struct run_seconds seconds = {.wall = 0};
+    const bool done = configuration_standard(measurement->cost, &entry, &own) &&
+                      render_entry(measurement, &entry, &seconds, &own) &&
+                      standard_summarize(&request, &measurement->standard, &own);
+    measurement->cost->standard_seconds = seconds.wall;
+    unlink(measurement->stack);
+    cost_entry_free(&entry);
+    if (strstr(own.text, measurement->folder.path))
+        error_failed(err, "%s; set TMPDIR to a folder with more room", error_words(&own));
+    else if (!done)
+        *err = own;
+    return done;
+}
+
+/* Runs a configuration once and measures its stack. A configuration that is refused, or that this
+ * system does not support, becomes a note. */
+static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
+{
+    struct task task = {measurement, entry};
+    struct accuracy accuracy = {.n_pages = 0};
+    struct error own = {.status = EXIT_AGREED};
+    struct run_seconds seconds = {.wall = 0};
+    const bool done = render_entry(measurement, entry, &seconds, &own) &&
+                      process_run(compare_job, &task, &accuracy, sizeof accuracy, &own);
+    unlink(measurement->stack);
+    step(measurement, done ? 2 : 2 + measurement->cost->runs);
+    if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
+        *err = own;
+        return false;
+    }
+    if (!done)
+        return cost_note(measurement->cost, err, "without %s: %s", entry->name, error_words(&own));
+    const size_t runs = (size_t)measurement->cost->runs;
+    entry->accuracy = accuracy;
+    return MAKE_ARRAY(entry->walls, runs, err, "the seconds of runs") &&
+           MAKE_ARRAY(entry->processors, runs, err, "the seconds of runs");
+}
+
+/* Adds configurations and warms them up. `add` may choose by the errors measured before. */
+static bool warm_up_more(struct measurement *measurement,
+                         bool (*add)(struct cost *cost, struct error *err), struct error *err)
+{
+    struct cost *cost = measurement->cost;
+    const int first = cost->n;
+    if (!add(cost, err))
+        return false;
+    for (int i = first; i < cost->n; i++)
+        if (!warm_up(measurement, &cost->entries[i], err))
+            return false;
+    return true;
+}
+
+/* Removes the entries that failed. */
+static void remove_failed(struct cost *cost)
+{
+    int n = 0;
+    for (int i = 0; i < cost->n; i++)
+        if (cost->entries[i].accuracy.n_pages > 0)
+            cost->entries[n++] = cost->entries[i];
+        else
+            cost_entry_free(&cost->entries[i]);
+    cost->n = n;
+}
+
+/* ---- the estimate ---- */
+
+/* Most scenes have about so many configurations. */
+static int likely_configurations(const struct survey *survey)
+{
+    return survey->tessellated ? 52 : 36;
+}
+
+/* A run takes some time to start, and this part of the standard's seconds on average; a comparison
+ * takes another part. data/doc/accuracy.md compares estimates with measurements. */
+static const double start_seconds = 0.03, run_part = 0.2, compare_part = 0.8;
+
+static double estimate(const struct cost *cost)
+{
+    const double parts = cost->survey.positions > 1 ? 2 : 1, /* the standard has more positions */
+        standard = cost->standard_seconds / parts, runs = 1 + cost->runs;
+    return likely_configurations(&cost->survey) *
+           (runs * (start_seconds + run_part * standard) + compare_part * standard);
+}
+
+/* Says how long the measurement is likely to take, before the first configuration. */
+static bool announce(const struct measurement *measurement, struct error *err)
+{
+    const struct cost *cost = measurement->cost;
+    const double seconds = estimate(cost);
+    const bool is_long = seconds >= 90;
+    struct printed line = {.text = NULL};
+    if (measurement->options->quiet)
+        return true;
+    print(&line, "about %.0f %s, for %d runs of about %d configurations\n",
+          is_long ? seconds / 60 : seconds, is_long ? "min" : "s", cost->runs,
+          likely_configurations(&cost->survey));
+    return printed_show(&line, STDERR_FILENO, err);
+}
+
+/* ---- rounds ---- */
+
+static int by_size(const void *a, const void *b)
+{
+    const double one = *(const double *)a, two = *(const double *)b;
+    return (one > two) - (one < two);
+}
+
+/* Sorts n numbers, and returns their median. */
+static double median(double *numbers, int n)
+{
+    qsort(numbers, (size_t)n, sizeof *numbers, by_size);
+    return (numbers[(n - 1) / 2] + numbers[n / 2]) / 2;
+}
+
+static void take_seconds(struct cost_entry *entry, int runs)
+{
+    entry->seconds = median(entry->walls, runs);
+    entry->processor = median(entry->processors, runs);
+    entry->fastest = entry->walls[0];
+    entry->slowest = entry->walls[runs - 1];
+}
+
+/* Runs all configurations in turn, so that a slow moment of the machine meets all of them. */
+static bool run_round(struct measurement *measurement, int round, struct error *err)
+{
+    for (int i = 0; i < measurement->cost->n; i++) {
+        struct cost_entry *entry = &measurement->cost->entries[i];
+        struct run_seconds seconds;
+        if (!render_entry(measurement, entry, &seconds, err))
+            return false;
+        entry->walls[round] = seconds.wall;
+        entry->processors[round] = seconds.processor;
+        unlink(measurement->stack);
+        step(measurement, 1);
+    }
+    return true;
+}
+
+static long steps_of(const struct measurement *measurement, int n_attempts)
+{
+    return (long)n_attempts * (2 + measurement->cost->runs);
+}
+
+static bool measure_all(struct measurement *measurement, struct error *err)
+{
+    struct cost *cost = measurement->cost;
+    measurement->all_steps = steps_of(measurement, likely_configurations(&cost->survey));
+    if (!warm_up_more(measurement, configurations_samplings, err))
+        return false;
+    configurations_choose(cost);
+    if (!warm_up_more(measurement, configurations_pictures, err) ||
+        !warm_up_more(measurement, configurations_finest, err) ||
+        !warm_up_more(measurement, configurations_combined, err))
+        return false;
+    measurement->all_steps = steps_of(measurement, cost->n);
+    remove_failed(cost);
+    for (int round = 0; round < cost->runs; round++)
+        if (!run_round(measurement, round, err))
+            return false;
+    for (int i = 0; i < cost->n; i++)
+        take_seconds(&cost->entries[i], cost->runs);
+    return true;
+}
+
+/* ---- conclusions ---- */
+
+static int by_seconds(const void *a, const void *b)
+{
+    const struct cost_entry *one = a, *two = b;
+    return by_size(&one->seconds, &two->seconds);
+}
+
+static bool conclude(struct cost *cost, struct error *err)
+{
+    qsort(cost->entries, (size_t)cost->n, sizeof *cost->entries, by_seconds);
+    cost_mark(cost);
+    return cost->n > 0 || error_failed(err, "no configuration could be rendered: %s",
+                                       cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
+}
+
+/* Returns the scene's name with the changes of the command line, allocated. */
+static char *name_scene(const struct measurement *measurement, struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    print_text(&printed, measurement->cost->survey.scene);
+    for (int i = 0; i < measurement->options->n_recorded; i++)
+        print(&printed, " %s", measurement->options->recorded[i]);
+    return printed_take(&printed, err);
+}
+
+static bool describe(struct measurement *measurement, struct error *err)
+{
+    const struct cost_options *own = measurement->options->own;
+    struct cost *cost = measurement->cost;
+    cost->runs = own->runs ? own->runs : DEFAULT_RUNS;
+    return (cost->scene = name_scene(measurement, err)) &&
+           MAKE_ARRAY(cost->entries, MAX_CONFIGURATIONS, err, "the table of configurations") &&
+           survey_notes(cost, err) &&
+           (measurement->standard.lit ||
+            cost_note(cost, err, "the observer sees no light: the white is a radiance of 1"));
+}
+
+static bool measure(struct measurement *measurement, struct error *err)
+{
+    struct cost *cost = measurement->cost;
+    return survey_scene(measurement->options, &cost->survey, err) &&
+           open_folder(measurement, err) && make_standard(measurement, err) &&
+           describe(measurement, err) && announce(measurement, err) &&
+           measure_all(measurement, err) && conclude(cost, err);
+}
+
+bool cost_measure(const struct options *options, struct cost *out, struct error *err)
+{
+    struct measurement measurement = {.options = options, .cost = out};
+    measurement.shown = progress_start(&measurement.line, options->quiet);
+    *out = (struct cost){.scene = NULL};
+    const bool done = measure(&measurement, err);
+    close_folder(&measurement);
+    standard_free(&measurement.standard);
+    return done;
+}

@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral drivers: lists what OpenGL can draw here, and the options that choose it. */
+#include <stdio.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/text/text.h"
+#include "raster/beside/measure/inside.h"
+#include "raster/gl/gl.h"
+#include "raster/renderers/renderers.h"
+
+struct drivers_options {
+    bool measure;
+};
+
+/* Prints what was measured, and the bounds of a driver that does so. */
+static void print_traits(const struct traits *traits, struct printed *to)
+{
+    struct driver profile;
+    char words[DRIVER_WORDS], reason[TRAITS_REASON];
+    traits_print(traits, to);
+    if (!traits_profile(traits, &profile, reason)) {
+        print(to, "  bounds          none: %s\n", reason);
+        return;
+    }
+    driver_print(&profile, words);
+    print(to, "  bounds          %s\n", words);
+}
+
+/* Returns the profile by which a render judges a driver. */
+static const char *profile_of(const struct context_description *is)
+{
+    const struct driver *known = driver_of(is->names.renderer);
+    return known == driver_of(NULL) ? "measured" : known->name;
+}
+
+/* Prints the options, and what they choose. */
+static void print_driver(const struct listed_driver *driver, struct printed *to)
+{
+    const struct context_description *is = driver->is;
+    print(to, "--gl %s%s%s\n", driver->library, driver->renderer ? " --renderer " : "",
+          driver->renderer ? driver->renderer : "");
+    if (!is) {
+        print(to, "  cannot draw: %s\n", driver->reason);
+        return;
+    }
+    print(to,
+          "  renderer        %s, by %s\n  version         %s, of %s\n  profile         %s\n"
+          "  largest         %d x %d pixels, textures of %d x %d texels\n",
+          is->names.renderer, is->names.library, is->names.version, is->vendor, profile_of(is),
+          is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
+          is->largest_texture);
+    if (driver->traits)
+        print_traits(driver->traits, to);
+}
+
+static void json_traits(const struct traits *traits, struct json *json)
+{
+    struct driver profile;
+    char reason[TRAITS_REASON];
+    const bool bounded = traits_profile(traits, &profile, reason);
+    traits_json(traits, json);
+    json_string(json, "cannot_be_checked", bounded ? NULL : reason);
+    if (!bounded)
+        return;
+    json_open(json, "measured_bounds", '{');
+    json_number(json, "edge_px", profile.grid_px);
+    json_number(json, "value_px", profile.corner_px);
+    json_number(json, "depth_steps", profile.depth_roundings);
+    json_number(json, "filter_texels", profile.filter_texels);
+    json_number(json, "lighting", profile.lighting);
+    json_truth(json, "watertight", profile.watertight);
+    json_truth(json, "exact_fill_rule", profile.fill_rule != FILL_ANY);
+    json_close(json, '}');
+}
+
+static void json_driver(const struct listed_driver *driver, struct json *json)
+{
+    const struct context_description *is = driver->is;
+    json_open(json, NULL, '{');
+    json_string(json, "gl", driver->library);
+    json_string(json, "renderer", driver->renderer);
+    json_truth(json, "usable", is != NULL);
+    json_string(json, "reason", is ? NULL : driver->reason);
+    if (is) {
+        json_string(json, "gl_library", is->names.library);
+        json_string(json, "gl_vendor", is->vendor);
+        json_string(json, "gl_renderer", is->names.renderer);
+        json_string(json, "gl_version", is->names.version);
+        json_string(json, "driver_profile", profile_of(is));
+        json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
+        json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
+        json_count(json, "largest_texture", (uint64_t)is->largest_texture);
+        if (driver->traits)
+            json_traits(driver->traits, json);
+    }
+    json_close(json, '}');
+}
+
+static bool write_json(struct options *options, const struct driver_list *drivers,
+                       struct error *err)
+{
+    struct json json;
+    json_begin(&json);
+    json_open(&json, "drivers", '[');
+    for (int i = 0; i < drivers->n; i++)
+        json_driver(&drivers->list[i], &json);
+    json_close(&json, ']');
+    return json_write(&json, options->json, &options->outputs, err);
+}
+
+static bool print_drivers(const struct driver_list *drivers, struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    for (int i = 0; i < drivers->n; i++)
+        print_driver(&drivers->list[i], &printed);
+    return printed_show(&printed, STDOUT_FILENO, err);
+}
+
+static bool run_drivers(struct options *options, struct error *err)
+{
+    const struct drivers_options *own = options->own;
+    struct driver_list drivers;
+    bool usable = false, done = drivers_list(&drivers, err) &&
+                                (!own->measure || drivers_measure(&drivers, err));
+    for (int i = 0; done && i < drivers.n; i++)
+        usable = usable || drivers.list[i].is;
+    done =
+        done && (options->json ? write_json(options, &drivers, err) : print_drivers(&drivers, err));
+    drivers_free(&drivers);
+    return done && (usable || error_failed(err, "no OpenGL can draw here; --renderer raster can"));
+}
+
+static const struct option drivers_rows[] = {
+    {"--measure", "measures what each one does where OpenGL leaves it free",
+     OWN(FLAG, drivers_options, measure)},
+};
+static const struct option_list driver_options = OPTION_LIST(drivers_rows);
+static const struct option_list *const lists[] = {&driver_options, &json_option, &common_options,
+                                                  NULL};
+const struct command drivers_command = {
+    .name = "drivers",
+    .operands = "[--measure] [--json FILE]",
+    .summary = "list what OpenGL can draw here, by which options",
+    .example = "drivers",
+    .run = run_drivers,
+    .lists = lists,
+    .own_size = sizeof(struct drivers_options),
+};

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "traits": measures how an OpenGL does what its specification leaves free, on small
+ * targets with known answers, and makes the profile of a driver from it. Bounds then come from the
+ * specification and from these measurements, never from the scene under test.
+ *
+ * "The specification" is that of OpenGL 2.1. */
+/* The room "drivers": what OpenGL can draw on this system. */
+#ifndef RASTER_BESIDE_MEASURE_MEASURE_H
+#define RASTER_BESIDE_MEASURE_MEASURE_H
+
+#include "data/text/text.h"
+#include "raster/gl/gl.h"
+#include "raster/renderers/renderers.h"
+#include "spectral.h"
+
+/* ---- traits.c ---- */
+
+/* Makes the profile of a driver from measurements: see struct drawing_ways. */
+bool driver_measure(struct contexts *contexts, const char *gl_renderer, struct driver *out,
+                    struct error *err);
+
+/* ---- command.c: spectral drivers ---- */
+
+/* Prints each library and driver that can be used, and each library that cannot; with --measure how
+ * it draws. Fails with EXIT_SYSTEM if none can. */
+extern const struct command drivers_command;
+
+/* A library and a driver, as the options --gl and --renderer name them. */
+struct listed_driver {
+    char library[16];
+    const char *renderer;           /* NULL: the one that comes without --renderer */
+    struct context_description *is; /* NULL: it is not usable; owned */
+    char reason[512];               /* why not, in a line */
+    struct traits *traits;          /* NULL: not measured; owned */
+};
+struct driver_list {
+    struct listed_driver *list; /* owned */
+    int n;
+};
+/* Tries OSMesa, EGL, and each of EGL's devices, with each driver of Mesa's, with and without
+ * shaders, in processes of their own. Leaves out a driver that a library does not have, or has
+ * without being asked for it. The caller always frees *out. */
+bool drivers_list(struct driver_list *out, struct error *err);
+/* Measures each one that is usable: see raster/traits. */
+bool drivers_measure(struct driver_list *drivers, struct error *err);
+void drivers_free(struct driver_list *drivers);
+
+#endif

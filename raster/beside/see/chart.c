@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT */
+/* Curves as SVG 1.1, to be printed: lines differ in colour and in dashes, so that colour-blind eyes
+ * and prints without colours keep them apart. Here is also the look that all charts share. */
+#include <math.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "raster/beside/see/inside.h"
+
+enum {
+    PLOT_HEIGHT = 340,
+    STRIP = 9,  /* height of the spectral colours */
+    SAMPLE = 36 /* length of a line in the legend */
+};
+/* The width of a character over the font's size. Few characters are wider. */
+static const double character = 0.6;
+
+/* ---- text ---- */
+
+void chart_text(struct printed *to, const char *text, int most)
+{
+    const unsigned char *at = (const unsigned char *)text;
+    for (; *at != '\0' && most > 0; most--) {
+        const int length = utf8_length(at);
+        const bool last = most == 1 && at[length > 0 ? length : 1] != '\0';
+        char one[5] = "";
+        if (last)
+            print_text(to, "…");
+        else if (printable_length(at) == 0)
+            print_text(to, "\xef\xbf\xbd");
+        else
+            print_xml(to, memcpy(one, at, (size_t)length));
+        at += length > 0 ? length : 1;
+    }
+}
+
+int chart_fitting(double width, int size)
+{
+    return (int)(width / (character * size));
+}
+
+int chart_text_length(const char *text)
+{
+    int length = 0;
+    for (; *text != '\0'; text++)
+        length += ((unsigned char)*text & 0xc0) != 0x80;
+    return length;
+}
+
+void chart_exponent(struct printed *to, int exponent)
+{
+    static const char *const digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    char text[16];
+    snprintf(text, sizeof text, "%d", exponent);
+    print_text(to, "×10");
+    for (const char *c = text; *c != '\0'; c++)
+        print_text(to, *c == '-' ? "⁻" : digits[*c - '0']);
+}
+
+/* ---- what all charts have ---- */
+
+void chart_head(struct printed *to, const char *title, int height)
+{
+    print(to,
+          "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+          "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"%d\" height=\"%d\" "
+          "viewBox=\"0 0 %d %d\" font-family=\"system-ui, sans-serif\" font-size=\"%d\" "
+          "fill=\"#222\">\n<title>",
+          CHART_WIDTH, height, CHART_WIDTH, height, CHART_TEXT_SIZE);
+    chart_text(to, title, 200);
+    print(to,
+          "</title>\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n"
+          "<text x=\"%d\" y=\"26\" font-size=\"%d\" font-weight=\"600\">",
+          CHART_WIDTH, height, CHART_LEFT, CHART_TITLE_SIZE);
+    chart_text(to, title, chart_fitting(CHART_WIDTH - CHART_LEFT, CHART_TITLE_SIZE));
+    print_text(to, "</text>\n");
+}
+
+void chart_frame(const struct chart_area *area)
+{
+    print(area->to,
+          "<rect x=\"%d\" y=\"%d\" width=\"%.2f\" height=\"%d\" fill=\"none\" "
+          "stroke=\"#333\"/>\n",
+          CHART_LEFT, CHART_TOP, area->width, area->height);
+}
+
+struct chart_grid chart_grid(int n, int longest, double sample)
+{
+    const int room = chart_fitting(CHART_WIDTH - CHART_LEFT, CHART_TEXT_SIZE);
+    const int fitting = room / (longest + chart_fitting(sample + 24, CHART_TEXT_SIZE));
+    const int columns = fitting < 1 ? 1 : fitting > 3 ? 3 : fitting;
+    return (struct chart_grid){(n + columns - 1) / columns,
+                               (CHART_WIDTH - CHART_LEFT) / (double)columns};
+}
+
+/* ---- the plot ---- */
+
+struct plot {
+    const struct chart *chart;
+    struct chart_area area;
+    struct axis x, left, right;
+};
+
+static double plot_x(const struct plot *plot, double x)
+{
+    return chart_x(&plot->area, &plot->x, x);
+}
+
+static const struct axis *axis_of(const struct plot *plot, const struct chart_line *line)
+{
+    return line->right && plot->chart->right_label ? &plot->right : &plot->left;
+}
+
+static bool is_drawn(const struct chart_line *line, int i)
+{
+    return i >= 0 && i < line->n && isfinite(line->x[i]) && isfinite(line->y[i]);
+}
+
+static double spread_at(const struct chart_line *line, int i)
+{
+    const double spread = line->spread ? line->spread[i] : 0;
+    return isfinite(line->y[i] - spread) && isfinite(line->y[i] + spread) ? spread : 0;
+}
+
+/* Returns the lower end of the spread at a point. It is not below 0 if the value is not, because
+ * radiances are not negative. */
+static double band_low(const struct chart_line *line, int i)
+{
+    return fmax(line->y[i] - spread_at(line, i), fmin(line->y[i], 0));
+}
+
+static void fit_axes(struct plot *plot)
+{
+    const struct chart *chart = plot->chart;
+    double x[2] = {HUGE_VAL, -HUGE_VAL}, left[2] = {HUGE_VAL, -HUGE_VAL}, right[2] = {0, 1};
+    for (int l = 0; l < chart->n_lines; l++) {
+        const struct chart_line *line = &chart->lines[l];
+        double *y = axis_of(plot, line) == &plot->right ? right : left;
+        for (int i = 0; i < line->n; i++)
+            if (is_drawn(line, i)) {
+                x[0] = fmin(x[0], line->x[i]);
+                x[1] = fmax(x[1], line->x[i]);
+                y[0] = fmin(y[0], band_low(line, i));
+                y[1] = fmax(y[1], line->y[i] + spread_at(line, i));
+            }
+    }
+    plot->x = axis_linear(x[0], x[1], 10);
+    plot->left = axis_from_zero(left[0], left[1], 6);
+    plot->right = axis_from_zero(right[0], right[1], 6);
+}
+
+/* ---- colours of wavelengths ---- */
+
+/* The colours of monochromatic light from 380 nm in steps of 10 nm, in sRGB, as the CIE 1931
+ * observer sees them. White is added until no channel is negative; the largest channel of all is 1.
+ */
+enum { VISIBLE_FIRST = 380, VISIBLE_STEP = 10, N_VISIBLE = 36 };
+static const unsigned visible[N_VISIBLE] = {
+    0x03000a, 0x080019, 0x170033, 0x2d0059, 0x500097, 0x6f00d4, 0x7400ea, 0x6500e9, 0x3d00df,
+    0x004cca, 0x007cb3, 0x009aa0, 0x00b99b, 0x00d9a0, 0x00ef9e, 0x00f38e, 0x00e86c, 0x22d100,
+    0x81c700, 0xb4b700, 0xd99e00, 0xf27d00, 0xff5400, 0xfe1500, 0xf40033, 0xdb003a, 0xbd0036,
+    0x9b002d, 0x790023, 0x5a0018, 0x42000f, 0x2d0008, 0x1f0004, 0x140002, 0x0b0001, 0x050001,
+};
+
+static void draw_visible(const struct plot *plot)
+{
+    const double end = VISIBLE_FIRST + VISIBLE_STEP * (N_VISIBLE - 1);
+    const double left = fmax(plot_x(plot, VISIBLE_FIRST), CHART_LEFT);
+    const double right = fmin(plot_x(plot, end), CHART_LEFT + plot->area.width);
+    if (right <= left)
+        return;
+    print(plot->area.to,
+          "<defs><linearGradient id=\"visible\" gradientUnits=\"userSpaceOnUse\" x1=\"%.2f\" "
+          "y1=\"0\" x2=\"%.2f\" y2=\"0\">\n",
+          plot_x(plot, VISIBLE_FIRST), plot_x(plot, end));
+    for (int i = 0; i < N_VISIBLE; i++)
+        print(plot->area.to, "<stop offset=\"%.4f\" stop-color=\"#%06x\"/>\n",
+              i / (N_VISIBLE - 1.0), visible[i]);
+    print(plot->area.to,
+          "</linearGradient></defs>\n<rect x=\"%.2f\" y=\"%d\" width=\"%.2f\" height=\"%d\" "
+          "fill=\"url(#visible)\"/>\n",
+          left, CHART_TOP + PLOT_HEIGHT, right - left, STRIP);
+}
+
+/* ---- lines drawn ---- */
+
+/* The colours of Okabe and Ito, "Color Universal Design" (2008), without its yellow, which is too
+ * pale on white. With five dashes no two of 35 lines are alike. */
+static const char *const colours[] = {"#000000", "#0072b2", "#d55e00", "#009e73",
+                                      "#cc79a7", "#e69f00", "#56b4e9"};
+static const char *const dashes[] = {"", "9 4", "2 3", "9 3 2 3", "5 3"};
+enum { N_COLOURS = 7, N_DASHES = 5 };
+
+/* Writes the stroke of a line. The first line is thicker: the others explain it. */
+static void put_stroke(struct printed *to, int line)
+{
+    print(to, "fill=\"none\" stroke=\"%s\" stroke-width=\"%s\" stroke-linejoin=\"round\"",
+          colours[line % N_COLOURS], line == 0 ? "2.2" : "1.6");
+    if (line % N_DASHES > 0)
+        print(to, " stroke-dasharray=\"%s\"", dashes[line % N_DASHES]);
+}
+
+/* Draws the spread around a run of points: from its first to its last point and back. */
+static void draw_spread(const struct plot *plot, int index, int first, int end)
+{
+    const struct chart_line *line = &plot->chart->lines[index];
+    const struct axis *axis = axis_of(plot, line);
+    print(plot->area.to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"",
+          colours[index % N_COLOURS]);
+    for (int i = first; i < end; i++)
+        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
+              chart_y(&plot->area, axis, line->y[i] + spread_at(line, i)));
+    for (int i = end - 1; i >= first; i--)
+        print(plot->area.to, "L%.2f,%.2f", plot_x(plot, line->x[i]),
+              chart_y(&plot->area, axis, band_low(line, i)));
+    print_text(plot->area.to, "Z\"/>\n");
+}
+
+/* Draws neighbouring points from first to end - 1. A single point is a dot, and its spread a bar.
+ */
+static void draw_run(const struct plot *plot, int index, int first, int end)
+{
+    const struct chart_line *line = &plot->chart->lines[index];
+    const struct axis *axis = axis_of(plot, line);
+    const double x = plot_x(plot, line->x[first]), spread = spread_at(line, first);
+    if (end - first == 1) {
+        print(plot->area.to,
+              "<path stroke=\"%s\" d=\"M%.2f,%.2fV%.2f\"/><circle fill=\"%s\" cx=\"%.2f\" "
+              "cy=\"%.2f\" r=\"4\"/>\n",
+              colours[index % N_COLOURS], x, chart_y(&plot->area, axis, band_low(line, first)),
+              chart_y(&plot->area, axis, line->y[first] + spread), colours[index % N_COLOURS], x,
+              chart_y(&plot->area, axis, line->y[first]));
+        return;
+    }
+    if (line->spread)
+        draw_spread(plot, index, first, end);
+    print_text(plot->area.to, "<path ");
+    put_stroke(plot->area.to, index);
+    print_text(plot->area.to, " d=\"");
+    for (int i = first; i < end; i++)
+        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
+              chart_y(&plot->area, axis, line->y[i]));
+    print_text(plot->area.to, "\"/>\n");
+}
+
+/* Draws a line. Values that are not finite interrupt it. */
+static void draw_line(const struct plot *plot, int index)
+{
+    const struct chart_line *line = &plot->chart->lines[index];
+    print_text(plot->area.to, "<g><title>");
+    chart_text(plot->area.to, line->name, 200);
+    print_text(plot->area.to, "</title>\n");
+    for (int first = 0, end; first < line->n; first = end) {
+        for (end = first; is_drawn(line, end);)
+            end++;
+        if (end > first)
+            draw_run(plot, index, first, end);
+        else
+            end++;
+    }
+    print_text(plot->area.to, "</g>\n");
+}
+
+/* ---- legend ---- */
+
+static const char *legend_note(const struct plot *plot, int line)
+{
+    return axis_of(plot, &plot->chart->lines[line]) == &plot->right ? " (right axis)" : "";
+}
+
+static struct chart_grid legend_grid(const struct plot *plot)
+{
+    int longest = 1;
+    for (int l = 0; l < plot->chart->n_lines; l++) {
+        const int length =
+            chart_text_length(plot->chart->lines[l].name) + chart_text_length(legend_note(plot, l));
+        longest = length > longest ? length : longest;
+    }
+    return chart_grid(plot->chart->n_lines, longest, SAMPLE);
+}
+
+static void draw_legend(const struct plot *plot, int top)
+{
+    const struct chart_grid grid = legend_grid(plot);
+    for (int l = 0; l < plot->chart->n_lines; l++) {
+        const char *note = legend_note(plot, l);
+        const double x = CHART_LEFT + grid.column * (l / grid.rows);
+        const double y = top + CHART_LEGEND_ROW * (l % grid.rows);
+        print(plot->area.to, "<path ");
+        put_stroke(plot->area.to, l);
+        print(plot->area.to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
+              x + SAMPLE + 8, y + 0.35 * CHART_TEXT_SIZE);
+        chart_text(plot->area.to, plot->chart->lines[l].name,
+                   chart_fitting(grid.column - SAMPLE - 16, CHART_TEXT_SIZE) -
+                       chart_text_length(note));
+        print(plot->area.to, "%s</text>\n", note);
+    }
+}
+
+/* ---- the file ---- */
+
+void chart_svg(const struct chart *chart, struct printed *to)
+{
+    struct plot plot = {.chart = chart, .area = {.to = to, .height = PLOT_HEIGHT}};
+    plot.area.width =
+        CHART_WIDTH - CHART_LEFT - (chart->right_label ? CHART_RIGHT_AXIS : CHART_MARGIN);
+    fit_axes(&plot);
+    const int legend =
+        CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
+    chart_head(to, chart->title, legend + CHART_LEGEND_ROW * legend_grid(&plot).rows);
+    if (chart->wavelengths)
+        draw_visible(&plot);
+    axis_draw_x(&plot.area, &plot.x, chart->x_label, chart->wavelengths ? STRIP : 0);
+    axis_draw_y(&plot.area, &plot.left, chart->y_label, false);
+    if (chart->right_label)
+        axis_draw_y(&plot.area, &plot.right, chart->right_label, true);
+    chart_frame(&plot.area);
+    for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
+        draw_line(&plot, l);
+    draw_legend(&plot, legend);
+    print_text(to, "</svg>\n");
+}

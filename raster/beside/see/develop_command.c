@@ -1,0 +1,148 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral develop: the colour picture of a stack. */
+#include <stdio.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/sampling/sampling.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "raster/beside/see/inside.h"
+
+/* ---- options ---- */
+
+struct develop_own {
+    const char *adaptation, *display, *exposure, *bits;
+    bool xyz, lab;
+};
+
+static bool accepts_adaptation(const char *option, const char *value, struct error *err)
+{
+    struct adaptation adaptation;
+    return adaptation_read(option, value, &adaptation, err);
+}
+
+static bool accepts_display(const char *option, const char *value, struct error *err)
+{
+    enum display_kind display;
+    return display_read(option, value, &display, err);
+}
+
+/* Returns the exposure, or 0 for auto. */
+static bool exposure_read(const char *option, const char *value, double *out, struct error *err)
+{
+    *out = 0;
+    return strcmp(value, "auto") == 0 || option_number(option, value, 1e-12, 1e12, out, err);
+}
+
+static bool accepts_exposure(const char *option, const char *value, struct error *err)
+{
+    double exposure;
+    return exposure_read(option, value, &exposure, err);
+}
+
+/* Stores the sampling method in *method; out->sampling points to it. */
+static bool read_options(struct options *options, struct sampling_method *method,
+                         struct develop_options *out, struct error *err)
+{
+    const struct develop_own *own = options->own;
+    *out =
+        (struct develop_options){.detector = options_detector(options),
+                                 .white = options->white,
+                                 .exposure = 1,
+                                 .values = own->xyz   ? DEVELOP_XYZ
+                                           : own->lab ? DEVELOP_LAB
+                                                          : DEVELOP_RGB,
+                                 .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
+                                 .threads = options->threads,
+                                 .outputs = &options->outputs,
+                                 .sampling = options->sampling ? method : NULL};
+    if (own->xyz && own->lab)
+        return error_usage(err, "--xyz and --lab exclude each other");
+    return (!own->adaptation ||
+            adaptation_read("--adaptation", own->adaptation, &out->adaptation, err)) &&
+           (!own->display || display_read("--display", own->display, &out->display, err)) &&
+           (!own->exposure ||
+            exposure_read("--exposure", own->exposure, &out->exposure, err)) &&
+           (!options->sampling || sampling_read("--sampling", options->sampling, method, err));
+}
+
+/* ---- the command ---- */
+
+/* Names the picture, if the command line does not, and refuses a PNG of floats. */
+static bool name_picture(struct options *options, const char *stack, struct error *err)
+{
+    const struct develop_own *own = options->own;
+    const char *floats = own->xyz ? "--xyz" : own->lab ? "--lab" : NULL;
+    if (!options_name_output(options, stack, floats ? "-developed.tif" : "-developed.png", err) ||
+        !picture_accepts(options->output, err))
+        return false;
+    return !floats || !picture_is_png(options->output) ||
+           error_at(err, (struct place){options->output, 0, 0},
+                    "%s writes floats, and a PNG has none; expected .tif or .tiff", floats);
+}
+
+static bool run_develop(struct options *options, struct error *err)
+{
+    struct sampling_method method;
+    struct develop_options develop_options;
+    struct develop_result result;
+    const char *stack = options->operand;
+    if (!stack)
+        return error_usage(err, "develop takes a STACK; see spectral develop --help");
+    if (!name_picture(options, stack, err) ||
+        !read_options(options, &method, &develop_options, err) || !scene_refuse(stack, err) ||
+        !output_can_open(options->json, err) ||
+        !develop(stack, options->output, &develop_options, &result, err))
+        return false;
+    if (options->json) {
+        struct json json;
+        develop_json(&develop_options, &result, options->output, &json);
+        if (!json_write(&json, options->json, &options->outputs, err))
+            return false;
+    }
+    if (options->quiet)
+        return true;
+    struct printed printed = {.text = NULL};
+    develop_print(&develop_options, &result, &printed);
+    print(&printed, "picture           %s\n", options->output);
+    return printed_show(&printed, options_table(options, options->output), err);
+}
+
+static const char *const picture_bits[] = {"8", "16", NULL};
+static const struct option develop_rows[] = {
+    {"-o, --output PICTURE.png",
+     "writes there, PNG or .tif; - is standard output (default: STACK's name + -developed.png)",
+     SHARED(TEXT, output), .writes = true},
+    {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
+     "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",
+     OWN(TEXT, develop_own, adaptation), .accepts = accepts_adaptation},
+    {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis",
+     OWN(TEXT, develop_own, display), .accepts = accepts_display},
+    {"--exposure FACTOR|auto",
+     "a factor, or auto: nothing is brighter than the display (default: 1)",
+     OWN(TEXT, develop_own, exposure), .accepts = accepts_exposure},
+    {"--bits 8|16", "bits of each channel (default: 8)", OWN(TEXT, develop_own, bits),
+     .choices = picture_bits},
+    {"--xyz", "writes float tristimulus values instead of RGB", OWN(FLAG, develop_own, xyz)},
+    {"--lab", "writes float CIELAB instead of RGB", OWN(FLAG, develop_own, lab)},
+    {"--sampling METHOD", "as if the spectra were sampled so (not basis, rgb or xyz)",
+     SHARED(TEXT, sampling)},
+};
+static const struct option_list develop_list = OPTION_LIST(develop_rows);
+static const struct option_list *const lists[] = {&develop_list,  &seeing_options, &threads_option,
+                                                  &json_option,   &quiet_option,   &common_options,
+                                                  NULL};
+const struct command develop_command = {
+    .name = "develop",
+    .operands = "STACK [-o PICTURE.png]",
+    .summary = "write what a detector sees, as PNG or TIFF",
+    .example = "develop spheres.tif --exposure auto -o spheres.png",
+    .run = run_develop,
+    .lists = lists,
+    .own_size = sizeof(struct develop_own),
+    .n_operands = 1,
+};

@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: MIT */
+/* Explains the spectrum of a region. The reference draws the region as it draws the whole picture.
+ * The spectra of the lights and of the material are listed beside the region's radiance. */
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "raster/beside/see/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/counts/counts.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
+
+struct region {
+    struct plan plan; /* a copy of the caller's; samples are radiances */
+    struct lit_scene lit;
+    double full_scale;
+    float *samples;          /* of a chunk */
+    struct moments *moments; /* of each band */
+    struct probe *probe;
+    int surface; /* of the first pixel; -1: the background */
+    bool begun, several;
+};
+
+/* ---- pixels ---- */
+
+static void note_surfaces(struct region *region, const struct tile *tile)
+{
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        for (int pixel = 0; pixel < picture->at.width * picture->at.height; pixel++) {
+            if (!region->begun)
+                region->surface = picture->surface[pixel];
+            region->begun = true;
+            region->several = region->several || picture->surface[pixel] != region->surface;
+        }
+    }
+}
+
+static bool add_band(struct region *region, const struct tile *tile, int band, struct error *err)
+{
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        const struct rectangle pixels = plan_pixels(&region->plan, &picture->at);
+        const size_t n = (size_t)pixels.width * (size_t)pixels.height;
+        const struct stored_band stored = {&region->plan, band, region->full_scale,
+                                           region->samples};
+        const struct odd_samples odd = store_reference(&stored, 1, &region->lit, picture);
+        if (odd.undefined > 0)
+            return error_usage(err, "%s: a radiance in the region is not finite",
+                               region->probe->source);
+        moments_add(&region->moments[band], region->samples, n);
+    }
+    return true;
+}
+
+static bool inspect_tile(void *context, const struct tile *tile, struct error *err)
+{
+    struct region *region = context;
+    note_surfaces(region, tile);
+    for (int band = 0; band < region->plan.n_bands; band++)
+        if ((band % BANDS_PER_PASS == 0 && !plan_load_textures(&region->plan, band, err)) ||
+            !add_band(region, tile, band, err))
+            return false;
+    return true;
+}
+
+static bool inspect_pixels(struct region *region, struct error *err)
+{
+    const struct probe *probe = region->probe;
+    const int side = region->plan.scene->positions;
+    const struct rectangle whole = {side * probe->x, side * probe->y, side * probe->width,
+                                    side * probe->height};
+    if (!tiles_each(&region->lit, &whole, inspect_tile, region, err))
+        return false;
+    for (int band = 0; band < probe->n; band++)
+        moments_end(&region->moments[band], &probe->mean[band], &probe->spread[band]);
+    return true;
+}
+
+/* ---- curves ---- */
+
+/* A name, and the values factor x spectrum; spectrum NULL: 1 at every wavelength. */
+struct curve {
+    const char *name;
+    bool relative; /* a reflectance, excitation or emission; otherwise a radiance */
+    double factor;
+    const struct spectrum *spectrum;
+    enum spectrum_ends ends;
+};
+
+/* Leaves out a curve beyond MAX_PROBE_CURVES. */
+static bool add_curve(struct probe *probe, const struct curve *curve, struct error *err)
+{
+    struct probe_curve *out = &probe->curves[probe->n_curves];
+    if (probe->n_curves == MAX_PROBE_CURVES)
+        return true;
+    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a curve of %d bands", probe->n))
+        return false;
+    snprintf(out->name, sizeof out->name, "%s", curve->name);
+    out->relative = curve->relative;
+    for (int i = 0; i < probe->n; i++)
+        out->values[i] =
+            curve->factor *
+            (curve->spectrum ? spectrum_at(curve->spectrum, probe->wavelengths_nm[i], curve->ends)
+                             : 1);
+    probe->n_curves++;
+    return true;
+}
+
+static bool add_light(struct probe *probe, const char *kind, int index, double intensity,
+                      const struct spectrum *spectrum, struct error *err)
+{
+    char name[sizeof probe->curves[0].name];
+    snprintf(name, sizeof name, "%s %d (%s)", kind, index + 1, spectrum->name);
+    const struct curve curve = {name, false, intensity, spectrum, SPECTRUM_ZERO};
+    return add_curve(probe, &curve, err);
+}
+
+static bool add_lights(struct probe *probe, const struct scene *scene, struct error *err)
+{
+    for (int i = 0; i < scene->n_lights; i++)
+        if (!add_light(probe, "light", i, scene->lights[i].intensity, &scene->lights[i].spectrum,
+                       err))
+            return false;
+    for (int i = 0; i < scene->n_ambients; i++)
+        if (!add_light(probe, "ambient light", i, scene->ambients[i].intensity,
+                       &scene->ambients[i].spectrum, err))
+            return false;
+    return true;
+}
+
+/* Continues spectra beyond their ends as data/terms does. */
+static bool add_material(struct probe *probe, const struct material *material, struct error *err)
+{
+    const struct spectrum *specular =
+        material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL;
+    const struct curve curves[] = {{"reflectance", true, 1, &material->diffuse, SPECTRUM_HOLD},
+                                   {"specular reflectance", true, 1, specular, SPECTRUM_HOLD},
+                                   {"excitation", true, 1, &material->excitation, SPECTRUM_ZERO},
+                                   {"emission", true, 1, &material->emission, SPECTRUM_ZERO},
+                                   {"own light", false, 1, &material->glow, SPECTRUM_ZERO}};
+    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE;
+    const bool has[] = {true, material->gloss > 0, fluoresces, fluoresces,
+                        material->glow.kind != SPECTRUM_NONE};
+    for (size_t i = 0; i < sizeof curves / sizeof curves[0]; i++)
+        if (has[i] && !add_curve(probe, &curves[i], err))
+            return false;
+    return true;
+}
+
+/* Adds the curves of the object first, since there may not be room for all lights. */
+static bool add_curves(const struct region *region, struct error *err)
+{
+    struct probe *probe = region->probe;
+    if (!region->several) {
+        if (!string_copy(object_name(&region->plan, region->surface), &probe->object, err))
+            return false;
+        if (region->surface >= 0 &&
+            !add_material(probe, region->lit.bounds[region->surface].shaded->material, err))
+            return false;
+    }
+    return add_lights(probe, region->plan.scene, err);
+}
+
+/* ---- the whole ---- */
+
+/* Computes the colour with the white that a stack of this scene records. */
+static bool add_colour(struct probe *probe, const struct scene *scene,
+                       const struct probe_options *options, struct error *err)
+{
+    const struct spectral_pages pages = scene_pages(scene);
+    struct cube cube = {.image = {.path = scene->path,
+                                  .n_pages = scene->n_wavelengths,
+                                  .wavelengths_nm = scene->wavelengths_nm}};
+    double *white;
+    if (!MAKE_ARRAY(white, (size_t)probe->n, err, "a white of %d bands", probe->n))
+        return false;
+    cube.record.white =
+        (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
+    bool done = probe_colour(probe, &cube, options, err);
+    free(white);
+    return done;
+}
+
+static bool inspect(struct region *region, struct error *err)
+{
+    const struct plan *plan = &region->plan;
+    const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
+    struct light_work work;
+    bool clips;
+    if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
+        region->plan.options.full_scale = 1;
+    return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the region") &&
+           MAKE_ARRAY(region->moments, (size_t)plan->n_bands, err, "the means of the region") &&
+           lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
+           find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
+           inspect_pixels(region, err) && add_curves(region, err);
+}
+
+bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
+                 struct error *err)
+{
+    const struct scene *scene = plan->scene;
+    struct region region = {.plan = *plan, .probe = out};
+    region.plan.options.bits = 32;
+    bool done = probe_open(out, scene->path, options, scene->width, scene->height, err) &&
+                probe_allocate(out, scene->wavelengths_nm, scene->n_wavelengths, err) &&
+                inspect(&region, err) && add_colour(out, scene, options, err);
+    lit_free(&region.lit);
+    FREE_ALL(region.samples, region.moments);
+    return done;
+}

@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "chart": charts as SVG. */
+/* The room "develop": a stack as a detector sees it. */
+/* The room "compare": finds where and by how much two stacks differ. */
+/* The room "probe": the spectrum of a pixel or a region. */
+/* Explains the spectrum of a pixel: draws a region of a scene by the reference, and lists the
+ * spectra that contribute to it. This room depends neither on OpenGL nor on how the result is
+ * printed (data/probe). */
+#ifndef RASTER_BESIDE_SEE_SEE_H
+#define RASTER_BESIDE_SEE_SEE_H
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* Lengths in SVG's pixels, 96 an inch. */
+enum {
+    CHART_WIDTH = 800,
+    CHART_LEFT = 84,
+    CHART_TOP = 52,
+    CHART_MARGIN = 28,     /* on the right, without an axis there */
+    CHART_RIGHT_AXIS = 72, /* on the right, with an axis there */
+    CHART_TICK = 5,
+    CHART_LEGEND_ROW = 20,
+    CHART_TITLE_SIZE = 16,
+    CHART_LABEL_SIZE = 13,
+    CHART_TEXT_SIZE = 12
+};
+
+/* The rectangle that the axes enclose. Its left edge is at CHART_LEFT, its top at CHART_TOP. */
+struct chart_area {
+    struct printed *to; /* the SVG file */
+    double width;
+    int height;
+};
+/* Writes the beginning of a file of this height, with the title. */
+void chart_head(struct printed *to, const char *title, int height);
+void chart_frame(const struct chart_area *area); /* draws its border */
+/* Writes a text, escaped. The last of more than `most` characters becomes an ellipsis. A character
+ * that XML cannot hold becomes U+FFFD. */
+void chart_text(struct printed *to, const char *text, int most);
+/* Writes a decimal exponent: ×10 and raised digits. */
+void chart_exponent(struct printed *to, int exponent);
+int chart_fitting(double width, int size); /* characters that fit into a width */
+int chart_text_length(const char *text);   /* in characters of UTF-8 */
+/* Cells of a legend, filled column by column. */
+struct chart_grid {
+    int rows;
+    double column; /* width */
+};
+/* Makes a grid of n cells in 1 to 3 columns. Each cell has room for a sample of this width and a
+ * text of `longest` characters, unless there is one column only. */
+struct chart_grid chart_grid(int n, int longest, double sample);
+
+/* An axis from `low` to `high` on its scale: values over the unit, or decimal logarithms. */
+struct axis {
+    bool logarithmic;
+    double low, high;
+    double unit, step; /* linear: the unit is a power of ten; the step between ticks is in units */
+    int exponent;      /* of the unit; 0: labels are values */
+    int decimals;      /* of a label */
+    bool clipped;      /* logarithmic: smaller values lie at the low end, */
+    double least;      /* whose value is this one */
+};
+
+/* Makes a logarithmic axis with some room beyond the decimal logarithms low and high; from 0.1 to 1
+ * if low > high. */
+struct axis axis_logarithmic(double low, double high);
+double decimal_logarithm(double value); /* of a finite value above 0 */
+/* Return the place of a value in the SVG file. On a logarithmic axis values below its low end, and
+ * 0, lie at that end. */
+double chart_x(const struct chart_area *area, const struct axis *axis, double value);
+double chart_y(const struct chart_area *area, const struct axis *axis, double value);
+/* Draw the ticks of an axis, their grid lines and labels, and the label of the axis. The x axis
+ * lies below the area and a strip of this height. A y axis on the right has no grid lines. */
+void axis_draw_x(const struct chart_area *area, const struct axis *axis, const char *label,
+                 int strip);
+void axis_draw_y(const struct chart_area *area, const struct axis *axis, const char *label,
+                 bool right);
+
+/* ---- command.c: spectral develop ---- */
+
+/* Writes the picture of a stack that a detector sees. */
+extern const struct command develop_command;
+
+/* ---- compare.c: the differences of two stacks ---- */
+
+/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
+ * differences. A is the standard of CIE94. */
+enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
+enum tolerance_unit { /* the last three in the order of colour differences */
+                      TOLERANCE_RADIANCE,
+                      TOLERANCE_PERCENT,
+                      TOLERANCE_CIE76,
+                      TOLERANCE_CIE94,
+                      TOLERANCE_CIEDE2000
+};
+struct tolerance {
+    double value;
+    enum tolerance_unit unit; /* of per cent, 100 is A's largest radiance */
+};
+/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
+bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
+struct compare_options {
+    const char *observer, *white; /* white NULL: what A records */
+    const char *map;              /* PNG or TIFF to write; NULL: none */
+    struct tolerance tolerance;
+    int threads;
+    struct outputs *outputs; /* get the map; NULL: it appears at once */
+};
+struct band_difference {
+    double largest; /* |A - B|, in radiance */
+    int x, y;       /* the first pixel with this difference */
+    double rms;
+};
+
+/* ---- rows.c: a stack in chunks of rows ---- */
+
+struct stack_rows {
+    struct cube cube;
+    int most;       /* rows in a chunk */
+    int first, n;   /* the rows of the current chunk */
+    size_t stride;  /* samples from one page to the next */
+    float *samples; /* [page][row of the chunk][x]; owned */
+};
+/* Allocates chunks of at most so many samples, but at least one row. The cube is open. */
+bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err);
+/* Reads the chunk that begins with row `first`. The last chunk may have fewer rows. */
+bool rows_read(struct stack_rows *rows, int first, struct error *err);
+void rows_close(struct stack_rows *rows); /* and the cube */
+
+/* ---- command.c: spectral compare ---- */
+
+/* Prints the differences of two stacks. Fails with EXIT_DIFFERENT where they exceed the tolerance.
+ */
+extern const struct command compare_command;
+
+/* ---- command.c: spectral probe ---- */
+
+/* Prints the spectrum of a region of a stack or of a scene, as text, CSV or SVG. */
+extern const struct command probe_command;
+
+#endif

@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: MIT */
+/* Batches of passes: four passes of three bands are drawn at once, in the order in which `draw`
+ * will be asked for them. `draw` exchanges its buffer with the one that holds the pass. */
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "raster/beside/shader/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
+
+/* ---- the view ---- */
+
+void shader_aim(struct renderer *renderer, const struct rectangle *tile)
+{
+    struct shader *shader = (struct shader *)renderer;
+    shader->tile = *tile;
+    shader->stale = true;
+    shader->batch = -1;
+    /* a smaller tile lies in the first rows of the buffer */
+    shader->call->Viewport(0,
+                           shader->contexts->flipped ? 0 : shader->plan->tile_height - tile->height,
+                           tile->width, tile->height);
+}
+
+/* Sets a matrix of n x n: 4, or 3 for normals. OpenGL keeps matrices by column. */
+static void set_matrix(const struct shader *shader, int at, const struct matrix *m, int n)
+{
+    GLfloat columns[16];
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            columns[n * j + i] = (GLfloat)m->row[i][j];
+    (n == 4 ? shader->call->UniformMatrix4fv : shader->call->UniformMatrix3fv)(at, 1, GL_FALSE,
+                                                                               columns);
+}
+
+/* The product is made in double and rounded once: all programs get the same numbers. */
+void shader_place(const struct shader *shader, const struct program *program, int instance)
+{
+    const struct instance *placed = &shader->plan->instances[instance].instance;
+    const struct matrix projection =
+        pass_projection(shader->plan, &shader->tile, shader->contexts->mirrored);
+    const struct matrix to_clip = matrix_product(projection, placed->model_view);
+    set_matrix(shader, program->to_clip, &to_clip, 4);
+    if (program->to_eye >= 0)
+        set_matrix(shader, program->to_eye, &placed->model_view, 4);
+    if (program->normals >= 0)
+        set_matrix(shader, program->normals, &placed->normal_matrix, 3);
+}
+
+void shader_clear(struct shader *shader)
+{
+    const GLbitfield colours = shader->stale ? GL_COLOR_BUFFER_BIT : 0;
+    shader->call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    shader->stale = false;
+}
+
+/* ---- a material ---- */
+
+/* Colours of passes; of lights and passes. */
+struct batch_colours {
+    GLfloat constant[MOST_PASSES][4], diffuse[LIGHTS_PER_PASS * MOST_PASSES][4],
+        specular[LIGHTS_PER_PASS * MOST_PASSES][4];
+    int n_lights;
+};
+
+/* Passes that a batch does not have are black. */
+static void collect_colours(const struct shader *shader, int material, int group,
+                            struct batch_colours *out)
+{
+    const int n = shader->n_passes;
+    memset(out, 0, sizeof *out);
+    for (int k = 0; k < shader->n_batch; k++) {
+        struct pass_colours colours;
+        pass_colours(shader->plan, &shader->plan->materials[material], group,
+                     shader->order[shader->batch + k], shader->full_scale, &colours);
+        memcpy(out->constant[k], colours.constant, sizeof colours.constant);
+        out->n_lights = colours.n_lights;
+        for (int i = 0; i < colours.n_lights; i++) {
+            memcpy(out->diffuse[i * n + k], colours.diffuse[i], sizeof colours.diffuse[i]);
+            memcpy(out->specular[i * n + k], colours.specular[i], sizeof colours.specular[i]);
+        }
+    }
+}
+
+static void set_material(const struct shader *shader, struct program *program, int material,
+                         int group)
+{
+    struct batch_colours colours;
+    const int n = shader->n_passes;
+    if (program->material == material && program->batch == shader->n_batches)
+        return;
+    program->material = material;
+    program->batch = shader->n_batches;
+    collect_colours(shader, material, group, &colours);
+    shader->call->Uniform4fv(program->constant, n, colours.constant[0]);
+    shader->call->Uniform4fv(program->diffuse, colours.n_lights * n, colours.diffuse[0]);
+    shader->call->Uniform4fv(program->specular, colours.n_lights * n, colours.specular[0]);
+    shader->call->Uniform1f(program->gloss,
+                            (GLfloat)shader->plan->materials[material].material->gloss);
+}
+
+/* ---- drawing ---- */
+
+static struct program_effects effects_of(const struct shader *shader, int instance, int group)
+{
+    const struct plan *plan = shader->plan;
+    const struct placed_instance *placed = &plan->instances[instance];
+    const struct shaded_material *shaded = &plan->materials[placed->shaded];
+    const bool textured = texture_is_drawn(plan, shaded->texture);
+    struct program_effects out = {.group = group, .two_sided = placed->object->two_sided};
+    for (int t = 0; t < shaded->n_terms; t++)
+        out.shines = out.shines || shaded->terms[t].reflection == SPECULAR;
+    out.texture = !textured                   ? UNTEXTURED
+                  : shaded->texture->spectral ? SPECTRAL_TEXTURE
+                                              : GREY_TEXTURE;
+    return out;
+}
+
+static bool draw_instance(struct shader *shader, int instance, int group, struct error *err)
+{
+    const struct placed_instance *placed = &shader->plan->instances[instance];
+    const struct program_effects effects = effects_of(shader, instance, group);
+    struct program *program = program_use(shader, &effects, err);
+    if (!program)
+        return false;
+    set_material(shader, program, placed->shaded, group);
+    shader_place(shader, program, instance);
+    if (effects.texture != UNTEXTURED)
+        shader_bind_texture(shader, shader->plan->materials[placed->shaded].texture);
+    shader->call->FrontFace(placed->instance.mirrored != shader->contexts->mirrored ? GL_CW
+                                                                                    : GL_CCW);
+    const int n = shader_bind_mesh(shader, instance);
+    shader->call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
+    shader->renderer.work.draw_calls++;
+    return true;
+}
+
+static bool draw_group(struct shader *shader, int group, struct error *err)
+{
+    shader_clear(shader);
+    for (int i = 0; i < shader->plan->n_instances; i++)
+        if (surface_reaches(&shader->lit->bounds[i], &shader->tile) &&
+            !draw_instance(shader, i, group, err))
+            return false;
+    shader->renderer.work.passes++;
+    return true;
+}
+
+/* Takes the pixels of a batch, and adds them to those of earlier groups. */
+static void take_pixels(struct shader *shader, int group)
+{
+    for (int k = 0; k < shader->n_batch; k++) {
+        canvas_read(shader->canvas, k, group == 0 ? shader->ready[k] : shader->part);
+        if (group > 0)
+            pass_add(shader->plan, shader->part, shader->ready[k]);
+    }
+}
+
+static bool draw_batch(struct shader *shader, int first, struct error *err)
+{
+    const int left = shader->n_order - first;
+    shader->batch = first;
+    shader->n_batch = left < shader->n_passes ? left : shader->n_passes;
+    if (!shader_upload_bands(shader, shader->order + first, shader->n_batch, err))
+        return false;
+    for (int group = 0; group < shader->plan->n_light_groups; group++) {
+        if (!group_is_drawn(shader->plan, group))
+            continue;
+        shader->n_batches++;
+        if (!draw_group(shader, group, err))
+            return false;
+        take_pixels(shader, group);
+    }
+    return functions_succeeded(shader->call, err);
+}
+
+bool shader_expect(struct renderer *renderer, const int *first_bands, int n, struct error *err)
+{
+    struct shader *shader = (struct shader *)renderer;
+    if (!MAKE_ARRAY(shader->order, n, err, "%d passes", n))
+        return false;
+    memcpy(shader->order, first_bands, (size_t)n * sizeof *first_bands);
+    shader->n_order = n;
+    return true;
+}
+
+bool shader_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
+                 struct error *err)
+{
+    struct shader *shader = (struct shader *)renderer;
+    int place = 0;
+    while (place < shader->n_order && shader->order[place] != first_band)
+        place++;
+    shader->full_scale = full_scale;
+    if ((shader->batch < 0 || place < shader->batch || place >= shader->batch + shader->n_batch) &&
+        !draw_batch(shader, place, err))
+        return false;
+    float **ready = &shader->ready[place - shader->batch], *pixels = *ready;
+    *ready = shader->buffers[buffer];
+    shader->buffers[buffer] = pixels;
+    return true;
+}

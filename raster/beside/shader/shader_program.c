@@ -1,0 +1,282 @@
+/* SPDX-License-Identifier: MIT */
+/* Programs of shaders, written for the effects of a scene. Lighting is that of OpenGL 1.x: section
+ * 2.14.1 of the OpenGL 2.1 specification. Each light has the statements of its own kind only. */
+
+#include "data/base/base.h"
+#include "raster/beside/shader/inside.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+
+static bool is_flat(const struct shader *of)
+{
+    return of->plan->view.shading == FLAT;
+}
+
+/* ---- lighting at a vertex ---- */
+
+/* The first light of a group, and how many there are. */
+static int lights_of(const struct plan *plan, int group, int *n)
+{
+    const int first = group * LIGHTS_PER_PASS, left = plan->n_lights - first;
+    *n = left < LIGHTS_PER_PASS ? left : LIGHTS_PER_PASS;
+    return first;
+}
+
+/* Prints the direction towards a light, and the part `left` of it that distance and spot leave. */
+static void print_incidence(const struct eye_light *light, int i, struct printed *to)
+{
+    if (light->directional)
+        print(to, "        vec3 towards = place[%d];\n", i);
+    else
+        print(to,
+              "        vec3 path = place[%d] - eye;\n"
+              "        vec3 towards = normalize(path);\n",
+              i);
+    print_text(to, "        float left = 1.0;\n");
+    if (light->attenuated)
+        print(to,
+              "        float far = length(path);\n"
+              "        left /= attenuation[%d].x + attenuation[%d].y * far + "
+              "attenuation[%d].z * far * far;\n",
+              i, i, i);
+    if (light->spot)
+        print(to,
+              "        float aside = dot(-towards, axis[%d].xyz);\n"
+              "        left *= aside >= axis[%d].w ? power(aside, exponent[%d]) : 0.0;\n",
+              i, i, i);
+}
+
+static void print_light(const struct shader *of, const struct program_effects *effects, int light,
+                        int i, struct printed *to)
+{
+    const int n = of->n_passes;
+    print_text(to, "    {\n");
+    print_incidence(&of->plan->lights[light], i, to);
+    print_text(to, "        float facing = dot(normal_there, towards);\n"
+                   "        float weight = max(facing, 0.0) * left;\n");
+    for (int k = 0; k < n; k++)
+        print(to, "        sum[%d] += weight * diffuse[%d];\n", k, i * n + k);
+    if (effects->shines) {
+        print_text(to,
+                   "        float near = dot(normal_there, normalize(towards + viewer));\n"
+                   "        float highlight = facing > 0.0 ? power(near, gloss) * left : 0.0;\n");
+        for (int k = 0; k < n; k++)
+            print(to, "        sum[%d] += highlight * specular[%d];\n", k, i * n + k);
+    }
+    print_text(to, "    }\n");
+}
+
+/* Prints the function that lights a side of a vertex. */
+static void print_lighting(const struct shader *of, const struct program_effects *effects,
+                           struct printed *to)
+{
+    const struct plan *plan = of->plan;
+    int n, first = lights_of(plan, effects->group, &n);
+    print(to,
+          "float power(float base, float exponent)\n"
+          "{\n"
+          "    return exponent == 0.0 ? 1.0 : base > 0.0 ? pow(base, exponent) : 0.0;\n"
+          "}\n"
+          "void light(vec3 normal_there, vec3 eye, vec3 viewer, out vec4 sum[%d])\n{\n",
+          of->n_passes);
+    for (int k = 0; k < of->n_passes; k++)
+        print(to, "    sum[%d] = constant[%d];\n", k, k);
+    for (int i = 0; i < n; i++)
+        if (!plan->is_idle[first + i])
+            print_light(of, effects, first + i, i, to);
+    print_text(to, "}\n");
+}
+
+static void print_vertex_variables(const struct shader *of, const struct program_effects *effects,
+                                   struct printed *to)
+{
+    int n;
+    lights_of(of->plan, effects->group, &n);
+    const char *flat = is_flat(of) ? "flat " : "";
+    const int lights = n > 0 ? n : 1;
+    print(to,
+          "layout(location = 0) in vec3 position;\n"
+          "layout(location = 1) in vec3 normal;\n"
+          "layout(location = 2) in vec2 coordinates;\n"
+          "uniform mat4 to_clip, to_eye;\n"
+          "uniform mat3 normals;\n"
+          "uniform float gloss;\n"
+          "uniform vec4 constant[%d], diffuse[%d], specular[%d];\n"
+          "uniform vec3 place[%d], attenuation[%d];\n"
+          "uniform vec4 axis[%d];\n"
+          "uniform float exponent[%d];\n"
+          "invariant gl_Position;\n"
+          "out vec2 at;\n"
+          "%sout vec4 front[%d];\n",
+          of->n_passes, lights * of->n_passes, lights * of->n_passes, lights, lights, lights,
+          lights, flat, of->n_passes);
+    if (effects->two_sided)
+        print(to, "%sout vec4 back[%d];\n", flat, of->n_passes);
+}
+
+static void print_vertex_shader(const struct shader *of, const struct program_effects *effects,
+                                struct printed *to)
+{
+    program_begin(of->plan->options.gl_way, to);
+    print_vertex_variables(of, effects, to);
+    print_lighting(of, effects, to);
+    print(to,
+          "void main()\n{\n"
+          "    vec3 eye = (to_eye * vec4(position, 1.0)).xyz;\n"
+          "    vec3 viewer = %s;\n"
+          "    vec3 normal_there = normalize(normals * normal);\n"
+          "    gl_Position = to_clip * vec4(position, 1.0);\n"
+          "    at = coordinates;\n"
+          "    light(normal_there, eye, viewer, front);\n",
+          of->plan->view.local_viewer ? "normalize(-eye)" : "vec3(0.0, 0.0, 1.0)");
+    if (effects->two_sided)
+        print_text(to, "    light(-normal_there, eye, viewer, back);\n");
+    print_text(to, "}\n");
+}
+
+/* ---- colours at a pixel ---- */
+
+/* Prints the texel that multiplies the colour of pass k. */
+static void print_texel(const struct program_effects *effects, int k, struct printed *to)
+{
+    if (effects->texture == GREY_TEXTURE)
+        print_text(to, " * vec4(texel.rrr, 1.0)");
+    if (effects->texture == SPECTRAL_TEXTURE)
+        print(to, " * vec4(texture(texels%d, at).rgb, 1.0)", k);
+}
+
+static void print_fragment_shader(const struct shader *of, const struct program_effects *effects,
+                                  struct printed *to)
+{
+    const char *flat = is_flat(of) ? "flat " : "";
+    program_begin(of->plan->options.gl_way, to);
+    print(to, "in vec2 at;\n%sin vec4 front[%d];\n", flat, of->n_passes);
+    if (effects->two_sided)
+        print(to, "%sin vec4 back[%d];\n", flat, of->n_passes);
+    for (int k = 0; k < of->n_passes; k++)
+        print(to, "layout(location = %d) out vec4 colour%d;\nuniform sampler2D texels%d;\n", k, k,
+              k);
+    print_text(to, "void main()\n{\n");
+    if (effects->texture == GREY_TEXTURE)
+        print_text(to, "    vec4 texel = texture(texels0, at);\n");
+    for (int k = 0; k < of->n_passes; k++) {
+        print(to,
+              effects->two_sided ? "    colour%d = (gl_FrontFacing ? front[%d] : back[%d])"
+                                 : "    colour%d = front[%d]",
+              k, k, k);
+        print_texel(effects, k, to);
+        print_text(to, ";\n");
+    }
+    print_text(to, "}\n");
+}
+
+/* ---- making a program ---- */
+
+static void find_variables(const struct shader *of, struct program *program)
+{
+    const struct {
+        const char *name;
+        int *at;
+    } variables[] = {{"to_clip", &program->to_clip},         {"to_eye", &program->to_eye},
+                     {"normals", &program->normals},         {"gloss", &program->gloss},
+                     {"constant", &program->constant},       {"diffuse", &program->diffuse},
+                     {"specular", &program->specular},       {"place", &program->place},
+                     {"attenuation", &program->attenuation}, {"axis", &program->axis},
+                     {"exponent", &program->exponent}};
+    for (size_t i = 0; i < sizeof variables / sizeof *variables; i++)
+        *variables[i].at = of->call->GetUniformLocation(program->name, variables[i].name);
+}
+
+static bool make(const struct shader *of, struct printed *vertex, struct printed *fragment,
+                 struct program *out, struct error *err)
+{
+    struct program program = {.material = -1, .batch = -1};
+    if (!program_end(of->call, vertex, fragment, &program.name, err))
+        return false;
+    find_variables(of, &program);
+    *out = program;
+    return true;
+}
+
+/* Sets what no pass changes: the lights of the group, and the units of textures. */
+static void set_lights(const struct shader *of, int group, const struct program *program)
+{
+    const struct gl_functions *call = of->call;
+    GLfloat place[LIGHTS_PER_PASS][3] = {{0}}, attenuation[LIGHTS_PER_PASS][3] = {{0}},
+            axis[LIGHTS_PER_PASS][4] = {{0}}, exponent[LIGHTS_PER_PASS] = {0};
+    int n, first = lights_of(of->plan, group, &n);
+    for (int i = 0; i < n; i++) {
+        const struct eye_light *light = &of->plan->lights[first + i];
+        const double from[] = {light->position.x, light->position.y, light->position.z};
+        const double along[] = {light->axis.x, light->axis.y, light->axis.z, light->cutoff_cosine};
+        for (int k = 0; k < 4; k++)
+            axis[i][k] = (GLfloat)along[k];
+        for (int k = 0; k < 3; k++) {
+            place[i][k] = (GLfloat)from[k];
+            attenuation[i][k] = (GLfloat)light->attenuation[k];
+        }
+        exponent[i] = (GLfloat)light->spot_exponent;
+    }
+    call->Uniform3fv(program->place, n, place[0]);
+    call->Uniform3fv(program->attenuation, n, attenuation[0]);
+    call->Uniform4fv(program->axis, n, axis[0]);
+    call->Uniform1fv(program->exponent, n, exponent);
+    for (int k = 0; k < of->n_passes; k++) {
+        char name[24];
+        snprintf(name, sizeof name, "texels%d", k);
+        call->Uniform1i(call->GetUniformLocation(program->name, name), k);
+    }
+}
+
+/* ---- the programs ---- */
+
+enum { VARIANTS = 12 }; /* of a group: shines, two_sided, texture */
+
+int program_count(const struct plan *plan)
+{
+    return VARIANTS * plan->n_light_groups;
+}
+
+struct program *program_use(struct shader *shader, const struct program_effects *effects,
+                            struct error *err)
+{
+    const int variant = 6 * effects->shines + 3 * effects->two_sided + (int)effects->texture;
+    struct program *program = &shader->programs[VARIANTS * effects->group + variant];
+    struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
+    if (program->name) {
+        shader->call->UseProgram(program->name);
+        return program;
+    }
+    print_vertex_shader(shader, effects, &vertex);
+    print_fragment_shader(shader, effects, &fragment);
+    if (!make(shader, &vertex, &fragment, program, err))
+        return NULL;
+    set_lights(shader, effects->group, program);
+    return program;
+}
+
+struct program *program_use_numbers(struct shader *shader, struct error *err)
+{
+    struct program *program = &shader->numbers;
+    struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
+    if (program->name) {
+        shader->call->UseProgram(program->name);
+        return program;
+    }
+    program_begin(shader->plan->options.gl_way, &vertex);
+    print_text(&vertex, "layout(location = 0) in vec3 position;\n"
+                        "layout(location = 1) in vec3 number;\n"
+                        "uniform mat4 to_clip;\n"
+                        "invariant gl_Position;\n"
+                        "flat out vec3 shown;\n"
+                        "void main()\n{\n"
+                        "    gl_Position = to_clip * vec4(position, 1.0);\n"
+                        "    shown = number;\n}\n");
+    program_begin(shader->plan->options.gl_way, &fragment);
+    print_text(&fragment, "flat in vec3 shown;\n"
+                          "layout(location = 0) out vec4 colour0;\n"
+                          "void main()\n{\n"
+                          "    colour0 = vec4(shown, 0.0);\n}\n");
+    return make(shader, &vertex, &fragment, program, err) ? program : NULL;
+}

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+/* A scene as another program needs it: numbers of single precision as OpenGL gets them, in the byte
+ * order of this machine, and lines of words. */
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "raster/beside/verify/inside.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+
+/* A description that grows. */
+struct description {
+    const struct plan *plan;
+    double full_scale;
+    const struct file_taker *taker;
+    struct printed scene; /* the lines of scene.txt */
+};
+
+/* ---- files ---- */
+
+static bool take(const struct description *of, const char *name, const void *bytes, size_t length,
+                 struct error *err)
+{
+    return !of->taker || of->taker->take(of->taker->of, name, bytes, length, err);
+}
+
+/* Adds a complete file. */
+static bool add_file(struct description *to, const char *name, const void *bytes, size_t length,
+                     struct error *err)
+{
+    char digest[DIGEST_TEXT];
+    digest_bytes(bytes, length, digest);
+    print(&to->scene, "file %s %zu %s\n", name, length, digest);
+    return take(to, name, bytes, length, err);
+}
+
+/* ---- meshes ---- */
+
+enum { VERTEX_FLOATS = 8 };
+
+static bool add_vertices(struct description *to, int index, struct error *err)
+{
+    const struct mesh *mesh = &to->plan->meshes[index].mesh;
+    const size_t n = (size_t)mesh->n_vertices;
+    float *floats;
+    char name[FILE_NAME];
+    if (!MAKE_ARRAY(floats, n * VERTEX_FLOATS, err, "the corners of a mesh"))
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        const struct vertex *v = &mesh->vertices[i];
+        const double values[VERTEX_FLOATS] = {v->position.x, v->position.y, v->position.z,
+                                              v->normal.x,   v->normal.y,   v->normal.z,
+                                              v->s,          v->t};
+        for (size_t k = 0; k < VERTEX_FLOATS; k++)
+            floats[VERTEX_FLOATS * i + k] = (float)values[k];
+    }
+    snprintf(name, sizeof name, "vertices-%d.bin", index);
+    const bool done = add_file(to, name, floats, VERTEX_FLOATS * n * sizeof *floats, err);
+    free(floats);
+    return done;
+}
+
+static bool add_mesh(struct description *to, int index, struct error *err)
+{
+    const struct mesh *mesh = &to->plan->meshes[index].mesh;
+    char name[FILE_NAME];
+    print(&to->scene, "mesh %d %d %d\n", index, mesh->n_vertices, mesh->n_triangles);
+    snprintf(name, sizeof name, "triangles-%d.bin", index);
+    return add_vertices(to, index, err) &&
+           add_file(to, name, mesh->triangles, (size_t)mesh->n_triangles * sizeof *mesh->triangles,
+                    err);
+}
+
+/* ---- textures ---- */
+
+/* Adds the texels of a spectral texture for each pass. */
+static bool add_texels(struct description *to, int index, struct error *err)
+{
+    struct texture *texture = &to->plan->textures[index];
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height * BANDS_PER_PASS;
+    float *texels;
+    bool done = MAKE_ARRAY(texels, n, err, "the texels of %s", texture->image.path);
+    for (int band = 0; band < to->plan->n_bands && done; band += BANDS_PER_PASS) {
+        char name[FILE_NAME];
+        snprintf(name, sizeof name, "texture-%d-%d.bin", index, band);
+        done = pass_texels(to->plan, texture, band, texels, err) &&
+               add_file(to, name, texels, n * sizeof *texels, err);
+    }
+    free(texels);
+    return done;
+}
+
+static bool add_texture(struct description *to, int index, struct error *err)
+{
+    const struct texture *texture = &to->plan->textures[index];
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    char name[FILE_NAME];
+    if (!texture_is_drawn(to->plan, texture))
+        return true;
+    print(&to->scene, "texture %d %d %d %s %s\n", index, texture->image.width,
+          texture->image.height, texture->linear ? "linear" : "nearest",
+          texture->spectral ? "spectral" : "grey");
+    snprintf(name, sizeof name, "texture-%d.bin", index);
+    return texture->spectral ? add_texels(to, index, err)
+                             : add_file(to, name, texture->plane[0], n * sizeof(float), err);
+}
+
+/* ---- passes ---- */
+
+static void print_colour(const float colour[4], struct printed *to)
+{
+    for (int c = 0; c < BANDS_PER_PASS; c++)
+        print(to, " %.9g", (double)colour[c]);
+}
+
+/* Prints a material under a group of lights in a pass: its constant colour and gloss (-1: no
+ * highlight), then diffuse and specular colours of each light. */
+static void print_material(const struct description *of, int material, int group, int first_band,
+                           struct printed *to)
+{
+    const struct shaded_material *shaded = &of->plan->materials[material];
+    struct pass_colours colours;
+    pass_colours(of->plan, shaded, group, first_band, of->full_scale, &colours);
+    print(to, "material %d %d %d", first_band, group, material);
+    print_colour(colours.constant, to);
+    print(to, " %.9g\n", colours.shines ? shaded->material->gloss : -1);
+    for (int i = 0; i < colours.n_lights; i++) {
+        const int light = group * LIGHTS_PER_PASS + i;
+        if (of->plan->is_idle[light])
+            continue;
+        print(to, "light %d %d %d %d", first_band, group, material, light);
+        print_colour(colours.diffuse[i], to);
+        print_colour(colours.specular[i], to);
+        print_text(to, "\n");
+    }
+}
+
+static bool add_passes(struct description *to, struct error *err)
+{
+    const struct plan *plan = to->plan;
+    struct printed lines = {.text = NULL};
+    for (int band = 0; band < plan->n_bands; band += BANDS_PER_PASS)
+        for (int group = 0; group < plan->n_light_groups; group++)
+            for (int m = 0; m < plan->n_materials && group_is_drawn(plan, group); m++)
+                if (plan->materials[m].shown)
+                    print_material(to, m, group, band, &lines);
+    print_text(&lines, "end\n");
+    char *bytes = printed_take(&lines, err);
+    const bool done = bytes && add_file(to, "passes.txt", bytes, lines.length, err);
+    free(bytes);
+    return done;
+}
+
+/* ---- scene.txt ---- */
+
+static void print_vector(struct vector v, struct printed *to)
+{
+    print(to, " %.17g %.17g %.17g", v.x, v.y, v.z);
+}
+
+static void print_matrix(const struct matrix *m, struct printed *to)
+{
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            print(to, " %.17g", m->row[i][j]);
+    print_text(to, "\n");
+}
+
+/* Prints a light in eye coordinates; a directional one by the direction towards it. */
+static void print_source(const struct plan *plan, int index, struct printed *to)
+{
+    const struct eye_light *light = &plan->lights[index];
+    const struct light *source = plan->sources[index];
+    if (plan->is_idle[index])
+        return;
+    print(to, "source %d %s", index, light->directional ? "directional" : "positional");
+    print_vector(light->position, to);
+    print(to, " attenuation %.17g %.17g %.17g", light->attenuation[0], light->attenuation[1],
+          light->attenuation[2]);
+    if (light->spot) {
+        print_text(to, " spot");
+        print_vector(light->axis, to);
+        print(to, " %.17g %.17g", source->spot_cutoff_deg, source->spot_exponent);
+    }
+    print_text(to, "\n");
+}
+
+/* Prints an instance: its number, which is drawn as the third colour, its mesh, its material, its
+ * texture (-1: none), and how it is lit and turned. */
+static void print_instance(const struct plan *plan, int index, struct printed *to)
+{
+    const struct placed_instance *placed = &plan->instances[index];
+    const struct texture *texture = plan->materials[placed->shaded].texture;
+    if (!placed->in_view)
+        return;
+    print(to, "instance %d mesh %d material %d texture %d %s %s matrix", index + 1, placed->mesh,
+          placed->shaded, texture_is_drawn(plan, texture) ? (int)(texture - plan->textures) : -1,
+          placed->object->two_sided ? "two-sided" : "one-sided",
+          placed->instance.mirrored ? "clockwise" : "counter-clockwise");
+    print_matrix(&placed->instance.model_view, to);
+}
+
+static void print_picture(struct description *to)
+{
+    const struct plan *plan = to->plan;
+    const struct rectangle picture = plan_picture(plan);
+    const struct matrix projection = pass_projection(plan, &picture, false);
+    print(&to->scene, "size %d %d\nfull-scale %.17g\nshading %s\nviewer %s\nprojection",
+          picture.width, picture.height, to->full_scale,
+          plan->view.shading == FLAT ? "flat" : "smooth",
+          plan->view.local_viewer ? "local" : "distant");
+    print_matrix(&projection, &to->scene);
+    for (int i = 0; i < plan->n_bands; i++) {
+        char name[BAND_NAME];
+        band_name(plan, i, name);
+        print(&to->scene, "band %d %s\n", i, name);
+    }
+    for (int i = 0; i < plan->n_lights; i++)
+        print_source(plan, i, &to->scene);
+}
+
+static bool print_scene(struct description *to, struct error *err)
+{
+    const struct plan *plan = to->plan;
+    bool done = true;
+    print_picture(to);
+    for (int i = 0; i < plan->n_meshes && done; i++)
+        done = add_mesh(to, i, err);
+    for (int i = 0; i < plan->n_textures && done; i++)
+        done = add_texture(to, i, err);
+    for (int i = 0; i < plan->n_instances; i++)
+        print_instance(plan, i, &to->scene);
+    return done && add_passes(to, err);
+}
+
+/* Puts the first lines before the others. */
+static bool finish(struct description *of, char id[DIGEST_TEXT], struct error *err)
+{
+    struct printed whole = {.text = NULL};
+    char *lines = printed_take(&of->scene, err), *bytes = NULL;
+    if (lines) {
+        digest_bytes(lines, of->scene.length, id);
+        print(&whole, "spectral-scene 1\nid %s\n%s", id, lines);
+        bytes = printed_take(&whole, err);
+    }
+    const bool done = bytes && take(of, "scene.txt", bytes, whole.length, err);
+    free(lines);
+    free(bytes);
+    return done;
+}
+
+bool scene_describe(const struct plan *plan, double full_scale, const struct file_taker *taker,
+                    char id[DIGEST_TEXT], struct error *err)
+{
+    struct description of = {.plan = plan, .full_scale = full_scale, .taker = taker};
+    if (print_scene(&of, err))
+        return finish(&of, id, err);
+    free(printed_end(&of.scene));
+    return false;
+}

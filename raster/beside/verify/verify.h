@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "exchange": pictures that another program draws. spectral export writes a scene as plain
+ * files, spectral judge reads that program's pixels as those of a renderer. data/doc/exchange.md is
+ * the contract of all files. This room needs no OpenGL. */
+/* The room "verify": many scenes on many drivers, each judged as a render judges its picture. */
+#ifndef RASTER_BESIDE_VERIFY_VERIFY_H
+#define RASTER_BESIDE_VERIFY_VERIFY_H
+
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* ---- command.c: spectral export, spectral judge ---- */
+
+/* Writes all that another program needs to draw a scene into a new folder. */
+extern const struct command export_command;
+/* Judges the pixels that another program drew of a scene. Fails with EXIT_DIFFERENT where they
+ * differ. */
+extern const struct command judge_command;
+
+/* ---- command.c: spectral verify ---- */
+
+/* Judges scenes on drivers, and prints a table. Fails with EXIT_DIFFERENT where a picture differs,
+ * or is not verified. */
+extern const struct command verify_command;
+
+#endif

@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: MIT */
+/* Describes a drawn scene to the page, as JSON: spectra, lights, objects, detectors.
+ *
+ * Local illumination is linear: the radiance of a pixel is a sum of weights times spectra. Weights
+ * depend on geometry only; spectra are products of light and material. The page contains the
+ * weights as planes and the spectra as JSON, and multiplies them itself. Luminescence
+ * depends on wavelengths outside the picture, so it is computed here for every illuminant that the
+ * page offers.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "raster/beside/view/inside.h"
+#include "raster/plan/plan.h"
+
+/* ---- spectra and rows of numbers as JSON ---- */
+
+struct describer {
+    const struct plan *plan;
+    struct json json;
+    struct spectrum *illuminants; /* that the page offers; the first n_owned are owned */
+    int n_illuminants, n_owned;
+    double *row; /* room for three numbers a band; owned */
+    struct viewer_result *result;
+};
+
+/* Puts three rows of n numbers each. */
+void json_rows(struct json *json, const char *key, const double *rows, int n)
+{
+    json_open(json, key, '[');
+    for (size_t i = 0; i < 3; i++)
+        json_numbers(json, NULL, rows + i * (size_t)n, n);
+    json_close(json, ']');
+}
+
+/* Puts a spectrum at the picture's wavelengths, unless it is absent. */
+static void put_spectrum(struct describer *describer, const char *key,
+                         const struct spectrum *spectrum, enum spectrum_ends ends)
+{
+    const struct plan *plan = describer->plan;
+    if (spectrum->kind == SPECTRUM_NONE)
+        return;
+    for (int i = 0; i < plan->n_bands; i++)
+        describer->row[i] = spectrum_at(spectrum, plan->scene->wavelengths_nm[i], ends);
+    json_numbers(&describer->json, key, describer->row, plan->n_bands);
+}
+
+/* Puts the place of a statement: its file and its line. */
+static void put_place(struct json *json, const struct place *place)
+{
+    json_string(json, "file", place->path);
+    json_count(json, "line", (uint64_t)place->line);
+}
+
+static void put_vector(struct json *json, const char *key, struct vector v)
+{
+    const double values[3] = {v.x, v.y, v.z};
+    json_numbers(json, key, values, 3);
+}
+
+/* ---- illuminants ---- */
+
+static bool same_illuminant(const struct spectrum *a, const struct spectrum *b)
+{
+    size_t size = (size_t)a->count * sizeof *a->value;
+    return strcmp(a->name, b->name) == 0 && a->kind == b->kind && a->count == b->count &&
+           (size == 0 || (memcmp(a->value, b->value, size) == 0 &&
+                          memcmp(a->wavelength_nm, b->wavelength_nm, size) == 0));
+}
+
+/* Returns the number of an illuminant. Adds it if it is new. Returns -1 after an error. */
+static int find_illuminant(struct describer *describer, const struct spectrum *spectrum,
+                           struct error *err)
+{
+    for (int i = 0; i < describer->n_illuminants; i++)
+        if (same_illuminant(&describer->illuminants[i], spectrum))
+            return i;
+    return array_add(&describer->illuminants, &describer->n_illuminants, spectrum, sizeof *spectrum,
+                     err)
+               ? describer->n_illuminants - 1
+               : -1;
+}
+
+static bool add_builtin(struct describer *describer, const char *name, struct error *err)
+{
+    struct word word = {.start = name, .length = strlen(name)};
+    struct spectrum spectrum;
+    if (!spectrum_read(&word, 0, HUGE_VAL, &spectrum, err))
+        return false;
+    if (find_illuminant(describer, &spectrum, err) < 0) {
+        spectrum_free(&spectrum);
+        return false;
+    }
+    describer->n_owned = describer->n_illuminants;
+    return true;
+}
+
+/* Adds equal energy and the built-in illuminants. */
+static bool add_builtins(struct describer *describer, struct error *err)
+{
+    char name[BUILTIN_NAME];
+    if (!add_builtin(describer, "1", err))
+        return false;
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (!table_is_detector(&builtin_files[i]) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", name) &&
+            !add_builtin(describer, name, err))
+            return false;
+    return true;
+}
+
+/* Puts the word by which a command line names the spectrum. The path of a scene's file is relative
+ * to the working folder. */
+static bool put_word(struct describer *describer, const struct spectrum *spectrum,
+                     struct error *err)
+{
+    char *word = spectrum->path ? file_relative(spectrum->place.path, spectrum->name) : NULL;
+    if (spectrum->path && !word)
+        return memory_lacks(err, (double)strlen(spectrum->name), "the name of a file");
+    json_string(&describer->json, "word", word ? word : spectrum->name);
+    free(word);
+    return true;
+}
+
+static bool put_illuminants(struct describer *describer, struct error *err)
+{
+    bool done = true;
+    json_open(&describer->json, "illuminants", '[');
+    for (int i = 0; done && i < describer->n_illuminants; i++) {
+        json_open(&describer->json, NULL, '{');
+        json_string(&describer->json, "name", describer->illuminants[i].name);
+        done = put_word(describer, &describer->illuminants[i], err);
+        put_spectrum(describer, "radiance", &describer->illuminants[i], SPECTRUM_ZERO);
+        json_close(&describer->json, '}');
+    }
+    json_close(&describer->json, ']');
+    return done;
+}
+
+/* Puts a light of the scene: its place and its direction or position, as far as they are given.
+ * Adds its illuminant if that is new. */
+static bool put_light(struct describer *describer, const struct spectrum *spectrum,
+                      const struct place *place, double intensity, const struct light *light,
+                      struct error *err)
+{
+    struct json *json = &describer->json;
+    const int illuminant = find_illuminant(describer, spectrum, err);
+    if (illuminant < 0)
+        return false;
+    json_open(json, NULL, '{');
+    json_count(json, "illuminant", (uint64_t)illuminant);
+    json_number(json, "intensity", intensity);
+    if (place)
+        put_place(json, place);
+    if (light)
+        put_vector(json, light->directional ? "direction" : "position", light->position);
+    json_close(json, '}');
+    return true;
+}
+
+/* Puts the lights of the scene. A scene without ambient light gets one of intensity 0. */
+static bool put_lights(struct describer *describer, struct error *err)
+{
+    const struct scene *scene = describer->plan->scene;
+    bool done = true;
+    json_open(&describer->json, "ambients", '[');
+    for (int i = 0; done && i < scene->n_ambients; i++) {
+        const struct ambient *of = &scene->ambients[i];
+        done = put_light(describer, &of->spectrum, &of->place, of->intensity, NULL, err);
+    }
+    if (scene->n_ambients == 0)
+        done = put_light(describer, &describer->illuminants[0], NULL, 0, NULL, err);
+    json_close(&describer->json, ']');
+    json_open(&describer->json, "lights", '[');
+    for (int i = 0; done && i < scene->n_lights; i++) {
+        const struct light *of = &scene->lights[i];
+        done = put_light(describer, &of->spectrum, &of->place, of->intensity, of, err);
+    }
+    json_close(&describer->json, ']');
+    return done;
+}
+
+/* ---- surfaces ---- */
+
+/* Puts the luminescence of a material under each illuminant. */
+static bool put_luminescence(struct describer *describer, const struct material *material,
+                             struct error *err)
+{
+    json_open(&describer->json, "luminescence", '[');
+    for (int i = 0; i < describer->n_illuminants; i++) {
+        if (!material_luminescence(&describer->plan->illumination.pages, material,
+                                   &describer->illuminants[i], describer->row, err))
+            return false;
+        json_numbers(&describer->json, NULL, describer->row, describer->plan->n_bands);
+    }
+    json_close(&describer->json, ']');
+    return true;
+}
+
+/* Puts the part that each page of a spectral texture has in each band. */
+static bool put_texture(struct describer *describer, const struct texture *texture,
+                        struct error *err)
+{
+    struct spectrum part = {.kind = SPECTRUM_SAMPLED,
+                            .factor = 1,
+                            .count = texture->image.n_pages,
+                            .wavelength_nm = texture->image.wavelengths_nm};
+    if (!MAKE_ARRAY(part.value, (size_t)part.count, err, "the spectra of a page"))
+        return false;
+    json_open(&describer->json, "texture", '[');
+    for (int i = 0; i < part.count; i++) {
+        part.value[i] = 1;
+        put_spectrum(describer, NULL, &part, SPECTRUM_HOLD);
+        part.value[i] = 0;
+    }
+    json_close(&describer->json, ']');
+    free(part.value);
+    return true;
+}
+
+/* Puts the spectra of a shaded material. Specular light has the light's own colour by default. */
+static bool put_material(struct describer *describer, const struct shaded_material *shaded,
+                         struct error *err)
+{
+    static const struct spectrum plastic = {
+        .kind = SPECTRUM_CONSTANT, .parameter = {1, 0}, .factor = 1};
+    const struct material *material = shaded->material;
+    const bool spectral = shaded->texture && shaded->texture->spectral;
+    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE || material->donaldson;
+    json_open(&describer->json, NULL, '{');
+    put_spectrum(describer, "diffuse", &material->diffuse, SPECTRUM_HOLD);
+    if (material->gloss > 0)
+        put_spectrum(describer, "specular",
+                     material->specular.kind != SPECTRUM_NONE ? &material->specular : &plastic,
+                     SPECTRUM_HOLD);
+    put_spectrum(describer, "glow", &material->glow, SPECTRUM_ZERO);
+    put_spectrum(describer, "excitation", &material->excitation, SPECTRUM_ZERO);
+    put_spectrum(describer, "emission", &material->emission, SPECTRUM_ZERO);
+    bool done = (!spectral || put_texture(describer, shaded->texture, err)) &&
+                (!fluoresces || put_luminescence(describer, material, err));
+    json_close(&describer->json, '}');
+    return done;
+}
+
+/* Returns the place of an object's own origin in the scene. */
+static struct vector origin_of(const struct object *object)
+{
+    return matrix_point(&object->transform, (struct vector){0, 0, 0});
+}
+
+static bool put_surfaces(struct describer *describer, struct error *err)
+{
+    const struct plan *plan = describer->plan;
+    struct json *json = &describer->json;
+    json_open(json, "shaded_materials", '[');
+    for (int i = 0; i < plan->n_materials; i++)
+        if (!put_material(describer, &plan->materials[i], err))
+            return false;
+    json_close(json, ']');
+    json_open(json, "objects", '[');
+    for (int i = 0; i < plan->n_instances; i++) {
+        const struct object *object = plan->instances[i].object;
+        json_open(json, NULL, '{');
+        json_string(json, "name", object_name(plan, i));
+        json_string(json, "shape", shape_name(object->shape.kind));
+        json_count(json, "shaded_material", (uint64_t)plan->instances[i].shaded);
+        json_count(json, "object", (uint64_t)(object - plan->scene->objects));
+        json_string(json, "material_file",
+                    plan->materials[plan->instances[i].shaded].material->path);
+        put_place(json, &object->place);
+        put_vector(json, "origin", origin_of(object));
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+    return true;
+}
+
+/* ---- detectors, adaptations and displays ---- */
+
+static bool put_detector(struct describer *describer, const char *name, struct error *err)
+{
+    const struct plan *plan = describer->plan;
+    const double *nm = plan->scene->wavelengths_nm;
+    struct detector detector = {.name = NULL};
+    struct json *json = &describer->json;
+    double lost[3];
+    const bool done = detector_read(name, &detector, err);
+    if (done) {
+        detector_weights(&detector, nm, plan->n_bands, describer->row);
+        detector_lost(&detector, nm, plan->n_bands, lost);
+        json_open(json, NULL, '{');
+        json_string(json, "name", name);
+        json_truth(json, "observer", detector.observer);
+        json_rows(json, "weights", describer->row, plan->n_bands);
+        json_numbers(json, "lost", lost, 3);
+        json_close(json, '}');
+        describer->result->n_detectors++;
+    }
+    detector_free(&detector);
+    return done;
+}
+
+static bool put_detectors(struct describer *describer, struct error *err)
+{
+    char name[BUILTIN_NAME];
+    json_open(&describer->json, "detectors", '[');
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (table_is_detector(&builtin_files[i]) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", name) &&
+            !put_detector(describer, name, err))
+            return false;
+    json_close(&describer->json, ']');
+    return true;
+}
+
+/* Puts the matrix from XYZ to the cone responses in which each kind adapts, and the matrix from
+ * adapted responses, which are 1 to the white, to XYZ under the display's white. */
+void put_adaptations(struct json *json)
+{
+    json_open(json, "adaptations", '[');
+    for (int i = ADAPTATION_NONE; i <= ADAPTATION_CAT16; i++) {
+        enum adaptation_kind kind = (enum adaptation_kind)i;
+        double cones[3][3], back[3][3], white[3];
+        json_open(json, NULL, '{');
+        json_string(json, "name", adaptation_name(kind));
+        json_truth(json, "incomplete", kind == ADAPTATION_FAIRCHILD);
+        if (kind != ADAPTATION_NONE) {
+            adaptation_cones(kind, cones);
+            colour_inverse(cones, back);
+            colour_apply(cones, display_white, white);
+            for (int k = 0; k < 9; k++)
+                back[k / 3][k % 3] *= white[k % 3];
+            json_rows(json, "cones", (const double *)cones, 3);
+            json_rows(json, "from_cones", (const double *)back, 3);
+        }
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+/* Returns the least linear value that is shown as this 8-bit code. */
+static double code_step(enum display_kind kind, int channel, int code)
+{
+    double below = 0, at = display_largest(kind, channel);
+    for (double middle = at / 2; middle > below && middle < at; middle = below + (at - below) / 2)
+        if (display_encode(kind, channel, middle) * 255 + 0.5 >= code)
+            at = middle;
+        else
+            below = middle;
+    return at;
+}
+
+/* Puts the displays. A tone curve is a list of its 255 steps. */
+void put_displays(struct json *json)
+{
+    json_open(json, "displays", '[');
+    for (int i = DISPLAY_SRGB; i <= DISPLAY_MONITOR; i++) {
+        enum display_kind kind = (enum display_kind)i;
+        double matrix[3][3], largest[3], steps[3][255];
+        display_matrix(kind, matrix);
+        for (int c = 0; c < 3; c++) {
+            largest[c] = display_largest(kind, c);
+            for (int code = 1; code <= 255; code++)
+                steps[c][code - 1] = code_step(kind, c, code);
+        }
+        json_open(json, NULL, '{');
+        json_string(json, "name", display_name(kind));
+        json_rows(json, "matrix", (const double *)matrix, 3);
+        json_numbers(json, "largest", largest, 3);
+        json_rows(json, "steps", (const double *)steps, 255);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+/* ---- all of it ---- */
+
+static void put_camera(struct json *json, const struct camera *camera)
+{
+    json_open(json, "camera", '{');
+    json_truth(json, "perspective", camera->perspective);
+    json_number(json, "extent", camera->extent);
+    json_number(json, "near", camera->near);
+    json_number(json, "far", camera->far);
+    put_vector(json, "eye", camera->eye);
+    put_vector(json, "look", camera->look);
+    put_vector(json, "up", camera->up);
+    json_close(json, '}');
+}
+
+static bool put_all(struct describer *describer, struct error *err)
+{
+    const struct scene *scene = describer->plan->scene;
+    struct json *json = &describer->json;
+    json_begin(json);
+    json_string(json, "program", PROGRAM);
+    json_string(json, "scene", scene->path);
+    json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
+    put_camera(json, &scene->camera);
+    if (!add_builtins(describer, err) || !put_lights(describer, err) ||
+        !put_illuminants(describer, err) || !put_surfaces(describer, err) ||
+        !put_detectors(describer, err))
+        return false;
+    put_adaptations(json);
+    put_displays(json);
+    return true;
+}
+
+char *description_make(const struct plan *plan, struct viewer_result *result, struct error *err)
+{
+    struct describer describer = {.plan = plan, .result = result};
+    char *text = NULL;
+    if (MAKE_ARRAY(describer.row, 3 * (size_t)plan->n_bands, err, "the spectra of a page") &&
+        put_all(&describer, err))
+        text = json_take(&describer.json, err);
+    free(printed_end(&describer.json.printed));
+    result->n_illuminants = describer.n_illuminants;
+    for (int i = 0; i < describer.n_owned; i++)
+        spectrum_free(&describer.illuminants[i]);
+    free(describer.illuminants);
+    free(describer.row);
+    return text;
+}

@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT */
+/* A live page: it holds this program, compiled for browsers, and the files of the scene. */
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
+#include "raster/beside/view/inside.h"
+#include "raster/plan/plan.h"
+#include "raster/render/render.h"
+
+/* ---- the program ---- */
+
+static const struct builtin_file *find_module(void)
+{
+    const struct builtin_file *file;
+    struct error missing = {.status = EXIT_AGREED};
+    int descriptor;
+    file_open(BUILTIN_PREFIX "viewer/spectral.wasm.gz", (struct place){NULL, 0, 0}, &descriptor,
+              &file, &missing);
+    return file;
+}
+
+bool has_live_pages(void)
+{
+    return find_module() != NULL;
+}
+
+void put_module(struct printed *to)
+{
+    const struct builtin_file *file = find_module();
+    put_base64(to, "module", file->bytes, file->length);
+}
+
+/* ---- the files ---- */
+
+static bool add_bytes(struct printed *to, int descriptor, const char *path, struct error *err)
+{
+    struct stat status;
+    char *bytes;
+    const struct place place = {path, 0, 0};
+    if (fstat(descriptor, &status) != 0)
+        return error_system(err, "cannot read %s", path);
+    const size_t length = (size_t)status.st_size;
+    if (!memory_suffices(3 * (double)status.st_size, place, err, "a page with %s", path) ||
+        !MAKE_ARRAY(bytes, length + 1, err, "%s", path))
+        return false;
+    const ssize_t got = read_at(descriptor, bytes, length, 0);
+    const bool done =
+        got < 0 ? error_system(err, "cannot read %s", path)
+                : (size_t)got == length || error_system(err, "%s has become shorter", path);
+    if (done)
+        print_bytes(to, bytes, length);
+    free(bytes);
+    return done;
+}
+
+/* Adds the bytes of a file. Those of standard input are read already. */
+static bool add_content(struct printed *to, const struct scene *scene, const char *path,
+                        struct error *err)
+{
+    const struct builtin_file *builtin;
+    int descriptor;
+    if (scene_is_input(path)) {
+        print_bytes(to, scene->files[0].bytes, scene->files[0].length);
+        return true;
+    }
+    if (!file_open(path, (struct place){NULL, 0, 0}, &descriptor, &builtin, err))
+        return false;
+    const bool done = add_bytes(to, descriptor, path, err);
+    close(descriptor);
+    return done;
+}
+
+/* Returns the name of a file in the page, where the scene's folder is the working folder. */
+static const char *page_name(const char *name)
+{
+    return scene_is_input(name) ? "scene.scene" : name;
+}
+
+/* Returns whether an option names the file. Its word is relative to the working folder. */
+static bool is_in_options(const struct options *options, const char *path)
+{
+    for (int i = 0; i < options->n_recorded; i++)
+        if (strstr(options->recorded[i], path))
+            return true;
+    return false;
+}
+
+static bool add_file(const struct options *options, const struct scene *scene,
+                     const struct page_file *file, struct json *json, struct printed *bytes,
+                     struct error *err)
+{
+    const size_t before = bytes->length;
+    if (!add_content(bytes, scene, file->path, err))
+        return false;
+    json_open(json, NULL, '{');
+    json_string(json, "name", page_name(file->name));
+    json_count(json, "length", bytes->length - before);
+    if (is_in_options(options, file->path))
+        json_string(json, "also", file->path);
+    json_close(json, '}');
+    return true;
+}
+
+/* Describes the start of a page. The bytes of all files, one after the other, are added to *bytes.
+ */
+static char *start_json(const struct options *options, const struct scene *scene,
+                        struct printed *bytes, struct error *err)
+{
+    struct page_files files = {.list = NULL};
+    struct json json;
+    json_begin(&json);
+    json_string(&json, "program", PROGRAM);
+    json_string(&json, "scene", page_name(path_name(scene->path)));
+    json_truth(&json, "gallery", ((const struct view_options *)options->own)->gallery);
+    json_open(&json, "options", '[');
+    for (int i = 0; i < options->n_recorded; i++)
+        json_string(&json, NULL, options->recorded[i]);
+    json_close(&json, ']');
+    json_open(&json, "files", '[');
+    bool done = page_files_make(scene, &files, err);
+    for (int i = 0; done && i < files.n; i++)
+        done = add_file(options, scene, &files.list[i], &json, bytes, err);
+    page_files_free(&files);
+    json_close(&json, ']');
+    char *text = json_take(&json, done ? err : &(struct error){.status = EXIT_AGREED});
+    if (done)
+        return text;
+    free(text);
+    return NULL;
+}
+
+static bool put_files(const struct options *options, const struct scene *scene,
+                      struct printed *data, struct error *err)
+{
+    struct printed bytes = {.text = NULL};
+    char *start = start_json(options, scene, &bytes, err);
+    char *all = start ? printed_take(&bytes, err) : printed_end(&bytes);
+    if (start)
+        put_json(data, "start", start);
+    const bool done = start && all && put_packed(data, "files", all, bytes.length, err);
+    free(all);
+    free(start);
+    return done;
+}
+
+/* ---- the page ---- */
+
+bool live_write(const struct plan *plan, struct options *options, struct viewer_result *out,
+                struct notes *notes, struct error *err)
+{
+    struct printed data = {.text = NULL};
+    *out = (struct viewer_result){.bytes = 0};
+    bool done = page_allows(plan, err) && notes_of_plan(plan, SOME_PIXELS, notes, err) &&
+                put_files(options, plan->scene, &data, err);
+    if (done)
+        put_module(&data);
+    done =
+        done && page_write(PAGE_LIVE, &data, options->output, &out->bytes, &options->outputs, err);
+    free(printed_end(&data));
+    return done;
+}

@@ -1,0 +1,192 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes the picture of a scene as a person sees it: what render --renderer raster and develop make
+ * without options, but without a stack between them. Each pixel is summed in the order of the
+ * bands, so that tiles and threads do not change its bits. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/spectra/spectra.h"
+#include "raster/beside/view/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/counts/counts.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/render/render.h"
+#include "raster/renderers/renderers.h"
+
+static const char detector_name[] = "cie1931";
+enum { STILL_BITS = 8 };
+
+struct still {
+    struct plan plan; /* a copy of the caller's; samples are radiances */
+    struct lit_scene lit;
+    double *weights;  /* from radiances to linear RGB: [channel * n_bands + band]; owned */
+    float *radiance;  /* [pixel of the tile], of a band; owned */
+    double (*rgb)[3]; /* [pixel of the tile], linear; owned */
+    uint8_t (*codes)[3];
+    struct picture_writer picture;
+    uint64_t out_of_gamut;
+};
+
+/* ---- a tile ---- */
+
+/* Bands that are added to the pixels of a tile. */
+struct adding {
+    const struct still *still;
+    const struct tile *tile;
+    int band, end;
+    struct counter undefined; /* samples that are not finite */
+};
+
+static void add_bands(void *context, int i)
+{
+    struct adding *adding = context;
+    const struct still *still = adding->still;
+    const struct picture *picture = &adding->tile->chunks[i].picture;
+    const int n_bands = still->plan.n_bands;
+    const struct rectangle above = {0, 0, picture->at.width, i * CHUNK_ROWS},
+                           before = plan_pixels(&still->plan, &above),
+                           pixels = plan_pixels(&still->plan, &picture->at);
+    const size_t first = (size_t)before.width * (size_t)before.height,
+                 n = (size_t)pixels.width * (size_t)pixels.height;
+    float *radiance = still->radiance + first;
+    double(*rgb)[3] = still->rgb + first;
+    uint64_t undefined = 0;
+    for (int band = adding->band; band < adding->end; band++) {
+        const struct stored_band stored = {&still->plan, band, 1, radiance};
+        undefined += store_reference(&stored, 1, &still->lit, picture).undefined;
+        for (size_t k = 0; k < n; k++)
+            for (int channel = 0; channel < 3; channel++)
+                rgb[k][channel] += still->weights[channel * n_bands + band] * (double)radiance[k];
+    }
+    counter_add(&adding->undefined, undefined);
+}
+
+/* Sums all bands of a tile. */
+static bool sum_tile(struct still *still, const struct tile *tile, struct error *err)
+{
+    const int n_bands = still->plan.n_bands;
+    for (int band = 0; band < n_bands; band += BANDS_PER_PASS) {
+        const int end = band + BANDS_PER_PASS < n_bands ? band + BANDS_PER_PASS : n_bands;
+        struct adding adding = {still, tile, band, end, COUNTER};
+        if (!plan_load_textures(&still->plan, band, err))
+            return false;
+        threads_each(still->plan.options.threads, tile->n_chunks, add_bands, &adding);
+        if (adding.undefined.n > 0)
+            return error_usage(err, "%s: a radiance is not finite", still->plan.scene->path);
+    }
+    return true;
+}
+
+enum { BLOCK_PIXELS = 1024 }; /* that a thread takes at a time */
+
+/* Pixels of a tile that are stored. */
+struct storing {
+    struct still *still;
+    struct counter out_of_gamut;
+};
+
+static void store_pixels(void *context, size_t first, size_t end)
+{
+    struct storing *storing = context;
+    struct still *still = storing->still;
+    uint64_t clipped = 0;
+    for (size_t i = first; i < end; i++)
+        clipped += display_store(DISPLAY_SRGB, STILL_BITS, still->rgb[i], still->codes[i]);
+    counter_add(&storing->out_of_gamut, clipped);
+}
+
+static bool put_tile(void *context, const struct tile *tile, struct error *err)
+{
+    struct still *still = context;
+    const struct rectangle at = plan_pixels(&still->plan, &tile->at);
+    const struct picture_rectangle to = {at.x, at.y, at.width, at.height};
+    const size_t n = (size_t)at.width * (size_t)at.height;
+    struct storing storing = {still, COUNTER};
+    memset(still->rgb, 0, n * sizeof *still->rgb);
+    if (!sum_tile(still, tile, err))
+        return false;
+    threads_blocks(still->plan.options.threads, n, BLOCK_PIXELS, store_pixels, &storing);
+    still->out_of_gamut += storing.out_of_gamut.n;
+    return picture_put(&still->picture, &to, still->codes, err);
+}
+
+/* ---- the picture ---- */
+
+static bool find_weights(struct still *still, struct error *err)
+{
+    const struct plan *plan = &still->plan;
+    struct detector detector = {.name = NULL};
+    double m[3][3];
+    const bool done = detector_read(detector_name, &detector, err);
+    if (done) {
+        detector_weights(&detector, plan->scene->wavelengths_nm, plan->n_bands, still->weights);
+        display_matrix(DISPLAY_SRGB, m);
+        colour_apply_all(m, plan->n_bands, still->weights);
+    }
+    detector_free(&detector);
+    return done;
+}
+
+static bool prepare(struct still *still, struct error *err)
+{
+    const struct plan *plan = &still->plan;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    struct light_work work;
+    return MAKE_ARRAY(still->weights, 3 * (size_t)plan->n_bands, err, "the weights of a picture") &&
+           MAKE_ARRAY(still->radiance, n, err, "a tile of a picture") &&
+           MAKE_ARRAY(still->rgb, n, err, "a tile of a picture") &&
+           MAKE_ARRAY(still->codes, n, err, "a tile of a picture") && find_weights(still, err) &&
+           lit_make(plan, driver_of(NULL), &still->lit, &work, err);
+}
+
+/* Returns the description of the picture, allocated; NULL: no memory. */
+static char *still_description(const struct plan *plan)
+{
+    struct printed printed = {.text = NULL};
+    print(&printed,
+          "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
+          "adaptation        none\ndisplay           %s\nexposure          1\n",
+          plan->scene->path, detector_name, display_name(DISPLAY_SRGB));
+    return picture_text(printed_end(&printed));
+}
+
+static bool open_picture(struct still *still, const char *path, struct error *err)
+{
+    char *description = still_description(&still->plan);
+    if (!description)
+        return memory_lacks(err, 1024, "the description of the picture");
+    const struct picture_options options = {.width = still->plan.scene->width,
+                                            .height = still->plan.scene->height,
+                                            .samples = PICTURE_8,
+                                            .srgb = true,
+                                            .description = description};
+    const bool done = picture_open(&still->picture, path, &options, err);
+    free(description);
+    return done;
+}
+
+bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gamut,
+                 struct notes *notes, struct outputs *outputs, struct error *err)
+{
+    struct still still = {.plan = *plan};
+    const struct rectangle picture = plan_picture(plan);
+    still.plan.options.bits = 32;
+    const bool done = prepare(&still, err) && notes_make(&still.lit, SOME_PIXELS, notes, err) &&
+                      open_picture(&still, path, err) &&
+                      tiles_each(&still.lit, &picture, put_tile, &still, err) &&
+                      picture_commit(&still.picture, outputs, err);
+    *out_of_gamut = still.out_of_gamut;
+    picture_discard(&still.picture);
+    lit_free(&still.lit);
+    free(still.weights);
+    free(still.radiance);
+    free(still.rgb);
+    free(still.codes);
+    return done;
+}

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: MIT */
+/* Puts a page together from the files in data/builtin/viewer. A line "<!-- NAME -->" of them stands
+ * for another of these files, or for what is different in each page: its kind of scripts, its
+ * policy, its data. */
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "raster/beside/view/inside.h"
+
+/* ---- data in HTML ---- */
+
+/* Writes JSON into HTML. A "<" might end the script element around it, so it is escaped; only
+ * strings contain one. */
+static void write_json(const char *text, struct printed *to)
+{
+    while (*text) {
+        const size_t plain = strcspn(text, "<");
+        print_bytes(to, text, plain);
+        text += plain;
+        if (*text == '<') {
+            print_text(to, "\\u003c");
+            text++;
+        }
+    }
+}
+
+void put_json(struct printed *to, const char *id, const char *json)
+{
+    print(to, "<script id=\"%s\" type=\"application/json\">", id);
+    write_json(json, to);
+    print_text(to, "</script>\n");
+}
+
+/* Encodes bytes as RFC 4648 does. */
+static void print_base64(const unsigned char *bytes, size_t length, struct printed *to)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < length; i += 3) {
+        const size_t left = length - i;
+        const unsigned group = (unsigned)bytes[i] << 16 |
+                               (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0) |
+                               (left > 2 ? bytes[i + 2] : 0);
+        char text[4];
+        for (size_t j = 0; j < 4; j++)
+            text[j] = j <= left ? digits[group >> (18 - 6 * j) & 63] : '=';
+        print_bytes(to, text, sizeof text);
+    }
+}
+
+void put_base64(struct printed *to, const char *id, const unsigned char *bytes, size_t length)
+{
+    print(to, "<script id=\"%s\" type=\"text/plain\">", id);
+    print_base64(bytes, length, to);
+    print_text(to, "</script>\n");
+}
+
+bool put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
+                struct error *err)
+{
+    uLongf packed_length = compressBound((uLong)length);
+    unsigned char *packed;
+    bool done = MAKE_ARRAY(packed, packed_length, err, "the data of a page");
+    if (done &&
+        compress2(packed, &packed_length, bytes, (uLong)length, Z_DEFAULT_COMPRESSION) != Z_OK)
+        done = memory_lacks(err, 0, "the data of a page");
+    if (done)
+        put_base64(to, id, packed, packed_length);
+    free(packed);
+    return done;
+}
+
+/* ---- the page ---- */
+
+/* The security policy forbids a page to fetch or to send anything. A live page may compile the
+ * program that it holds, and run it on a thread of its own. */
+static const char policy[] =
+    "<meta http-equiv=\"Content-Security-Policy\"\n"
+    "  content=\"default-src 'none'; script-src 'unsafe-inline'%s; style-src 'unsafe-inline'; "
+    "img-src blob: data:%s; base-uri 'none'; form-action 'none'\">\n";
+
+struct page {
+    enum page_kind kind;
+    const char *data;
+    size_t n_data;
+    struct printed text;
+};
+
+static bool put_file(struct page *page, const char *name, struct error *err);
+
+/* Returns whether a file is for pages of other kinds. */
+static bool is_left_out(const struct page *page, const char *name)
+{
+    return (page->kind != PAGE_LIVE && strncmp(name, "live", 4) == 0) ||
+           (page->kind == PAGE_STILL && strncmp(name, "stack", 5) == 0);
+}
+
+/* Puts what a mark stands for. */
+static bool put_marked(struct page *page, const char *name, struct error *err)
+{
+    const bool live = page->kind == PAGE_LIVE;
+    if (strcmp(name, "data") == 0)
+        print_bytes(&page->text, page->data, page->n_data);
+    else if (strcmp(name, "policy") == 0)
+        print(&page->text, policy, live ? " 'wasm-unsafe-eval'" : "",
+              live ? "; worker-src blob:" : "");
+    else
+        return is_left_out(page, name) || put_file(page, name, err);
+    return true;
+}
+
+/* Puts a line, or what it stands for. Returns false after an error. */
+static bool put_line(struct page *page, const char *line, size_t length, struct error *err)
+{
+    static const char before[] = "<!-- ", after[] = " -->\n";
+    const size_t n_before = sizeof before - 1, n_after = sizeof after - 1;
+    char name[64];
+    if (length <= n_before + n_after || length >= sizeof name + n_before + n_after ||
+        memcmp(line, before, n_before) != 0 ||
+        memcmp(line + length - n_after, after, n_after) != 0 ||
+        memchr(line + n_before, ' ', length - n_before - n_after)) {
+        print_bytes(&page->text, line, length);
+        return true;
+    }
+    snprintf(name, sizeof name, "%.*s", (int)(length - n_before - n_after), line + n_before);
+    return put_marked(page, name, err);
+}
+
+static bool put_file(struct page *page, const char *name, struct error *err)
+{
+    char path[128], *source;
+    size_t length;
+    snprintf(path, sizeof path, "builtin:viewer/%s", name);
+    if (!file_read(path, (struct place){NULL, 0, 0}, &source, &length, err))
+        return false;
+    bool done = true;
+    for (const char *at = source; done && *at != '\0';) {
+        const char *end = strchr(at, '\n');
+        const size_t n = end ? (size_t)(end - at) + 1 : strlen(at);
+        done = put_line(page, at, n, err);
+        at += n;
+    }
+    free(source);
+    return done;
+}
+
+bool page_write(enum page_kind kind, struct printed *data, const char *path, size_t *bytes,
+                struct outputs *outputs, struct error *err)
+{
+    char *owned = printed_take(data, err);
+    struct page page = {.kind = kind, .data = owned, .n_data = data->length};
+    bool done = owned && put_file(&page, "page.html", err);
+    *bytes = page.text.length;
+    if (done)
+        done = printed_write(&page.text, path, outputs, err);
+    else
+        free(printed_end(&page.text));
+    free(owned);
+    return done;
+}

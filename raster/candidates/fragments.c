@@ -1,0 +1,320 @@
+/* SPDX-License-Identifier: MIT */
+/* Finds the fragments that OpenGL may have at each pixel of a chunk: those that it may show there,
+ * and how many it may draw, hidden ones included. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/inside.h"
+#include "raster/reference/reference.h"
+
+bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
+{
+    if (needed <= *capacity)
+        return true;
+    size_t larger = *capacity * 2 > needed ? *capacity * 2 : needed + 256;
+    if (larger > INT32_MAX || !memory_resize(array, larger, size))
+        return false;
+    *capacity = larger;
+    return true;
+}
+
+/* ---- visibility ---- */
+
+/* Takes out of a pixel's list the fragments behind its limit. */
+static void drop_hidden(struct fragments *of, struct fragment_list *pixel)
+{
+    int32_t *link = &pixel->head;
+    while (*link >= 0) {
+        struct fragment *fragment = &of->fragments[*link];
+        if (fragment->depth - fragment->depth_error <= pixel->limit) {
+            link = &fragment->next;
+            continue;
+        }
+        int32_t dropped = *link;
+        pixel->n_candidates--;
+        *link = fragment->next;
+        fragment->next = of->unused;
+        of->unused = dropped;
+    }
+}
+
+/* Adds a possible or definite fragment to a pixel's list. */
+static bool add_fragment(struct fragments *of, struct fragment_list *pixel,
+                         const struct fragment *fragment, bool definite)
+{
+    if (fragment->depth - fragment->depth_error > pixel->limit)
+        return true;
+    if (definite)
+        pixel->limit = fmin(pixel->limit, fragment->depth + fragment->depth_error);
+    if (pixel->n_candidates >= 2 * pixel->n_pruned) { /* seldom enough that time stays linear */
+        drop_hidden(of, pixel);
+        pixel->n_pruned = pixel->n_candidates + 1;
+    }
+    int32_t place = of->unused;
+    if (place >= 0) {
+        of->unused = of->fragments[place].next;
+    } else {
+        if (!array_grow(&of->fragments, &of->fragment_capacity, of->n_fragments + 1,
+                        sizeof *of->fragments))
+            return false;
+        place = (int32_t)of->n_fragments++;
+    }
+    of->fragments[place] = *fragment;
+    of->fragments[place].next = pixel->head;
+    pixel->head = place;
+    pixel->n_candidates++;
+    return true;
+}
+
+/* ---- counting fragments ---- */
+
+static uint64_t corner_number(const struct screen_triangle *triangle, int i, uint64_t object)
+{
+    uint64_t x, y;
+    memcpy(&x, &triangle->x[i], sizeof x);
+    memcpy(&y, &triangle->y[i], sizeof y);
+    return hash_bits(hash_bits(hash_bits(object) + x) + y);
+}
+
+/* A triangle at a pixel centre. */
+struct visit {
+    struct fragments *of;
+    int32_t triangle;
+    bool any; /* OpenGL may have a fragment of it somewhere */
+    struct fragment_list *pixel;
+    struct seam *seam;
+    double x, y;
+    struct edge_functions edges;
+    double most; /* most_slack */
+};
+
+static const struct bounded_triangle *visited(const struct visit *visit)
+{
+    return &visit->of->triangles[visit->triangle];
+}
+
+/* Adds the edges that OpenGL may put on either side of the centre. Triangles of one object that
+ * meet have corners of the same bits there. */
+static void add_edges(const struct visit *visit)
+{
+    const struct lit_scene *lit = visit->of->lit;
+    const struct screen_triangle *screen = &visited(visit)->screen;
+    uint64_t object =
+        (uint64_t)(bounds_of(lit, screen)->placed->object - lit->plan->scene->objects);
+    double slack[3];
+    edge_slack(&visit->edges, visited(visit)->edge_px, slack);
+    for (int i = 0; i < 3; i++) {
+        if (visit->edges.e[i] > slack[i])
+            continue;
+        uint64_t from = corner_number(screen, (i + 1) % 3, object),
+                 to = corner_number(screen, (i + 2) % 3, object);
+        visit->seam->edge_sum[screen->clockwise] +=
+            hash_bits(from + 2 * to) - hash_bits(to + 2 * from);
+    }
+}
+
+static void count_fragment(const struct visit *visit, enum presence presence, bool covered)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    struct fragment_list *pixel = visit->pixel;
+    if (triangle->other_side) /* the same fragment, which its own side counts */
+        return;
+    pixel->n_possible++;
+    if (presence == DEFINITE) {
+        pixel->n_definite++;
+        return;
+    }
+    visit->seam->n_covered += covered;
+    visit->seam->open = visit->seam->open || triangle->edge_on || triangle->cut;
+    add_edges(visit);
+}
+
+bool is_closed(const struct seam *seam)
+{
+    return !seam->open && seam->edge_sum[0] == 0 && seam->edge_sum[1] == 0;
+}
+
+/* ---- clipped triangles ---- */
+
+/* Adds a part to the lists of triangles, behind the last one. */
+static bool add_part(struct fragments *of, const struct triangle_part *part)
+{
+    size_t n_clipped = (size_t)(part->bounded.n_clipped + part->bounded.n_slivers);
+    if (!array_grow(&of->triangles, &of->triangle_capacity, of->n_triangles + 1,
+                    sizeof *of->triangles) ||
+        !array_grow(&of->clipped, &of->clipped_capacity, of->n_clipped + n_clipped,
+                    sizeof *of->clipped))
+        return false;
+    struct bounded_triangle *triangle = &of->triangles[of->n_triangles];
+    *triangle = part->bounded;
+    triangle->first_clipped = (int32_t)of->n_clipped;
+    memcpy(of->clipped + of->n_clipped, part->clipped, n_clipped * sizeof *of->clipped);
+    return true;
+}
+
+/* True if the point lies where OpenGL sets two clipped triangles side by side. */
+static bool is_on_seam(const struct visit *visit)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    const struct clipped_triangle *clipped = &visit->of->clipped[triangle->first_clipped];
+    for (int32_t i = 0; i < triangle->n_clipped && triangle->n_clipped > 1; i++)
+        if (clipped_presence(&clipped[i], visit->x, visit->y) == POSSIBLE)
+            return true;
+    return false;
+}
+
+static unsigned count_bits(unsigned bits)
+{
+    unsigned n = 0;
+    for (; bits != 0; bits &= bits - 1)
+        n++;
+    return n;
+}
+
+unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
+                    double px, double py)
+{
+    const struct clipped_triangle *clipped = &fragments->clipped[triangle->first_clipped];
+    unsigned all = (1u << triangle->n_clipped) - 1, some = 0;
+    for (int32_t i = 0; i < triangle->n_clipped; i++)
+        if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
+            some |= 1u << i;
+    return some == 0 && triangle->cut ? all : some;
+}
+
+/* True if OpenGL may set up a sliver there, besides the clipped triangles. */
+static bool is_on_sliver(const struct visit *visit)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    const struct clipped_triangle *sliver =
+        &visit->of->clipped[triangle->first_clipped + triangle->n_clipped];
+    for (int32_t i = 0; i < triangle->n_slivers; i++)
+        if (clipped_presence(&sliver[i], visit->x, visit->y) != IMPOSSIBLE)
+            return true;
+    return false;
+}
+
+/* True if OpenGL's error has no bound at a point: on a clipped triangle that is too thin for one,
+ * where depth has none either, or so far away that roundings of 1 / w, made where it is larger, may
+ * be nearly all of it. */
+static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    double sum = 0, inverse_w = 0;
+    bool far = false;
+    for (int i = 0; i < 3; i++) {
+        sum += visit->edges.e[i];
+        inverse_w += visit->edges.e[i] * triangle->screen.inverse_w[i];
+    }
+    *thin = is_on_sliver(visit);
+    for (int32_t i = 0; i < triangle->n_clipped; i++) {
+        const struct clipped_triangle *part = &visit->of->clipped[triangle->first_clipped + i];
+        const struct colour_bound *bound = &part->inverse_w_bound;
+        if (!(clipped >> i & 1))
+            continue;
+        *thin = *thin || !(part->magnification < HUGE_VAL);
+        far = far || !(1.125 * (bound->fixed * sum + bound->per_d * inverse_w) <= inverse_w);
+    }
+    return *thin || far;
+}
+
+/* ---- triangles ---- */
+
+/* A fragment that OpenGL has, or may have. */
+static bool judge_fragment(struct visit *visit, enum presence presence, unsigned clipped)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    struct fragment fragment = {.triangle = visit->triangle,
+                                .depth = depth_at(&triangle->screen, &visit->edges)};
+    bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
+                         (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
+    if (!visit->of->lit->driver->watertight && is_on_seam(visit)) {
+        presence = POSSIBLE;
+        if (!triangle->other_side) /* a fragment by each clipped triangle */
+            visit->pixel->n_possible += count_bits(clipped) - 1;
+    }
+    fragment.loose = is_loose(visit, clipped, &thin);
+    fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;
+    /* the near or the far plane may cut it off */
+    if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
+        presence = POSSIBLE;
+        visit->seam->open = true;
+    }
+    count_fragment(visit, presence, covered);
+    return bounds_of(visit->of->lit, &triangle->screen)->placed->twin ||
+           add_fragment(visit->of, visit->pixel, &fragment, presence == DEFINITE);
+}
+
+static bool visit_pixel(void *context, int x, int y)
+{
+    struct visit *visit = context;
+    const struct bounded_triangle *triangle = visited(visit);
+    const struct rectangle *rows = &visit->of->rows;
+    visit->x = x + 0.5;
+    visit->y = y + 0.5;
+    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
+    enum presence presence = triangle_presence(triangle, &visit->edges, visit->most);
+    if (presence == IMPOSSIBLE)
+        return true;
+    visit->any = true;
+    unsigned clipped =
+        triangle->n_clipped == 1 ? 1 : clipped_at(visit->of, triangle, visit->x, visit->y);
+    if (clipped == 0)
+        return true;
+    size_t pixel = (size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x);
+    visit->pixel = &visit->of->pixels[pixel];
+    visit->seam = &visit->of->seams[pixel];
+    return judge_fragment(visit, presence, clipped);
+}
+
+/* Triangles without a fragment are forgotten at once: there may be thousands to a pixel. */
+static bool visit_triangle(struct fragments *of, int surface, int triangle)
+{
+    struct triangle_part parts[TRIANGLE_PARTS];
+    int n = triangle_parts(of->lit, surface, triangle, of->tile, &of->rows, parts);
+    for (int i = 0; i < n; i++) {
+        const struct bounded_triangle *bounded = &parts[i].bounded;
+        struct visit visit = {
+            .of = of, .triangle = (int32_t)of->n_triangles, .most = most_slack(bounded)};
+        if (!add_part(of, &parts[i]) ||
+            !scan_triangle(&bounded->screen, &of->rows, most_of(bounded->edge_px), visit_pixel,
+                           &visit))
+            return false;
+        of->n_triangles += visit.any;
+        of->n_clipped += visit.any ? (size_t)(bounded->n_clipped + bounded->n_slivers) : 0;
+    }
+    return true;
+}
+
+bool fragments_find(struct fragments *out)
+{
+    size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height;
+    out->unused = -1;
+    if (!memory_make(&out->pixels, n_pixels, sizeof *out->pixels) ||
+        !memory_make(&out->seams, n_pixels, sizeof *out->seams))
+        return false;
+    for (size_t i = 0; i < n_pixels; i++)
+        out->pixels[i] = (struct fragment_list){.head = -1, .limit = HUGE_VAL};
+    for (int s = 0; s < out->lit->plan->n_instances; s++) {
+        if (!surface_reaches(&out->lit->bounds[s], &out->rows))
+            continue;
+        int n_triangles = out->lit->surfaces[s].instance->n_triangles;
+        const bool *hidden = out->lit->bounds[s].hidden;
+        for (int t = 0; t < n_triangles; t++)
+            if (!(hidden && hidden[t]) && !visit_triangle(out, s, t))
+                return false;
+    }
+    for (size_t i = 0; i < n_pixels; i++)
+        drop_hidden(out, &out->pixels[i]);
+    return true;
+}
+
+void fragments_free(struct fragments *fragments)
+{
+    FREE_ALL(fragments->pixels, fragments->seams, fragments->triangles, fragments->fragments,
+             fragments->clipped);
+}

@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "candidates" share. */
+#ifndef RASTER_CANDIDATES_INSIDE_H
+#define RASTER_CANDIDATES_INSIDE_H
+
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
+
+/* The bound of a value interpolated with perspective: constant + (fixed + per_d D) / (D - e). D is
+ * 1 / w at the pixel; e = fixed + per_d D is D's own bound, and less than D. This error is common
+ * to all bands. A band's own roundings add up to own_constant + own_fixed / (D - e) at most. */
+struct colour_bound {
+    double constant, fixed, per_d, own_constant, own_fixed;
+    double slope; /* over D a bound on the value's own change from pixel to pixel */
+};
+/* A triangle as OpenGL sets it up for interpolation, after clipping. */
+struct clipped_triangle {
+    double x[3], y[3], z[3], inverse_w[3], share[3][3]; /* as of struct screen_triangle */
+    double slack_px[3];      /* of each corner in x and y, off the plane of interpolated values */
+    double moved_px[3];      /* how far each may be from its place, in this plane, too */
+    int cuts;                /* how many made a corner, at most */
+    double grid_px;          /* by how much OpenGL's edges are off its corners */
+    double value_roundings;  /* of struct driver */
+    struct slack slack;      /* of any corner */
+    double reach_x, reach_y; /* largest coordinates of a pixel, from OpenGL's origin */
+    double magnification;    /* of all bounds, by thinness; HUGE_VAL: too thin for any bound */
+    struct colour_bound inverse_w_bound; /* of D; magnified */
+};
+void bound_inverse_w(struct clipped_triangle *triangle); /* sets the last two members */
+/* Bounds a value interpolated linearly in the window (depth), with corners off by e_values. */
+double bound_linear(const struct clipped_triangle *triangle, const double values[3],
+                    double e_values);
+struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3]);
+
+/* ---- triangle.c: a triangle as it lies in a tile ---- */
+
+/* A part of a triangle in front of the eye, with the bounds that hold for all of it. */
+struct bounded_triangle {
+    struct screen_triangle screen;    /* cut by planes that single precision may reach */
+    bool other_side;                  /* the same place once more, for its other side */
+    bool edge_on;                     /* OpenGL may see it turned the other way */
+    bool cut;                         /* by the near or the far plane */
+    bool straddles;                   /* OpenGL cuts it at the tile's border */
+    int32_t first_clipped, n_clipped; /* what OpenGL sets up for it, in the list of a chunk */
+    int32_t n_slivers;  /* behind these: what it sets up besides if it cuts a corner in doubt */
+    struct slack slack; /* of any corner, as OpenGL interpolates */
+    double edge_px[3];  /* of each corner as OpenGL follows edges; 0: without any error */
+    double depth_error; /* of the depth at a pixel, off thin triangles; HUGE_VAL: none */
+};
+/* A part with the n_clipped triangles that OpenGL sets up for it: itself, or what clipping at the
+ * tile's border and in depth makes of its whole triangle, fanned from the first corner. */
+struct triangle_part {
+    struct bounded_triangle bounded;
+    struct clipped_triangle clipped[2 * (CLIP_CORNERS - 2)];
+};
+/* Two planes cut at most two corners off; a triangle seen edge-on shows either side. */
+enum { TRIANGLE_PARTS = 2 * SCREEN_TRIANGLES };
+/* Finds the parts of one triangle of a surface that reach `rows`, which are a part of the tile.
+ * Returns how many. */
+int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
+                   const struct rectangle *tile, const struct rectangle *rows,
+                   struct triangle_part out[TRIANGLE_PARTS]);
+
+/* ---- polygon.c: what clipping makes of a triangle, with the errors that it makes ---- */
+
+/* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
+ * the same place there: the cut depends on how far the ends of the edge are from the plane. Values
+ * that are interpolated keep their plane when a corner slides in the plane of the triangle. */
+enum { SLIDES = 31 }; /* a corner that five planes cut, one after the other */
+struct cut_corner {
+    double e[4];              /* of clip coordinates, off the plane of the triangle */
+    double slides[SLIDES][4]; /* it may be off by any part, up to all, of each of these vectors */
+    int n_slides;             /* SLIDES + 1: too many */
+    double off;               /* distance from the planes that cut it */
+    int planes;               /* those that cut it: bit i for plane i */
+    int cuts;                 /* how many made it; 0: a corner of the triangle */
+    int whole;                /* 0..2: that corner; -1: it was made by a cut */
+};
+struct polygon {
+    int n;
+    struct corner corner[CLIP_CORNERS];
+    struct cut_corner cut[CLIP_CORNERS];
+};
+/* Finds the planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last
+ * two are widened by what single precision may be off there, so that no possible pixel is lost;
+ * near not so far that w = 0 comes in. That limit loses no pixel: see check_near in vertex.c. */
+void clip_planes(const struct lit_scene *lit, const struct screen_triangle *screen,
+                 const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES]);
+/* Clips the whole triangle by all planes. Its corners come in the order in which OpenGL gets them,
+ * which decides how it fans the polygon. */
+struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
+                          const struct rectangle *tile);
+/* Clips deeper by the near and the far plane where a corner lies so near to one of them that OpenGL
+ * may cut it off. n is 0 where there is no such corner. */
+struct polygon doubtful_polygon_of(const struct lit_scene *lit,
+                                   const struct screen_triangle *screen,
+                                   const struct rectangle *tile);
+/* The bounds of a corner that is not cut, and of any corner: off the plane of its triangle; and how
+ * far a corner may be from its place in the window, in this plane, too. */
+const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
+                                          const struct screen_triangle *screen, int corner);
+struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
+                         int corner);
+struct slack polygon_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
+                           const struct polygon *polygon, int i);
+double moved_px(const struct lit_scene *lit, const struct screen_triangle *screen,
+                const struct polygon *polygon, int i);
+
+/* ---- presence.c: how sure it is that OpenGL has a fragment at a point ---- */
+
+enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
+/* Bounds OpenGL's errors in the edge functions at a point, where corners are off by `errors`. */
+void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3]);
+/* The largest of these at any pixel that scan_triangle visits. */
+double most_slack(const struct bounded_triangle *triangle);
+enum presence triangle_presence(const struct bounded_triangle *triangle,
+                                const struct edge_functions *edges, double most);
+enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py);
+
+/* ---- fragments.c: the fragments that OpenGL may have ---- */
+
+/* A fragment that may be seen at a pixel: a link in the pixel's list. */
+struct fragment {
+    int32_t triangle, next;
+    bool loose; /* its colour has no bound */
+    double depth, depth_error;
+};
+struct fragment_list {               /* of a pixel; 32 bytes, since every fragment touches it */
+    int32_t head;                    /* first possible fragment; -1: none */
+    int32_t n_candidates, n_pruned;  /* in the list; when it was last rid of hidden ones */
+    uint32_t n_definite, n_possible; /* fragments, hidden ones too */
+    double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
+};
+/* Edges that run by within their slack. */
+struct seam {
+    /* Each such edge, a random number for one direction and its negative for the other, adds to one
+     * of these, by how its triangle turns. Both are 0 where all have a triangle on either side. */
+    uint64_t edge_sum[2];
+    uint32_t n_covered; /* fragments of the reference that are not definite */
+    bool open;          /* some possible fragment is not counted in the sums */
+};
+struct fragments {
+    const struct lit_scene *lit;
+    const struct rectangle *tile; /* as OpenGL draws it */
+    struct rectangle rows;        /* this chunk's part */
+    struct fragment_list *pixels;
+    struct seam *seams; /* of each pixel */
+    struct bounded_triangle *triangles;
+    struct fragment *fragments;
+    struct clipped_triangle *clipped;
+    size_t n_triangles, n_fragments, n_clipped, triangle_capacity, fragment_capacity,
+        clipped_capacity;
+    int32_t unused; /* list of fragments to use again */
+};
+/* Finds the fragments of all pixels of out->rows; lit, tile and rows are set. False: no memory. */
+bool fragments_find(struct fragments *out);
+void fragments_free(struct fragments *fragments);
+/* Finds the clipped triangles that OpenGL may have at a point: bit i stands for number i. Beyond
+ * the near and the far plane all are possible. */
+unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
+                    double px, double py);
+/* True if an edge near the centre always has a triangle on either side. */
+bool is_closed(const struct seam *seam);
+/* Makes room for `needed` elements. False: no memory, or more than int32_t counts. */
+bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
+
+/* ---- pixel.c: a triangle at a pixel ---- */
+
+
+/* NULL: no memory. The fragments must outlive it. */
+struct bounded_pixel *pixel_open(const struct fragments *fragments);
+void pixel_close(struct bounded_pixel *pixel);
+/* Computes attributes and their bounds; without a texture, weights only if weights_matter. */
+void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *triangle, int x, int y,
+                 bool weights_matter);
+/* Finds the places in the texture that OpenGL may sample: 1 without a texture. Take one of them. */
+int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES]);
+void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *place);
+/* Counts the outcomes of unclear gates at the triangle's vertices, the reference's first, at
+ * most 8. Turn to one of them, after pixel_bound. */
+int pixel_gates(const struct bounded_pixel *pixel);
+void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
+void pixel_weights(const struct bounded_pixel *pixel, double *rows); /* see put_rows */
+/* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
+ */
+struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,
+                               float *errors, float *own);
+/* Bounds the change of radiance within a pixel's width, at any wavelength. */
+double pixel_steepness(const struct bounded_pixel *pixel);
+
+/* ---- chunk.c: a part of a tile, with its candidates ---- */
+
+/* Draws chunk `index`, counted from the top, of a tile: CHUNK_ROWS rows, fewer in the last chunk.
+ * Finds its candidates if the plan asks for a check. A plan that neither checks nor stores the
+ * reference's pixels gets no picture: only picture.at is set. Results do not depend on how a
+ * picture is cut into chunks. False: no memory. chunk_free accepts what a failure left. */
+bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
+                struct chunk *out);
+void chunk_free(struct chunk *chunk);
+
+#endif

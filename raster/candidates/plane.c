@@ -1,0 +1,198 @@
+/* SPDX-License-Identifier: MIT */
+/* Bounds OpenGL's errors inside a triangle whose corners are right to within known bounds.
+ *
+ * Mesa interpolates a value a through planes: N = a / w and D = 1 / w are set up from the corners
+ * in single precision with their origin at the corner of the framebuffer, evaluated at the pixel
+ * centre, and divided. With N' and D' for OpenGL's values, and r for the true quotient,
+ *     N' / D' - r = ((N' - N) - r (D' - D)) / D'.
+ * Corners that are off by e_i change a plane by the sum of l_i g . e_i, where g is its gradient and
+ * l_i are the barycentric coordinates in the triangle that OpenGL has: position errors count once,
+ * times the gradient of N - r D, and a shift of the triangle as a whole cancels out of everything
+ * else. Roundings of the set-up are magnified by the triangle's thinness, those of the evaluation
+ * grow with the distance to the origin. */
+#include <math.h>
+
+#include "data/maths/maths.h"
+#include "raster/candidates/inside.h"
+
+/* Edge vectors and what follows from them. Edge i runs from corner i to corner i + 1. */
+struct edges {
+    double dx[3], dy[3];
+    double twice_area;    /* not negative */
+    double width, height; /* of the bounding box, a pixel added for extrapolation */
+    double e_area;        /* relative rounding error of the area in single precision */
+    double thinness;      /* relative change of the area when each corner is off by its slack */
+    double spread;        /* sum of |l_i| at a pixel that OpenGL may cover: 1 inside */
+    /* slack_px of corner i is at most slack + slack_per_d / w_i: errors of cutting near the eye do
+     * not matter far from it */
+    double slack, slack_per_d;
+};
+
+static double largest(const double q[3])
+{
+    return fmax(fabs(q[0]), fmax(fabs(q[1]), fabs(q[2])));
+}
+
+static struct edges edges_of(const struct clipped_triangle *triangle)
+{
+    struct edges edges = {.slack_per_d = 0};
+    for (int i = 0; i < 3; i++) {
+        int next = (i + 1) % 3;
+        edges.dx[i] = triangle->x[next] - triangle->x[i];
+        edges.dy[i] = triangle->y[next] - triangle->y[i];
+    }
+    double e = edges.dx[0] * edges.dy[1], f = edges.dx[1] * edges.dy[0];
+    edges.twice_area = fabs(e - f);
+    edges.width = most_of(triangle->x) - least_of(triangle->x) + 1;
+    edges.height = most_of(triangle->y) - least_of(triangle->y) + 1;
+    edges.e_area = roundings(3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
+    double change = 0, perimeter = 0;
+    for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
+        double length = fabs(edges.dx[i]) + fabs(edges.dy[i]),
+               moved = triangle->moved_px[(i + 2) % 3], other = triangle->moved_px[i];
+        change += moved * length + 2 * moved * other;
+        perimeter += length;
+    }
+    edges.thinness = change / edges.twice_area;
+    edges.spread = 1 + 2 * triangle->grid_px * perimeter / edges.twice_area;
+    edges.slack = least_of(triangle->slack_px);
+    for (int i = 0; i < 3; i++)
+        edges.slack_per_d =
+            fmax(edges.slack_per_d, (triangle->slack_px[i] - edges.slack) / triangle->inverse_w[i]);
+    return edges;
+}
+
+struct gradient {
+    double x, y;
+};
+
+static struct gradient gradient_of(const struct edges *edges, const double q[3])
+{
+    double d1 = q[1] - q[0], d2 = q[2] - q[0];
+    double dx2 = -edges->dx[2], dy2 = -edges->dy[2]; /* corner 0 to corner 2 */
+    double area = edges->dx[0] * dy2 - dx2 * edges->dy[0];
+    return (struct gradient){(d1 * dy2 - d2 * edges->dy[0]) / area,
+                             (d2 * edges->dx[0] - d1 * dx2) / area};
+}
+
+static double norm(struct gradient g)
+{
+    return fabs(g.x) + fabs(g.y);
+}
+
+/* Bounds on the roundings of a plane: those that all attributes share, and those of this one. */
+struct plane_rounding {
+    double common, own;
+};
+
+/* The step of q along one edge times the other edge over the area, over the triangle's extent. */
+static double product_size(const struct edges *edges, const double q[3], int step, int other)
+{
+    return fabs(q[(step + 1) % 3] - q[step]) *
+           (fabs(edges->dy[other]) * edges->width + fabs(edges->dx[other]) * edges->height) /
+           edges->twice_area;
+}
+
+/* Roundings of a plane through q, but for those relative to its value at the pixel.
+ * A gradient is a difference of two products, each of a step of q along one edge and another edge
+ * over the area. Edges and area are computed once for all attributes: 2 roundings of each product,
+ * and the area's own. An attribute rounds its steps and products (2 of each product), the
+ * difference and its scaling (2). Gradients act over the extent of the triangle. With X and Y for
+ * the parts of the plane's value that grow with x and y from the framebuffer's origin, the value at
+ * the origin rounds X, Y, X + Y and itself; the evaluation rounds X, Y and the sum of two of the
+ * three parts: 2 X + 3 Y + 2 (X + Y). A corner's coordinates round once, for all attributes. y may
+ * run either way. */
+static struct plane_rounding plane_rounding(const struct clipped_triangle *triangle,
+                                            const struct edges *edges, const double q[3])
+{
+    struct gradient g = gradient_of(edges, q);
+    double terms = 0, across = fabs(g.x) * triangle->reach_x, up = fabs(g.y) * triangle->reach_y;
+    for (int i = 0; i < 3; i++) /* from any corner */
+        terms = fmax(terms, product_size(edges, q, i, (i + 2) % 3) +
+                                product_size(edges, q, (i + 2) % 3, i));
+    double extent = fabs(g.x) * edges->width + fabs(g.y) * edges->height;
+    return (struct plane_rounding){
+        .common = roundings(2) * terms + edges->e_area * extent + roundings(1) * (across + up),
+        .own = roundings(2) * (terms + extent) + roundings(4) * across + roundings(5) * up};
+}
+
+/* True in a parallel view: w is 1, and neither products nor divisions by it round. */
+static bool is_parallel(const struct clipped_triangle *triangle)
+{
+    const double *d = triangle->inverse_w;
+    return d[0] == 1 && d[1] == 1 && d[2] == 1;
+}
+
+/* Roundings of D's plane relative to its value at the pixel. */
+static double inverse_w_roundings(const struct clipped_triangle *triangle)
+{
+    return is_parallel(triangle) ? 0 : roundings(triangle->value_roundings);
+}
+
+double bound_linear(const struct clipped_triangle *triangle, const double values[3],
+                    double e_values)
+{
+    struct edges edges = edges_of(triangle);
+    struct plane_rounding rounding = plane_rounding(triangle, &edges, values);
+    return most_of(triangle->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
+           e_values * edges.spread + rounding.common + rounding.own +
+           roundings(triangle->value_roundings) * largest(values) * edges.spread;
+}
+
+/* The sum of |l_i| slack_px of corner i, without the part that grows with D: the sum of l_i / w_i
+ * is D itself, to which a pixel outside of the triangle adds. */
+static double fixed_slack(const struct clipped_triangle *triangle, const struct edges *edges)
+{
+    return edges->slack * edges->spread +
+           edges->slack_per_d * (edges->spread - 1) * largest(triangle->inverse_w);
+}
+
+/* Bounds the error of D, but for its part relative to D. */
+static double inverse_w_error(const struct clipped_triangle *triangle, const struct edges *edges)
+{
+    struct plane_rounding rounding = plane_rounding(triangle, edges, triangle->inverse_w);
+    return rounding.common + rounding.own;
+}
+
+void bound_inverse_w(struct clipped_triangle *triangle)
+{
+    struct edges edges = edges_of(triangle);
+    double slope = norm(gradient_of(&edges, triangle->inverse_w)),
+           fixed = slope * fixed_slack(triangle, &edges) + inverse_w_error(triangle, &edges),
+           per_d = slope * edges.slack_per_d + inverse_w_roundings(triangle),
+           magnification = HUGE_VAL;
+    /* beyond, second-order terms would no longer be small */
+    if (edges.thinness <= 0.75 && edges.e_area <= 0.25)
+        magnification = 1.001 / ((1 - edges.thinness) * (1 - edges.e_area));
+    triangle->magnification = magnification;
+    triangle->inverse_w_bound =
+        (struct colour_bound){.fixed = fixed * magnification, .per_d = per_d * magnification};
+}
+
+/* The corners' products a / w round once each. Inside the triangle their errors, interpolated, are
+ * relative to a value between theirs. So are the roundings of a plane that are relative to its own
+ * value, of N and of D. The division rounds twice. */
+struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3])
+{
+    struct edges edges = edges_of(triangle);
+    const double *d = triangle->inverse_w, products = is_parallel(triangle) ? 0 : 3;
+    double n[3], slope = 0, range = 0, value = largest(values), beyond = edges.spread - 1;
+    for (int i = 0; i < 3; i++) {
+        n[i] = values[i] * d[i];
+        range = fmax(range, fabs(values[i] - values[(i + 1) % 3]));
+    }
+    struct gradient g_n = gradient_of(&edges, n), g_d = gradient_of(&edges, d);
+    for (int i = 0; i < 3; i++) /* linear in r, so largest at a corner's value */
+        slope = fmax(slope,
+                     norm((struct gradient){g_n.x - values[i] * g_d.x, g_n.y - values[i] * g_d.y}));
+    struct plane_rounding of_n = plane_rounding(triangle, &edges, n);
+    return (struct colour_bound){
+        .slope = slope,
+        .constant = triangle->slack.w * range + inverse_w_roundings(triangle) * value,
+        .per_d = slope * edges.slack_per_d,
+        .fixed = slope * fixed_slack(triangle, &edges) +
+                 triangle->slack.w * range * beyond * largest(d) + of_n.common +
+                 value * inverse_w_error(triangle, &edges),
+        .own_constant = roundings(products + triangle->value_roundings) * value,
+        .own_fixed = of_n.own + roundings(1 + triangle->value_roundings) * beyond * largest(n)};
+}

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT */
+/* The verdict on the picture: how much of it was checked, and whether it agrees on average. */
+#include <float.h>
+#include <math.h>
+
+#include "data/base/base.h"
+#include "raster/candidates/candidates.h"
+#include "raster/check/inside.h"
+#include "raster/counts/counts.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+
+/* ---- totals ---- */
+
+static const struct check_verdict nothing = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
+                                             .worst_depth_ratio = -1};
+
+/* A pixel of a tile shows at most one triangle. */
+static size_t most_shown(const struct plan *plan, size_t n_triangles)
+{
+    const size_t pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    return pixels < n_triangles ? pixels : n_triangles;
+}
+
+bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err)
+{
+    const struct plan *plan = scene->lit->plan;
+    const int n = plan->n_instances;
+    *out = (struct check_totals){.scene = scene, .verdict = nothing};
+    if (!MAKE_ARRAY(out->first, n, err, "%d objects", n) ||
+        !MAKE_ARRAY(out->unchecked, n, err, "%d objects", n))
+        return false;
+    for (int s = 0; s < n; s++) {
+        out->first[s] = out->n_triangles;
+        out->n_triangles += (size_t)plan->instances[s].instance.n_triangles;
+    }
+    out->most_shown = most_shown(plan, out->n_triangles);
+    return MAKE_ARRAY(out->varying, out->n_triangles, err, "%zu triangles", out->n_triangles) &&
+           MAKE_ARRAY(out->shown, out->most_shown, err, "%zu triangles", out->most_shown);
+}
+
+void totals_free(struct check_totals *totals)
+{
+    FREE_ALL(totals->first, totals->unchecked, totals->varying, totals->shown);
+    *totals = (struct check_totals){.scene = NULL};
+}
+
+double checked_counts(const struct plan *plan)
+{
+    return CHECKED_COUNTS + buffer_rounding(plan);
+}
+
+void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
+                 const struct mean_bound *mean)
+{
+    const double counts = shaded_brightest(totals->scene->lit->bounds[surface].shaded) /
+                          totals->scene->full_scale * FULL_COUNT;
+    const bool bounded = floor < FULL_COUNT,
+               checked = floor <= checked_counts(totals->scene->lit->plan);
+    totals->verdict.objects++;
+    totals->verdict.unbounded += !bounded;
+    totals->verdict.unchecked += !checked;
+    totals->unchecked[surface][mean->cause] += !checked;
+    if (!(floor < HUGE_VAL)) /* its samples are in no sum */
+        return;
+    /* a float below the least normal number may have lost its digits */
+    totals->shared += ((double)mean->shared + (double)FLT_MIN) * counts;
+    const size_t shown = totals->first[surface] + (size_t)triangle;
+    const double varying = (double)mean->varying * counts;
+    if (totals->varying[shown] <= 0 && !(varying <= 0)) /* NaN, too */
+        totals->shown[totals->n_shown++] = shown;
+    totals->varying[shown] += varying;
+}
+
+static void totals_add(struct check_totals *picture, struct check_totals *tile)
+{
+    verdict_add(&picture->verdict, &tile->verdict);
+    tile->verdict = nothing;
+    picture->shared += tile->shared;
+    tile->shared = 0;
+    for (size_t i = 0; i < tile->n_shown; i++) {
+        double *varying = &tile->varying[tile->shown[i]];
+        picture->varying[tile->shown[i]] += *varying;
+        *varying = 0;
+    }
+    tile->n_shown = 0;
+    for (int s = 0; s < tile->scene->lit->plan->n_instances; s++)
+        for (int c = 0; c < BOUND_CAUSES; c++) {
+            picture->unchecked[s][c] += tile->unchecked[s][c];
+            tile->unchecked[s][c] = 0;
+        }
+}
+
+void sums_add(struct tile_sums *picture, struct tile_sums *tile)
+{
+    picture->odd.clipped += tile->odd.clipped;
+    picture->odd.undefined += tile->odd.undefined;
+    picture->light.points_lit += tile->light.points_lit;
+    picture->light.specular_vertices += tile->light.specular_vertices;
+    picture->light.power_functions += tile->light.power_functions;
+    tile->odd = (struct odd_samples){0, 0};
+    tile->light = (struct light_work){.points_lit = 0};
+    if (tile->totals.scene)
+        totals_add(&picture->totals, &tile->totals);
+}
+
+/* ---- the mean residual ---- */
+
+double mean_residual(const struct check_samples *samples)
+{
+    return samples->n ? samples->sum / (double)samples->n : (double)NAN;
+}
+
+static const double chance = 21.4164; /* ln(2 x 10^9) */
+
+/* Errors that follow from the vertices may be the same at all pixels of an object, in all objects:
+ * their bounds add up. Errors of positions and interpolation are taken to be as often positive as
+ * negative, and to be independent from triangle to triangle, but not within one. A sum of
+ * independent errors e_i with a mean of 0, each at most b_i, exceeds s with a probability of at
+ * most 2 exp(-s^2 / (2 sum b_i^2)) (Hoeffding 1963). The limit leaves 10^-9 for that: s^2 is 2 ln(2
+ * x 10^9) sum b_i^2. A colour buffer of steps that cuts samples off leaves no limit. */
+static double mean_limit(const struct check_totals *totals)
+{
+    const struct plan *plan = totals->scene->lit->plan;
+    if (totals->scene->clips && buffer_steps(plan) > 0)
+        return HUGE_VAL;
+    const double pixels = (double)totals->verdict.pixels;
+    double squares = 0;
+    for (int s = 0; s < plan->n_instances; s++)
+        for (int t = 0; t < plan->instances[s].instance.n_triangles; t++) {
+            double sum = totals->varying[totals->first[s] + (size_t)t];
+            squares += sum * sum;
+        }
+    return (totals->shared + sqrt(2 * chance * squares)) / pixels + buffer_rounding(plan) +
+           flushed_counts();
+}
+
+bool is_biased(const struct check_verdict *verdict)
+{
+    return fabs(mean_residual(&verdict->samples)) > verdict->mean_limit;
+}
+
+/* ---- the verdict ---- */
+
+/* Finds the surface with most pixels that are not checked, and the cause of most of those. */
+static void find_unchecked(struct check_totals *totals)
+{
+    const struct plan *plan = totals->scene->lit->plan;
+    uint64_t most = 0, largest = 0;
+    totals->verdict.unchecked_surface = -1;
+    for (int s = 0; s < plan->n_instances; s++) {
+        uint64_t sum = 0;
+        for (int c = 0; c < BOUND_CAUSES; c++)
+            sum += totals->unchecked[s][c];
+        if (sum > most) {
+            most = sum;
+            totals->verdict.unchecked_surface = s;
+        }
+    }
+    for (int c = 0; c < BOUND_CAUSES && most > 0; c++) {
+        uint64_t n = totals->unchecked[totals->verdict.unchecked_surface][c];
+        if (n > largest) {
+            largest = n;
+            totals->verdict.unchecked_cause = (enum bound_cause)c;
+        }
+    }
+}
+
+void totals_finish(struct check_totals *totals)
+{
+    totals->verdict.mean_limit = mean_limit(totals);
+    find_unchecked(totals);
+}
+
+enum check_outcome check_outcome(const struct plan *plan, const struct check_verdict *verdict)
+{
+    if (verdict->unexplained > 0 || is_biased(verdict))
+        return OUTCOME_DIFFERS;
+    return (double)verdict->unchecked > plan->options.unchecked * (double)verdict->objects
+               ? OUTCOME_NOT_VERIFIED
+               : OUTCOME_AGREED;
+}

@@ -1,0 +1,210 @@
+/* SPDX-License-Identifier: MIT */
+/* Samples beside their expected values and bounds, and sums over many samples. */
+#include <float.h>
+#include <math.h>
+
+#include "raster/check/inside.h"
+#include "raster/counts/counts.h"
+
+/* ---- samples ---- */
+
+/* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
+ * whole lanes with samples that are 0 and expected to be 0. More lanes do not fit in the
+ * registers. */
+
+static size_t fill_lanes(struct block *block)
+{
+    size_t n = block->n;
+    for (; n % LANES != 0; n++) {
+        block->seen[n] = block->bound[n] = block->fit.explained[n] = block->fit.limit[n] = 0;
+        block->expected[n] = 0;
+    }
+    return n;
+}
+
+static double seen_counts(const struct block *block, size_t i)
+{
+    return (double)block->seen[i] * FULL_COUNT;
+}
+
+/* Fills in the differences of `all` samples, a multiple of LANES. */
+static void differ(struct check_samples *samples, const float *restrict seen,
+                   const double *restrict expected, float *restrict difference, size_t all)
+{
+    double sums[LANES] = {0}, squares[LANES] = {0};
+    for (size_t i = 0; i < all; i += LANES) {
+        double apart[LANES];
+        for (size_t k = 0; k < LANES; k++)
+            apart[k] = (double)seen[i + k] * FULL_COUNT - expected[i + k];
+        for (size_t k = 0; k < LANES; k++)
+            difference[i + k] = (float)apart[k];
+        for (size_t k = 0; k < LANES; k++)
+            sums[k] += apart[k];
+        for (size_t k = 0; k < LANES; k++)
+            squares[k] += apart[k] * apart[k];
+    }
+    for (size_t k = 0; k < LANES; k++) {
+        samples->sum += sums[k];
+        samples->sum_of_squares += squares[k];
+    }
+}
+
+/* Limits that all samples of a block may be within. */
+struct within {
+    float difference;       /* the largest magnitude of a difference */
+    float ratio, fit_ratio; /* the largest error / bound, rest / limit */
+};
+
+/* Returns whether all samples are counts, which need not be clamped, and within these limits; NaN
+ * is not. */
+static bool are_within(const struct block *block, const struct within *limits, size_t all)
+{
+    const float *seen = block->seen, worst = limits->difference, ratio = limits->ratio,
+                fit_ratio = limits->fit_ratio;
+    int odd = 0;
+    for (size_t i = 0; i < all; i++) {
+        const float difference = block->difference[i], rest = difference - block->fit.explained[i],
+                    most = ratio * block->bound[i], limit = most < worst ? most : worst;
+        odd |= !(seen[i] >= 0) | !(seen[i] <= 1) | !(fabsf(difference) <= limit) |
+               !(fabsf(rest) <= fit_ratio * block->fit.limit[i]);
+    }
+    return odd == 0;
+}
+
+/* Values that need no clamping, and are less than half a count apart, need only be rounded. */
+static void count_close(struct check_samples *samples, const struct block *block)
+{
+    int exact = 0;
+    for (size_t i = 0; i < block->n; i++)
+        exact += (int)(seen_counts(block, i) + 0.5) == (int)(block->expected[i] + 0.5);
+    samples->exact += (uint64_t)exact;
+    samples->within_1 += block->n;
+}
+
+static void count_equal(struct check_samples *samples, const struct block *block)
+{
+    for (size_t i = 0; i < block->n; i++) {
+        const int apart = counts_round(seen_counts(block, i)) - counts_round(block->expected[i]);
+        samples->exact += apart == 0;
+        samples->within_1 += apart >= -1 && apart <= 1;
+    }
+}
+
+/* Raises the worst ratio to that of a value within its bound. Returns whether it is within; NaN is
+ * not. A bound of 0 has no ratio. */
+static bool raise_ratio(double *worst, float value, float bound)
+{
+    const double size = fabs((double)value);
+    if (!(size <= (double)bound))
+        return false;
+    if (bound > 0 && size > *worst * (double)bound)
+        *worst = size / (double)bound;
+    return true;
+}
+
+/* Looks at each sample by itself. Returns whether all are within their bounds. */
+static bool look_closer(struct check_samples *samples, const struct block *block)
+{
+    bool within = true;
+    count_equal(samples, block);
+    for (size_t i = 0; i < block->n; i++) {
+        const float difference = block->difference[i];
+        if (samples->largest < fabs((double)difference)) /* NaN never counts as larger */
+            samples->largest = fabs((double)difference);
+        within = raise_ratio(&samples->worst_ratio, difference, block->bound[i]) && within;
+        if (block->fitted)
+            within = raise_ratio(&samples->worst_fit_ratio, difference - block->fit.explained[i],
+                                 block->fit.limit[i]) &&
+                     within;
+    }
+    return within;
+}
+
+/* Nearly all blocks are within what others were. */
+bool samples_compare(struct check_samples *samples, struct block *block)
+{
+    const size_t all = fill_lanes(block);
+    const struct within usual = {.difference = fminf((float)samples->largest, 0.499F),
+                                 .ratio = (float)samples->worst_ratio, /* at most 1 */
+                                 .fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1};
+    samples->n += block->n;
+    differ(samples, block->seen, block->expected, block->difference, all);
+    if (!are_within(block, &usual, all))
+        return look_closer(samples, block);
+    count_close(samples, block);
+    return true;
+}
+
+void samples_add(struct check_samples *to, const struct check_samples *from)
+{
+    to->n += from->n;
+    to->exact += from->exact;
+    to->within_1 += from->within_1;
+    to->largest = fmax(to->largest, from->largest);
+    to->sum += from->sum;
+    to->sum_of_squares += from->sum_of_squares;
+    to->worst_ratio = fmax(to->worst_ratio, from->worst_ratio);
+    to->worst_fit_ratio = fmax(to->worst_fit_ratio, from->worst_fit_ratio);
+}
+
+/* ---- floors ---- */
+
+/* Bins are an eighth of an octave wide, the first one ends at 2^-16 counts. */
+enum { BINS_PER_OCTAVE = 8, FIRST_OCTAVE = -16 };
+
+void floor_note(struct check_floor *to, double counts)
+{
+    int exponent, bin = counts > 0 ? FLOOR_BINS - 1 : 0;
+    double fraction = frexp(counts, &exponent); /* counts = fraction x 2^exponent, from 0.5 to 1 */
+    if (counts > 0 && counts <= DBL_MAX)
+        bin = (exponent - FIRST_OCTAVE) * BINS_PER_OCTAVE +
+              (int)(2 * BINS_PER_OCTAVE * (fraction - 0.5));
+    to->bins[bin < 0 ? 0 : bin < FLOOR_BINS ? bin : FLOOR_BINS - 1]++;
+    to->n++;
+    to->within[0] += counts <= 1;
+    to->within[1] += counts <= 8;
+    to->within[2] += counts <= CHECKED_COUNTS;
+    to->worst = fmax(to->worst, counts);
+}
+
+double floor_quantile(const struct check_floor *of, double part)
+{
+    uint64_t below = 0;
+    int bin = 0;
+    while (bin < FLOOR_BINS - 1 && (double)(below + of->bins[bin]) < part * (double)of->n)
+        below += of->bins[bin++];
+    double upper = ldexp(0.5 + (bin % BINS_PER_OCTAVE + 1) / (2.0 * BINS_PER_OCTAVE),
+                         bin / BINS_PER_OCTAVE + FIRST_OCTAVE);
+    return fmin(upper, of->worst);
+}
+
+static void floor_add(struct check_floor *to, const struct check_floor *from)
+{
+    for (int i = 0; i < FLOOR_BINS; i++)
+        to->bins[i] += from->bins[i];
+    for (int i = 0; i < FLOOR_LEVELS; i++)
+        to->within[i] += from->within[i];
+    to->n += from->n;
+    to->worst = fmax(to->worst, from->worst);
+}
+
+/* ---- all of it ---- */
+
+void verdict_add(struct check_verdict *to, const struct check_verdict *from)
+{
+    samples_add(&to->samples, &from->samples);
+    floor_add(&to->floor, &from->floor);
+    floor_add(&to->smooth_floor, &from->smooth_floor);
+    floor_add(&to->band_floor, &from->band_floor);
+    to->pixels += from->pixels;
+    to->ambiguous += from->ambiguous;
+    to->unexplained += from->unexplained;
+    to->objects += from->objects;
+    to->unbounded += from->unbounded;
+    to->unchecked += from->unchecked;
+    to->edge_holes += from->edge_holes;
+    to->edge_doubles += from->edge_doubles;
+    to->worst_depth_ratio = fmax(to->worst_depth_ratio, from->worst_depth_ratio);
+    if (!to->first.found)
+        to->first = from->first;
+}

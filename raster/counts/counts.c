@@ -1,0 +1,140 @@
+/* SPDX-License-Identifier: MIT */
+/* Computes the expected sample of a pixel. A radiance is a sum over terms of weight x spectrum.
+ *
+ * The bound of a sample, in counts, is the sum over terms of (error of the weight) x spectrum.
+ * raster/bounds/light_bound.c, raster/bounds/plane.c and raster/candidates/pixel.c derive the errors. */
+#include <math.h>
+#include <string.h>
+
+#include "data/maths/maths.h"
+#include "raster/bounds/bounds.h"
+#include "raster/counts/counts.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+
+/* In counts, some 10^-25 of full scale. Mesa flushes results below 2^-126 = 1.2e-38 to zero. The
+ * set-up of a plane magnifies this error by one over the triangle's area (10^4 at most; smaller
+ * triangles are too thin for a bound), by the distance to the framebuffer's origin (2 x 16384), and
+ * by a w of up to 2048. There are 4 such steps. */
+double flushed_counts(void)
+{
+    return 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
+}
+
+/* ---- OpenGL's colour buffer ---- */
+
+/* A driver rounds each pass to the nearest step. Before that it multiplies and adds (2 roundings).
+ * The step as a part of full scale, and the sum of such parts, are rounded again (2). Measured on
+ * Mesa 22.3.6 with 3 million colours: llvmpipe and softpipe round to the nearest step, and miss it
+ * by half a roundoff of full scale at most (0.002 of a step of 16 bits). */
+double buffer_rounding(const struct plan *plan)
+{
+    int steps = buffer_steps(plan);
+    return steps > 0 ? plan->n_light_groups * (0.5 / steps + roundings(4)) * FULL_COUNT : 0;
+}
+
+/* ---- expected samples ---- */
+
+/* Multiplies sample i of a run with errors by its texture. */
+static void texture_sample(const struct run *run, const struct texels *texels, size_t i,
+                           double *expected, float *bound)
+{
+    const size_t across = (size_t)run->shaded->n_terms * run->stride + i, up = across + run->stride;
+    const struct texel_point at = {{run->rows[across], run->rows[up]},
+                                   {run->errors[across], run->errors[up]}};
+    struct textured_sample *sample = &run->textured[i];
+    texel_value(texels, &at, run->shaded->texture->largest, &sample->texel);
+    sample->radiance = *expected;
+    sample->error = (double)*bound;
+    *bound = (float)(sample->error * (sample->texel.value + sample->texel.error) +
+                     fabs(sample->radiance) * sample->texel.error);
+    *expected *= sample->texel.value;
+}
+
+/* Multiplies the samples of a run by the values of its spectral texture in this band. */
+static void apply_texture(const struct run *run, int band, double *expected, float *bound)
+{
+    const struct texels texels = plan_texels(run->shaded->texture, band % BANDS_PER_PASS);
+    const size_t across = (size_t)run->shaded->n_terms * run->stride, up = across + run->stride;
+    for (size_t i = 0; i < run->n && run->errors; i++)
+        texture_sample(run, &texels, i, &expected[i], &bound[i]);
+    for (size_t i = 0; i < run->n && !run->errors; i++) {
+        const double place[2] = {run->rows[across + i], run->rows[up + i]};
+        expected[i] *= texel_at(&texels, place);
+    }
+}
+
+/* Turns expected colours into the expected content of a buffer of steps. Such a buffer cuts each
+ * pass off at full scale. If the sum of all passes is full scale or more, the buffers add up to at
+ * least full scale, and at most to that sum. */
+static void expect_steps(const struct plan *plan, size_t n, double *expected, float *bound)
+{
+    double most = (double)plan->n_light_groups * FULL_COUNT, rounding = buffer_rounding(plan);
+    for (size_t i = 0; i < n; i++) {
+        double low = expected[i] < FULL_COUNT ? expected[i] : FULL_COUNT,
+               high = expected[i] < most ? expected[i] : most;
+        float more = (float)(0.5 * (high - low) + rounding);
+        expected[i] = 0.5 * (low + high);
+        bound[i] += more;
+    }
+}
+
+/* Adds what may be flushed to zero. A bound that single precision cannot hold is infinite. */
+static void add_flushed(size_t n, float *bound)
+{
+    const float flushed = (float)flushed_counts();
+    for (size_t i = 0; i < n; i++) {
+        const float more = bound[i] + flushed;
+        bound[i] = more < HUGE_VALF ? more : HUGE_VALF; /* NaN too */
+    }
+}
+
+/* Rows that are added together, so that sums are loaded and stored half as often. */
+enum { PAIR = 2 };
+
+void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
+              float *restrict sums)
+{
+    const size_t n = run->n;
+    size_t t = 0;
+    for (; t + 1 < n_terms; t += PAIR) {
+        const float *restrict row = rows + t * run->stride, *restrict next = row + run->stride;
+        for (size_t i = 0; i < n; i++)
+            sums[i] = sums[i] + row[i] * factors[t] + next[i] * factors[t + 1];
+    }
+    const float *restrict last = rows + t * run->stride;
+    for (size_t i = 0; i < n && t < n_terms; i++)
+        sums[i] += last[i] * factors[t];
+}
+
+void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
+                   double *expected, float *bound)
+{
+    const struct shaded_material *shaded = run->shaded;
+    memset(expected, 0, run->n * sizeof *expected);
+    if (bound)
+        memset(bound, 0, run->n * sizeof *bound);
+    for (size_t t = 0; t < (size_t)shaded->n_terms; t += PAIR) {
+        const size_t left = (size_t)shaded->n_terms - t, n = left < PAIR ? left : PAIR;
+        const double *rows[PAIR];
+        double spectra[PAIR] = {0};
+        float factors[PAIR];
+        for (size_t i = 0; i < PAIR; i++) {
+            rows[i] = run->rows + (t + (i < n ? i : 0)) * run->stride;
+            if (i < n)
+                spectra[i] = shaded->made.spectra[(t + i) * (size_t)plan->n_bands + (size_t)band] /
+                             full_scale * FULL_COUNT;
+            factors[i] = (float)spectra[i];
+        }
+        add_terms(rows, spectra, run->n, expected); /* of a single one twice, once as nothing */
+        if (bound)
+            add_rows(run, run->errors + t * run->stride, factors, n, bound);
+    }
+    if (shaded->texture && shaded->texture->spectral)
+        apply_texture(run, band, expected, bound);
+    if (!bound)
+        return;
+    add_flushed(run->n, bound);
+    if (buffer_steps(plan) > 0)
+        expect_steps(plan, run->n, expected, bound);
+}

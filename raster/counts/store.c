@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/* Stores radiances as the samples of a page: counts, or floats. A pixel of several positions has
+ * their mean. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "raster/bounds/bounds.h"
+#include "raster/counts/inside.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+
+/* ---- samples of a page ---- */
+
+/* Returns whether a page can hold the value. No page can hold NaN. */
+static bool is_storable(double value)
+{
+    return fabs(value) <= (double)FLT_MAX;
+}
+
+enum { COUNTS_PER_BYTE = FULL_COUNT / UINT8_MAX };
+
+/* Returns the counts from which on a sample is cut off instead of rounded. */
+static double clipping_limit(const struct plan *plan)
+{
+    return plan->options.bits == 32  ? HUGE_VAL
+           : plan->options.bits == 8 ? FULL_COUNT + 0.5 * COUNTS_PER_BYTE
+                                     : FULL_COUNT + 0.5;
+}
+
+/* A page of counts holds none above full scale; a page of floats holds them as radiances. */
+static bool holds_counts(const struct stored_band *band)
+{
+    return band->plan->options.bits < 32;
+}
+
+/* The sample of a page that stands for one count. */
+static double page_scale(const struct stored_band *band)
+{
+    return holds_counts(band) ? 1 : band->full_scale / FULL_COUNT;
+}
+
+/* Returns whether all are in [0, FULL_COUNT]; NaN is not. Sums are kept in lanes, which the
+ * compiler can do together; `counts` is filled up to whole lanes with 0. */
+static bool are_counts(double *counts, size_t n)
+{
+    enum { LANES = 4 };
+    const double middle = 0.5 * FULL_COUNT;
+    double odd[LANES] = {0}, sum = 0;
+    for (; n % LANES != 0; n++)
+        counts[n] = 0;
+    for (size_t i = 0; i < n; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            odd[k] += fabs(counts[i + k] - middle) <= middle ? 0 : 1;
+    for (size_t k = 0; k < LANES; k++)
+        sum += odd[k];
+    return sum < 1;
+}
+
+/* Replaces what the page cannot hold by what it stores instead. Counts at or above `limit` are
+ * counted as clipped. */
+static void tame(const struct stored_band *band, double *counts, size_t n, double limit,
+                 struct odd_samples *odd)
+{
+    const double scale = page_scale(band);
+    for (size_t i = 0; i < n; i++) {
+        const bool storable = is_storable(counts[i] * scale);
+        odd->clipped += counts[i] >= limit;
+        odd->undefined += !storable;
+        counts[i] = holds_counts(band) ? counts_clamp(counts[i]) : storable ? counts[i] : 0;
+    }
+}
+
+/* Stores n <= BLOCK samples from band->out[at] on. `counts`, BLOCK of them, in units of full scale
+ * / FULL_COUNT, are changed where the page cannot hold them. Usually none are. */
+static void store(const struct stored_band *band, double *counts, size_t n, double limit, size_t at,
+                  struct odd_samples *odd)
+{
+    const int bits = band->plan->options.bits;
+    const double scale = page_scale(band);
+    uint8_t *bytes = (uint8_t *)band->out + at;
+    uint16_t *words = (uint16_t *)band->out + at;
+    float *floats = (float *)band->out + at;
+    if (!holds_counts(band) || limit <= FULL_COUNT || !are_counts(counts, n))
+        tame(band, counts, n, limit, odd);
+    for (size_t i = 0; i < n && bits == 8; i++)
+        bytes[i] = (uint8_t)(int)(counts[i] / COUNTS_PER_BYTE + 0.5);
+    for (size_t i = 0; i < n && bits == 16; i++)
+        words[i] = (uint16_t)(int)(counts[i] + 0.5);
+    for (size_t i = 0; i < n && bits == 32; i++)
+        floats[i] = (float)(counts[i] * scale);
+}
+
+/* ---- one picture's positions ---- */
+
+/* Returns how many pixels from `first` on, at most BLOCK and none from `last` on, show the same
+ * surface. */
+static size_t run_length(const int32_t *surface, size_t first, size_t last)
+{
+    size_t n = 1;
+    while (n < BLOCK && first + n < last && surface[first + n] == surface[first])
+        n++;
+    return n;
+}
+
+/* Finds the counts of n positions of the reference, in a run of one surface. */
+static void reference_counts(const struct stored_band *band, const struct lit_scene *lit,
+                             const struct picture *picture, size_t at, size_t n, double *counts)
+{
+    const int32_t surface = picture->surface[at];
+    const struct run run = {.shaded = surface >= 0 ? lit->bounds[surface].shaded : NULL,
+                            .rows = picture->rows + at,
+                            .stride = (size_t)picture->at.width * (size_t)picture->at.height,
+                            .n = n};
+    memset(counts, 0, n * sizeof *counts);
+    if (run.shaded)
+        expect_counts(band->plan, &run, band->band, band->full_scale, counts, NULL);
+}
+
+/* Positions of the reference, or of OpenGL if picture is NULL. */
+struct positions {
+    const struct lit_scene *lit;
+    const struct picture *picture;
+    const float *pixels; /* as store_gl takes them, with the stride */
+    size_t stride;
+};
+
+/* Finds the counts of n <= BLOCK positions of a row. */
+static void row_counts(const struct positions *of, const struct stored_band *band,
+                       const size_t at[2], size_t n, double *counts)
+{
+    const size_t channel = (size_t)(band->band % BANDS_PER_PASS);
+    if (!of->picture) {
+        const float *seen = of->pixels + (at[1] * of->stride + at[0]) * 4;
+        for (size_t i = 0; i < n; i++)
+            counts[i] = (double)seen[4 * i + channel] * FULL_COUNT;
+        return;
+    }
+    const size_t first = at[1] * (size_t)of->picture->at.width + at[0];
+    for (size_t i = 0, run; i < n; i += run) {
+        run = run_length(of->picture->surface, first + i, first + n);
+        reference_counts(band, of->lit, of->picture, first + i, run, counts + i);
+    }
+}
+
+/* ---- means ---- */
+
+/* Finds the means of n pixels in a row. Returns how many have a position that a buffer of steps may
+ * have cut off, but not all of them; limit: that of store. */
+static uint64_t mean_counts(const struct positions *of, const struct stored_band *band,
+                            const size_t pixel[2], size_t n, double limit, double *means)
+{
+    const size_t side = (size_t)band->plan->scene->positions;
+    double counts[BLOCK], most[BLOCK] = {0};
+    uint64_t cut = 0;
+    memset(means, 0, n * sizeof *means);
+    for (size_t row = 0; row < side; row++) {
+        const size_t at[2] = {pixel[0] * side, pixel[1] * side + row};
+        row_counts(of, band, at, n * side, counts);
+        for (size_t i = 0; i < n * side; i++) {
+            means[i / side] += counts[i];
+            most[i / side] = fmax(most[i / side], counts[i]);
+        }
+    }
+    for (size_t i = 0; i < n; i++) {
+        means[i] /= (double)(side * side);
+        cut += limit <= FULL_COUNT && most[i] >= limit && means[i] < limit;
+    }
+    return cut;
+}
+
+/* Stores the means of the positions of each pixel. rows: in positions, whole pixels. */
+static struct odd_samples store_means(const struct stored_band *bands, int n_bands,
+                                      const struct rectangle *rows, const struct positions *of,
+                                      double limit)
+{
+    const size_t side = (size_t)bands->plan->scene->positions, width = (size_t)rows->width / side,
+                 height = (size_t)rows->height / side;
+    struct odd_samples odd = {0, 0};
+    double means[BLOCK];
+    for (size_t y = 0; y < height; y++)
+        for (size_t x = 0, n; x < width; x += n) {
+            const size_t at[2] = {x, y};
+            n = width - x < BLOCK / side ? width - x : BLOCK / side;
+            for (int i = 0; i < n_bands; i++) {
+                odd.clipped += mean_counts(of, &bands[i], at, n, limit, means);
+                store(&bands[i], means, n, limit, y * width + x, &odd);
+            }
+        }
+    return odd;
+}
+
+/* ---- all positions ---- */
+
+struct odd_samples store_reference(const struct stored_band *bands, int n_bands,
+                                   const struct lit_scene *lit, const struct picture *picture)
+{
+    const struct positions positions = {.lit = lit, .picture = picture};
+    const double limit = clipping_limit(bands->plan);
+    size_t n_pixels = (size_t)picture->at.width * (size_t)picture->at.height, n;
+    struct odd_samples odd = {0, 0};
+    double counts[BLOCK];
+    if (bands->plan->scene->positions > 1)
+        return store_means(bands, n_bands, &picture->at, &positions, limit);
+    for (size_t at = 0; at < n_pixels; at += n) {
+        n = run_length(picture->surface, at, n_pixels);
+        for (const struct stored_band *band = bands; band < bands + n_bands; band++) {
+            reference_counts(band, lit, picture, at, n, counts);
+            store(band, counts, n, limit, at, &odd);
+        }
+    }
+    return odd;
+}
+
+void split_channels(const float *pixels, size_t n, float out[BANDS_PER_PASS][BLOCK])
+{
+    for (size_t i = 0; i < n; i++) {
+        out[0][i] = pixels[4 * i];
+        out[1][i] = pixels[4 * i + 1];
+        out[2][i] = pixels[4 * i + 2];
+    }
+}
+
+/* Returns whether all are from 0 to full scale; NaN is not. */
+static bool are_parts(const float *seen, size_t n)
+{
+    int odd = 0;
+    for (size_t i = 0; i < n; i++)
+        odd |= !(seen[i] >= 0) | !(seen[i] <= 1);
+    return odd == 0;
+}
+
+/* Stores n <= BLOCK samples of OpenGL, in parts of full scale: see store. */
+static void store_parts(const struct stored_band *band, const float *seen, size_t n, double limit,
+                        size_t at, struct odd_samples *odd)
+{
+    uint16_t *restrict words = (uint16_t *)band->out + at;
+    const bool plain = band->plan->options.bits == 16 && limit > FULL_COUNT && are_parts(seen, n);
+    double counts[BLOCK];
+    for (size_t i = 0; i < n && plain; i++)
+        words[i] = (uint16_t)(int)((double)seen[i] * FULL_COUNT + 0.5);
+    for (size_t i = 0; i < n && !plain; i++)
+        counts[i] = (double)seen[i] * FULL_COUNT;
+    if (!plain)
+        store(band, counts, n, limit, at, odd);
+}
+
+struct odd_samples store_gl(const struct stored_band *bands, int n_bands,
+                            const struct rectangle *rows, bool clips, const float *pixels,
+                            size_t stride)
+{
+    const struct plan *plan = bands->plan;
+    const double limit = clips && buffer_steps(plan) > 0 ? FULL_COUNT : clipping_limit(plan);
+    const struct positions positions = {.pixels = pixels, .stride = stride};
+    size_t width = (size_t)rows->width, n;
+    struct odd_samples odd = {0, 0};
+    float seen[BANDS_PER_PASS][BLOCK];
+    if (plan->scene->positions > 1)
+        return store_means(bands, n_bands, rows, &positions, limit);
+    for (size_t y = 0; y < (size_t)rows->height; y++)
+        for (size_t x = 0; x < width; x += n) {
+            n = width - x < BLOCK ? width - x : BLOCK;
+            split_channels(pixels + (y * stride + x) * 4, n, seen);
+            for (int c = 0; c < n_bands; c++)
+                store_parts(&bands[c], seen[c], n, limit, y * width + x, &odd);
+        }
+    return odd;
+}

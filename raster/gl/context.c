@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT */
+/* The choice of a library, and its canvases. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "raster/gl/inside.h"
+#include "raster/renderers/renderers.h"
+
+/* ---- the library ---- */
+
+static bool refuse_missing(bool osmesa, bool egl, struct error *err)
+{
+    static const char of_osmesa[] =
+        "libOSMesa.so.8 (Debian: libosmesa6, Fedora: mesa-compat-libOSMesa, Alpine: mesa-osmesa, "
+        "Arch: osmesa)";
+    static const char of_egl[] =
+        "libEGL.so.1 (Debian: libegl1 and libgl1-mesa-dri, Fedora: mesa-libEGL and "
+        "mesa-dri-drivers, Alpine: mesa-egl and mesa-dri-gallium, Arch: mesa)";
+    return error_unsupported(
+        err, "OpenGL is missing: there is no %s%s%s; --renderer raster needs none",
+        osmesa ? of_osmesa : "", osmesa && egl ? ", and no " : "", egl ? of_egl : "");
+}
+
+static void begin_again(struct contexts *contexts)
+{
+    if (contexts->kind)
+        contexts->kind->end(contexts);
+    *contexts = (struct contexts){.way = contexts->way};
+}
+
+static bool open_library(struct contexts *contexts, const char *wanted, struct error *err)
+{
+    const bool any = strcmp(wanted, "auto") == 0, shaders = contexts->way != GL_WITHOUT_SHADERS,
+               osmesa = (any && !shaders) || strcmp(wanted, "osmesa") == 0;
+    bool found = false;
+    if (osmesa && shaders)
+        return error_unsupported(err, "OSMesa draws without shaders here; add --gl egl");
+    if (osmesa && !osmesa_open(contexts, &found, err))
+        return false;
+    if (found)
+        return true;
+    if (osmesa && !any)
+        return refuse_missing(true, false, err);
+    begin_again(contexts);
+    return egl_open(contexts, driver_device(wanted), &found, err) &&
+           (found || refuse_missing(any && !shaders, true, err));
+}
+
+#ifdef OSMESA_VERSION /* built in; Mesa crashes when asked for another driver */
+static const char *const only_driver = "softpipe";
+static bool is_built_in(const char *wanted, struct error *err)
+{
+    return strcmp(wanted, "osmesa") == 0 || strcmp(wanted, "auto") == 0 ||
+           error_unsupported(err, "the static program has an OSMesa of its own, and no EGL");
+}
+#else
+static const char *const only_driver = NULL;
+static bool is_built_in(const char *wanted, struct error *err)
+{
+    (void)wanted, (void)err;
+    return true;
+}
+#endif
+
+bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err)
+{
+    const char *wanted = wish->library ? wish->library : "auto";
+    const char *driver = only_driver ? only_driver : wish->driver;
+    char threads[16];
+    if (!MAKE_ARRAY(*out, 1, err, "a context of OpenGL"))
+        return false;
+    memory_allow_stacks(); /* llvmpipe starts threads */
+    (*out)->way = wish->way;
+    snprintf(threads, sizeof threads, "%d", wish->threads);
+    setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
+    if (driver)
+        setenv("GALLIUM_DRIVER", driver, 1);
+    return is_built_in(wanted, err) && open_library(*out, wanted, err);
+}
+
+void contexts_close(struct contexts *contexts)
+{
+    if (contexts && contexts->kind)
+        contexts->kind->end(contexts);
+    free(contexts);
+}
+
+bool has_extension(const char *list, const char *name)
+{
+    const size_t length = strlen(name);
+    const char *at = list;
+    while (at && (at = strstr(at, name)) != NULL) {
+        if ((at == list || at[-1] == ' ') && (at[length] == ' ' || at[length] == '\0'))
+            return true;
+        at += length;
+    }
+    return false;
+}
+
+/* The core profile lists extensions one by one. */
+bool contexts_have(const struct contexts *contexts, const char *extension)
+{
+    const struct gl_functions *call = &contexts->call;
+    GLint n = 0;
+    if (contexts->way == GL_WITHOUT_SHADERS)
+        return has_extension((const char *)call->GetString(GL_EXTENSIONS), extension);
+    call->GetIntegerv(GL_NUM_EXTENSIONS, &n);
+    for (GLint i = 0; i < n; i++)
+        if (strcmp((const char *)call->GetStringi(GL_EXTENSIONS, (GLuint)i), extension) == 0)
+            return true;
+    return false;
+}
+
+/* ---- canvases ---- */
+
+GLenum canvas_type(const struct canvas *canvas)
+{
+    return canvas->size.bits == 32   ? GL_FLOAT
+           : canvas->size.bits == 16 ? GL_UNSIGNED_SHORT
+                                     : GL_UNSIGNED_BYTE;
+}
+
+bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
+                 struct error *err)
+{
+    if (!MAKE_ARRAY(*out, 1, err, "a canvas of OpenGL"))
+        return false;
+    **out = (struct canvas){.contexts = contexts, .size = *size};
+    return contexts->kind->open(*out, err);
+}
+
+void canvas_close(struct canvas *canvas)
+{
+    if (canvas && canvas->context)
+        canvas->contexts->kind->close(canvas);
+    free(canvas);
+}
+
+bool canvas_use(struct canvas *canvas, void *pixels, struct error *err)
+{
+    canvas->pixels = pixels;
+    if (!canvas->contexts->kind->use(canvas, err))
+        return false;
+    canvas->contexts->current = canvas;
+    return true;
+}
+
+void canvas_read(const struct canvas *canvas, int colour, void *pixels)
+{
+    const struct gl_functions *call = &canvas->contexts->call;
+    call->ReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)colour);
+    call->ReadPixels(0, 0, canvas->size.width, canvas->size.height, GL_RGBA, canvas_type(canvas),
+                     pixels);
+}
+
+void canvas_fill(const struct canvas *canvas)
+{
+    canvas->contexts->kind->fill(canvas);
+}

@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: MIT */
+/* Contexts of EGL without a window: of the platform "surfaceless" (EGL_MESA_platform_surfaceless),
+ * or of a device (EGL_EXT_platform_device). They draw into a framebuffer object, whose first row is
+ * the top of the picture, and which is read back.
+ *
+ * The first row is the top one because OpenGL turns window coordinates around
+ * (GL_ARB_clip_control). Without this extension the projection must: then Mesa clips triangles in
+ * another order, and rounds otherwise. With it, colours and depths of Mesa 22.3.6 are those of
+ * OSMesa to the bit, since OSMesa turns its window around inside of Mesa. */
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "raster/gl/inside.h"
+#include "raster/renderers/renderers.h"
+
+#ifdef OSMESA_VERSION /* the static program has no loader */
+bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err)
+{
+    (void)contexts, (void)device, (void)err;
+    *found = false;
+    return true;
+}
+
+bool contexts_devices(int *out, struct error *err)
+{
+    (void)err;
+    *out = 0;
+    return true;
+}
+#else
+#define EGL_NO_X11
+#define EGL_EGL_PROTOTYPES 0
+#include <EGL/egl.h>
+/* after EGL/egl.h */
+#include <EGL/eglext.h>
+
+struct egl {
+    EGLDisplay display;
+    EGLConfig config;
+    PFNEGLGETPROCADDRESSPROC get;
+    PFNEGLQUERYSTRINGPROC query_string;
+    PFNEGLINITIALIZEPROC initialize;
+    PFNEGLTERMINATEPROC terminate;
+    PFNEGLBINDAPIPROC bind_api;
+    PFNEGLCHOOSECONFIGPROC choose_config;
+    PFNEGLCREATECONTEXTPROC create_context;
+    PFNEGLDESTROYCONTEXTPROC destroy_context;
+    PFNEGLMAKECURRENTPROC make_current;
+    PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display;
+    PFNEGLQUERYDEVICESEXTPROC query_devices; /* NULL: EGL has no devices */
+    PFNGLCLIPCONTROLPROC clip_control;       /* of OpenGL; NULL: it has none */
+};
+
+static const struct egl *egl_of(const struct canvas *canvas)
+{
+    return canvas->contexts->own;
+}
+
+/* ---- a canvas ---- */
+
+enum { MOST_COLOURS = 8 };
+
+static GLenum colour_format(const struct canvas *canvas)
+{
+    return canvas->size.bits == 32 ? GL_RGBA32F : canvas->size.bits == 16 ? GL_RGBA16 : GL_RGBA8;
+}
+
+/* Makes a buffer, and lets the canvas draw on it. */
+static void add_buffer(const struct canvas *canvas, GLenum format, GLenum at)
+{
+    const struct gl_functions *call = &canvas->contexts->call;
+    GLuint buffer;
+    call->GenRenderbuffers(1, &buffer);
+    call->BindRenderbuffer(GL_RENDERBUFFER, buffer);
+    call->RenderbufferStorage(GL_RENDERBUFFER, format, canvas->size.width, canvas->size.height);
+    call->FramebufferRenderbuffer(GL_FRAMEBUFFER, at, GL_RENDERBUFFER, buffer);
+}
+
+/* Makes the buffers that the canvas draws on; its context is current. */
+static bool make_buffers(const struct canvas *canvas, struct error *err)
+{
+    const struct gl_functions *call = &canvas->contexts->call;
+    const struct canvas_size *size = &canvas->size;
+    GLenum colours[MOST_COLOURS];
+    GLuint framebuffer;
+    call->GenFramebuffers(1, &framebuffer);
+    call->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
+    for (int i = 0; i < size->n_colours; i++) {
+        colours[i] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
+        add_buffer(canvas, colour_format(canvas), colours[i]);
+    }
+    add_buffer(canvas, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
+    if (size->n_colours > 1)
+        call->DrawBuffers(size->n_colours, colours);
+    return call->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE ||
+           error_unsupported(err, "EGL's OpenGL gives no framebuffer of %d x %d pixels of %d bits",
+                             size->width, size->height, size->bits);
+}
+
+static bool make_current(const struct egl *egl, EGLContext context, struct error *err)
+{
+    return egl->make_current(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, context) ||
+           error_unsupported(err, "EGL cannot draw without a window");
+}
+
+static void turn_window(const struct canvas *canvas)
+{
+    const struct egl *egl = egl_of(canvas);
+    struct contexts *contexts = canvas->contexts;
+    const char *name = contexts->way == GL_ES ? "GL_EXT_clip_control" : "GL_ARB_clip_control";
+    contexts->mirrored = !egl->clip_control || !contexts_have(contexts, name);
+    if (!contexts->mirrored)
+        egl->clip_control(GL_UPPER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+}
+
+static bool open_canvas(struct canvas *canvas, struct error *err)
+{
+    /* without attributes, the compatibility profile */
+    static const EGLint attributes[][7] = {
+        [GL_WITHOUT_SHADERS] = {EGL_NONE},
+        [GL_CORE] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
+                     EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                     EGL_NONE},
+        [GL_ES] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 0, EGL_NONE}};
+    static const char *const names[] = {"OpenGL with lighting of its own", "OpenGL 3.3 core",
+                                        "OpenGL ES 3"};
+    const enum gl_way way = canvas->contexts->way;
+    const struct egl *egl = egl_of(canvas);
+    canvas->context =
+        egl->create_context(egl->display, egl->config, EGL_NO_CONTEXT, attributes[way]);
+    if (!canvas->context)
+        return error_unsupported(err, "EGL gives no context of %s", names[way]);
+    canvas->contexts->current = NULL;
+    if (!make_current(egl, canvas->context, err) || !make_buffers(canvas, err))
+        return false;
+    turn_window(canvas);
+    return true;
+}
+
+static bool use_canvas(struct canvas *canvas, struct error *err)
+{
+    return canvas->contexts->current == canvas ||
+           make_current(egl_of(canvas), canvas->context, err);
+}
+
+static void fill_canvas(const struct canvas *canvas)
+{
+    canvas->contexts->call.ReadPixels(0, 0, canvas->size.width, canvas->size.height, GL_RGBA,
+                                      canvas_type(canvas), canvas->pixels);
+}
+
+static void close_canvas(struct canvas *canvas)
+{
+    const struct egl *egl = egl_of(canvas);
+    egl->make_current(egl->display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    egl->destroy_context(egl->display, canvas->context);
+}
+
+static void end(struct contexts *contexts)
+{
+    const struct egl *egl = contexts->own;
+    if (egl && egl->display != EGL_NO_DISPLAY)
+        egl->terminate(egl->display);
+    free(contexts->own);
+}
+
+/* ---- the display ---- */
+
+enum { MOST_DEVICES = 64 };
+
+/* Finds the display of a device. */
+static bool find_device(struct egl *egl, int device, struct error *err)
+{
+    EGLDeviceEXT devices[MOST_DEVICES];
+    EGLint n = 0;
+    if (!egl->query_devices || !egl->query_devices(MOST_DEVICES, devices, &n))
+        return error_unsupported(err, "this EGL lists no devices; --gl egl takes its default");
+    if (device >= n)
+        return error_unsupported(err, "EGL has %d devices, from egl:0 on; there is no egl:%d", n,
+                                 device);
+    egl->display = egl->get_platform_display(EGL_PLATFORM_DEVICE_EXT, devices[device], NULL);
+    return true;
+}
+
+static bool find_display(struct egl *egl, int device, struct error *err)
+{
+    const char *extensions = egl->query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    const bool surfaceless = has_extension(extensions, "EGL_MESA_platform_surfaceless");
+    EGLint major, minor;
+    egl->display = EGL_NO_DISPLAY;
+    if (device < 0 && surfaceless)
+        egl->display =
+            egl->get_platform_display(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    else if (!find_device(egl, device < 0 ? 0 : device, err))
+        return false;
+    if (egl->display == EGL_NO_DISPLAY || !egl->initialize(egl->display, &major, &minor)) {
+        egl->display = EGL_NO_DISPLAY;
+        return error_unsupported(err,
+                                 "EGL gives no display without a window; Mesa's drivers are in "
+                                 "libgl1-mesa-dri (Debian), mesa-dri-drivers (Fedora), "
+                                 "mesa-dri-gallium (Alpine) or mesa (Arch)");
+    }
+    return true;
+}
+
+/* Finds a configuration, or none where contexts need none. */
+static bool find_config(struct egl *egl, enum gl_way way, struct error *err)
+{
+    const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
+                             way == GL_ES ? EGL_OPENGL_ES3_BIT : EGL_OPENGL_BIT, EGL_NONE};
+    const char *extensions = egl->query_string(egl->display, EGL_EXTENSIONS);
+    EGLint n = 0;
+    egl->config = EGL_NO_CONFIG_KHR;
+    if (!egl->bind_api(way == GL_ES ? EGL_OPENGL_ES_API : EGL_OPENGL_API))
+        return error_unsupported(err, "this EGL has no OpenGL%s",
+                                 way == GL_ES ? " ES" : "; --renderer es-shader takes OpenGL ES");
+    return has_extension(extensions, "EGL_KHR_no_config_context") ||
+           (egl->choose_config(egl->display, wanted, &egl->config, 1, &n) && n == 1) ||
+           error_unsupported(err, "EGL has no configuration for OpenGL");
+}
+
+/* ---- the library ---- */
+
+/* Finds EGL's functions; false if one is missing. */
+static bool find_functions(struct egl *egl, enum gl_way way, void *library)
+{
+    library_find(library, "eglGetProcAddress", &egl->get);
+    library_find(library, "eglQueryString", &egl->query_string);
+    library_find(library, "eglInitialize", &egl->initialize);
+    library_find(library, "eglTerminate", &egl->terminate);
+    library_find(library, "eglBindAPI", &egl->bind_api);
+    library_find(library, "eglChooseConfig", &egl->choose_config);
+    library_find(library, "eglCreateContext", &egl->create_context);
+    library_find(library, "eglDestroyContext", &egl->destroy_context);
+    library_find(library, "eglMakeCurrent", &egl->make_current);
+    if (!egl->get || !egl->query_string || !egl->initialize || !egl->terminate || !egl->bind_api ||
+        !egl->choose_config || !egl->create_context || !egl->destroy_context || !egl->make_current)
+        return false;
+    egl->get_platform_display =
+        (PFNEGLGETPLATFORMDISPLAYEXTPROC)egl->get("eglGetPlatformDisplayEXT");
+    egl->query_devices = (PFNEGLQUERYDEVICESEXTPROC)egl->get("eglQueryDevicesEXT");
+    egl->clip_control =
+        (PFNGLCLIPCONTROLPROC)egl->get(way == GL_ES ? "glClipControlEXT" : "glClipControl");
+    return egl->get_platform_display != NULL;
+}
+
+static const char *const files[] = {"libEGL.so.1", "libEGL.so", NULL};
+
+bool contexts_devices(int *out, struct error *err)
+{
+    struct egl egl = {.display = EGL_NO_DISPLAY};
+    EGLDeviceEXT devices[MOST_DEVICES];
+    EGLint n = 0;
+    void *library;
+    *out = 0;
+    if (!library_open(files, &library, err))
+        return false;
+    if (library && find_functions(&egl, GL_WITHOUT_SHADERS, library) && egl.query_devices &&
+        egl.query_devices(MOST_DEVICES, devices, &n))
+        *out = n;
+    return true;
+}
+
+bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err)
+{
+    static const struct context_kind kind = {open_canvas, use_canvas, fill_canvas, close_canvas,
+                                             end};
+    struct egl *egl;
+    void *library;
+    *found = false;
+    if (!MAKE_ARRAY(egl, 1, err, "EGL"))
+        return false;
+    contexts->own = egl;
+    contexts->kind = &kind;
+    contexts->name = "EGL";
+    contexts->flipped = true;
+    if (!library_open(files, &library, err))
+        return false;
+    *found = library != NULL;
+    if (!library)
+        return true;
+    if (!find_functions(egl, contexts->way, library))
+        return error_unsupported(err, "this EGL is too old: version 1.4 with platforms is needed");
+    const struct gl_source source = {library, egl->get, "EGL's OpenGL"};
+    return find_display(egl, device, err) && find_config(egl, contexts->way, err) &&
+           functions_find(&source, contexts->way, &contexts->call, err);
+}
+#endif

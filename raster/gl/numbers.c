@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: MIT */
+/* Triangles with their numbers as colours. */
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "raster/bounds/bounds.h"
+#include "raster/gl/gl.h"
+#include "raster/reference/reference.h"
+
+/* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
+enum { BATCH = 4096 };
+
+static void number_triangle(const struct mesh *mesh, int triangle, int placed,
+                            struct numbered_vertex out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        struct vector p = mesh->vertices[mesh->triangles[triangle][i]].position;
+        out[i] = (struct numbered_vertex){
+            {(float)p.x, (float)p.y, (float)p.z},
+            {(float)(triangle & 0xffff), (float)(triangle >> 16), (float)(placed + 1)}};
+    }
+}
+
+static void draw_instance(const struct lit_scene *lit, int instance, const struct numbered_draw *by,
+                          struct numbered_vertex batch[3 * BATCH])
+{
+    const struct mesh *mesh = &lit->plan->meshes[lit->plan->instances[instance].mesh].mesh;
+    const bool *hidden = lit->bounds[instance].hidden;
+    int n = 0;
+    by->place(by->of, instance);
+    for (int i = 0; i < mesh->n_triangles; i++) {
+        if (hidden && hidden[i])
+            continue;
+        number_triangle(mesh, i, instance, batch + 3 * (size_t)n++);
+        if (n == BATCH) {
+            by->draw(by->of, batch, 3 * n);
+            n = 0;
+        }
+    }
+    if (n > 0)
+        by->draw(by->of, batch, 3 * n);
+}
+
+bool numbers_draw(const struct lit_scene *lit, const struct rectangle *tile,
+                  const struct numbered_draw *by, struct error *err)
+{
+    struct numbered_vertex *batch;
+    if (!MAKE_ARRAY(batch, 3 * BATCH, err, "%d triangles", BATCH))
+        return false;
+    for (int i = 0; i < lit->plan->n_instances; i++)
+        if (surface_reaches(&lit->bounds[i], tile))
+            draw_instance(lit, i, by, batch);
+    free(batch);
+    return true;
+}

@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/* Spectra that are tables, and end before the picture's wavelengths do. */
+#include <math.h>
+
+#include "data/base/base.h"
+#include "data/images/images.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "raster/plan/plan.h"
+
+/* The tables of a plan, looked at one by one. */
+struct tables {
+    const struct plan *plan;
+    struct printed *to; /* gets a line for each that ends too early; NULL: none */
+    int n;              /* those whose end matters */
+    char first[BEYOND_TEXT];
+};
+
+static int count_outside(const struct spectral_pages *pages, const struct spectrum *table)
+{
+    int outside = 0;
+    for (int i = 0; i < pages_looked_at(pages); i++)
+        outside += spectrum_extrapolates(table, pages_looked_at_nm(pages, i));
+    return outside;
+}
+
+/* Returns true if the picture reaches beyond an end of the table by more than the table's step
+ * there. A table that ends near 0, and is 0 beyond, misses nothing. */
+static bool ends_early(const struct spectral_pages *pages, const struct spectrum *table, bool holds)
+{
+    const double *at = table->wavelength_nm;
+    const int last = table->count - 1, second = last > 0, before = last - second;
+    const double low_nm = at[0] - pages_looked_at_nm(pages, 0),
+                 high_nm = pages_looked_at_nm(pages, pages_looked_at(pages) - 1) - at[last];
+    double seen = 0;
+    for (int i = 0; !holds && i <= last; i++)
+        seen = fmax(seen, 0.01 * table->value[i]);
+    return (low_nm > at[second] - at[0] && (holds || table->value[0] > seen)) ||
+           (high_nm > at[last] - at[before] && (holds || table->value[last] > seen));
+}
+
+/* what, owner: "diffuse", and the material's name, or "light", and the table's. Outside of the
+ * table its end value holds, or it is 0. */
+static void look_at(struct tables *tables, const char *what, const char *owner,
+                    const struct spectrum *table, bool holds)
+{
+    const struct spectral_pages *pages = &tables->plan->illumination.pages;
+    const int outside = table->kind == SPECTRUM_SAMPLED ? count_outside(pages, table) : 0;
+    char rest[160];
+    if (outside == 0)
+        return;
+    snprintf(rest, sizeof rest, "%d of %d wavelengths outside %g..%g nm, %s there", outside,
+             pages_looked_at(pages), table->wavelength_nm[0],
+             table->wavelength_nm[table->count - 1], holds ? "the end value holds" : "0");
+    if (tables->to)
+        print(tables->to, "extrapolated      %s %s: %s\n", what, owner, rest);
+    if (ends_early(pages, table, holds) && tables->n++ == 0)
+        snprintf(tables->first, sizeof tables->first, "%s %.200s: %s", what, owner, rest);
+}
+
+static void look_at_material(struct tables *tables, const struct shaded_material *shaded)
+{
+    const struct material *material = shaded->material;
+    const char *name = material->name;
+    look_at(tables, "diffuse", name, &material->diffuse, true);
+    if (has_term(shaded, TERM_SPECULAR))
+        look_at(tables, "specular", name, &material->specular, true);
+    if (shaded->made.fluoresces && material->excitation.kind != SPECTRUM_NONE)
+        look_at(tables, "emission", name, &material->emission, false);
+    if (shaded->made.emits)
+        look_at(tables, "emission", name, &material->glow, false);
+}
+
+static void look_at_texture(struct tables *tables, const struct texture *texture)
+{
+    const struct image *image = &texture->image;
+    const struct spectrum pages = {
+        .kind = SPECTRUM_SAMPLED, .count = image->n_pages, .wavelength_nm = image->wavelengths_nm};
+    if (texture->spectral)
+        look_at(tables, "texture", image->path, &pages, true);
+}
+
+static void look_at_all(struct tables *tables)
+{
+    const struct plan *plan = tables->plan;
+    const struct light *light = plan->scene->lights;
+    const struct ambient *ambient = plan->scene->ambients;
+    for (int i = 0; i < plan->scene->n_lights; i++, light++)
+        if (light->intensity != 0)
+            look_at(tables, "light", light->spectrum.name, &light->spectrum, false);
+    for (int i = 0; i < plan->scene->n_ambients; i++, ambient++)
+        if (ambient->intensity != 0)
+            look_at(tables, "ambient", ambient->spectrum.name, &ambient->spectrum, false);
+    for (int i = 0; i < plan->n_materials; i++)
+        look_at_material(tables, &plan->materials[i]);
+    for (int i = 0; i < plan->n_textures; i++)
+        look_at_texture(tables, &plan->textures[i]);
+}
+
+int tables_beyond(const struct plan *plan, struct printed *to, char first[BEYOND_TEXT])
+{
+    struct tables tables = {.plan = plan, .to = to};
+    look_at_all(&tables);
+    snprintf(first, BEYOND_TEXT, "%s", tables.first);
+    return tables.n;
+}

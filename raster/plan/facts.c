@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT */
+/* The facts of a plan, as JSON or in words: its work, each effect with the reason why it is
+ * simulated or not, each light, each file; in words also each value that is guessed, not measured.
+ */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/images/images.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "raster/plan/inside.h"
+#include "raster/reference/reference.h"
+
+static void put_work(struct json *json, const struct plan *plan, const struct passes *passes)
+{
+    uint64_t drawn = 0; /* passes of a tile that OpenGL draws */
+    for (int group = 0; group < plan->n_light_groups; group++)
+        drawn += group_is_drawn(plan, group) ? (uint64_t)passes->n_frames : 0;
+    const struct rectangle picture = plan_picture(plan);
+    const uint64_t tiles = (uint64_t)plan_tiles(plan, &picture);
+    json_open(json, "work", '{');
+    json_count(json, "objects", (uint64_t)plan->scene->n_objects);
+    json_count(json, "instances", (uint64_t)plan->n_instances);
+    json_count(json, "vertices", (uint64_t)plan->n_vertices);
+    json_count(json, "triangles", (uint64_t)plan->n_triangles);
+    json_count(json, "materials", (uint64_t)plan->n_materials);
+    json_count(json, "terms", (uint64_t)plan->work.terms);
+    json_count(json, "excitation_integrals", (uint64_t)plan->work.excitation_integrals);
+    json_count(json, "tiles", tiles);
+    json_count(json, "tile_width", (uint64_t)plan->tile_width);
+    json_count(json, "tile_height", (uint64_t)plan->tile_height);
+    json_count(json, "passes", drawn * tiles);
+    json_count(json, "tile_bytes", (uint64_t)plan->tile_bytes);
+    json_count(json, "file_bytes", plan->file_bytes);
+    json_close(json, '}');
+}
+
+static void put_effects(struct json *json, const struct plan *plan)
+{
+    json_open(json, "effects", '[');
+    for (int i = 0; i < plan->n_effects; i++) {
+        const struct plan_effect *effect = &plan->effects[i];
+        if (json->words) {
+            print(&json->printed, "%-17s %s (%s)\n", effect->name, effect->used ? "yes" : "no",
+                  effect->reason);
+            continue;
+        }
+        json_open(json, NULL, '{');
+        json_string(json, "name", effect->name);
+        json_truth(json, "simulated", effect->used);
+        json_string(json, "reason", effect->reason);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+/* Returns why a light does not shine; NULL: it shines. Ask for all lights in the order of the
+ * scene; *shining counts those of the plan, from 0. */
+static const char *why_off(const struct plan *plan, const struct light *light, int *shining)
+{
+    const struct spectral_pages *pages = &plan->illumination.pages;
+    if (*shining < plan->n_lights && plan->sources[*shining] == light)
+        return plan->is_idle[(*shining)++] ? "it reaches no object in view" : NULL;
+    return light->intensity == 0                  ? "intensity 0"
+           : !pages_show(pages, &light->spectrum) ? "spectrum 0 at every wavelength shown"
+                                                  : "no material reflects it";
+}
+
+static void put_lights(struct json *json, const struct plan *plan)
+{
+    int shining = 0;
+    json_open(json, "lights", '[');
+    for (int i = 0; i < plan->scene->n_lights; i++) {
+        const struct light *light = &plan->scene->lights[i];
+        json_open(json, NULL, '{');
+        json_string(json, "spectrum", light->spectrum.name);
+        json_number(json, "intensity", light->intensity);
+        json_string(json, "off", why_off(plan, light, &shining));
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+/* Lists "SHA-256 PATH" of each file of the scene. */
+bool plan_put_files(const struct plan *plan, struct json *json, struct error *err)
+{
+    struct inputs inputs;
+    struct printed printed = {.text = NULL};
+    bool done = inputs_all(plan->scene, plan->options.detector, &inputs, err) &&
+                inputs_digest(&inputs, &printed, err);
+    char *files = printed_take(&printed, err), *at = files;
+    done = done && files;
+    json_open(json, "files", '[');
+    for (int i = 0; done && i < inputs.n; i++, at += strlen(at) + 1)
+        json_string(json, NULL, at);
+    json_close(json, ']');
+    inputs_free(&inputs);
+    free(files);
+    return done;
+}
+
+/* Prints what words have beside the facts: textures, and each value that is guessed. */
+static void print_guesses(const struct plan *plan, struct printed *to)
+{
+    char first[BEYOND_TEXT];
+    for (int i = 0; i < plan->n_textures; i++) {
+        const struct texture *texture = &plan->textures[i];
+        print(to, "texture           %s: %d x %d texels, %d pages%s\n", texture->image.path,
+              texture->image.width, texture->image.height, texture->image.n_pages,
+              texture->spectral && plan->sampling ? ", at the wavelength of each page" : "");
+    }
+    tables_beyond(plan, to, first);
+    for (int i = 0; i < plan->n_materials; i++) {
+        const struct material *material = plan->materials[i].material;
+        if (material->from_rgb)
+            print(to, "not measured      %s: RGB of %s, spread over three bands\n", material->name,
+                  material->path);
+    }
+}
+
+void scene_put(const struct plan *plan, struct json *json)
+{
+    const struct scene *scene = plan->scene;
+    json_string(json, "scene", scene->path);
+    json_string(json, "scene_sha256", scene->sha256);
+    json_count(json, "width", (uint64_t)scene->width);
+    json_count(json, "height", (uint64_t)scene->height);
+    json_count(json, "positions_per_pixel",
+               (uint64_t)scene->positions * (uint64_t)scene->positions);
+    json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
+                 scene->n_wavelengths);
+}
+
+bool plan_facts(const struct plan *plan, struct json *json, struct error *err)
+{
+    struct passes passes;
+    bool done = passes_make(plan, &passes, err);
+    json_string(json, "program", PROGRAM);
+    scene_put(plan, json);
+    json_count(json, "bands", (uint64_t)plan->n_bands);
+    if (json->words && plan->sampling) {
+        print_text(&json->printed, "sampling          ");
+        sampling_print(plan->sampling, &json->printed);
+    }
+    if (done) {
+        put_work(json, plan, &passes);
+        left_out_put(plan, &passes, json);
+    }
+    put_effects(json, plan);
+    put_lights(json, plan);
+    if (json->words)
+        print_guesses(plan, &json->printed);
+    passes_free(&passes);
+    return done;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "plan" share. */
+#ifndef RASTER_PLAN_INSIDE_H
+#define RASTER_PLAN_INSIDE_H
+
+#include "data/images/images.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
+#include "raster/plan/plan.h"
+#include "spectral.h"
+
+/* ---- reach.c: what reaches the picture ---- */
+
+/* The value of all texels, where a product with it is exact in single precision; otherwise -1. */
+double texture_factor(const struct plan *plan, const struct texture *texture);
+
+bool reach_find(struct plan *plan, struct error *err); /* reach.c: fills what it says in */
+void plan_effects(struct plan *plan);                  /* effects.c: fills plan->effects */
+/* lights.c. Lists the lights that shine; forgets those that light nothing, when all is made. */
+bool lights_list(struct plan *plan, struct error *err);
+bool lights_drop_idle(struct plan *plan, struct error *err);
+/* Makes the shaded material of a material when it is first asked for; *out is its index. */
+bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
+                          struct error *err);
+bool instances_make(struct plan *plan, const int *halvings, struct error *err); /* NULL: none */
+
+/* left_out.c: puts the work that the scene does not call for, as the list "left_out". */
+void left_out_put(const struct plan *plan, const struct passes *passes, struct json *json);
+
+#endif

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/* The plan's lights: where they stand in eye space, and which of them light anything. */
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "raster/plan/inside.h"
+#include "raster/reference/reference.h"
+
+/* Distances in eye space are below this: their squares are numbers in single precision. */
+static const double farthest = 1e18;
+
+static struct eye_light place_light(const struct plan *plan, const struct shining_light *shining)
+{
+    const struct light *light = shining->light;
+    struct eye_light out = {
+        .directional = light->directional, .first = shining->first, .share = shining->share};
+    const double *k = light->attenuation;
+    if (light->directional) {
+        struct vector towards = vector_normalise(light->position);
+        out.position = vector_normalise(matrix_direction(&plan->world_to_eye, towards));
+        return out;
+    }
+    out.position = matrix_point(&plan->world_to_eye, light->position);
+    for (int i = 0; i < 3; i++)
+        out.attenuation[i] = k[i] * (i > 0 ? plan->unit : 1) * (i > 1 ? plan->unit : 1);
+    out.attenuated = k[0] != 1 || k[1] != 0 || k[2] != 0;
+    out.spot = light->spot && light->spot_cutoff_deg <= 90;
+    if (out.spot) {
+        double sine;
+        struct vector axis = vector_normalise(light->spot_direction);
+        out.axis = vector_normalise(matrix_direction(&plan->world_to_eye, axis));
+        out.spot_exponent = light->spot_exponent;
+        sine_cosine(light->spot_cutoff_deg, &sine, &out.cutoff_cosine);
+    }
+    return out;
+}
+
+/* Refuses a light unless OpenGL can take its distances and their squares in single precision. */
+static bool check_light(const struct eye_light *placed, const struct light *light,
+                        struct error *err)
+{
+    const double *k = placed->attenuation;
+    if (light->directional)
+        return true;
+    if (!(vector_length(placed->position) < farthest))
+        return error_at(err, light->place,
+                        "this light is too far away for single precision; give it a direction");
+    for (int i = 0; i < 3; i++)
+        if (!(k[i] < 1e18))
+            return error_at(err, light->attenuation_place,
+                            "attenuation %g is too strong for single precision, beside the "
+                            "picture's size",
+                            light->attenuation[i]);
+    return true;
+}
+
+bool lights_list(struct plan *plan, struct error *err)
+{
+    const struct illumination *illumination = &plan->illumination;
+    const int n = illumination->n_lights;
+    if (!MAKE_ARRAY(plan->lights, n, err, "%d lights", n) ||
+        !MAKE_ARRAY(plan->sources, n, err, "%d lights", n))
+        return false;
+    for (; plan->n_lights < n; plan->n_lights++) {
+        const struct shining_light *shining = &illumination->lights[plan->n_lights];
+        struct eye_light *light = &plan->lights[plan->n_lights];
+        *light = place_light(plan, shining);
+        plan->sources[plan->n_lights] = shining->light;
+        if (!check_light(light, shining->light, err))
+            return false;
+    }
+    return true;
+}
+
+/* Marks the lights that terms have. */
+static void mark_lights(const struct plan *plan, int *marks)
+{
+    for (int m = 0; m < plan->n_materials; m++)
+        for (int t = 0; t < plan->materials[m].n_terms; t++)
+            if (plan->materials[m].terms[t].light >= 0)
+                marks[plan->materials[m].terms[t].light] = 1;
+}
+
+/* Gives the lights of terms their new numbers. */
+static void renumber_terms(struct plan *plan, const int *number)
+{
+    for (int m = 0; m < plan->n_materials; m++)
+        for (int t = 0; t < plan->materials[m].n_terms; t++) {
+            struct term *term = &plan->materials[m].terms[t];
+            if (term->light >= 0)
+                term->light = number[term->light];
+        }
+}
+
+/* Lights that share a spectrum are kept or dropped together. */
+bool lights_drop_idle(struct plan *plan, struct error *err)
+{
+    if (plan->options.exchangeable)
+        return true;
+    /* First a 1 for each light that terms have, then its new number; -1: it is dropped. */
+    int *number, n = 0;
+    if (!MAKE_ARRAY(number, plan->n_lights, err, "%d lights", plan->n_lights))
+        return false;
+    mark_lights(plan, number);
+    for (int i = 0; i < plan->n_lights; i++) {
+        struct eye_light light = plan->lights[i];
+        const bool kept = light.first == i ? number[i] > 0 : number[light.first] >= 0;
+        number[i] = kept ? n : -1;
+        light.first = number[light.first];
+        if (!kept)
+            continue;
+        plan->lights[n] = light;
+        plan->sources[n++] = plan->sources[i];
+    }
+    renumber_terms(plan, number);
+    free(number);
+    plan->n_lights = n;
+    return true;
+}

@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: MIT */
+/* The map of a check: what could pass at each pixel, how near OpenGL came to it, and the verdict.
+ * A TIFF has these as numbers. A PNG shows both floors in colours, side by side. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "raster/check/check.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/render/inside.h"
+
+enum { MAP_FLOOR, MAP_BAND_FLOOR, MAP_RATIO, MAP_CLASS, MAP_PAGES };
+static const char *const page_names[MAP_PAGES] = {[MAP_FLOOR] = "floor",
+                                                  [MAP_BAND_FLOOR] = "floor in one band",
+                                                  [MAP_RATIO] = "error / bound",
+                                                  [MAP_CLASS] = "class"};
+
+/* The least floor that has a colour of its own, in counts: so the last colour begins where a pixel
+ * is not checked. */
+static const double least_floor = 1.0 / 16;
+/* A colour that the scale has not. */
+static const uint8_t colour_differs[3] = {255, 0, 255};
+
+/* ---- in words ---- */
+
+void check_map_print_colours(struct printed *to)
+{
+    print_text(to, "floors in counts, in all bands alike (left) and in one band (right): ");
+    scale_print(least_floor, to);
+    print_text(to, "; background black; pixels that differ magenta");
+}
+
+/* ---- the file ---- */
+
+static bool open_planes(const char *path, const struct plan *plan, struct check_map *out,
+                        struct error *err)
+{
+    const struct planes_options options = {
+        .width = plan->scene->width,
+        .height = plan->scene->height,
+        .n = MAP_PAGES,
+        .names = page_names,
+        .description =
+            "Cross-check of OpenGL. Floors: the largest error that can pass, in counts of "
+            "65535, in all bands alike and in one band; -1: background. Class: 0 checked, "
+            "1 ambiguous, 2 not checked, 3 differs."};
+    return planes_open(&out->pages, path, &options, err);
+}
+
+static bool open_picture(const char *path, const struct plan *plan, struct check_map *out,
+                         struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    print_text(&printed, "Cross-check of OpenGL. ");
+    check_map_print_colours(&printed);
+    char *description = printed_take(&printed, err);
+    const struct picture_options options = {.width = 2 * plan->scene->width,
+                                            .height = plan->scene->height,
+                                            .samples = PICTURE_8,
+                                            .srgb = true,
+                                            .description = description};
+    const bool done = description && picture_open(&out->picture, path, &options, err);
+    free(description);
+    return done;
+}
+
+bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
+                    struct error *err)
+{
+    *out = (struct check_map){.coloured = picture_is_png(path), .width = plan->scene->width};
+    if (MAKE_ARRAY(out->samples, plan->tile_width * CHUNK_ROWS, err, "rows of %s", path) &&
+        (out->coloured ? open_picture : open_planes)(path, plan, out, err))
+        return true;
+    free(out->samples);
+    return false;
+}
+
+/* ---- pixels ---- */
+
+static float position_sample(const struct check *check, int page, size_t position)
+{
+    switch (page) {
+    case MAP_FLOOR:
+        return check->floor[position];
+    case MAP_BAND_FLOOR:
+        return check->band_floor[position];
+    case MAP_RATIO:
+        return check->ratio[position];
+    default:
+        return (float)check_class(check, position);
+    }
+}
+
+static struct rectangle pixels_of(const struct check *check)
+{
+    return plan_pixels(check->scene->lit->plan, &check->chunk->picture.at);
+}
+
+/* Returns the largest sample of a pixel's positions. */
+static float sample_of(const struct check *check, int page, size_t pixel)
+{
+    const size_t side = (size_t)check->scene->lit->plan->scene->positions,
+                 stride = (size_t)check->chunk->picture.at.width, width = stride / side,
+                 first = pixel / width * side * stride + pixel % width * side;
+    float largest = position_sample(check, page, first);
+    for (size_t i = 1; i < side * side; i++)
+        largest =
+            fmaxf(largest, position_sample(check, page, first + i / side * stride + i % side));
+    return largest;
+}
+
+static bool write_planes(struct check_map *map, const struct check *check, struct error *err)
+{
+    const struct rectangle at = pixels_of(check);
+    const size_t n = (size_t)at.width * (size_t)at.height;
+    for (int page = 0; page < MAP_PAGES; page++) {
+        const struct plane_rectangle to = {page, at.x, at.y, at.width, at.height};
+        for (size_t i = 0; i < n; i++)
+            map->samples[i] = sample_of(check, page, i);
+        if (!planes_write(&map->pages, &to, map->samples, err))
+            return false;
+    }
+    return true;
+}
+
+/* Colours a floor. Negative floors mean the background. */
+static void colour_pixel(const struct check *check, int page, size_t pixel, uint8_t out[3])
+{
+    const double floor = (double)sample_of(check, page, pixel);
+    scale_colour(floor < 0 ? 0 : floor > least_floor ? floor : least_floor, least_floor, out);
+    if (sample_of(check, MAP_CLASS, pixel) >= (float)CLASS_DIFFERS)
+        memcpy(out, colour_differs, sizeof colour_differs);
+}
+
+static bool write_colours(struct check_map *map, const struct check *check, struct error *err)
+{
+    const struct rectangle at = pixels_of(check);
+    const size_t n = (size_t)at.width * (size_t)at.height;
+    uint8_t *colours = (uint8_t *)map->samples; /* 3 of its 4 bytes a pixel */
+    for (int page = MAP_FLOOR; page <= MAP_BAND_FLOOR; page++) {
+        const struct picture_rectangle to = {at.x + (page == MAP_FLOOR ? 0 : map->width), at.y,
+                                             at.width, at.height};
+        for (size_t i = 0; i < n; i++)
+            colour_pixel(check, page, i, colours + 3 * i);
+        if (!picture_put(&map->picture, &to, colours, err))
+            return false;
+    }
+    return true;
+}
+
+bool check_map_write(struct check_map *map, const struct check *check, struct error *err)
+{
+    return (map->coloured ? write_colours : write_planes)(map, check, err);
+}
+
+/* ---- the end ---- */
+
+bool check_map_finish(struct check_map *map, struct error *err)
+{
+    return map->coloured ? picture_finish(&map->picture, err) : planes_finish(&map->pages, err);
+}
+
+bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err)
+{
+    return map->coloured ? picture_commit(&map->picture, outputs, err)
+                         : planes_commit(&map->pages, outputs, err);
+}
+
+void check_map_discard(struct check_map *map)
+{
+    picture_discard(&map->picture);
+    planes_discard(&map->pages);
+    free(map->samples);
+    map->samples = NULL;
+}

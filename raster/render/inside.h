@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: MIT */
+/* What only the files of the room "render" share. */
+#ifndef RASTER_RENDER_INSIDE_H
+#define RASTER_RENDER_INSIDE_H
+
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/check/check.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/render/render.h"
+#include "raster/renderers/renderers.h"
+#include "spectral.h"
+
+/* ---- notes.c: a list of notes ---- */
+
+/* Leaves one note, on a picture that shows no object. */
+void notes_of_nothing(struct notes *notes);
+
+/* dark.c: adds notes on a black picture, and on black objects in view. */
+void note_dark(const struct lit_scene *lit, struct notes *notes);
+
+/* ---- check_map.c ---- */
+
+/* A map of the check, written chunk by chunk. A TIFF has float pages of the floor, the floor of one
+ * band, the largest error / bound, and enum check_class. A PNG, twice as wide, has the two floors
+ * in colours, side by side. */
+struct check_map {
+    struct pages pages;
+    struct picture_writer picture;
+    bool coloured;  /* a PNG */
+    int width;      /* of the scene's picture */
+    float *samples; /* of a chunk */
+};
+/* Prints the meaning of a PNG's colours, in a line without its end. */
+void check_map_print_colours(struct printed *to);
+bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
+                    struct error *err);
+bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
+bool check_map_finish(struct check_map *map, struct error *err);
+bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err);
+void check_map_discard(struct check_map *map); /* safe after commit */
+
+/* ---- stages.c ---- */
+
+/* Adds the seconds since *since to a part, and makes now the new *since. */
+void clock_in(double *since, double *part);
+
+/* The work of the stages. All but the last two members come in, prepared for the plan, and stay
+ * the caller's. */
+struct stages {
+    const struct plan *plan;
+    const struct passes *passes;
+    const struct lit_scene *lit;
+    const struct check_scene *check_scene; /* NULL: no check */
+    struct check_map *map;                 /* NULL: none is wanted */
+    struct renderer *renderer;             /* with GL_BUFFERS; NULL: only the reference draws */
+    struct stack_writer *stack;            /* NULL: no samples are stored */
+    int first_row;                         /* of the picture that the stack has, in its pixels */
+    int first_tile, n_tiles;               /* those to be drawn: whole rows */
+    struct progress_line *progress; /* NULL: none */
+    double full_scale;
+    bool clips; /* a vertex is brighter than full_scale */
+    /* what comes out is added to these */
+    struct tile_sums sums; /* with open totals, if there is a check */
+    struct part_seconds seconds;
+};
+/* Frames that OpenGL may be ahead of the check; and its buffers, so many more for the pilots. */
+enum { AHEAD_FRAMES = 2, GL_BUFFERS = AHEAD_FRAMES + MAX_PILOT_PASSES };
+/* Draws, judges and writes all tiles. Output and verdict do not depend on the number of threads. */
+bool stages_run(struct stages *stages, struct error *err);
+
+/* object_map.c. Fills the object map of a tile: of each pixel the number, from 1, of the object
+ * that most of its positions show; 0: the background. at: the tile in pixels of the stack. The
+ * renderer of the stored pixels decides. */
+void map_objects(const struct stages *stages, const struct tile *tile, const struct rectangle *at,
+                 unsigned char *out);
+
+/* ---- render.c: everything before the first pixel, and after the last one ---- */
+
+/* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
+ * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
+ * or a difference (without `keep`) no file has been created or changed. */
+bool render(const struct plan *plan, const struct render_output *output,
+            struct progress_line *progress, struct render_result *out, struct error *err);
+bool render_agreed(const struct plan *plan, const struct render_result *result);
+/* Returns the renderer of the stored pixels: "raster", or OpenGL's GL_RENDERER. */
+const char *render_stored(const struct plan *plan, const struct render_result *result);
+
+/* ---- words.c: the verdict in words ---- */
+
+/* Writes the verdict as one line of ASCII, for the stack. */
+void report_verdict(const struct plan *plan, const struct check_verdict *verdict,
+                    char out[STACK_VERDICT]);
+
+/* Does the same for a stack that differs from the stack at `path`, whose record is `made`. The
+ * message names the most certain reason. */
+bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
+                      const struct record *made, const char *then, struct error *err);
+/* Returns "agreed", "differs", "not verified" or "not checked". */
+const char *verdict_word(const struct plan *plan, const struct check_verdict *verdict);
+/* Prints the verdict with its reason. */
+void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
+                   struct printed *to);
+
+/* ---- report.c: results as a table and as JSON ---- */
+
+void report_print(const struct plan *plan, const struct render_result *result, struct printed *to);
+/* Begins a text with one JSON object. output: the stack's name, sha256: its digest; NULL becomes
+ * null. */
+void report_json(const struct plan *plan, const struct render_result *result, const char *output,
+                 const char *sha256, uint64_t peak_bytes, struct json *json);
+
+/* Removes --no-check and --strict from the options that the stack records. A stack of the
+ * reference's pixels is the same with any check. */
+void options_forget_check(struct options *options);
+
+/* ---- again.c: spectral render --again ---- */
+
+/* Makes a stack again from the scene and the options that it records. Fails with EXIT_DIFFERENT if
+ * any byte of the new stack differs. */
+bool render_again(struct options *options, struct error *err);
+
+#endif

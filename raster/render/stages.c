@@ -1,0 +1,560 @@
+/* SPDX-License-Identifier: MIT */
+/* The passes of all tiles, by three stages that work side by side. One draws by OpenGL, three bands
+ * a pass. One draws the reference of each tile, judges what OpenGL has drawn, and counts. One
+ * writes. The stages do the same work in the same order, however far one is ahead of another. */
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "data/stack/stack.h"
+#include "raster/candidates/candidates.h"
+#include "raster/check/check.h"
+#include "raster/counts/counts.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/render/inside.h"
+#include "raster/renderers/renderers.h"
+
+/* Counts on their way to the stack: of some pages of a tile. */
+struct written {
+    struct rectangle at;                    /* in pixels of the picture */
+    int first_page, n_pages;                /* the object map is the page after the last one */
+    unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
+};
+enum { WRITTEN_PLACES = 2 }; /* one is filled while the other is written */
+
+struct state {
+    struct stages *stages;
+    const struct plan *plan;
+    struct written written[WRITTEN_PLACES];
+    /* of the numbers that OpenGL draws; of frames that hold pilots, and others; of `written` */
+    struct queue numbers, pilots, frames, counted;
+    struct check *checks;  /* one for each chunk of the current tile; NULL: none */
+    struct tile_sums sums; /* of that tile */
+    int frame;             /* the current one; DARK: none */
+    float *black;          /* a row of a frame that is not drawn; owned */
+    long steps, all_steps;
+    double since;           /* clock_seconds when the reference began to draw */
+    double written_seconds; /* of the stage that writes */
+};
+
+void clock_in(double *since, double *part)
+{
+    const double time = clock_seconds();
+    *part += time - *since;
+    *since = time;
+}
+
+static int bands_of_pass(const struct plan *plan, int pass)
+{
+    const int left = plan->n_bands - pass * BANDS_PER_PASS;
+    return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
+}
+
+/* ---- frames ---- */
+
+/* The pilots of a check; NULL without one. */
+static const struct fit *fit_of(const struct state *state)
+{
+    return state->stages->check_scene ? state->stages->check_scene->fit : NULL;
+}
+
+/* Returns whether a frame shows pilots. Such frames are drawn first, and kept until their turn. */
+static bool has_pilots(const struct state *state, int frame)
+{
+    const struct fit *fit = fit_of(state);
+    for (int i = 0; fit && i < fit->n_passes; i++)
+        if (state->stages->passes->frame[fit->passes[i]] == frame)
+            return true;
+    return false;
+}
+
+static struct queue *queue_of(struct state *state, int frame)
+{
+    return has_pilots(state, frame) ? &state->pilots : &state->frames;
+}
+
+/* The buffer of OpenGL that stands for a place of a queue. */
+static int buffer_at(const struct state *state, const struct queue *queue, int place)
+{
+    return queue == &state->pilots ? AHEAD_FRAMES + place : place;
+}
+
+/* ---- drawing by OpenGL ---- */
+
+static bool draw_numbers(struct state *state, struct error *err)
+{
+    if (queue_room(&state->numbers) < 0)
+        return false;
+    struct renderer *renderer = state->stages->renderer;
+    double since = clock_seconds();
+    if (!renderer->kind->identify(renderer, err))
+        return false;
+    clock_in(&since, &state->stages->seconds.gl);
+    queue_fill(&state->numbers);
+    return true;
+}
+
+static bool draw_frame(struct state *state, int frame, struct error *err)
+{
+    struct stages *stages = state->stages;
+    struct renderer *renderer = stages->renderer;
+    struct queue *queue = queue_of(state, frame);
+    const int place = queue_room(queue), pass = stages->passes->first_pass[frame];
+    double since = clock_seconds();
+    if (place < 0 || !renderer->kind->draw(renderer, buffer_at(state, queue, place),
+                                           pass * BANDS_PER_PASS, stages->full_scale, err))
+        return false;
+    clock_in(&since, &stages->seconds.gl);
+    queue_fill(queue);
+    return true;
+}
+
+/* Lists the frames of a tile in the order of drawing: those with pilots come first. */
+static void order_frames(const struct state *state, int *out)
+{
+    int n = 0;
+    for (int with = 1; with >= 0; with--)
+        for (int frame = 0; frame < state->stages->passes->n_frames; frame++)
+            if (has_pilots(state, frame) == (with == 1))
+                out[n++] = frame;
+}
+
+static bool draw_tile(struct state *state, const struct rectangle *at, const int *frames,
+                      struct error *err)
+{
+    struct stages *stages = state->stages;
+    stages->renderer->kind->aim(stages->renderer, at);
+    if (stages->check_scene && !draw_numbers(state, err))
+        return false;
+    for (int i = 0; i < stages->passes->n_frames; i++)
+        if (!draw_frame(state, frames[i], err))
+            return false;
+    return true;
+}
+
+/* Lets the renderer expect the frames, in their order. */
+static bool expect_frames(const struct state *state, const int *frames, struct error *err)
+{
+    const struct passes *passes = state->stages->passes;
+    struct renderer *renderer = state->stages->renderer;
+    int *first_bands;
+    if (!MAKE_ARRAY(first_bands, passes->n_frames, err, "%d passes", passes->n_frames))
+        return false;
+    for (int i = 0; i < passes->n_frames; i++)
+        first_bands[i] = passes->first_pass[frames[i]] * BANDS_PER_PASS;
+    const bool done = !renderer->kind->expect ||
+                      renderer->kind->expect(renderer, first_bands, passes->n_frames, err);
+    free(first_bands);
+    return done;
+}
+
+static bool draw_tiles(void *context, struct error *err)
+{
+    struct state *state = context;
+    const struct plan *plan = state->plan;
+    const struct stages *stages = state->stages;
+    const struct rectangle picture = plan_picture(plan);
+    int *frames;
+    if (!MAKE_ARRAY(frames, stages->passes->n_frames, err, "the order of passes"))
+        return false;
+    order_frames(state, frames);
+    bool done = expect_frames(state, frames, err);
+    for (int i = 0; i < stages->n_tiles && done; i++) {
+        const struct rectangle at = plan_tile(plan, &picture, stages->first_tile + i);
+        done = draw_tile(state, &at, frames, err);
+    }
+    free(frames);
+    return done;
+}
+
+/* ---- a tile's chunks ---- */
+
+/* A pass over a tile whose chunks threads share. */
+struct tile_pass {
+    struct state *state;
+    const struct tile *tile;
+    int pass;
+    const float *pixels;       /* OpenGL's; NULL: it does not draw */
+    size_t stride;             /* of its rows, in pixels */
+    const struct written *out; /* where counts go; NULL: nowhere */
+    pthread_mutex_t lock;      /* of these sums: */
+    double judging, counting;  /* seconds of all threads */
+    struct odd_samples odd;
+};
+
+/* A thread is worth starting for so many pixels of a pass. */
+enum { FEW_PIXELS = 1 << 14 };
+
+/* Calls work(of, i) for each chunk. */
+static void each_chunk(struct tile_pass *of, void (*work)(void *of, int i))
+{
+    const size_t n_pixels = (size_t)of->tile->at.width * (size_t)of->tile->at.height;
+    threads_each(threads_for(of->state->plan->options.threads, n_pixels, FEW_PIXELS),
+                 of->tile->n_chunks, work, of);
+}
+
+/* OpenGL's pixels of a chunk. */
+static const float *pixels_of(const struct tile_pass *of, int chunk)
+{
+    return of->pixels ? of->pixels + (size_t)chunk * CHUNK_ROWS * of->stride * 4 : NULL;
+}
+
+static void identify_chunk(void *context, int i)
+{
+    const struct tile_pass *of = context;
+    check_identity(&of->state->checks[i], of->state->stages->renderer, &of->tile->at);
+}
+
+static void learn_chunk(void *context, int i)
+{
+    const struct tile_pass *of = context;
+    check_pilots(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride);
+}
+
+/* Stores the samples of a chunk in all bands of a pass. */
+static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
+{
+    const struct stages *stages = of->state->stages;
+    const struct plan *plan = stages->plan;
+    const struct picture *picture = &of->tile->chunks[chunk].picture;
+    const struct rectangle above = {0, 0, of->tile->at.width, chunk * CHUNK_ROWS},
+                           stored_above = plan_pixels(plan, &above);
+    const size_t first = (size_t)stored_above.width * (size_t)stored_above.height;
+    const int n = bands_of_pass(plan, of->pass);
+    struct stored_band stored[BANDS_PER_PASS];
+    for (int i = 0; i < n; i++)
+        stored[i] =
+            (struct stored_band){plan, of->pass * BANDS_PER_PASS + i, stages->full_scale,
+                                 of->out->samples[i] + first * (size_t)plan->options.bits / 8};
+    return plan->options.store_raster
+               ? store_reference(stored, n, stages->lit, picture)
+               : store_gl(stored, n, &picture->at, stages->clips, pixels_of(of, chunk), of->stride);
+}
+
+/* Judges and counts a chunk while its pixels are in the cache. */
+static void treat_chunk(void *context, int i)
+{
+    struct tile_pass *of = context;
+    double since = clock_seconds(), judging = 0, counting = 0;
+    struct odd_samples odd = {0, 0};
+    if (of->state->checks)
+        check_pass(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride);
+    clock_in(&since, &judging);
+    if (of->out)
+        odd = count_bands(of, i);
+    clock_in(&since, &counting);
+    pthread_mutex_lock(&of->lock);
+    of->judging += judging;
+    of->counting += counting;
+    of->odd.clipped += odd.clipped;
+    of->odd.undefined += odd.undefined;
+    pthread_mutex_unlock(&of->lock);
+}
+
+/* ---- a tile ---- */
+
+/* Opens the checks of all chunks, and checks that OpenGL shows the right triangle at each pixel. */
+static bool open_checks(struct state *state, const struct tile *tile, struct error *err)
+{
+    struct tile_pass of = {.state = state, .tile = tile};
+    double since = clock_seconds();
+    if (!MAKE_ARRAY(state->checks, tile->n_chunks, err, "the check of a tile"))
+        return false;
+    for (int i = 0; i < tile->n_chunks; i++)
+        if (!check_open(state->stages->check_scene, &tile->chunks[i], &state->checks[i], err))
+            return false;
+    clock_in(&since, &state->stages->seconds.check);
+    if (queue_next(&state->numbers, 0) < 0)
+        return false;
+    since = clock_seconds();
+    each_chunk(&of, identify_chunk);
+    clock_in(&since, &state->stages->seconds.check);
+    return true;
+}
+
+/* Adds a tile's checks to the verdict and to the map. */
+static bool settle_checks(struct state *state, const struct tile *tile, struct error *err)
+{
+    double since = clock_seconds();
+    for (int i = 0; state->checks && i < tile->n_chunks; i++) {
+        check_settle(&state->checks[i], tile, &state->sums.totals);
+        if (state->stages->map && !check_map_write(state->stages->map, &state->checks[i], err))
+            return false;
+    }
+    clock_in(&since, &state->stages->seconds.check);
+    return true;
+}
+
+static void close_checks(struct state *state, const struct tile *tile)
+{
+    for (int i = 0; state->checks && i < tile->n_chunks; i++)
+        check_free(&state->checks[i]);
+    free(state->checks);
+    state->checks = NULL;
+}
+
+/* ---- the frame of a pass ---- */
+
+/* Finds the pixels of the passes that show a frame; waits until OpenGL has drawn it. number: how
+ * many full places of the frame's queue come before. */
+static bool find_frame(struct state *state, int frame, int number, struct tile_pass *of)
+{
+    const struct renderer *renderer = state->stages->renderer;
+    struct queue *queue = queue_of(state, frame);
+    const int place = queue_next(queue, number);
+    if (place < 0)
+        return false;
+    of->pixels = renderer->kind->pixels(renderer, buffer_at(state, queue, place));
+    of->stride = (size_t)state->plan->tile_width;
+    return true;
+}
+
+/* The current frame is not needed any more. */
+static void leave_frame(struct state *state)
+{
+    if (state->frame != DARK)
+        queue_free(queue_of(state, state->frame));
+    state->frame = DARK;
+}
+
+/* Finds the pixels of a pass, which come in the order of passes. */
+static bool find_pixels(struct state *state, struct tile_pass *of)
+{
+    const int frame = state->stages->passes->frame[of->pass];
+    if (!state->stages->renderer)
+        return true;
+    if (frame == DARK) {
+        of->pixels = state->black;
+        return true;
+    }
+    if (frame != state->frame)
+        leave_frame(state);
+    state->frame = frame;
+    return find_frame(state, frame, 0, of);
+}
+
+/* Learns from all passes that hold pilots; a pass is dark where only materials out of view have
+ * light. */
+static bool learn_pilots(struct state *state, const struct tile *tile, struct error *err)
+{
+    const struct fit *fit = fit_of(state);
+    for (int i = 0, number = -1, last = DARK; fit && i < fit->n_passes; i++) {
+        const int frame = state->stages->passes->frame[fit->passes[i]];
+        struct tile_pass of = {
+            .state = state, .tile = tile, .pass = fit->passes[i], .pixels = state->black};
+        number += frame != last && frame != DARK;
+        last = frame != DARK ? frame : last;
+        if (frame != DARK && !find_frame(state, frame, number, &of))
+            return false;
+        double since = clock_seconds();
+        if (!plan_load_textures(state->plan, of.pass * BANDS_PER_PASS, err))
+            return false;
+        clock_in(&since, &state->stages->seconds.read);
+        each_chunk(&of, learn_chunk);
+        clock_in(&since, &state->stages->seconds.check);
+    }
+    return true;
+}
+
+/* ---- a pass ---- */
+
+/* Finds room for counts; *out is NULL where none are written. */
+static bool find_room(struct state *state, const struct tile *tile, struct written **out)
+{
+    *out = NULL;
+    if (!state->stages->stack)
+        return true;
+    const int place = queue_room(&state->counted);
+    if (place < 0)
+        return false;
+    *out = &state->written[place];
+    (*out)->at = plan_pixels(state->plan, &tile->at);
+    return true;
+}
+
+/* Shares the seconds of a pass in proportion to those of its threads. */
+static void share_seconds(const struct tile_pass *of, double seconds)
+{
+    struct part_seconds *to = &of->state->stages->seconds;
+    const double all = of->judging + of->counting;
+    to->check += all > 0 ? seconds * of->judging / all : 0;
+    to->write += all > 0 ? seconds * of->counting / all : 0;
+}
+
+static bool treat_pass(struct state *state, const struct tile *tile, int pass, struct error *err)
+{
+    struct stages *stages = state->stages;
+    struct tile_pass of = {
+        .state = state, .tile = tile, .pass = pass, .lock = PTHREAD_MUTEX_INITIALIZER};
+    struct written *room;
+    if (!find_pixels(state, &of) || !find_room(state, tile, &room))
+        return false;
+    double since = clock_seconds(), seconds = 0;
+    if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
+        return false;
+    clock_in(&since, &stages->seconds.read);
+    of.out = room;
+    each_chunk(&of, treat_chunk);
+    clock_in(&since, &seconds);
+    share_seconds(&of, seconds);
+    state->sums.odd.clipped += of.odd.clipped;
+    state->sums.odd.undefined += of.odd.undefined;
+    if (room) {
+        room->first_page = pass * BANDS_PER_PASS;
+        room->n_pages = bands_of_pass(state->plan, pass);
+        queue_fill(&state->counted);
+    }
+    return true;
+}
+
+/* ---- the object map ---- */
+
+/* Makes the object map of a tile. */
+static bool add_object_map(struct state *state, const struct tile *tile)
+{
+    struct written *room;
+    if (state->plan->map_bytes == 0 || !state->stages->stack)
+        return true;
+    if (!find_room(state, tile, &room))
+        return false;
+    map_objects(state->stages, tile, &room->at, room->samples[0]);
+    room->first_page = state->plan->n_bands;
+    room->n_pages = 1;
+    queue_fill(&state->counted);
+    return true;
+}
+
+/* ---- judging ---- */
+
+static void add_work(struct light_work *to, const struct tile *tile)
+{
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct light_work *work = &tile->chunks[i].picture.work;
+        to->points_lit += work->points_lit;
+        to->specular_vertices += work->specular_vertices;
+        to->power_functions += work->power_functions;
+    }
+}
+
+static void take_step(struct state *state)
+{
+    state->steps++;
+    if (state->stages->progress)
+        progress_show(state->stages->progress, state->steps, state->all_steps);
+}
+
+static bool treat_tile(void *context, const struct tile *tile, struct error *err)
+{
+    struct state *state = context;
+    const bool checking = state->stages->check_scene != NULL;
+    clock_in(&state->since, &state->stages->seconds.raster);
+    add_work(&state->sums.light, tile);
+    bool done = (!checking || open_checks(state, tile, err)) && add_object_map(state, tile);
+    if (done && checking)
+        queue_free(&state->numbers);
+    done = done && learn_pilots(state, tile, err);
+    for (int pass = 0; done && pass < state->plan->n_passes; pass++) {
+        done = treat_pass(state, tile, pass, err);
+        take_step(state);
+    }
+    leave_frame(state);
+    done = done && settle_checks(state, tile, err);
+    sums_add(&state->stages->sums, &state->sums);
+    close_checks(state, tile);
+    state->since = clock_seconds();
+    return done;
+}
+
+static bool treat_tiles(void *context, struct error *err)
+{
+    struct state *state = context;
+    const struct stages *stages = state->stages;
+    const struct rectangle picture = plan_picture(state->plan);
+    bool done = true;
+    state->all_steps = (long)stages->n_tiles * state->plan->n_passes;
+    state->since = clock_seconds();
+    for (int i = 0; i < stages->n_tiles && done; i++) {
+        const struct rectangle at = plan_tile(state->plan, &picture, stages->first_tile + i);
+        done = tile_draw(stages->lit, &at, treat_tile, state, err);
+    }
+    queue_end(&state->counted);
+    return done;
+}
+
+/* ---- writing ---- */
+
+static bool write_pages(const struct state *state, const struct written *from, struct error *err)
+{
+    const struct stages *stages = state->stages;
+    const struct rectangle *at = &from->at;
+    for (int i = 0; i < from->n_pages; i++) {
+        const struct stack_rectangle to = {from->first_page + i, at->x, at->y - stages->first_row,
+                                           at->width, at->height};
+        if (!stack_write(stages->stack, &to, from->samples[i], err))
+            return false;
+    }
+    return true;
+}
+
+static bool write_tiles(void *context, struct error *err)
+{
+    struct state *state = context;
+    for (int place; (place = queue_next(&state->counted, 0)) >= 0;) {
+        double since = clock_seconds();
+        if (!write_pages(state, &state->written[place], err))
+            return false;
+        clock_in(&since, &state->written_seconds);
+        queue_free(&state->counted);
+    }
+    return true;
+}
+
+/* ---- all of it ---- */
+
+static bool allocate(struct state *state, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    const size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height,
+                 size = (size_t)plan->options.bits / 8, map = (size_t)plan->map_bytes;
+    if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture") ||
+        (state->stages->check_scene &&
+         !totals_open(state->stages->check_scene, &state->sums.totals, err)))
+        return false;
+    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->stages->stack; i++) {
+        unsigned char **samples = &state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS];
+        if (!MAKE_ARRAY(*samples, n_samples * (size > map ? size : map), err, "a page of a tile"))
+            return false;
+    }
+    return true;
+}
+
+static void release(struct state *state)
+{
+    free(state->black);
+    totals_free(&state->sums.totals);
+    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS; i++)
+        free(state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS]);
+}
+
+bool stages_run(struct stages *stages, struct error *err)
+{
+    stage *parts[MOST_STAGES];
+    struct pipeline pipeline;
+    struct state state = {.stages = stages, .plan = stages->plan, .frame = DARK};
+    int n = 0;
+    state.numbers = (struct queue){.pipeline = &pipeline, .n_places = 1};
+    state.pilots = (struct queue){.pipeline = &pipeline, .n_places = MAX_PILOT_PASSES};
+    state.frames = (struct queue){.pipeline = &pipeline, .n_places = AHEAD_FRAMES};
+    state.counted = (struct queue){.pipeline = &pipeline, .n_places = WRITTEN_PLACES};
+    if (stages->renderer)
+        parts[n++] = draw_tiles; /* OpenGL's context is this thread's */
+    parts[n++] = treat_tiles;
+    if (stages->stack)
+        parts[n++] = write_tiles;
+    const bool done =
+        allocate(&state, err) &&
+        pipeline_run(&pipeline, stages->plan->options.threads == 1, parts, n, &state, err);
+    stages->seconds.write += state.written_seconds;
+    release(&state);
+    return done;
+}

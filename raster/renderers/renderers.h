@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT */
+/* Lists the known properties of each implementation of OpenGL. Bounds, candidates and check read
+ * it. */
+/* The room "renderer": the pixels that are to be checked, from wherever they come. A room that has
+ * such pixels opens a renderer; the loop over tiles, the check and the report know no more of it
+ * than this. A renderer may not know what the reference shows. */
+#ifndef RASTER_RENDERERS_RENDERERS_H
+#define RASTER_RENDERERS_RENDERERS_H
+
+#include "raster/reference/reference.h"
+#include "spectral.h"
+
+struct contexts;
+struct lit_scene;
+struct plan;
+
+/* The rule that gives a pixel to a triangle when its centre lies exactly on an edge. */
+enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
+struct driver {
+    const char *name; /* what GL_RENDERER begins with; "unknown": the worst of all others;
+                         "measured": see raster/traits */
+    bool is_measured;
+    double grid_px; /* corners are moved to a grid before edges are followed: by up to this */
+    double edge_roundings;  /* of the largest window coordinate, while an edge is followed */
+    double depth_roundings; /* of a depth of 1, while it is stored: half is a step of 24 bits */
+    double value_roundings; /* of a plane at a pixel, relative to its value there */
+    double corner_px;       /* planes of values run through corners that are moved by up to this */
+    double filter_texels;   /* linear filtering mixes as for a place that is off by up to this */
+    double lighting;        /* errors of lighting are at most so many times Mesa's */
+    bool left_origin;       /* planes of values begin at the left of the picture */
+    bool watertight;        /* a pixel where triangles meet belongs to exactly one of them */
+    enum fill_rule fill_rule;
+};
+/* NULL stands for an unknown one. */
+const struct driver *driver_of(const char *gl_renderer);
+
+/* Writes the properties of a driver in words. */
+enum { DRIVER_WORDS = 160 };
+void driver_print(const struct driver *driver, char out[DRIVER_WORDS]);
+
+/* The way in which OpenGL draws: with lighting of its own (OpenGL 1.x); with our shaders, by OpenGL
+ * 3.3 core or by OpenGL ES 3.0. */
+enum gl_way { GL_WITHOUT_SHADERS, GL_CORE, GL_ES, GL_WAYS };
+/* choice.c. Accepts the words of --renderer: "gl", "llvmpipe", "softpipe", "raster"; "gl-shader"
+ * and "es-shader", alone or with ":llvmpipe" or ":softpipe". */
+bool driver_accepts_renderer(const char *option, const char *value, struct error *err);
+/* Returns the way of such a word, NULL: none was given. *driver: Mesa's; NULL: any. */
+enum gl_way driver_way(const char *renderer, const char **driver);
+/* Accepts the words of --gl: "osmesa", "egl", "egl:N", "auto". */
+bool driver_accepts_library(const char *option, const char *value, struct error *err);
+int driver_device(const char *library); /* N of "egl:N"; -1 of other words */
+
+/* threads.c. Threads of this process: of llvmpipe, and those that have this thread's name, which a
+ * new thread has until it takes its own. */
+struct driver_threads {
+    long of_llvmpipe, unnamed;
+};
+/* Returns false where they cannot be counted. */
+bool driver_count_threads(struct driver_threads *out);
+/* Refuses a driver that has fewer threads than it has asked for. Where the system gives llvmpipe
+ * fewer, Mesa 22.3.6 goes on, and then waits for ever: its fences count the threads that were asked
+ * for (lp_fence_create in lp_setup.c). `before`: counted before the first context. */
+bool driver_has_threads(const char *gl_renderer, const struct driver_threads *before,
+                        struct error *err);
+
+/* The nearest fragment of a pixel, as the renderer draws it. */
+struct shown {
+    int32_t surface, triangle; /* -1: background */
+    uint32_t depth;            /* in steps of 1 / (2^24 - 1) */
+    uint8_t fragments;         /* drawn there, hidden ones too, modulo 256 */
+};
+struct renderer_names {
+    char library[16], renderer[128], version[128]; /* "OSMesa" or "EGL", GL_RENDERER, GL_VERSION;
+                                                      empty: nothing draws */
+};
+struct renderer_work {
+    long passes, draw_calls;
+};
+
+/* Parts of struct shown that a renderer does not have. They are not judged. */
+struct renderer_lacks {
+    bool numbers; /* surfaces and triangles */
+    bool depths;  /* depths and fragments */
+};
+
+/* An open renderer of a plan. A room embeds it as the first member of a struct of its own. One
+ * thread draws, the one that opened it. A buffer keeps its pixels until something is drawn there
+ * again; other threads may read them meanwhile. */
+struct renderer {
+    const struct renderer_kind *kind;
+    struct renderer_names names;
+    struct driver driver;      /* by which it is judged */
+    struct renderer_work work; /* of all that was drawn so far */
+    struct renderer_lacks lacks;
+};
+struct renderer_kind {
+    /* Takes the lit scene of the plan, before the first `aim`. It must outlive the renderer. */
+    bool (*take_scene)(struct renderer *of, const struct lit_scene *lit, struct error *err);
+    /* Aims at a tile of the picture, of at most the plan's tile size in pixels. */
+    void (*aim)(struct renderer *of, const struct rectangle *tile);
+    /* Says which first bands `draw` will get on each tile, in this order. Comes before the first
+     * `aim`. NULL: any order will do. */
+    bool (*expect)(struct renderer *of, const int *first_bands, int n, struct error *err);
+    /* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed
+     * tile into a buffer. Where the plan asks for a check, `identify` comes before. */
+    bool (*draw)(struct renderer *of, int buffer, int first_band, double full_scale,
+                 struct error *err);
+    /* Returns what was last drawn into the buffer: radiances divided by full_scale, rounded to the
+     * nearest step where the colour buffer has steps; 4 floats a pixel, rows of the plan's
+     * tile_width from the top. */
+    const float *(*pixels)(const struct renderer *of, int buffer);
+    /* Finds triangles, depths and fragments of the aimed tile. The plan asks for a check. */
+    bool (*identify)(struct renderer *of, struct error *err);
+    /* Returns what the last `identify` found. x and y count from the tile's top left pixel. A
+     * number that no instance has becomes surface n_instances. */
+    struct shown (*shown)(const struct renderer *of, int x, int y);
+    /* Frees the renderer, also after a failure of the function that opens it. */
+    void (*close)(struct renderer *of);
+};
+
+/* renderer.c. Takes a pixel from the colours of its triangle's number, and from its depth in 24
+ * bits above 8 of fragments. The number is three that single precision holds exactly: the low 16
+ * bits of the triangle, its high bits, and the instance + 1. */
+struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
+
+/* ---- the ways of drawing that this program has ---- */
+
+/* What this program has for OpenGL: see raster/beside/rooms.c. */
+struct drawing_ways {
+    /* Opens a renderer of a plan, which must outlive *out, with so many buffers. Fails with
+     * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. The
+     * caller closes *out unless it is NULL, also after a failure. One can be open at a time. NULL:
+     * this program does not draw so. */
+    bool (*open[GL_WAYS])(const struct plan *plan, int n_buffers, struct renderer **out,
+                          struct error *err);
+    /* Measures a driver that is not known. A canvas is in use, and stays so. Fails with
+     * EXIT_SYSTEM, and the reason, where the driver cannot be checked. NULL: cannot measure. */
+    bool (*measure)(struct contexts *contexts, const char *gl_renderer, struct driver *out,
+                    struct error *err);
+    /* Writes name, version and driver of the library that is used by default; NULL: no OpenGL. */
+    void (*library)(char *out, size_t capacity);
+};
+extern const struct drawing_ways drawing_ways;
+bool gl_is_built(void); /* this program can draw through OpenGL */
+
+#endif
