@@ -29,7 +29,7 @@ set -eu
 export LC_ALL=C
 called_from=$PWD
 cd "$(dirname "$0")"
-: "${CC:=gcc}" "${CFLAGS:=-O3}" "${CPPFLAGS=}" "${LDFLAGS=}" "${GL:=osmesa}" "${BUILD:=build}"
+: "${CC:=gcc}" "${CFLAGS:=-O3}" "${CPPFLAGS=}" "${LDFLAGS=}" "${GL:=osmesa}" "${TIER:=full}" "${BUILD:=build}"
 # These come after $CFLAGS, which may ask for arithmetic that changes pictures. No floating-point traps
 # are taken and no errno is read after sqrt: both let loops be done several samples at once and change
 # no result.
@@ -67,19 +67,25 @@ prepare() {
     make_builtin
 }
 
-# Sets $sources for $GL and $TIER; spectral.c, which has main, is the first. raster/beside/ has the
-# rooms that the core does not know, and for each program the table of what it has.
+# Sets $sources for $GL and $TIER; spectral.c, which has main, is the first. The tables in raster/beside
+# say what a program has of the rooms in that folder, which the core does not know.
 find_sources() {
-    sources="spectral.c $(find data raster -name '*.c' ! -path 'data/samples/*' ! -path 'raster/beside/rooms*' | sort)"
-    table=rooms
+    rooms='data raster/reference raster/renderers raster/plan raster/bounds raster/candidates raster/counts raster/check raster/render'
+    all='raster/beside/accuracy raster/beside/verify raster/beside/see raster/beside/cost raster/beside/view'
+    commands=commands ways=ways
+    without='/no_[a-z]*[.]c$'
     case $GL in
-    osmesa) sources=$(printf '%s\n' $sources | grep -v '/no_[a-z]*[.]c$') ;;
-    none)
-        table=rooms_no_gl
-        sources=$(printf '%s\n' $sources | grep -v -e '^raster/gl/' -e '^raster/beside/shader/' -e '^raster/beside/measure/' -e '/no_' -e '^raster/beside/verify/[clrt]') ;;
+    osmesa) rooms="$rooms raster/gl" all="$all raster/beside/shader raster/beside/measure" ;;
+    none) commands=commands_no_gl ways=ways_none without="$without|^raster/beside/verify/(command|lists|run|tables)[.]c" ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
-    sources="$sources raster/beside/$table.c"
+    case $TIER in
+    full) rooms="$rooms $all" ;;
+    minimal) commands=commands_minimal && [ "$GL" = none ] || ways=ways_minimal ;;
+    *) refuse "build.sh: TIER is full or minimal, not '$TIER'" ;;
+    esac
+    sources="spectral.c $(find $rooms -name '*.c' ! -path 'data/samples/*' | grep -Ev "$without" | sort)
+        raster/beside/$commands.c raster/beside/$ways.c"
 }
 
 # stamp FILE TEXT writes the file, unless it holds the text already.

@@ -4,7 +4,6 @@
 #define DATA_BASE_INSIDE_H
 
 #include "data/base/base.h"
-#include "spectral.h"
 
 /* ---- was_read.c: the files that this process has opened for reading ---- */
 

@@ -2,7 +2,6 @@
 /* Stages that work side by side. A thread works with the lock open, and holds it only to look at
  * queues. Where stages work one at a time, it is the other way round: a thread holds the lock while
  * it works, and opens it where it waits. */
-#include <errno.h>
 
 #include "data/base/base.h"
 

@@ -2,7 +2,6 @@
 /* The files that this process has opened for reading. No output may replace one of them. Whoever
  * opens a file need not know which outputs follow, nor the other way round: so the list is kept by
  * the process, and not passed along. */
-#include <pthread.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 

@@ -4,7 +4,6 @@
 #define DATA_COLOUR_INSIDE_H
 
 #include "data/colour/colour.h"
-#include "spectral.h"
 
 /* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
  * linear = slope x value. */

@@ -4,7 +4,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/inside.h"
 
 enum { BLOCK = sizeof((struct digest *)0)->block };

@@ -4,7 +4,6 @@
 #include <fcntl.h>
 #include <sys/statvfs.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
 
 /* Some file systems do not report their size. */

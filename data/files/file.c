@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
 
 /* ---- compiled-in files ---- */

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/inside.h"
 
 /* Makes a folder whose name is a prefix and the six characters of mkdtemp. */

@@ -6,7 +6,6 @@
 #include <strings.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
 
 /* A format and its first bytes; in `any`, a byte of 1 may have any value in the file. */

@@ -4,7 +4,6 @@
 #define DATA_FILES_INSIDE_H
 
 #include "data/files/files.h"
-#include "spectral.h"
 
 /* Reads an open file for it; messages name the path. */
 bool digest_descriptor(const char *path, int descriptor, char out[65], struct error *err);

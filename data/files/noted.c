@@ -5,7 +5,6 @@
 #include <pthread.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/files/inside.h"
 
 struct sha256 {

@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/inside.h"
 
 /* ---- opening ---- */

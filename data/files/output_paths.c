@@ -7,7 +7,6 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
 
 char *output_name(const char *path, const char *ending, struct error *err)

@@ -6,7 +6,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
 
 bool path_is_builtin(const char *path)

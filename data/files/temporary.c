@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/inside.h"
 
 /* The longest name in /proc, or what a temporary name adds; the most names that are tried. */

@@ -8,7 +8,6 @@
 #include <string.h>
 #include <tiffio.h>
 
-#include "data/base/base.h"
 #include "data/images/inside.h"
 
 /* Some rows of a page as stored: the rows of the first plane, then those of the next. */

@@ -8,8 +8,6 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/inside.h"
 #include "data/text/text.h"
 

@@ -3,9 +3,7 @@
 #ifndef DATA_IMAGES_INSIDE_H
 #define DATA_IMAGES_INSIDE_H
 
-#include "data/files/files.h"
 #include "data/images/images.h"
-#include "spectral.h"
 
 
 /* reading.c: opens the file with libtiff. */

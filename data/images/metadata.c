@@ -7,7 +7,6 @@
 #include <string.h>
 #include <tiffio.h>
 
-#include "data/base/base.h"
 #include "data/images/inside.h"
 #include "data/text/text.h"
 

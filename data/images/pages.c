@@ -12,8 +12,6 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/inside.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__

@@ -6,8 +6,6 @@
 #include <string.h>
 #include <tiffio.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/inside.h"
 
 char *picture_text(char *text)

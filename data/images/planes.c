@@ -2,7 +2,6 @@
 /* Writes float pages with names. */
 #include <tiffio.h>
 
-#include "data/files/files.h"
 #include "data/images/inside.h"
 
 static bool set_tags(TIFF *tiff, const void *of, int page, struct error *err)

@@ -8,8 +8,6 @@
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/inside.h"
 
 enum { CHUNK_BYTES = 1 << 16, LEVEL = 6, CHANNELS = 3 };

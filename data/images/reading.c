@@ -6,8 +6,6 @@
 #include <sys/stat.h>
 #include <tiffio.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/inside.h"
 
 /* ---- bytes ---- */

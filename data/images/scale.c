@@ -2,7 +2,6 @@
 /* The scale of colours in which pictures show floors and differences. */
 #include <math.h>
 
-#include "data/base/base.h"
 #include "data/images/images.h"
 
 static const struct {

@@ -5,8 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
 #include "data/text/text.h"
 

@@ -2,8 +2,6 @@
 /* Finds whether a mesh has a border. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 
 /* Finds the point of each vertex: the number of the first vertex in the same place. */

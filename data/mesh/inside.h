@@ -3,11 +3,7 @@
 #ifndef DATA_MESH_INSIDE_H
 #define DATA_MESH_INSIDE_H
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 bool same_place(struct vector a, struct vector b);
 /* The unit normal by Newell's sum; (0,0,0) where the area is within rounding of 0. */

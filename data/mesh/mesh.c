@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/mesh/inside.h"
 
 /* ---- the mesh itself ---- */

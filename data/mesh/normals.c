@@ -6,8 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/mesh/inside.h"
 
 struct crowd;

@@ -6,10 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/mesh/inside.h"
-#include "data/text/text.h"
 
 /* The statements that fill the lists, and the number of their numbers. */
 static const struct list_form {

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/inside.h"
 
 bool patches_open(const struct shape *shape, struct patches *out, struct error *err)

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/inside.h"
 
 bool same_place(struct vector a, struct vector b)

@@ -5,9 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/mesh/mesh.h"
-#include "data/text/text.h"
 
 /* A length lies above 0 and has highest 0. Any other size is a count, which can be refined. A
  * length that is left out is `otherwise` times the first size, the first size itself and a count

@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/mesh/inside.h"
 
 /* ---- edges that get a vertex ---- */

@@ -3,10 +3,7 @@
  * numbers by the same steps, so that neighbours agree in every bit. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/mesh/inside.h"
-#include "data/text/text.h"
 
 enum { TEAPOT_POINTS = 290 };
 

@@ -8,9 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/sampling/inside.h"
-#include "data/spectra/spectra.h"
 
 /* Cells from..to - 1 of the grid, and the nodes that stand for them. */
 enum { MOST_NODES = 8 };

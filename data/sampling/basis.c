@@ -2,7 +2,6 @@
 /* Sampling by a linear model: the principal components of a scene's spectra. */
 #include <math.h>
 
-#include "data/base/base.h"
 #include "data/sampling/inside.h"
 
 static double dot(const double *a, const double *b, int n)

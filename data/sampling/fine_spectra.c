@@ -5,10 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/sampling/inside.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 
 /* A stack of every nm has no more pages. */
 enum { WIDEST_RANGE = 65535 };

@@ -4,7 +4,6 @@
 
 #include "data/colour/colour.h"
 #include "data/sampling/inside.h"
-#include "data/spectra/spectra.h"
 
 /* ---- one rule ---- */
 

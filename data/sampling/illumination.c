@@ -6,11 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 
 bool spectrum_is_zero(const struct spectrum *spectrum)
 {

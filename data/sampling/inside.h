@@ -4,9 +4,6 @@
 #define DATA_SAMPLING_INSIDE_H
 
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "spectral.h"
 
 /* ---- data/sampling/spectral_pages.c: pages made of spectra ---- */
 

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
 #include "data/text/text.h"
 
 static const char *const kinds[] = {

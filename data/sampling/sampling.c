@@ -4,10 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/sampling/inside.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "data/text/text.h"
 
 /* ---- kinds ---- */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene as the command line samples it. */
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/text/text.h"
 
 static const struct option sampling_rows[] = {

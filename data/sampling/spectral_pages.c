@@ -4,8 +4,6 @@
 #include <math.h>
 
 #include "data/sampling/inside.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 
 struct spectral_pages scene_pages(const struct scene *scene)
 {

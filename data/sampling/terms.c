@@ -5,10 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/sampling/inside.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 
 struct luminescence {
     const struct spectral_pages *pages;

@@ -4,7 +4,6 @@
 
 #include "data/colour/colour.h"
 #include "data/sampling/inside.h"
-#include "data/spectra/spectra.h"
 #include "data/text/text.h"
 
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err)

@@ -9,10 +9,7 @@
 
 #include "data/base/base.h"
 #include "data/files/files.h"
-#include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 
 static void list_shapes(struct printed *to)
 {

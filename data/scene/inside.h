@@ -5,8 +5,6 @@
 
 #include "data/base/base.h"
 #include "data/scene/scene.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- material.c: materials from files and from words ---- */
 
@@ -95,5 +93,7 @@ void materials_forget(struct scene_reader *reader); /* frees what finds material
 bool object_read(struct scene_reader *reader, struct error *err);
 bool checker_read(struct scene_reader *reader, struct error *err);
 void object_free(struct object *object);
+
+bool scene_set_samples(struct scene *scene, const char *text, struct error *err);
 
 #endif

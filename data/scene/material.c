@@ -6,11 +6,8 @@
 #include <string.h>
 #include <strings.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
 #include "data/scene/inside.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 
 /* Refuses an excitation whose sum is not above 0 and finite. The excitation by a light is divided
  * by this sum, the excitation by a light of 1 at all wavelengths. */

@@ -5,10 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/scene/inside.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 
 /* ---- definitions ---- */
 

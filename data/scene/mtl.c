@@ -6,10 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/scene/inside.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 
 enum statement { KD, KS, KE, NS, STATEMENTS };
 static const char *const statements[STATEMENTS] = {"Kd", "Ks", "Ke", "Ns"};

@@ -5,11 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "data/scene/inside.h"
-#include "data/text/text.h"
 
 /* ---- transforms ---- */
 

@@ -4,11 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
 #include "data/scene/inside.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 
 /* ---- files ---- */
 

@@ -115,7 +115,6 @@ bool scene_set_size(struct scene *scene, const char *text, struct error *err);
 bool scene_set_light(struct scene *scene, const char *text, struct error *err);
 bool scene_set_ambient(struct scene *scene, const char *text, struct error *err);
 bool scene_set_shading(struct scene *scene, const char *text, struct error *err);
-bool scene_set_samples(struct scene *scene, const char *text, struct error *err);
 bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);
 
 /* ---- scene_options.c: a scene as the command line names and changes it ---- */

@@ -3,8 +3,7 @@
 #include <string.h>
 
 #include "data/files/files.h"
-#include "data/scene/scene.h"
-#include "data/text/text.h"
+#include "data/scene/inside.h"
 
 static const struct option changes[] = {
     {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",

@@ -5,10 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/scene/inside.h"
-#include "data/text/text.h"
 
 static const double smallest_positive = DBL_MIN;
 static const double longest_nm = 1e6; /* a millimetre: beyond, nothing is light */

@@ -9,7 +9,6 @@
 #include <math.h>
 
 #include "data/spectra/inside.h"
-#include "data/text/text.h"
 
 static const double coldest = 4000, hottest = 25000;
 

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "data/spectra/inside.h"
-#include "data/text/text.h"
 
 /* ---- wavelengths ---- */
 

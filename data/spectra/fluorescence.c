@@ -8,7 +8,6 @@
 
 #include "data/base/base.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
 
 /* ---- the wavelengths of two spectra ---- */
 

@@ -4,8 +4,6 @@
 #define DATA_SPECTRA_INSIDE_H
 
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* The columns that are wanted of a table. */
 struct columns {

@@ -8,7 +8,6 @@
 #include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "data/spectra/inside.h"
-#include "data/text/text.h"
 
 /* A millimetre: longer waves are no light. The limit keeps sums and steps of wavelengths finite. */
 static const double longest_nm = 1e6;

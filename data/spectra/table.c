@@ -7,9 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-#include "data/files/files.h"
 #include "data/spectra/inside.h"
-#include "data/text/text.h"
 
 enum { MOST_COLUMNS = 3 }; /* kept of a row: those of a detector */
 

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral info: how a stack was made, as JSON or in words. */
-#include "data/base/base.h"
-#include "data/images/images.h"
 #include "data/stack/inside.h"
-#include "data/text/text.h"
 
 bool record_open(const char *path, struct image *image, struct record *out, struct error *err)
 {

@@ -5,12 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
 #include "data/stack/inside.h"
-#include "data/text/text.h"
 
 static const struct place nowhere = {0};
 

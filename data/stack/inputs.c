@@ -4,12 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
-#include "data/text/text.h"
 
 /* ---- finding ---- */
 

@@ -3,9 +3,7 @@
 #ifndef DATA_STACK_INSIDE_H
 #define DATA_STACK_INSIDE_H
 
-#include "data/images/images.h"
 #include "data/stack/stack.h"
-#include "spectral.h"
 
 /* Reads the record in the description of a stack's first page. Refuses an image without a record,
  * or with a record that contradicts itself. */

@@ -5,11 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/sampling/sampling.h"
 #include "data/stack/inside.h"
-#include "data/text/text.h"
 
 enum { COPIED_BYTES = 1 << 22 };
 

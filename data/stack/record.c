@@ -9,10 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "data/stack/inside.h"
 
 /* ---- the fields ---- */

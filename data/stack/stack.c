@@ -6,9 +6,6 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/images/images.h"
 #include "data/stack/inside.h"
 
 static bool check_options(const struct stack_options *options, struct error *err)

@@ -7,8 +7,6 @@
 #include <string.h>
 #include <tiffio.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
 #include "data/stack/inside.h"
 
 #define RADIANCE_UNIT "W sr-1 m-2 nm-1 (relative)"

@@ -2,7 +2,6 @@
 /* Prints the help of commands and options, in lines of a terminal's width. */
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/text/inside.h"
 
 enum { HELP_WIDTH = 80, HELP_COLUMN = 34 }; /* of a line; where an explanation begins */
@@ -24,7 +23,9 @@ void help_words(struct printed *to, const char *text, int column)
     print_text(to, "\n");
 }
 
-void help_explain(struct printed *to, const char *typed, const char *explanation)
+/* Prints an option as the user types it, and its explanation beside it, or below if there is no
+ * room. */
+static void help_explain(struct printed *to, const char *typed, const char *explanation)
 {
     const int used = 2 + (int)strlen(typed);
     print(to, "  %s", typed);

@@ -4,7 +4,6 @@
 #define DATA_TEXT_INSIDE_H
 
 #include "data/text/text.h"
-#include "spectral.h"
 
 
 /* Goes through the options of a command; zero it before use, but for the command. */

@@ -2,12 +2,9 @@
 /* Writes facts into a text that grows: as JSON, or as words in lines. The caller is responsible for
  * the structure. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/text/text.h"
 
 void json_begin(struct json *json)

@@ -5,8 +5,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/text/text.h"
 
 /* How messages call a kind of files, the word behind `spectral list` that lists them (NULL: the

@@ -6,10 +6,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/text/inside.h"
-#include "spectral.h"
 
 /* ---- values ---- */
 

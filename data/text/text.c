@@ -10,8 +10,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/text/text.h"
 
 enum {

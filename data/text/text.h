@@ -303,9 +303,6 @@ bool option_count(const char *option, const char *value, double lowest, double h
 
 /* Prints the words of a text from the cursor's column on. A new line begins at that column. */
 void help_words(struct printed *to, const char *text, int column);
-/* Prints a command or an option as the user types it, and its explanation beside it, or below if
- * there is no room. */
-void help_explain(struct printed *to, const char *typed, const char *explanation);
 /* Explains the options of a command. */
 void help_options(const struct command *command, struct printed *to);
 

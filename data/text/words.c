@@ -5,8 +5,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/text/text.h"
 
 /* Returns the index of a word in a list; -1: it is not there. */

@@ -3,7 +3,7 @@
  * exactly from operands that are off by at most their errors. */
 #include <math.h>
 
-#include "raster/bounds/bounds.h"
+#include "raster/bounds/inside.h"
 
 /* (a + e)(b + f) - ab = a f + e (b + f) */
 struct bounded bounded_product(struct bounded a, struct bounded b)

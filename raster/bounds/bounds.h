@@ -17,8 +17,6 @@
 struct bounded {
     double value, error;
 };
-struct bounded bounded_product(struct bounded a, struct bounded b);
-struct bounded bounded_quotient(struct bounded a, struct bounded b); /* first order; b is not 0 */
 
 /* ---- vertex.c, light.c: vertices ---- */
 

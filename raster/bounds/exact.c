@@ -5,7 +5,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "data/maths/maths.h"
 #include "raster/bounds/inside.h"
 
 /* The largest power of two that x, not 0, is a multiple of. */

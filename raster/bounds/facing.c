@@ -4,11 +4,7 @@
 #include <math.h>
 
 #include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "raster/bounds/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 double edge_error(const struct driver *driver, int width, int height)
 {

@@ -3,10 +3,7 @@
 #ifndef RASTER_BOUNDS_INSIDE_H
 #define RASTER_BOUNDS_INSIDE_H
 
-#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- exact.c: where single precision makes no error ---- */
 
@@ -30,5 +27,9 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
 /* Fills in the hidden triangles of a surface whose vertices have bounds: those that OpenGL sees
  * from behind for sure, on a solid, one-sided surface between the near and the far plane. */
 bool find_hidden(const struct lit_scene *lit, int surface, struct error *err);
+
+struct bounded bounded_product(struct bounded a, struct bounded b);
+
+struct bounded bounded_quotient(struct bounded a, struct bounded b); /* first order; b is not 0 */
 
 #endif

@@ -7,10 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "data/maths/maths.h"
 #include "raster/bounds/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* ---- directions ---- */
 

@@ -5,10 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 /* Three mixes of two values, each a difference, a product and a sum. */
 enum { MIX_ROUNDINGS = 9 };

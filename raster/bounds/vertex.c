@@ -4,12 +4,8 @@
 #include <math.h>
 
 #include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/scene/scene.h"
 #include "raster/bounds/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 /* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
  * projection entry (3), the product of the two matrices and the product with the vertex, each four

@@ -6,10 +6,8 @@
 
 #include "data/base/base.h"
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* The state of a chunk while its pixels get their bounds. */
 struct bounding {

@@ -3,10 +3,8 @@
 #include <math.h>
 
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* ---- corners of the triangle ---- */
 

@@ -7,9 +7,7 @@
 
 #include "data/base/base.h"
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/inside.h"
-#include "raster/reference/reference.h"
 
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
 {

@@ -3,10 +3,7 @@
 #ifndef RASTER_CANDIDATES_INSIDE_H
 #define RASTER_CANDIDATES_INSIDE_H
 
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* The bound of a value interpolated with perspective: constant + (fixed + per_d D) / (D - e). D is
  * 1 / w at the pixel; e = fixed + per_d D is D's own bound, and less than D. This error is common

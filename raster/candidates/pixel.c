@@ -9,10 +9,8 @@
 #include "data/images/images.h"
 #include "data/maths/maths.h"
 #include "data/sampling/sampling.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
 struct attribute_bound {

@@ -6,7 +6,6 @@
 
 #include "data/maths/maths.h"
 #include "raster/candidates/inside.h"
-#include "raster/reference/reference.h"
 
 void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
 {

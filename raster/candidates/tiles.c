@@ -3,10 +3,8 @@
 #include <stdlib.h>
 
 #include "data/base/base.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* A tile whose chunks are drawn. */
 struct drawn_tile {

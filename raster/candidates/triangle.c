@@ -5,9 +5,7 @@
 #include <string.h>
 
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/inside.h"
-#include "raster/reference/reference.h"
 #include "raster/renderers/renderers.h"
 
 /* True where nothing of a triangle in front of the eye reaches a pixel centre of the rows. Centres

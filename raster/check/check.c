@@ -7,11 +7,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "raster/candidates/candidates.h"
 #include "raster/check/inside.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 size_t chunk_pixels(const struct chunk *chunk)
 {

@@ -130,7 +130,6 @@ struct block {
 /* Adds a block to a comparison, and fills in its differences. Returns false where any is outside of
  * its bound, or the rest that the fit leaves of it is outside of the limit. */
 bool samples_compare(struct check_samples *samples, struct block *block);
-void samples_add(struct check_samples *to, const struct check_samples *from);
 void floor_note(struct check_floor *to, double counts);
 void verdict_add(struct check_verdict *to, const struct check_verdict *from);
 

@@ -7,8 +7,6 @@
 #include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/check/inside.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
 
 /* ---- a material ---- */
 

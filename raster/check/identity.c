@@ -2,10 +2,7 @@
 /* Judges the triangle that OpenGL names at each pixel, its depth, and the number of fragments. */
 #include <math.h>
 
-#include "raster/candidates/candidates.h"
 #include "raster/check/inside.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 static const double depth_steps = 16777215;
 

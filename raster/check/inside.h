@@ -3,11 +3,7 @@
 #ifndef RASTER_CHECK_INSIDE_H
 #define RASTER_CHECK_INSIDE_H
 
-#include "raster/candidates/candidates.h"
 #include "raster/check/check.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "spectral.h"
 
 /* True if the pass holds pilots. */
 bool fit_has_pilots(const struct fit *fit, int pass);
@@ -68,5 +64,7 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
 
 /* Counts the pixel as not explained. The first such pixel is kept with its failure. */
 void check_fail(struct check *check, size_t pixel, const struct check_failure *failure);
+
+void samples_add(struct check_samples *to, const struct check_samples *from);
 
 #endif

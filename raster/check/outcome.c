@@ -4,11 +4,7 @@
 #include <math.h>
 
 #include "data/base/base.h"
-#include "raster/candidates/candidates.h"
 #include "raster/check/inside.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* ---- totals ---- */
 

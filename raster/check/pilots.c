@@ -10,7 +10,6 @@
 #include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/check/inside.h"
-#include "raster/plan/plan.h"
 
 /* Before any band is seen, a weight may be off by this many times its own roundings. The number
  * only steers the choice of pilots and gains: the bounds hold for every gain. */

@@ -8,10 +8,7 @@
  * sqrt(2 q). */
 #include <math.h>
 
-#include "raster/bounds/bounds.h"
 #include "raster/check/inside.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
 
 enum { UU, UV, VV, U, V }; /* rows of an estimate: of the sums g g' / n^2 and g d / n^2 */
 /* Single precision rounds the sums by less than this part of their largest number, and what they

@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "raster/check/inside.h"
-#include "raster/counts/counts.h"
 
 /* ---- samples ---- */
 

@@ -7,10 +7,7 @@
 #include <string.h>
 
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* In counts, some 10^-25 of full scale. Mesa flushes results below 2^-126 = 1.2e-38 to zero. The
  * set-up of a plane magnifies this error by one over the triangle's area (10^4 at most; smaller

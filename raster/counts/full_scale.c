@@ -8,10 +8,7 @@
 #include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "data/scene/scene.h"
-#include "raster/bounds/bounds.h"
 #include "raster/counts/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* ---- upper bounds for Phong shading ---- */
 

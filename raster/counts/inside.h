@@ -3,9 +3,7 @@
 #ifndef RASTER_COUNTS_INSIDE_H
 #define RASTER_COUNTS_INSIDE_H
 
-#include "raster/bounds/bounds.h"
 #include "raster/counts/counts.h"
-#include "spectral.h"
 
 /* ---- noise.c ---- */
 

@@ -3,10 +3,7 @@
  * should be 0, and is some 1e-17. Its sign decides whether the surface has a highlight. */
 
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/counts/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* Normal and direction are each transformed and normalised in double precision, with less than 16
  * roundings of their components, and multiplied. */

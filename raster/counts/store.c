@@ -5,10 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "raster/bounds/bounds.h"
 #include "raster/counts/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* ---- samples of a page ---- */
 

@@ -3,12 +3,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
 
 enum { VERTICES, COORDINATES, BUFFERS };
 

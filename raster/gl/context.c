@@ -4,9 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "raster/gl/inside.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- the library ---- */
 

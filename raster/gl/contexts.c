@@ -4,8 +4,6 @@
 #include <string.h>
 
 #include "raster/gl/inside.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 #ifdef OSMESA_VERSION /* built in; asking a context of softpipe would take tens of milliseconds */
 static const char built_in[] = "OSMesa " OSMESA_VERSION " (softpipe), built in";

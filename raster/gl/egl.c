@@ -9,9 +9,7 @@
  * OSMesa to the bit, since OSMesa turns its window around inside of Mesa. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "raster/gl/inside.h"
-#include "raster/renderers/renderers.h"
 
 #ifdef OSMESA_VERSION /* the static program has no loader */
 bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err)

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "raster/gl/inside.h"
-#include "raster/renderers/renderers.h"
 
 static const struct {
     const char *name;

@@ -190,11 +190,6 @@ bool contexts_have(const struct contexts *contexts, const char *extension);
 
 /* ---- describe.c: what can be used ---- */
 
-/* Finds the names of what draws; a canvas is in use. Refuses a size that is too large for OpenGL,
- * and another driver than the wanted one, which was chosen before the first canvas. wanted: NULL:
- * any. */
-bool contexts_accept(const struct contexts *contexts, const struct rectangle *size,
-                     const char *wanted, struct renderer_names *out, struct error *err);
 struct context_description {
     struct renderer_names names;
     char vendor[128];
@@ -213,8 +208,6 @@ struct canvas {
     void *context; /* the library's; NULL: none */
     void *pixels;
 };
-bool has_extension(const char *list, const char *name); /* list: words; NULL: none */
-GLenum canvas_type(const struct canvas *canvas);        /* of a channel */
 
 /* ---- opened.c ---- */
 

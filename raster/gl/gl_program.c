@@ -2,9 +2,7 @@
 /* Programs of shaders. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
 
 void program_begin(enum gl_way way, struct printed *to)
 {

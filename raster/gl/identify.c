@@ -5,7 +5,6 @@
  * the same triangles as in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
 #include "data/scene/scene.h"
 #include "raster/gl/inside.h"
-#include "raster/renderers/renderers.h"
 
 static void draw_batch(void *of, const struct numbered_vertex *corners, int n)
 {

@@ -3,14 +3,8 @@
 #ifndef RASTER_GL_INSIDE_H
 #define RASTER_GL_INSIDE_H
 
-#include "data/images/images.h"
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* after GL/gl.h */
 
@@ -112,5 +106,15 @@ void gl_blacken(struct gl *gl);
 /* As struct renderer_kind says. */
 bool gl_identify(struct renderer *renderer, struct error *err);
 struct shown gl_shown(const struct renderer *renderer, int x, int y);
+
+/* Finds the names of what draws; a canvas is in use. Refuses a size that is too large for OpenGL,
+ * and another driver than the wanted one, which was chosen before the first canvas. wanted: NULL:
+ * any. */
+bool contexts_accept(const struct contexts *contexts, const struct rectangle *size,
+                     const char *wanted, struct renderer_names *out, struct error *err);
+
+bool has_extension(const char *list, const char *name); /* list: words; NULL: none */
+
+GLenum canvas_type(const struct canvas *canvas); /* of a channel */
 
 #endif

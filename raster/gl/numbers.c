@@ -2,12 +2,9 @@
 /* Triangles with their numbers as colours. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
-#include "raster/reference/reference.h"
 
 /* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
 enum { BATCH = 4096 };

@@ -2,10 +2,7 @@
 /* Opens OpenGL for a plan, with what it draws on: floats, or counts of 8 or 16 bits. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "raster/gl/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- the driver ---- */
 

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* An open OpenGL: the driver by which it is judged, and the pixels that it has shown. */
-#include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
+#include "raster/gl/inside.h"
 
 /* Finds the driver by which the pixels are judged: a known one, or, where they are judged, one that
  * is measured. */

@@ -3,9 +3,7 @@
  * Mesa's GL/osmesa.h, which newer systems do not have. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "raster/gl/inside.h"
-#include "raster/renderers/renderers.h"
 
 #ifdef OSMESA_VERSION /* built in, with its header */
 #include <GL/osmesa.h>

@@ -7,13 +7,8 @@
  * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "data/scene/scene.h"
-#include "raster/bounds/bounds.h"
 #include "raster/gl/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 

@@ -3,10 +3,7 @@
  * weights of 8 bits. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
 
 bool texture_fits(const struct gl_functions *call, const struct texture *texture, struct error *err)
 {

@@ -2,12 +2,7 @@
 /* Meshes and textures as OpenGL keeps them. A spectral texture's texels are uploaded anew for each
  * pass. */
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "raster/bounds/bounds.h"
 #include "raster/gl/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/renderers/renderers.h"
 
 int gl_bind_mesh(const struct gl *gl, int instance)
 {

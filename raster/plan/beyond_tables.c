@@ -2,12 +2,8 @@
 /* Spectra that are tables, and end before the picture's wavelengths do. */
 #include <math.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
-#include "raster/plan/plan.h"
+#include "raster/plan/inside.h"
 
 /* The tables of a plan, looked at one by one. */
 struct tables {

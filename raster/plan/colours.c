@@ -3,7 +3,6 @@
  * colours of OpenGL's lights, with white materials: a fluorescent material, too, is then one pass
  * under eight lights. */
 #include "raster/plan/inside.h"
-#include "raster/reference/reference.h"
 
 /* row NULL stands for no term. */
 static void band_colour(const struct plan *plan, const double *row, int first_band,

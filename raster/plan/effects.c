@@ -2,10 +2,6 @@
 /* Lists the effects of a plan, each with the reason why it is simulated or not. */
 #include <string.h>
 
-#include "data/images/images.h"
-#include "data/mesh/mesh.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "raster/plan/inside.h"
 

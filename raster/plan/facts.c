@@ -5,14 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/plan/inside.h"
-#include "raster/reference/reference.h"
 
 static void put_work(struct json *json, const struct plan *plan, const struct passes *passes)
 {

@@ -3,11 +3,7 @@
 #ifndef RASTER_PLAN_INSIDE_H
 #define RASTER_PLAN_INSIDE_H
 
-#include "data/images/images.h"
-#include "data/scene/scene.h"
-#include "data/text/text.h"
 #include "raster/plan/plan.h"
-#include "spectral.h"
 
 /* ---- reach.c: what reaches the picture ---- */
 
@@ -26,5 +22,7 @@ bool instances_make(struct plan *plan, const int *halvings, struct error *err); 
 
 /* left_out.c: puts the work that the scene does not call for, as the list "left_out". */
 void left_out_put(const struct plan *plan, const struct passes *passes, struct json *json);
+
+bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
 
 #endif

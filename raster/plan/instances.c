@@ -6,12 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
-#include "data/scene/scene.h"
 #include "raster/plan/inside.h"
-#include "raster/reference/reference.h"
 
 /* A mesh as its shape describes it, before it is parted and moved. */
 struct whole {

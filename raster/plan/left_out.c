@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists the work that a scene does not call for, each with the reason why it is left out. */
-#include "data/text/text.h"
 #include "raster/plan/inside.h"
 
 static void put(struct json *json, const char *what, long n, long of, const char *reason)

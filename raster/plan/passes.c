@@ -4,7 +4,6 @@
  * that reach these. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "raster/plan/plan.h"
 
 /* Returns the product of a term in channel c of a pass; 0 where there is no such band, and in the

@@ -4,15 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/plan/inside.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
  * copies of a frame, of its triangles and depths (36), of the next frame (16) and of those that

@@ -127,7 +127,6 @@ struct texels plan_texels(const struct texture *texture, int plane); /* for the 
 /* Loads the planes of spectral textures for the bands of a pass. */
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
-bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
 
 /* ---- reach.c: what reaches the picture ---- */
 

@@ -2,12 +2,7 @@
 /* The plan's lights: where they stand in eye space, and which of them light anything. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/plan/inside.h"
-#include "raster/reference/reference.h"
 
 /* Distances in eye space are below this: their squares are numbers in single precision. */
 static const double farthest = 1e18;

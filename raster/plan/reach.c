@@ -4,11 +4,7 @@
  * in doubt an instance is in view, and a light reaches it. */
 #include <math.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/maths/maths.h"
 #include "raster/plan/inside.h"
-#include "raster/reference/reference.h"
 
 /* ---- instances in view ---- */
 

@@ -5,12 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/plan/inside.h"
-#include "raster/reference/reference.h"
 
 /* ---- textures ---- */
 

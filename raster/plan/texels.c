@@ -2,8 +2,6 @@
 /* The texels of a pass: the planes of three bands, side by side. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
 #include "raster/plan/plan.h"
 
 bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A tile: its projection, which is the picture's, scaled and shifted, and its pixels. */
-#include "data/maths/maths.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* Makes a row of a projection map [low, high] of the picture's clip space to [-1, 1]. */
 static void aim_row(struct matrix *m, int row, double low, double high)

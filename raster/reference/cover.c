@@ -8,7 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 /* ---- triangles in the window ---- */

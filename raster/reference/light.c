@@ -3,7 +3,6 @@
  * point is a vertex, or in Phong shading a point between vertices. */
 #include <math.h>
 
-#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 /* A light as it is seen from a point in eye space. */

@@ -14,7 +14,6 @@
 #include <stdint.h>
 
 #include "data/maths/maths.h"
-#include "spectral.h"
 
 struct rectangle {
     int x, y, width, height; /* in pixels, from the top left corner of the picture */

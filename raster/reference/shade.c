@@ -4,7 +4,6 @@
  */
 #include <math.h>
 
-#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 static void shade_phong(const struct view *view, const struct screen_triangle *triangle,

@@ -2,7 +2,6 @@
 /* Vertices go from the mesh through eye space and clip space to the window. */
 #include <stdlib.h>
 
-#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 /* Returns where the attributes of one side of a vertex begin in weights. */

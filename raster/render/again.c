@@ -6,11 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/files/files.h"
-#include "data/images/images.h"
 #include "data/scene/scene.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/render/inside.h"
 
 /* Reads the options that a record holds; others come from the command line. `from`: the file with

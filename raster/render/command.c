@@ -5,18 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/images/images.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
-#include "raster/check/check.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
 #include "raster/render/inside.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- checks before anything is drawn ---- */
 

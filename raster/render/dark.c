@@ -3,9 +3,6 @@
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
-#include "raster/bounds/bounds.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 #include "raster/render/inside.h"
 
 /* Returns the sum of what all lights may give all vertices of a surface. Phong shading lights

@@ -3,19 +3,9 @@
 #ifndef RASTER_RENDER_INSIDE_H
 #define RASTER_RENDER_INSIDE_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
-#include "raster/check/check.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 #include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* ---- notes.c: a list of notes ---- */
 
@@ -125,5 +115,8 @@ void options_forget_check(struct options *options);
 /* Makes a stack again from the scene and the options that it records. Fails with EXIT_DIFFERENT if
  * any byte of the new stack differs. */
 bool render_again(struct options *options, struct error *err);
+
+/* Puts what the judge of shading found, as the object "accuracy". */
+void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json);
 
 #endif

@@ -2,13 +2,7 @@
 /* A list of notes, and the order in which they are made. */
 #include <stdarg.h>
 
-#include "data/base/base.h"
-#include "data/text/text.h"
-#include "raster/bounds/bounds.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 #include "raster/render/inside.h"
-#include "raster/renderers/renderers.h"
 
 void note_add(struct notes *notes, const char *code, const char *format, ...)
 {

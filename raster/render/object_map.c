@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The objects that the pixels of the stack show. */
-#include "raster/candidates/candidates.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 #include "raster/render/inside.h"
-#include "raster/renderers/renderers.h"
 
 /* Returns the number, from 1, of the object at a position of the tile. The renderer of the stored
  * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface

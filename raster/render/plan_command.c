@@ -2,13 +2,9 @@
 /* spectral plan: what would be simulated, and why. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
-#include "raster/plan/plan.h"
-#include "raster/render/render.h"
+#include "raster/render/inside.h"
 
 static bool put_plan(const struct plan *plan, const struct notes *notes, struct json *json,
                      struct error *err)

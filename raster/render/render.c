@@ -2,17 +2,9 @@
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
 #include <time.h>
 
-#include "data/base/base.h"
 #include "data/sampling/sampling.h"
-#include "data/stack/stack.h"
-#include "raster/bounds/bounds.h"
-#include "raster/check/check.h"
-#include "raster/counts/counts.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 #include "raster/render/inside.h"
-#include "raster/renderers/renderers.h"
 
 /* A render on its way: what the stages work on, in the order in which it is made. */
 struct state {

@@ -48,8 +48,6 @@ bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out
 void notes_print(const struct notes *notes, struct printed *to);
 /* Prints the lines; as JSON: the array "notes" of objects with the members "code" and "text". */
 void notes_put(const struct notes *notes, struct json *json);
-/* Puts what the judge of shading found, as the object "accuracy". */
-void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json);
 /* Divides the triangles of a plan if the options ask for it. After an error the plan can only be
  * freed. */
 bool notes_refine(const struct options *options, struct plan *plan, struct notes *notes,

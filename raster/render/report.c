@@ -3,15 +3,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
-#include "raster/check/check.h"
-#include "raster/plan/plan.h"
 #include "raster/render/inside.h"
-#include "raster/renderers/renderers.h"
 
 /* NaN: there is none. */
 static double rms(const struct check_samples *samples)

@@ -4,15 +4,7 @@
  * writes. The stages do the same work in the same order, however far one is ahead of another. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/stack/stack.h"
-#include "raster/candidates/candidates.h"
-#include "raster/check/check.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 #include "raster/render/inside.h"
-#include "raster/renderers/renderers.h"
 
 /* Counts on their way to the stack: of some pages of a tile. */
 struct written {

@@ -3,13 +3,8 @@
  */
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/scene/scene.h"
-#include "data/stack/stack.h"
-#include "raster/candidates/candidates.h"
-#include "raster/check/check.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
 #include "raster/render/inside.h"
 
 /* ---- the verdict ---- */

@@ -30,7 +30,6 @@ struct accuracy_estimate { /* of shading; outlines do not count */
 /* Judges about `wanted` pixels in CIEDE2000. surfaces: those of the plan, lit. */
 bool accuracy_estimate(const struct plan *plan, const struct surface *surfaces, int wanted,
                        struct accuracy_estimate *out, struct error *err);
-void accuracy_estimate_free(struct accuracy_estimate *estimate);
 
 /* ---- refine.c: from a plan to a finer one ---- */
 
@@ -39,9 +38,6 @@ struct wanted_accuracy {
     double error;
     enum measure_unit unit;
 };
-/* Refuses a value of --accuracy that is no error: "0.5" is in CIEDE2000, "8counts" in counts of
- * 65535. */
-bool accuracy_accepts(const char *option, const char *value, struct error *err);
 
 struct refined_object {
     int surface;        /* the first of its instances */

@@ -4,12 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
 #include "raster/beside/accuracy/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 struct judged_point {
     int surface; /* -1: none */

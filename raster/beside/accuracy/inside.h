@@ -5,9 +5,6 @@
 
 #include "data/mesh/mesh.h"
 #include "raster/beside/accuracy/accuracy.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- measure.c: differences as a detector sees them ---- */
 
@@ -85,5 +82,11 @@ bool lattice_place(const struct lattice *lattice, int index, double at[2]);
 /* Judges about `wanted` pixels of surfaces that are lit. */
 bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
                     struct accuracy_estimate *out, struct error *err);
+
+void accuracy_estimate_free(struct accuracy_estimate *estimate);
+
+/* Refuses a value of --accuracy that is no error: "0.5" is in CIEDE2000, "8counts" in counts of
+ * 65535. */
+bool accuracy_accepts(const char *option, const char *value, struct error *err);
 
 #endif

@@ -5,11 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/beside/accuracy/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* Returns the lattice. The step is odd and the shear even, so that the places are pixel centres;
  * the shear is near the step over the golden ratio, so that rows of pixels do not repeat soon. */

@@ -4,9 +4,7 @@
 
 #include "data/images/images.h"
 #include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "raster/beside/accuracy/inside.h"
-#include "raster/reference/reference.h"
 
 /* ---- points in the window ---- */
 

@@ -4,14 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
-#include "data/text/text.h"
 #include "raster/beside/accuracy/inside.h"
 #include "raster/bounds/bounds.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 #include "raster/renderers/renderers.h"
 
 /* ---- the words of the option ---- */

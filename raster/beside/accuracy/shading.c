@@ -3,11 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/text/text.h"
-#include "raster/beside/accuracy/accuracy.h"
-#include "raster/plan/plan.h"
-#include "raster/render/render.h"
+#include "raster/beside/accuracy/inside.h"
 
 /* A difference of 1 CIEDE2000 is about the least that an observer sees. */
 static const double just_seen = 1;

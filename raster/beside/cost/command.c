@@ -5,12 +5,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/cost/inside.h"
 #include "raster/beside/see/see.h"
 #include "raster/render/render.h"

@@ -5,12 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/mesh/mesh.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
 #include "raster/beside/cost/inside.h"
 #include "raster/gl/gl.h"
 

@@ -4,8 +4,6 @@
 #include <stdarg.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/text/text.h"
 #include "raster/beside/cost/inside.h"
 
 void cost_entry_free(struct cost_entry *entry)

@@ -5,7 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "raster/beside/cost/inside.h"
 #include "raster/beside/see/see.h"
 

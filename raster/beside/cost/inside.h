@@ -6,9 +6,7 @@
 #include "data/base/base.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "data/text/text.h"
 #include "raster/beside/cost/cost.h"
-#include "spectral.h"
 
 struct cost_options {
     const char *gl, *csv, *svg, *tolerance, *budget;

@@ -6,11 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/files/files.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/text/text.h"
 #include "raster/beside/cost/inside.h"
 
 enum { DEFAULT_RUNS = 5 };

@@ -12,10 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/colour/colour.h"
 #include "data/images/images.h"
-#include "data/sampling/sampling.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"

@@ -3,11 +3,7 @@
 #include <stdio.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/text/text.h"
 #include "raster/beside/measure/inside.h"
-#include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
 
 struct drivers_options {
     bool measure;

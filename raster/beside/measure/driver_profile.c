@@ -4,11 +4,8 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-#include "data/base/base.h"
 #include "data/maths/maths.h"
-#include "data/text/text.h"
 #include "raster/beside/measure/inside.h"
-#include "raster/renderers/renderers.h"
 
 /* GL_SUBPIXEL_BITS is at least 4 (table 6.31): a grid of 1/16 pixel. */
 static const double most_px = 1.0 / 16;

@@ -4,11 +4,7 @@
 #define RASTER_BESIDE_MEASURE_INSIDE_H
 
 #include "data/base/base.h"
-#include "data/text/text.h"
 #include "raster/beside/measure/measure.h"
-#include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* ---- traits.c ---- */
 
@@ -108,5 +104,6 @@ void measure_values(struct target *target, struct traits *out);
 void measure_lighting(struct target *target, struct traits *out);
 bool measure_passes(struct target *target, struct traits *out, struct error *err);
 
+bool drivers_measure(struct driver_list *drivers, struct error *err);
 
 #endif

@@ -4,10 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "raster/beside/measure/inside.h"
-#include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
 
 static struct context_wish wish_of(const struct listed_driver *listed)
 {

@@ -42,7 +42,6 @@ struct driver_list {
  * without being asked for it. The caller always frees *out. */
 bool drivers_list(struct driver_list *out, struct error *err);
 /* Measures each one that is usable: see raster/traits. */
-bool drivers_measure(struct driver_list *drivers, struct error *err);
 void drivers_free(struct driver_list *drivers);
 
 #endif

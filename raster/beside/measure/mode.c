@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* How the corners of a target's triangles become colours: by OpenGL's own lighting and textures, or
  * by shaders that do what those of raster/shader do. */
-#include "data/base/base.h"
 #include "raster/beside/measure/inside.h"
-#include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
 
 enum { POSITION, COLOUR, NORMAL, COORDINATES, INPUTS };
 

@@ -2,10 +2,7 @@
 /* A small picture to draw known triangles on. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "raster/beside/measure/inside.h"
-#include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
 
 /* Window coordinates become clip coordinates by products and sums that single precision does not
  * round for corners on a grid of 1/65536 pixel. */

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "raster/beside/measure/inside.h"
 
 enum { CORNERS = 3 * BUFFERED_TRIANGLES };

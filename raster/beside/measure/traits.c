@@ -2,9 +2,6 @@
 /* All measurements, one after the other. */
 
 #include "raster/beside/measure/inside.h"
-#include "raster/beside/measure/measure.h"
-#include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
 
 bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err)
 {

@@ -3,8 +3,6 @@
 #include <math.h>
 
 #include "raster/beside/measure/inside.h"
-#include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
 
 static const double depth_steps = 16777215;
 

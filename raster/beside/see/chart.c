@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "raster/beside/see/inside.h"
 
 enum {

@@ -2,11 +2,7 @@
 /* spectral compare: prints where and by how much two stacks differ. */
 #include <stdio.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/see/inside.h"
 
 struct compare_own {

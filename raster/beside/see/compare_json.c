@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The differences of two stacks as JSON. */
-#include "data/text/text.h"
 #include "raster/beside/see/inside.h"
 
 static void json_band(struct json *json, const struct band_difference *band)

@@ -3,13 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/colour/colour.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
-#include "data/sampling/sampling.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/see/inside.h"
 
 /* ---- options ---- */

@@ -3,16 +3,11 @@
 #ifndef RASTER_BESIDE_SEE_INSIDE_H
 #define RASTER_BESIDE_SEE_INSIDE_H
 
-#include "data/base/base.h"
 #include "data/colour/colour.h"
-#include "data/files/files.h"
 #include "data/sampling/sampling.h"
 #include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/see/see.h"
 #include "raster/plan/plan.h"
-#include "spectral.h"
 
 /* ---- chart.c: curves ---- */
 
@@ -199,5 +194,7 @@ void probe_free(struct probe *probe);
  * Refuses a region that is not within the picture. The caller frees *out, also after a failure. */
 bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
                  struct error *err);
+
+void chart_exponent(struct printed *to, int exponent);
 
 #endif

@@ -3,17 +3,11 @@
  * The spectra of the lights and of the material are listed beside the region's radiance. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/see/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "raster/renderers/renderers.h"
 

@@ -5,12 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/colour/colour.h"
 #include "data/images/images.h"
-#include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/see/inside.h"
 
 /* ---- colour ---- */

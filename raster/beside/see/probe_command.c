@@ -5,15 +5,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
 #include "data/scene/scene.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/accuracy/accuracy.h"
 #include "raster/beside/see/inside.h"
-#include "raster/plan/plan.h"
 
 struct probe_own {
     bool csv, svg;

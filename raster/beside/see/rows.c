@@ -2,9 +2,7 @@
 /* Reads a stack in chunks of rows. */
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/images/images.h"
-#include "data/stack/stack.h"
 #include "raster/beside/see/see.h"
 
 bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err)

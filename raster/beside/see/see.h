@@ -42,7 +42,6 @@ void chart_frame(const struct chart_area *area); /* draws its border */
  * that XML cannot hold becomes U+FFFD. */
 void chart_text(struct printed *to, const char *text, int most);
 /* Writes a decimal exponent: ×10 and raised digits. */
-void chart_exponent(struct printed *to, int exponent);
 int chart_fitting(double width, int size); /* characters that fit into a width */
 int chart_text_length(const char *text);   /* in characters of UTF-8 */
 /* Cells of a legend, filled column by column. */

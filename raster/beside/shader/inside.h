@@ -7,10 +7,7 @@
 #include "raster/beside/shader/shader.h"
 #include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* PASSES: drawn at once, one in each buffer of colours. Every OpenGL ES 3.0 has four such buffers;
  * with more of them a render is not faster, measured on llvmpipe. */

@@ -6,11 +6,6 @@
 #include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/beside/shader/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- the view ---- */
 

@@ -2,8 +2,6 @@
 /* Finds which triangle OpenGL shows at each pixel, as raster/gl does. All programs compute
  * positions by the same expression of the same numbers, which is declared invariant. */
 #include "raster/beside/shader/inside.h"
-#include "raster/gl/gl.h"
-#include "raster/renderers/renderers.h"
 
 enum { POSITION, NUMBER, COORDINATES };
 

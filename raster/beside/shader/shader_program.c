@@ -4,9 +4,6 @@
 
 #include "data/base/base.h"
 #include "raster/beside/shader/inside.h"
-#include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 static bool is_flat(const struct shader *of)
 {

@@ -2,12 +2,7 @@
 /* Meshes and textures as the shaders get them. */
 
 #include "data/base/base.h"
-#include "data/images/images.h"
 #include "raster/beside/shader/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/renderers/renderers.h"
 
 enum { POSITION, NORMAL, COORDINATES }; /* the inputs of the vertex shaders */
 

@@ -2,9 +2,6 @@
 /* spectral verify: judges scenes on drivers, and reports the results. */
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/text/text.h"
 #include "raster/beside/verify/inside.h"
 
 /* ---- the runs ---- */

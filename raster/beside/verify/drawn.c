@@ -5,9 +5,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/text/text.h"
 #include "raster/beside/verify/inside.h"
 
 /* ---- drawn.txt ---- */

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral export and spectral judge. Both plan the scene as spectral render does. */
-#include "data/text/text.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- export ---- */
 

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes the files of a scene into a new folder. */
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "raster/beside/verify/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 static bool write_file(void *of, const char *name, const void *bytes, size_t length,
                        struct error *err)

@@ -5,13 +5,11 @@
 
 #include "data/base/base.h"
 #include "data/files/files.h"
-#include "data/text/text.h"
 #include "raster/beside/verify/verify.h"
 #include "raster/check/check.h"
 #include "raster/plan/plan.h"
 #include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* ---- describe.c: a scene as files ---- */
 

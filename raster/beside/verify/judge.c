@@ -7,14 +7,11 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "data/base/base.h"
 #include "data/images/images.h"
 #include "raster/beside/verify/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 enum { MOST_BUFFERS = 16 };
 struct drawn {

@@ -4,12 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/text/text.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- drivers ---- */
 

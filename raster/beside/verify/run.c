@@ -3,13 +3,8 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/scene/scene.h"
-#include "data/text/text.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/check/check.h"
-#include "raster/plan/plan.h"
-#include "raster/render/render.h"
 
 const char usual_size[] = "300x200", usual_wavelengths[] = "400:700:10";
 const char *const verify_words[] = {"agreed", "differs", "not verified", "failed"};

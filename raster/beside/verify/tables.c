@@ -4,10 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/text/text.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/check/check.h"
 
 /* ---- the table ---- */
 

@@ -6,15 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
-#include "data/scene/scene.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/view/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/render/render.h"
 
 /* A page; the picture that it shows first; the data of a page alone, in two files. */
 enum { PAGE_KIND, PICTURE_KIND, PLANES_KIND, DESCRIPTION_KIND };

@@ -11,18 +11,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/colour/colour.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
 #include "raster/beside/view/inside.h"
-#include "raster/plan/plan.h"
 
 /* ---- spectra and rows of numbers as JSON ---- */
 

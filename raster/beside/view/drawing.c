@@ -4,13 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/scene/scene.h"
-#include "data/text/text.h"
 #include "raster/beside/view/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/render/render.h"
 
 /* Planes, and their shape as JSON. */
 struct drawn {

@@ -4,11 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/scene/scene.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/view/inside.h"
 
 /* Removes "." and "FOLDER/.." from a relative path, in place. Returns false if it leaves its

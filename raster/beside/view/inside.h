@@ -7,11 +7,9 @@
 #include "data/files/files.h"
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/view/view.h"
 #include "raster/plan/plan.h"
 #include "raster/render/render.h"
-#include "spectral.h"
 
 struct view_options {
     const char *budget;

@@ -5,13 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
-#include "data/scene/scene.h"
-#include "data/text/text.h"
 #include "raster/beside/view/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/render/render.h"
 
 /* ---- the program ---- */
 

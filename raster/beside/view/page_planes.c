@@ -5,14 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/images/images.h"
 #include "raster/beside/view/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
-#include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
-#include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 
 /* ---- the picture as planes ---- */

@@ -5,12 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
 #include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
-#include "data/text/text.h"
 #include "raster/beside/see/see.h"
 #include "raster/beside/view/inside.h"
 

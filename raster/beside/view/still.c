@@ -5,18 +5,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/colour/colour.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
 #include "data/spectra/spectra.h"
 #include "raster/beside/view/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
-#include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 
 static const char detector_name[] = "cie1931";

@@ -6,8 +6,6 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "raster/beside/view/inside.h"
 
 /* ---- data in HTML ---- */

@@ -8,14 +8,11 @@
 #include "raster/beside/verify/verify.h"
 #include "raster/beside/view/view.h"
 #include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
 #include "spectral.h"
 
 const struct command *const commands[] = {
     &render_command, &develop_command, &probe_command, &compare_command, &view_command,
     &plan_command,   &cost_command,    &info_command,  &list_command,    &show_command,
     &join_command,   &envi_command,    &export_command, &judge_command,  NULL};
-
-const struct drawing_ways drawing_ways = {.library = NULL};
 
 const struct shading_judge *const shading_judge = &accuracy_judge;

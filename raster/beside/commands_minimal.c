@@ -2,19 +2,12 @@
 /* What the minimal program has: none of the rooms in this folder. */
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
-#include "raster/gl/gl.h"
 #include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
 #include "spectral.h"
 
 const struct command *const commands[] = {&render_command, &plan_command, &info_command,
                                           &list_command,   &show_command, &join_command,
                                           &envi_command,   NULL};
-
-const struct drawing_ways drawing_ways = {
-    .open = {[GL_WITHOUT_SHADERS] = gl_open},
-    .library = gl_library,
-};
 
 const struct shading_judge *const shading_judge = NULL;
 const struct option_list accuracy_options = {NULL, 0};
