@@ -167,11 +167,11 @@ struct pipeline {
     const struct rest *rest; /* of no_threads.c */
 };
 /* A part of the work; false: it failed, or the pipeline has stopped. */
-typedef bool stage(void *context, struct error *err);
+typedef bool pipeline_stage(void *context, struct error *err);
 enum { MOST_STAGES = 3 };
 /* Runs the stages at the same time, the first one on this thread, and returns when all have ended.
  * If a stage fails, the others stop where they wait for it, and *err is the error of the first. */
-bool pipeline_run(struct pipeline *out, bool alone, stage *const stages[], int n, void *context,
+bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n, void *context,
                   struct error *err);
 
 /* A row of places that one stage fills in turn, and another takes and frees in the same order. It

@@ -39,7 +39,7 @@ void counter_add(struct counter *to, uint64_t n)
 
 /* The stages that come after the current one. */
 struct rest {
-    stage *const *stages;
+    pipeline_stage *const *stages;
     int n;
     void *context;
     struct error *err;
@@ -83,7 +83,7 @@ void queue_end(struct queue *queue)
 
 /* ---- stages ---- */
 
-bool pipeline_run(struct pipeline *out, bool alone, stage *const stages[], int n, void *context,
+bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n, void *context,
                   struct error *err)
 {
     struct rest rest = {stages + 1, n - 1, context, err};

@@ -75,7 +75,7 @@ void queue_end(struct queue *queue)
 /* A stage on its way. */
 struct worker {
     struct pipeline *pipeline;
-    stage *work;
+    pipeline_stage *work;
     void *context;
     struct error *err; /* of the first stage that fails */
     pthread_t thread;
@@ -111,7 +111,7 @@ static int start(struct worker *workers, int n)
     return running;
 }
 
-bool pipeline_run(struct pipeline *out, bool alone, stage *const stages[], int n, void *context,
+bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n, void *context,
                   struct error *err)
 {
     struct worker workers[MOST_STAGES];

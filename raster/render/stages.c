@@ -530,7 +530,7 @@ static void release(struct state *state)
 
 bool stages_run(struct stages *stages, struct error *err)
 {
-    stage *parts[MOST_STAGES];
+    pipeline_stage *parts[MOST_STAGES];
     struct pipeline pipeline;
     struct state state = {.stages = stages, .plan = stages->plan, .frame = DARK};
     int n = 0;

@@ -15,7 +15,6 @@ struct fuzz_input {
     const char *bytes;
     size_t length;
 };
-struct option_table;
 struct fuzz_target {
     const char *name;
     void (*run)(const struct fuzz_input *input);
@@ -34,8 +33,6 @@ void fuzz_holds(bool truth, const char *what);
  * statuses 2 and 3. Returns `done`. */
 bool fuzz_ends(bool done, const struct error *err);
 
-/* Returns the table of options of spectral.c. */
-const struct option_table *fuzz_options(void);
 
 /* The targets, each in its file. */
 void fuzz_scene(const struct fuzz_input *input);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Fuzz target: a command line, each word of it on a line of the input; the first is the command.
- * The tables are those of spectral.c. No command is run: it could replace any file. */
+ * The commands are those of the program. No command is run: it could replace any file. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,13 +13,7 @@ int spectral_main(int argc, char **argv);
 #include "test/fuzz/fuzz.h"
 #undef main
 
-
 enum { MOST_WORDS = 64 };
-
-const struct option_table *fuzz_options(void)
-{
-    return &option_table;
-}
 
 /* Makes the changes of the scene that the options ask for. */
 static void change_scene(struct options *options)
@@ -31,14 +25,21 @@ static void change_scene(struct options *options)
     scene_free(&scene);
 }
 
+/* Returns whether the command changes scenes. */
+static bool changes_scenes(const struct command *command)
+{
+    const struct option_list *const *list = command->lists;
+    while (*list && *list != &scene_options)
+        list++;
+    return *list != NULL;
+}
+
 static void read_words(const struct command *command, char *const *words, int n_words)
 {
-    const struct option_rules rules = {command->name, &option_table, command->options,
-                                       command->n_operands};
     struct error err = {.status = EXIT_AGREED};
     struct options options;
-    if (fuzz_ends(options_read(&rules, words, n_words, &options, &err), &err) &&
-        (command->options & FOR_SCENES))
+    if (fuzz_ends(options_read(command, words, n_words, &options, &err), &err) &&
+        changes_scenes(command))
         change_scene(&options);
     options_free(&options);
 }

@@ -4,7 +4,6 @@
 
 #include "data/maths/maths.h"
 #include "data/mesh/inside.h"
-#include "data/mesh/mesh.h"
 #include "test/fuzz/fuzz.h"
 
 static void check_mesh(const struct mesh *mesh)

@@ -6,7 +6,6 @@
 
 #include "data/images/images.h"
 #include "data/stack/inside.h"
-#include "data/stack/stack.h"
 #include "test/fuzz/fuzz.h"
 
 enum { N_PAGES = 3 };

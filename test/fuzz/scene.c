@@ -44,7 +44,7 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     bool done = plan_make(scene, NULL, &options, &plan, err) &&
                 lit_make(&plan, driver_of(NULL), &lit, &work, err) &&
                 notes_make(&lit, 256, &notes, err) && plan_facts(&plan, &words, err) &&
-                plan_facts(&plan, &notes, &json, err) && json_write(&json, "/dev/null", NULL, err);
+                plan_facts(&plan, &json, err) && json_write(&json, "/dev/null", NULL, err);
     free(printed_end(&words.printed));
     free(printed_end(&json.printed));
     lit_free(&lit);

@@ -11,7 +11,6 @@
 #include "data/stack/stack.h"
 #include "data/text/text.h"
 #include "raster/beside/see/inside.h"
-#include "raster/beside/see/see.h"
 #include "test/fuzz/fuzz.h"
 
 /* Good input may have any number of pixels; more of them reach no other code. */
@@ -83,15 +82,15 @@ static void compare_with_itself(const char *path)
 static void join_part(const char *path)
 {
     struct error err = {.status = EXIT_AGREED};
-    struct options options = {.table = fuzz_options(),
-                              .output = "/dev/null",
-                              .operand = path,
-                              .n_operands = 1,
-                              .quiet = true};
-    const bool done = command_join(&options, &err);
+    char quiet[] = "-q", output[] = "-o/dev/null", *part = strdup(path);
+    char *const words[] = {quiet, output, part};
+    struct options options = {.operand = NULL};
+    const bool done = part && options_read(&join_command, words, 3, &options, &err) &&
+                      join_command.run(&options, &err);
     if (err.status != EXIT_DIFFERENT)
         fuzz_ends(done, &err);
     options_free(&options);
+    free(part);
 }
 
 static void develop_colour(const char *path)
@@ -113,7 +112,7 @@ static void develop_sampled(const char *path)
  * of them would take five times as long. */
 static void read_stack(const char *path, const struct fuzz_input *input)
 {
-    void (*const commands[])(const char *) = {develop_colour, develop_sampled, probe_pixel,
+    void (*const readers[])(const char *) = {develop_colour, develop_sampled, probe_pixel,
                                               compare_with_itself, join_part};
     const unsigned char last =
         (unsigned char)input->bytes[input->length > 0 ? input->length - 1 : 0];
@@ -123,7 +122,7 @@ static void read_stack(const char *path, const struct fuzz_input *input)
     fuzz_ends(opened && (!small || read_rows(&cube, &err)), &err);
     cube_close(&cube);
     if (small)
-        commands[last % 5](path);
+        readers[last % 5](path);
 }
 
 void fuzz_stack(const struct fuzz_input *input)

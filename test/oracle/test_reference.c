@@ -12,7 +12,6 @@
 #include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
 #include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
 #include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"

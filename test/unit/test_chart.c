@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Plots are well-formed XML for any values; axes have round steps; every point lies where its
  * numbers put it. test/run/probe.py reads plots of spectra back. */
+#include "raster/beside/see/inside.h"
 #include "svg.h"
 
 static char *svg_of(const struct chart *chart)

@@ -11,7 +11,6 @@
 #include "data/stack/stack.h"
 #include "raster/plan/plan.h"
 #include "raster/render/inside.h"
-#include "raster/render/render.h"
 #include "spectral.h"
 
 #include <stdlib.h>

@@ -11,7 +11,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/base/inside.h"
 #include "data/files/files.h"
 #include "spectral.h"

@@ -5,7 +5,6 @@
 #include <stdint.h>
 
 #include "data/images/images.h"
-#include "raster/check/check.h"
 #include "raster/check/inside.h"
 #include "raster/counts/counts.h"
 #include "raster/plan/plan.h"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The chart of accuracy and cost is well-formed XML for any values; points lie where their values
  * put them; the legend names the number of each; no number of the frontier covers another point. */
+#include "raster/beside/cost/inside.h"
 #include "svg.h"
 
 enum { MANY = 60 };

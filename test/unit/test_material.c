@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 
 #include "data/scene/inside.h"
-#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
 #include "spectral.h"

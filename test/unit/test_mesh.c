@@ -7,7 +7,6 @@
 
 #include "data/maths/maths.h"
 #include "data/mesh/inside.h"
-#include "data/mesh/mesh.h"
 #include "solid.h"
 #include "spectral.h"
 #include "test.h"

@@ -9,7 +9,6 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/base/inside.h"
 #include "test.h"
 

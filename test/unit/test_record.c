@@ -9,7 +9,6 @@
 #include "data/images/images.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/inside.h"
-#include "data/stack/stack.h"
 #include "data/text/text.h"
 #include "spectral.h"
 #include "test.h"

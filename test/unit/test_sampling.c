@@ -5,7 +5,6 @@
 #include "data/files/files.h"
 #include "data/maths/maths.h"
 #include "data/sampling/inside.h"
-#include "data/sampling/sampling.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
 #include "spectral.h"

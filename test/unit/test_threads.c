@@ -2,7 +2,6 @@
 /* A loop does each part once, on any number of threads. Stages hand over all that they make, in its
  * order, whether they work side by side or one at a time. Where one fails, all end. A stage that
  * waits sleeps. */
-#include "data/base/base.h"
 #include "data/base/inside.h"
 #include "test.h"
 
@@ -140,7 +139,7 @@ static bool take_numbers(void *context, struct error *err)
     return !of->pipeline.stopped;
 }
 
-static stage *const stages[] = {make_numbers, double_numbers, take_numbers};
+static pipeline_stage *const stages[] = {make_numbers, double_numbers, take_numbers};
 
 static bool run(struct numbers *of, bool alone, struct error *err)
 {
