@@ -264,11 +264,10 @@ static bool finish(struct joined *joined, struct options *options, struct error 
         done = own->envi
                    ? stack_commit_envi(&joined->writer, options->output, &options->outputs, err)
                    : stack_commit(&joined->writer, &options->outputs, err);
-    return done &&
-           (agreed ||
-            error_different(err, "the joined picture: %s; %s", line,
-                            own->keep ? "the stack was kept"
-                                          : "no stack was written (--keep stores it anyway)"));
+    return done && (agreed ||
+                    error_different(err, "the joined picture: %s; %s", line,
+                                    own->keep ? "the stack was kept"
+                                              : "no stack was written (--keep stores it anyway)"));
 }
 
 static bool report(const struct options *options, const struct joined *joined, struct error *err)

@@ -33,7 +33,6 @@ void inputs_free(struct inputs *inputs);
 /* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
 bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);
 
-
 struct texts {
     const char **text; /* the array is owned, the texts are not */
     int n;

@@ -25,6 +25,6 @@ static const struct option seeing[] = {
     {"--white SPECTRUM", "the light of the white (default: those that the stack records)",
      SHARED(TEXT, white)},
 };
-const struct option_list common_options = OPTION_LIST(common), threads_option = OPTION_LIST(threads),
-                         json_option = OPTION_LIST(json), quiet_option = OPTION_LIST(quiet),
-                         seeing_options = OPTION_LIST(seeing);
+const struct option_list common_options = OPTION_LIST(common),
+                         threads_option = OPTION_LIST(threads), json_option = OPTION_LIST(json),
+                         quiet_option = OPTION_LIST(quiet), seeing_options = OPTION_LIST(seeing);

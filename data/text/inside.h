@@ -5,7 +5,6 @@
 
 #include "data/text/text.h"
 
-
 /* Goes through the options of a command; zero it before use, but for the command. */
 struct option_walk {
     const struct command *command;

@@ -54,8 +54,7 @@ const struct option *option_next(struct option_walk *walk)
 {
     for (; walk->command->lists[walk->list]; walk->list++, walk->row = 0)
         while (walk->row < walk->command->lists[walk->list]->n) {
-            const struct option *option =
-                &walk->command->lists[walk->list]->options[walk->row++];
+            const struct option *option = &walk->command->lists[walk->list]->options[walk->row++];
             if (option->recorded || !walk->recorded)
                 return option;
         }

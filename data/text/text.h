@@ -199,9 +199,9 @@ struct option {
     const char *usage; /* names with their dashes, then the value's: "-o, --output FILE" */
     const char *help;  /* for --help, which breaks its lines */
     enum option_kind kind;
-    bool own;                   /* the value is in the command's own options, not in struct options */
-    size_t offset;              /* of the value there; unused by OPTION_CHANGE */
-    double lowest, highest;     /* of a number or a count */
+    bool own;               /* the value is in the command's own options, not in struct options */
+    size_t offset;          /* of the value there; unused by OPTION_CHANGE */
+    double lowest, highest; /* of a number or a count */
     const char *const *choices; /* OPTION_TEXT: the words to choose from, then NULL; NULL: any */
     /* OPTION_TEXT: refuses a value that the command cannot use; NULL: any is good. */
     bool (*accepts)(const char *option, const char *value, struct error *err);
@@ -221,7 +221,10 @@ struct option_list {
     const struct option *options;
     int n;
 };
-#define OPTION_LIST(rows) {(rows), (int)(sizeof(rows) / sizeof *(rows))}
+#define OPTION_LIST(rows)                                                                          \
+    {                                                                                              \
+        (rows), (int)(sizeof(rows) / sizeof *(rows))                                               \
+    }
 
 struct options;
 struct command {
@@ -254,8 +257,8 @@ enum { MAX_OPERANDS = 1024, MAX_RECORDED = 64 };
  * given. */
 struct options {
     const struct command *command;
-    const char *program;              /* the name that the user started the program by */
-    const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
+    const char *program; /* the name that the user started the program by */
+    const char *operand; /* the first one: SCENE, STACK or KIND; NULL: none */
     const char *operands[MAX_OPERANDS];
     struct option_change changes[MAX_RECORDED]; /* in the order given */
     char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each option with `recorded`; owned */

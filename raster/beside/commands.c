@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What this program has: its commands, and its judge of shading. build.sh takes one of these tables,
- * and one of the ways of drawing. */
+/* What this program has: its commands, and its judge of shading. build.sh takes one of these
+ * tables, and one of the ways of drawing. */
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
 #include "raster/beside/accuracy/accuracy.h"
@@ -12,10 +12,22 @@
 #include "raster/render/render.h"
 #include "spectral.h"
 
-const struct command *const commands[] = {
-    &render_command, &develop_command, &probe_command,  &compare_command, &view_command,
-    &plan_command,   &cost_command,    &verify_command, &info_command,    &list_command,
-    &show_command,   &join_command,    &envi_command,   &drivers_command, &export_command,
-    &judge_command,  NULL};
+const struct command *const commands[] = {&render_command,
+                                          &develop_command,
+                                          &probe_command,
+                                          &compare_command,
+                                          &view_command,
+                                          &plan_command,
+                                          &cost_command,
+                                          &verify_command,
+                                          &info_command,
+                                          &list_command,
+                                          &show_command,
+                                          &join_command,
+                                          &envi_command,
+                                          &drivers_command,
+                                          &export_command,
+                                          &judge_command,
+                                          NULL};
 
 const struct shading_judge *const shading_judge = &accuracy_judge;

@@ -11,8 +11,8 @@
 #include "spectral.h"
 
 const struct command *const commands[] = {
-    &render_command, &develop_command, &probe_command, &compare_command, &view_command,
-    &plan_command,   &cost_command,    &info_command,  &list_command,    &show_command,
-    &join_command,   &envi_command,    &export_command, &judge_command,  NULL};
+    &render_command, &develop_command, &probe_command,  &compare_command, &view_command,
+    &plan_command,   &cost_command,    &info_command,   &list_command,    &show_command,
+    &join_command,   &envi_command,    &export_command, &judge_command,   NULL};
 
 const struct shading_judge *const shading_judge = &accuracy_judge;

@@ -413,7 +413,7 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
     for (size_t i = 0; i < chunk->n_ambiguous; i++)
         out->hypotheses[chunk->n_candidates + i].alive = chunk->ambiguous[i].background;
     out->tight_edges =
-        plan->options.strict || (plan->n_instances > 0 && scene->lit->driver->watertight);
+        scene->limits->strict || (plan->n_instances > 0 && scene->lit->driver->watertight);
     return true;
 }
 

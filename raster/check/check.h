@@ -113,6 +113,7 @@ struct check_verdict {
     struct check_floor floor, smooth_floor, band_floor;
     struct check_failure first;
     struct renderer_lacks lacks; /* not judged */
+    double most_unchecked;       /* of struct verdict_limits */
 };
 
 /* Samples together with the values and bounds that are expected. */
@@ -135,10 +136,16 @@ void verdict_add(struct check_verdict *to, const struct check_verdict *from);
 
 /* ---- outcome.c: the verdict on the picture ---- */
 
+/* What a picture that agrees may lack. */
+struct verdict_limits {
+    bool strict;      /* fragments that are lost or doubled where triangles meet are differences */
+    double unchecked; /* the largest share of object pixels that may stay unchecked */
+};
 /* Shared by all checks of a render. */
 struct check_scene {
     const struct lit_scene *lit;
     const struct fit *fit;
+    const struct verdict_limits *limits;
     double full_scale;
     bool clips;  /* of find_full_scale */
     bool mapped; /* a map is wanted */
@@ -165,7 +172,7 @@ void totals_finish(struct check_totals *totals);
 /* Agreed: no pixel is unexplained, and few enough are not checked. Differs: some pixel, or the mean
  * of all samples, is not what OpenGL may show. Not verified: too little could be checked. */
 enum check_outcome { OUTCOME_AGREED, OUTCOME_DIFFERS, OUTCOME_NOT_VERIFIED };
-enum check_outcome check_outcome(const struct plan *plan, const struct check_verdict *verdict);
+enum check_outcome check_outcome(const struct check_verdict *verdict);
 /* The mean of OpenGL - reference over all samples; NaN: there is none. */
 double mean_residual(const struct check_samples *samples);
 /* True if roundings cannot leave so large a mean. */

@@ -165,14 +165,15 @@ static void find_unchecked(struct check_totals *totals)
 void totals_finish(struct check_totals *totals)
 {
     totals->verdict.mean_limit = mean_limit(totals);
+    totals->verdict.most_unchecked = totals->scene->limits->unchecked;
     find_unchecked(totals);
 }
 
-enum check_outcome check_outcome(const struct plan *plan, const struct check_verdict *verdict)
+enum check_outcome check_outcome(const struct check_verdict *verdict)
 {
     if (verdict->unexplained > 0 || is_biased(verdict))
         return OUTCOME_DIFFERS;
-    return (double)verdict->unchecked > plan->options.unchecked * (double)verdict->objects
+    return (double)verdict->unchecked > verdict->most_unchecked * (double)verdict->objects
                ? OUTCOME_NOT_VERIFIED
                : OUTCOME_AGREED;
 }

@@ -40,7 +40,6 @@ void contexts_print(char *out, size_t capacity);
 bool osmesa_open(struct contexts *contexts, bool *found, struct error *err);
 bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err);
 
-
 struct gl {
     struct renderer renderer; /* the first member */
     const struct plan *plan;

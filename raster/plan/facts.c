@@ -79,12 +79,13 @@ static void put_lights(struct json *json, const struct plan *plan)
 }
 
 /* Lists "SHA-256 PATH" of each file of the scene. */
-bool plan_put_files(const struct plan *plan, struct json *json, struct error *err)
+bool plan_put_files(const struct plan *plan, const char *detector, struct json *json,
+                    struct error *err)
 {
     struct inputs inputs;
     struct printed printed = {.text = NULL};
-    bool done = inputs_all(plan->scene, plan->options.detector, &inputs, err) &&
-                inputs_digest(&inputs, &printed, err);
+    bool done =
+        inputs_all(plan->scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
     char *files = printed_take(&printed, err), *at = files;
     done = done && files;
     json_open(json, "files", '[');

@@ -64,14 +64,12 @@ struct plan_options {
     bool check, use_gl; /* whether the reference and OpenGL are needed */
     enum gl_way gl_way;
     int buffer_bits; /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
-    const char *gl_driver, *gl_library, *detector; /* NULL: any driver; --gl; NULL: none given */
-    bool strict, store_raster; /* edges that leak are differences; pixels are the reference's */
-    double unchecked;          /* the largest share of object pixels that may stay unchecked */
-    int bits;                  /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
+    const char *gl_driver, *gl_library; /* NULL: any driver; --gl */
+    bool store_raster;                  /* pixels are the reference's */
+    int bits;          /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
     bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
     bool complete;     /* another program draws: every pass, and the backs that solids hide, too */
-    int threads, n_recorded; /* threads: 0: one a processor; the plan holds the number */
-    char *const *recorded;   /* n_recorded words for the stack's record; not owned */
+    int threads;       /* 0: one a processor; the plan holds the number */
 };
 struct plan {
     const struct scene *scene;
@@ -189,12 +187,15 @@ void pass_add(const struct plan *plan, const float *part, float *sum);
 
 /* Puts the facts: work, effects, lights, values that are guessed. Fails only where memory does. */
 bool plan_facts(const struct plan *plan, struct json *json, struct error *err);
-/* Puts the list of the scene's files with their digests. Fails only where memory or a file does. */
-bool plan_put_files(const struct plan *plan, struct json *json, struct error *err);
+/* Puts the list of the scene's files with their digests. detector: of its sampling; NULL: none was
+ * given. Fails only where memory or a file does. */
+bool plan_put_files(const struct plan *plan, const char *detector, struct json *json,
+                    struct error *err);
 /* Puts the members on the scene, and on the size and the wavelengths of its picture. */
 void scene_put(const struct plan *plan, struct json *json);
 
-/* ---- beyond_tables.c: spectra that are tables, and end before the picture's wavelengths do ---- */
+/* ---- beyond_tables.c: spectra that are tables, and end before the picture's wavelengths do ----
+ */
 
 enum { BEYOND_TEXT = 384 };
 /* Prints a line for each table that the picture reaches beyond; `to` NULL: none. Returns the number

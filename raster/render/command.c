@@ -12,20 +12,6 @@
 
 /* ---- checks before anything is drawn ---- */
 
-static bool stores_raster(const struct render_options *own)
-{
-    return own->renderer && strcmp(own->renderer, "raster") == 0;
-}
-
-/* Returns an option that needs a check, if there is one; otherwise NULL. */
-static const char *asks_check(const struct render_options *own)
-{
-    return own->strict      ? "--strict"
-           : own->unchecked ? "--unchecked"
-           : own->check_map ? "--check-map"
-                                : NULL;
-}
-
 /* Refuses the name of a stack that ends like that of a picture. */
 static bool check_stack_name(const char *path, struct error *err)
 {
@@ -47,42 +33,13 @@ static bool check_asked(const struct options *options, const struct render_outpu
            (!output->check_map || picture_accepts(output->check_map, err));
 }
 
-/* Refuses options that need OpenGL in a program without it. Reads no file. again: the stack to make
- * again; NULL: none. */
-static bool check_gl(const struct options *options, const char *again, struct error *err)
+/* Refuses to make OpenGL's pixels again in a program without OpenGL. */
+static bool check_again(const struct render_options *own, const struct render_output *output,
+                        struct error *err)
 {
-    const struct render_options *own = options->own;
-    const char *checks = asks_check(own);
-    const char *driver;
-    if (gl_is_built())
-        return drawing_ways.open[driver_way(own->renderer, &driver)] ||
-               error_usage(err, "this program draws without shaders; expected another --renderer "
-                                "than %s", own->renderer);
-    if (!stores_raster(own) && again)
-        return error_usage(
-            err, "%s stores OpenGL's pixels, but this program was built without OpenGL", again);
-    if (!stores_raster(own))
-        return error_usage(err, "this program was built without OpenGL; add --renderer raster");
-    return !checks ||
-           error_usage(err, "%s checks OpenGL, but this program was built without OpenGL", checks);
-}
-
-/* Phong shading lights each pixel. OpenGL lights vertices only, so it can neither draw nor check
- * this shading. */
-static bool check_shading(const struct options *options, const struct scene *scene,
-                          struct plan_options *plan, struct error *err)
-{
-    const struct render_options *own = options->own;
-    if (scene->shading != SHADING_PHONG)
-        return true;
-    if (!plan->store_raster)
-        return error_usage(err, "OpenGL lights vertices only and cannot draw phong shading; add %s",
-                           plan->complete ? "--shading smooth" : "--renderer raster");
-    if (asks_check(own))
-        return error_usage(err, "%s checks OpenGL, which has no phong shading",
-                           asks_check(own));
-    plan->check = plan->use_gl = false;
-    return true;
+    return gl_is_built() || !output->again || stores_raster(own) ||
+           error_usage(err, "%s stores OpenGL's pixels, but this program was built without OpenGL",
+                       output->again);
 }
 
 /* Refuses a scene that differs from the scene that the stack was made from: in its text, or in a
@@ -116,7 +73,11 @@ static bool write_json(const struct options *options, const struct plan *plan,
         (stack && !digest_file(stack, sha256, err)))
         return false;
     struct json json;
-    report_json(plan, result, stored, stack ? sha256 : NULL, peak_bytes(), &json);
+    json_begin(&json);
+    report_put(plan, result, &json);
+    json_count(&json, "peak_bytes", peak_bytes());
+    json_string(&json, "output", stored);
+    json_string(&json, "sha256", stack ? sha256 : NULL);
     return json_write(&json, options->json, outputs, err);
 }
 
@@ -138,16 +99,22 @@ static bool print_header(const char *stack, bool written, struct printed *to, st
     return done;
 }
 
+/* Puts what -v asks for: the plan, and all figures. */
+static bool put_verbose(const struct options *options, const struct plan *plan,
+                        const struct render_result *result, struct json *words, struct error *err)
+{
+    if (!plan_facts(plan, words, err) || !plan_put_files(plan, options->detector, words, err))
+        return false;
+    report_put(plan, result, words);
+    return true;
+}
+
+/* stored: as in write_json. */
 static bool print_report(const struct plan *plan, const struct render_result *result,
                          const struct render_output *output, const char *stored, struct printed *to,
                          struct error *err)
 {
     report_print(plan, result, to);
-    if (stored) {
-        print(to, "stack             %s\n", stored);
-        if (!print_header(stored, output->envi, to, err))
-            return false;
-    }
     if (output->check_map && picture_is_png(output->check_map)) {
         print_text(to, "map colours       ");
         check_map_print_colours(to);
@@ -156,131 +123,91 @@ static bool print_report(const struct plan *plan, const struct render_result *re
     if (result->difference.compared)
         print(to, "again             %s bytes as %s\n",
               result->difference.found ? "not the same" : "the same", output->again);
-    return true;
+    if (stored)
+        print(to, "stack             %s\n", stored);
+    return !stored || print_header(stored, output->envi, to, err);
 }
 
-/* Reports, then fails if the pictures differ. made: the record of the stack that is made again;
- * NULL: the stack is new. */
-static bool report(const struct options *options, const struct plan *plan,
-                   const struct render_result *result, const struct render_output *output,
-                   const struct record *made, struct error *err)
+/* Shows the table. JSON, the stack itself (-o -) or the map may use standard output. */
+static bool show_report(const struct options *options, const struct plan *plan,
+                        const struct render_result *result, const struct render_output *output,
+                        const char *stored, struct error *err)
 {
-    bool agreed = render_agreed(plan, result);
-    const char *wanted = output->discard ? NULL : output->path;
-    const char *stored = agreed || output->keep ? wanted : NULL;
-    /* the JSON, the stack itself (-o -) or the map may use standard output */
-    const int table = options_table(
-        options,
-        output->check_map && output_is_stream(output->check_map) ? output->check_map : stored);
-    if (options->json && !write_json(options, plan, result, stored, output->outputs, err))
-        return false;
+    const char *map = output->check_map;
+    const int to = options_table(options, map && output_is_stream(map) ? map : stored);
     struct json words;
     words_begin(&words);
-    if (!options->quiet && ((options->verbose && !(plan_facts(plan, &words, err) && plan_put_files(plan, &words, err))) ||
-                            !print_report(plan, result, output, stored, &words.printed, err)))
-        return false;
-    if (!printed_show(&words.printed, table, err))
-        return false;
-    if (agreed)
-        return true;
+    const bool done =
+        options->quiet || ((!options->verbose || put_verbose(options, plan, result, &words, err)) &&
+                           print_report(plan, result, output, stored, &words.printed, err));
+    return done && printed_show(&words.printed, to, err);
+}
+
+/* Fails if the pictures differ, or the stack from the one that is made again. */
+static bool conclude(const struct render_job *job, const struct render_result *result,
+                     const struct render_output *output, const struct record *made,
+                     struct error *err)
+{
+    const struct plan *plan = &job->plan;
+    const char *wanted = output->discard ? NULL : output->path;
     const char *then = output->foreign ? NULL
                        : !wanted       ? "no stack was wanted"
                        : output->keep  ? "the stack was kept"
                                        : "no stack was written (--keep stores it anyway)";
-    return plan->options.check && check_outcome(plan, &result->check) != OUTCOME_AGREED
+    if (render_agreed(plan, result))
+        return true;
+    return plan->options.check && check_outcome(&result->check) != OUTCOME_AGREED
                ? report_disagreement(plan, &result->check, then, err)
                : report_not_again(plan, result, output->again, made, then, err);
 }
 
-/* ---- plan and render ---- */
+/* ---- plan, render, report ---- */
 
-/* Returns 8 or 16 for these words, 32 for any other word, and 0 for NULL. */
-static int bits_of(const char *choice)
+static bool report(const struct options *options, const struct render_job *job,
+                   const struct render_result *result, const struct render_output *output,
+                   const struct record *made, struct error *err)
 {
-    if (!choice)
-        return 0;
-    return strcmp(choice, "8") == 0 ? 8 : strcmp(choice, "16") == 0 ? 16 : 32;
+    const bool is_stored = !output->discard && (output->keep || render_agreed(&job->plan, result));
+    const char *stored = is_stored ? output->path : NULL;
+    return (!options->json ||
+            write_json(options, &job->plan, result, stored, output->outputs, err)) &&
+           show_report(options, &job->plan, result, output, stored, err) &&
+           conclude(job, result, output, made, err);
 }
 
-/* foreign: another program draws. */
-static bool plan_options_of(const struct options *options, bool foreign, struct plan_options *out,
-                            struct error *err)
-{
-    const struct render_options *own = options->own;
-    struct plan_options plan = {.full_scale = own->full_scale,
-                                .buffer_bits = bits_of(own->buffer),
-                                .gl_library = own->gl,
-                                .detector = options->detector,
-                                .strict = own->strict,
-                                .store_raster = stores_raster(own),
-                                .bits = bits_of(own->depth),
-                                .threads = options->threads,
-                                .recorded = options->recorded,
-                                .n_recorded = options->n_recorded};
-    plan.gl_way = driver_way(own->renderer, &plan.gl_driver);
-    if (plan.gl_way != GL_WITHOUT_SHADERS && plan.buffer_bits != 0 && plan.buffer_bits != 32)
-        return error_usage(err, "shaders draw into floats; leave out --buffer %s", own->buffer);
-    plan.complete = foreign;
-    plan.check = (gl_is_built() || foreign) && !own->no_check;
-    plan.use_gl = plan.check || !plan.store_raster;
-    *out = plan;
-    out->unchecked = own->strict ? 0 : USUAL_UNCHECKED;
-    return !own->unchecked ||
-           option_number("--unchecked", own->unchecked, 0, 1, &out->unchecked, err);
-}
-
-/* before: the seconds that it took to read the scene and make the plan. */
-static bool render_planned(const struct options *options, const struct plan *plan,
-                           const struct part_seconds *before, const struct render_output *output,
-                           const struct record *made, struct error *err)
+static bool render_job(const struct options *options, struct render_job *job,
+                       const struct render_output *output, const struct record *made,
+                       struct error *err)
 {
     struct progress_line line;
     struct render_result result;
-    const struct render_foreign *foreign = output->foreign;
-    if (foreign && foreign->take_plan)
-        return foreign->take_plan(foreign->of, plan, err);
     const bool shown = progress_start(&line, options->quiet);
-    bool done = render(plan, output, shown ? &line : NULL, &result, err);
-    if (done && output->take)
-        return output->take(output->taker, plan, &result, err);
-    result.seconds.read += before->read;
-    result.seconds.plan = before->plan;
-    result.seconds.total += before->read + before->plan;
-    return done && report(options, plan, &result, output, made, err);
+    if (!render(&job->plan, &job->limits, output, shown ? &line : NULL, &result, err))
+        return false;
+    result.seconds.read += job->seconds.read;
+    result.seconds.plan = job->seconds.plan;
+    result.seconds.total += job->seconds.read + job->seconds.plan;
+    return report(options, job, &result, output, made, err);
 }
 
 bool render_with_options(const struct options *options, const struct render_output *output,
                          const struct record *made, struct error *err)
 {
     const struct render_options *own = options->own;
-    struct scene scene = {.path = NULL};
-    struct sampling sampling = {.detector = NULL};
-    struct plan plan = {.scene = NULL};
-    struct plan_options plan_options;
-    struct notes notes = {.n = 0};
-    struct render_output noted = *output;
-    struct part_seconds seconds = {.read = 0};
-    double start = clock_seconds();
-    bool done = check_asked(options, output, err) &&
-                plan_options_of(options, output->foreign, &plan_options, err) &&
-                (output->foreign || check_gl(options, output->again, err)) &&
-                scene_read_sampled(options, &scene, &sampling, err) &&
-                check_shading(options, &scene, &plan_options, err) &&
-                check_same_scene(options, &scene, output->again, made, err) &&
-                (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err));
-    seconds.read = clock_seconds() - start;
-    done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
-           notes_refine(options, &plan, &notes, err);
-    seconds.plan = clock_seconds() - start - seconds.read;
-    if (!options->quiet || options->json)
-        noted.notes = &notes;
-    done = done && output_can_open(options->json, err) &&
-           output_can_open(own->check_map, err) &&
-           render_planned(options, &plan, &seconds, &noted, made, err);
-    notes_free(&notes);
-    plan_free(&plan);
-    sampling_free(&sampling);
-    scene_free(&scene);
+    struct render_job job = {.limits = {false, 0}};
+    struct render_output complete = *output;
+    complete.recorded = options->recorded;
+    complete.n_recorded = options->n_recorded;
+    complete.detector = options->detector;
+    complete.notes = !options->quiet || options->json ? &job.notes : NULL;
+    const bool done =
+        check_asked(options, output, err) && check_again(own, output, err) &&
+        job_read(options, output->foreign, &job, err) &&
+        check_same_scene(options, &job.scene, output->again, made, err) &&
+        (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err)) &&
+        job_plan(options, &job, err) && output_can_open(options->json, err) &&
+        output_can_open(own->check_map, err) && render_job(options, &job, &complete, made, err);
+    job_free(&job);
     return done;
 }
 
@@ -387,8 +314,7 @@ static const struct option scale_rows[] = {
      OWN(NUMBER, render_options, full_scale), .lowest = 1e-300, .highest = 1e300, .recorded = true},
 };
 static const struct option verbose_rows[] = {
-    {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated",
-     SHARED(FLAG, verbose)},
+    {"-v, --verbose", "prints the plan, and all figures of the check, too", SHARED(FLAG, verbose)},
 };
 static const struct option render_rows[] = {
     {"-o, --output STACK.tif",
@@ -411,14 +337,13 @@ static const struct option_list render_list = OPTION_LIST(render_rows);
 const struct option_list renderer_options = OPTION_LIST(renderer_rows),
                          library_option = OPTION_LIST(library_rows),
                          judged_options = OPTION_LIST(judged_rows),
-                         map_option = OPTION_LIST(map_rows),
-                         scale_option = OPTION_LIST(scale_rows),
+                         map_option = OPTION_LIST(map_rows), scale_option = OPTION_LIST(scale_rows),
                          verbose_option = OPTION_LIST(verbose_rows);
 static const struct option_list *const lists[] = {
-    &render_list,     &scene_options,    &shading_options, &accuracy_options, &sampling_options,
-    &renderer_options, &library_option,  &judged_options,  &map_option,       &scale_option,
-    &threads_option,  &json_option,      &verbose_option,  &quiet_option,     &common_options,
-    NULL};
+    &render_list,      &scene_options,    &shading_options, &accuracy_options,
+    &sampling_options, &renderer_options, &library_option,  &judged_options,
+    &map_option,       &scale_option,     &threads_option,  &json_option,
+    &verbose_option,   &quiet_option,     &common_options,  NULL};
 const struct command render_command = {
     .name = "render",
     .operands = "[SCENE] [-o STACK.tif]",

@@ -53,7 +53,7 @@ struct stages {
     struct stack_writer *stack;            /* NULL: no samples are stored */
     int first_row;                         /* of the picture that the stack has, in its pixels */
     int first_tile, n_tiles;               /* those to be drawn: whole rows */
-    struct progress_line *progress; /* NULL: none */
+    struct progress_line *progress;        /* NULL: none */
     double full_scale;
     bool clips; /* a vertex is brighter than full_scale */
     /* what comes out is added to these */
@@ -73,16 +73,11 @@ void map_objects(const struct stages *stages, const struct tile *tile, const str
 
 /* ---- render.c: everything before the first pixel, and after the last one ---- */
 
-/* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
- * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
- * or a difference (without `keep`) no file has been created or changed. */
-bool render(const struct plan *plan, const struct render_output *output,
-            struct progress_line *progress, struct render_result *out, struct error *err);
 bool render_agreed(const struct plan *plan, const struct render_result *result);
 /* Returns the renderer of the stored pixels: "raster", or OpenGL's GL_RENDERER. */
 const char *render_stored(const struct plan *plan, const struct render_result *result);
 
-/* ---- words.c: the verdict in words ---- */
+/* ---- verdict_words.c: the verdict in words ---- */
 
 /* Writes the verdict as one line of ASCII, for the stack. */
 void report_verdict(const struct plan *plan, const struct check_verdict *verdict,
@@ -100,12 +95,10 @@ void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
 
 /* ---- report.c: results as a table and as JSON ---- */
 
+/* Prints the picture, the verdict, what is not right, and the seconds. */
 void report_print(const struct plan *plan, const struct render_result *result, struct printed *to);
-/* Begins a text with one JSON object. output: the stack's name, sha256: its digest; NULL becomes
- * null. */
-void report_json(const struct plan *plan, const struct render_result *result, const char *output,
-                 const char *sha256, uint64_t peak_bytes, struct json *json);
-
+/* Puts all figures. */
+void report_put(const struct plan *plan, const struct render_result *result, struct json *json);
 /* Removes --no-check and --strict from the options that the stack records. A stack of the
  * reference's pixels is the same with any check. */
 void options_forget_check(struct options *options);
@@ -115,6 +108,25 @@ void options_forget_check(struct options *options);
 /* Makes a stack again from the scene and the options that it records. Fails with EXIT_DIFFERENT if
  * any byte of the new stack differs. */
 bool render_again(struct options *options, struct error *err);
+
+/* ---- job.c ---- */
+
+/* The word of --renderer is "raster": the stack has the pixels of the reference. */
+bool stores_raster(const struct render_options *own);
+/* Returns an option that needs a check, if there is one; otherwise NULL. */
+const char *asks_check(const struct render_options *own);
+
+/* ---- stack_file.c: the stack of a render ---- */
+
+/* Opens the stack, with its record. */
+bool stack_file_open(struct stack_writer *writer, const struct plan *plan,
+                     const struct render_output *output, const struct render_result *result,
+                     struct error *err);
+/* Completes the stack, compares it with the stack that is made again, and commits it if it agrees
+ * or is kept anyway. */
+bool stack_file_finish(struct stack_writer *writer, const struct plan *plan,
+                       const struct render_output *output, struct render_result *result,
+                       struct error *err);
 
 /* Puts what the judge of shading found, as the object "accuracy". */
 void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json);

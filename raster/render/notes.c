@@ -51,8 +51,6 @@ void notes_of_nothing(struct notes *notes)
 
 void notes_print(const struct notes *notes, struct printed *to)
 {
-    if (notes->shading)
-        shading_judge->print(notes->shading, to);
     for (int i = 0; i < notes->n; i++)
         print(to, "note              %s\n", notes->list[i].text);
 }
@@ -71,6 +69,12 @@ void notes_put(const struct notes *notes, struct json *json)
         json_close(json, '}');
     }
     json_close(json, ']');
+}
+
+void notes_print_shading(const struct notes *notes, struct printed *to)
+{
+    if (notes->shading)
+        shading_judge->print(notes->shading, to);
 }
 
 void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json)

@@ -6,20 +6,19 @@
 #include "data/scene/scene.h"
 #include "raster/render/inside.h"
 
-static bool put_plan(const struct plan *plan, const struct notes *notes, struct json *json,
-                     struct error *err)
+static bool put_plan(const struct plan *plan, const struct notes *notes, const char *detector,
+                     struct json *json, struct error *err)
 {
     if (!plan_facts(plan, json, err))
         return false;
     notes_put_shading(plan, notes, json);
     notes_put(notes, json);
-    return plan_put_files(plan, json, err);
+    return plan_put_files(plan, detector, json, err);
 }
 
 static bool run_plan(struct options *options, struct error *err)
 {
-    const struct plan_options plan_options = {.threads = options->threads,
-                                              .detector = options->detector};
+    const struct plan_options plan_options = {.threads = options->threads};
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
@@ -30,7 +29,7 @@ static bool run_plan(struct options *options, struct error *err)
                 plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
                 notes_refine(options, &plan, &notes, err) &&
                 notes_of_plan(&plan, MANY_PIXELS, &notes, err) &&
-                put_plan(&plan, &notes, &json, err) &&
+                put_plan(&plan, &notes, options->detector, &json, err) &&
                 json_write(&json, options->json, &options->outputs, err);
     free(printed_end(&json.printed)); /* after a failure */
     notes_free(&notes);

@@ -16,6 +16,7 @@ struct state {
     struct check_map map;
     struct stack_writer stack;
     struct renderer_lacks lacks;
+    const struct verdict_limits *limits;
     double since; /* clock_seconds at the last clock_in */
     struct render_result *result;
 };
@@ -23,68 +24,6 @@ struct state {
 const char *render_stored(const struct plan *plan, const struct render_result *result)
 {
     return plan->options.store_raster ? "raster" : result->names.renderer;
-}
-
-/* Lists the names of the objects in the order of their numbers; none if there is no object map. */
-static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
-{
-    const char **names;
-    if (!MAKE_ARRAY(names, plan->n_instances, err, "the names of objects"))
-        return false;
-    record->objects = (struct texts){names, plan->map_bytes > 0 ? plan->n_instances : 0};
-    for (int i = 0; i < record->objects.n; i++)
-        names[i] = object_name(plan, i);
-    return true;
-}
-
-/* Returns the record of the stack as text, allocated; NULL on failure. */
-static char *make_provenance(const struct state *state, struct error *err)
-{
-    const struct plan *plan = state->stages.plan;
-    const struct part_rows *rows = &state->result->rows;
-    const int n = plan->sampling && !plan->sampling->spectral ? 0 : plan->n_bands;
-    struct record record;
-    char *text = NULL;
-    if (!record_scene(plan->scene, plan->sampling, plan->options.detector, &record, err))
-        return NULL;
-    record.program = PROGRAM;
-    record.renderer = render_stored(plan, state->result);
-    record.n_options = plan->options.n_recorded;
-    for (int i = 0; i < record.n_options; i++)
-        record.options[i] = plan->options.recorded[i];
-    if (list_objects(plan, &record, err) &&
-        (rows->count == 0 ||
-         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)))
-        text = record_text(&record, err);
-    record_free(&record);
-    return text;
-}
-
-static bool open_stack(struct state *state, const char *path, struct error *err)
-{
-    const struct plan *plan = state->stages.plan;
-    const struct sampling *sampling = plan->sampling;
-    const struct part_rows *rows = &state->result->rows;
-    const bool labelled = sampling && !sampling->spectral;
-    char *provenance = make_provenance(state, err);
-    const char **labels =
-        labelled && provenance ? sampling_labels(sampling, sampling->pages.n, err) : NULL;
-    const struct stack_options options = {.width = plan->scene->width,
-                                          .height =
-                                              rows->count > 0 ? rows->count : plan->scene->height,
-                                          .n_wavelengths = plan->n_bands,
-                                          .wavelengths_nm = plan->scene->wavelengths_nm,
-                                          .full_scale = state->result->full_scale,
-                                          .bits = plan->options.bits,
-                                          .scene = plan->scene->path,
-                                          .provenance = provenance,
-                                          .map_bytes = plan->map_bytes,
-                                          .labels = labels};
-    if (provenance && (labels || !labelled) && stack_open(&state->stack, path, &options, err))
-        state->stages.stack = &state->stack;
-    FREE_ALL(labels, provenance);
-    clock_in(&state->since, &state->stages.seconds.write);
-    return state->stages.stack != NULL;
 }
 
 /* ---- everything before the first pixel ---- */
@@ -97,6 +36,7 @@ static bool open_check(struct state *state, const char *path, struct error *err)
         return false;
     state->check_scene = (struct check_scene){.lit = &state->lit,
                                               .fit = &state->fit,
+                                              .limits = state->limits,
                                               .full_scale = stages->full_scale,
                                               .clips = stages->clips,
                                               .mapped = path != NULL};
@@ -116,10 +56,10 @@ static bool open_renderer(struct state *state, const struct render_foreign *fore
     const int n_buffers = stages->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
     const struct plan *plan = stages->plan;
     struct renderer **out = &stages->renderer;
-    const bool done =
-        foreign ? foreign->open(foreign->of, plan, n_buffers, out, err)
-                : !plan->options.use_gl ||
-                      drawing_ways.open[plan->options.gl_way](plan, n_buffers, out, err);
+    const bool done = foreign
+                          ? foreign->open(foreign->of, plan, n_buffers, out, err)
+                          : !plan->options.use_gl ||
+                                drawing_ways.open[plan->options.gl_way](plan, n_buffers, out, err);
     if (done && stages->renderer) {
         state->result->names = stages->renderer->names;
         state->lacks = stages->renderer->lacks;
@@ -155,6 +95,14 @@ static bool find_tiles(struct state *state, const struct picture_part *part, str
     return true;
 }
 
+static bool open_stack(struct state *state, const struct render_output *output, struct error *err)
+{
+    if (stack_file_open(&state->stack, state->stages.plan, output, state->result, err))
+        state->stages.stack = &state->stack;
+    clock_in(&state->since, &state->stages.seconds.write);
+    return state->stages.stack != NULL;
+}
+
 /* Does everything that comes before the first pixel. */
 static bool prepare(struct state *state, const struct render_output *output, struct error *err)
 {
@@ -174,7 +122,7 @@ static bool prepare(struct state *state, const struct render_output *output, str
     clock_in(&state->since, &stages->seconds.raster);
     return find_tiles(state, &output->part, err) &&
            (!plan->options.check || open_check(state, output->check_map, err)) &&
-           (!output->path || open_stack(state, output->path, err));
+           (!output->path || open_stack(state, output, err));
 }
 
 bool render_agreed(const struct plan *plan, const struct render_result *result)
@@ -185,40 +133,9 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
         return true;
     /* The share of a picture that may stay unchecked is no limit of a part: join knows the sum. The
      * verdict on pixels of the reference has no sums. */
-    const enum check_outcome outcome = check_outcome(plan, &result->check);
+    const enum check_outcome outcome = check_outcome(&result->check);
     return outcome == OUTCOME_AGREED || (outcome == OUTCOME_NOT_VERIFIED &&
                                          result->rows.count > 0 && !plan->options.store_raster);
-}
-
-/* Refuses samples that no page can hold. */
-static bool are_finite(const struct render_result *result, struct error *err)
-{
-    return result->odd.undefined == 0 ||
-           error_failed(err,
-                        "%llu samples are not finite (or too large for a float page); "
-                        "nothing was written",
-                        (unsigned long long)result->odd.undefined);
-}
-
-static bool commit(struct state *state, const struct render_output *output, struct error *err)
-{
-    struct render_result *result = state->result;
-    const struct plan *plan = state->stages.plan;
-    char verdict[STACK_VERDICT];
-    bool compared = output->again && result->odd.undefined == 0;
-    if (!state->stages.stack || !(output->keep || compared || render_agreed(plan, result)))
-        return true;
-    if (!are_finite(result, err))
-        return false;
-    report_verdict(plan, &result->check, verdict);
-    bool done =
-        stack_finish(&state->stack, verdict, err) &&
-        (!output->again || stack_compare(&state->stack, output->again, &result->difference, err));
-    if (done && !output->discard && (output->keep || render_agreed(plan, result)))
-        done = output->envi ? stack_commit_envi(&state->stack, output->path, output->outputs, err)
-                            : stack_commit(&state->stack, output->outputs, err);
-    clock_in(&state->since, &result->seconds.write);
-    return done;
 }
 
 /* Takes what the stages have found into the result. */
@@ -242,23 +159,34 @@ static void take_results(struct state *state)
     }
 }
 
+/* Both files are complete before the first of them appears. */
+static bool finish(struct state *state, const struct render_output *output, struct error *err)
+{
+    const struct stages *stages = &state->stages;
+    if (stages->map && !check_map_finish(&state->map, err))
+        return false;
+    if (stages->stack &&
+        !stack_file_finish(&state->stack, stages->plan, output, state->result, err))
+        return false;
+    clock_in(&state->since, &state->result->seconds.write);
+    return !stages->map || check_map_commit(&state->map, output->outputs, err);
+}
+
 static bool render_all(struct state *state, const struct render_output *output, struct error *err)
 {
     if (!prepare(state, output, err) || !stages_run(&state->stages, err))
         return false;
     state->since = clock_seconds();
     take_results(state);
-    /* both files are complete before the first of them appears */
-    const bool mapped = state->stages.map != NULL;
-    return (!mapped || check_map_finish(&state->map, err)) && commit(state, output, err) &&
-           (!mapped || check_map_commit(&state->map, output->outputs, err));
+    return finish(state, output, err);
 }
 
-bool render(const struct plan *plan, const struct render_output *output,
-            struct progress_line *progress, struct render_result *out, struct error *err)
+bool render(const struct plan *plan, const struct verdict_limits *limits,
+            const struct render_output *output, struct progress_line *progress,
+            struct render_result *out, struct error *err)
 {
     const double start = clock_seconds();
-    struct state state = {.since = start, .result = out};
+    struct state state = {.since = start, .limits = limits, .result = out};
     state.stages = (struct stages){
         .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
     *out = (struct render_result){.notes = output->notes};

@@ -44,6 +44,8 @@ bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *ou
 bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out,
                    struct error *err);
 
+/* Prints in a line how far the shading is off. */
+void notes_print_shading(const struct notes *notes, struct printed *to);
 /* Prints a line for each note. */
 void notes_print(const struct notes *notes, struct printed *to);
 /* Prints the lines; as JSON: the array "notes" of objects with the members "code" and "text". */
@@ -62,7 +64,7 @@ struct shading_judge {
                    struct error *err);
     /* Judges about so many pixels, unless the plan was refined, and adds notes. */
     bool (*judge)(const struct lit_scene *lit, int pixels, struct notes *notes, struct error *err);
-    void (*print)(const struct shading *shading, struct printed *to); /* how it was refined */
+    void (*print)(const struct shading *shading, struct printed *to); /* in a line */
     void (*put)(const struct plan *plan, const struct shading *shading, struct json *json);
     void (*free)(struct shading *shading);
 };
@@ -99,13 +101,11 @@ struct render_result {
     struct part_rows rows;              /* that the stack has; count 0: all */
     struct part_seconds seconds;
 };
-/* Another program draws the pixels. */
+/* Pixels that another program has drawn. */
 struct render_foreign {
-    /* opens them as a renderer, as gl_open does */
+    /* opens them as a renderer: see struct drawing_ways */
     bool (*open)(void *of, const struct plan *plan, int n_buffers, struct renderer **out,
                  struct error *err);
-    /* gets the plan, and nothing is judged; NULL: the pixels are judged */
-    bool (*take_plan)(void *of, const struct plan *plan, struct error *err);
     void *of;
 };
 struct render_output {
@@ -117,17 +117,44 @@ struct render_output {
     bool envi;             /* write the stack's ENVI header beside it */
     struct outputs *outputs; /* get all files; NULL: they appear at once */
     struct notes *notes;     /* as notes_make takes them; NULL: none are wanted */
-    /* gets the result in place of the report, and `taker`; NULL: the result is reported */
-    bool (*take)(void *taker, const struct plan *plan, const struct render_result *result,
-                 struct error *err);
-    void *taker;
+    char *const *recorded;   /* n_recorded options for the record of the stack */
+    int n_recorded;
+    const char *detector;                 /* of its sampling; NULL: none was given */
     const struct render_foreign *foreign; /* NULL: OpenGL draws here */
     struct picture_part {                 /* draws these rows of tiles; count 0: all */
         int number, count;                /* from 1 */
     } part;
 };
 
-/* ---- words.c: the verdict in words ---- */
+/* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
+ * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
+ * or a difference (without `keep`) no file has been created or changed. */
+bool render(const struct plan *plan, const struct verdict_limits *limits,
+            const struct render_output *output, struct progress_line *progress,
+            struct render_result *out, struct error *err);
+
+/* ---- job.c: a scene on its way to a render ---- */
+
+/* The plan points to scene and sampling: a job does not move. Zero it before use. */
+struct render_job {
+    struct scene scene;
+    struct sampling sampling;
+    struct plan plan;
+    struct verdict_limits limits;
+    struct notes notes;
+    struct part_seconds seconds; /* of reading and planning */
+    struct plan_options options;
+};
+/* Reads and samples the scene of the options, whose own options begin with struct render_options.
+ * foreign: another program draws. Refuses what cannot be drawn so. The caller frees the job, also
+ * after a failure. */
+bool job_read(const struct options *options, bool foreign, struct render_job *job,
+              struct error *err);
+/* Plans the scene, and divides its triangles where --accuracy asks for it. */
+bool job_plan(const struct options *options, struct render_job *job, struct error *err);
+void job_free(struct render_job *job);
+
+/* ---- verdict_words.c: the verdict in words ---- */
 
 /* Returns false with EXIT_DIFFERENT. The message names the first pixel where the pictures differ,
  * or what could not be checked, and ends with `then`, the consequence; NULL: with none. */
@@ -149,8 +176,9 @@ extern const struct option_list renderer_options, library_option, judged_options
     scale_option, verbose_option;
 /* Options of the judge of shading; empty without it. */
 extern const struct option_list accuracy_options;
-/* Reads, plans and renders the scene of the options, and reports the result. made: the record of
- * the stack that is made again; NULL: the stack is new. */
+/* Reads, plans and renders the scene of the options, and reports the result. The own options begin
+ * with struct render_options. made: the record of the stack that is made again; NULL: the stack is
+ * new. */
 bool render_with_options(const struct options *options, const struct render_output *output,
                          const struct record *made, struct error *err);
 

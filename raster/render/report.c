@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reports a render: as a table, as one line for the stack, and as one JSON object. */
+/* Reports a render: as a table, and all figures as facts. */
 #include <math.h>
 #include <string.h>
 
@@ -13,11 +13,6 @@ static double rms(const struct check_samples *samples)
     return samples->n ? sqrt(samples->sum_of_squares / (double)samples->n) : (double)NAN;
 }
 
-static double percent(uint64_t part, uint64_t whole)
-{
-    return whole ? 100 * (double)part / (double)whole : 0;
-}
-
 /* A figure that does not exist: words say none, JSON says null. */
 static const double no_figure = (double)NAN;
 
@@ -27,142 +22,57 @@ static double existing(double ratio)
     return ratio < 0 ? no_figure : ratio;
 }
 
-/* ---- in words ---- */
+/* ---- the table ---- */
 
-/* Prints a figure behind some words; "none" where it does not exist. */
-static void print_figure(const char *words, const char *format, double figure, struct printed *to)
+static void print_picture(const struct plan *plan, const struct render_result *result,
+                          struct printed *to)
 {
-    print_text(to, words);
-    if (isfinite(figure))
-        print(to, format, figure);
-    else
-        print_text(to, "none");
-}
-
-static void print_floor(const char *name, const struct check_floor *floor, struct printed *to)
-{
-    if (floor->n == 0)
-        print(to, "%s none\n", name);
-    else
-        print(
-            to,
-            "%s %.3f counts (median), %.3f (99 %%), %.3f (99.9 %%), %.1f (worst) of %llu pixels\n",
-            name, floor_quantile(floor, 0.5), floor_quantile(floor, 0.99),
-            floor_quantile(floor, 0.999), floor->worst, (unsigned long long)floor->n);
-}
-
-static void print_shares(const char *name, const struct check_floor *floor, uint64_t objects,
-                         struct printed *to)
-{
-    if (objects == 0)
-        print(to, "%s none\n", name);
-    else
-        print(to, "%s %.3f %% of %llu object pixels within 1 count, %.3f %% 8, %.3f %% %d\n", name,
-              percent(floor->within[0], objects), (unsigned long long)objects,
-              percent(floor->within[1], objects), percent(floor->within[2], objects),
-              CHECKED_COUNTS);
-}
-
-static void print_samples(const struct check_verdict *verdict, struct printed *to)
-{
-    const struct check_samples *samples = &verdict->samples;
-    print(to, "samples           %llu\n", (unsigned long long)samples->n);
-    print(to, "exact             %llu (%.3f %%)\n", (unsigned long long)samples->exact,
-          percent(samples->exact, samples->n));
-    print(to, "within 1 count    %llu (%.3f %%)\n", (unsigned long long)samples->within_1,
-          percent(samples->within_1, samples->n));
-    print(to, "largest           %.4f counts", samples->largest);
-    print_figure(" (root mean square ", "%.5f", rms(samples), to);
-    print_figure(")\nmean residual     ", "%+.6f counts", mean_residual(samples), to);
-    print_figure(" (roundings leave at most ", "%.6f", verdict->mean_limit, to);
-    print_text(to, ")\n");
-}
-
-/* Names the parts of pixels that the renderer does not have. */
-static void print_lacks(const struct renderer_lacks *lacks, struct printed *to)
-{
-    if (lacks->numbers || lacks->depths)
-        print(to, "not checked       %s%s%s: there are none\n", lacks->numbers ? "triangles" : "",
-              lacks->numbers && lacks->depths ? ", " : "",
-              lacks->depths ? "depths and fragments" : "");
-}
-
-static void print_check(const struct check_verdict *verdict, struct printed *to)
-{
-    print_lacks(&verdict->lacks, to);
-    print_samples(verdict, to);
-    print_floor("floor            ", &verdict->floor, to);
-    print_floor("  in one band    ", &verdict->band_floor, to);
-    print_floor("  smooth interior", &verdict->smooth_floor, to);
-    print_shares("checked          ", &verdict->floor, verdict->objects, to);
-    print_shares("  in one band    ", &verdict->band_floor, verdict->objects, to);
-    print_figure("worst error/bound ", "%.3f", existing(verdict->samples.worst_ratio), to);
-    print_figure(" (one band ", "%.3f", existing(verdict->samples.worst_fit_ratio), to);
-    print_figure(", depth ", "%.3f", existing(verdict->worst_depth_ratio), to);
-    print(to,
-          ")\npixels            %llu, %llu ambiguous, %llu not checked (%llu without a bound)\n",
-          (unsigned long long)verdict->pixels, (unsigned long long)verdict->ambiguous,
-          (unsigned long long)verdict->unchecked, (unsigned long long)verdict->unbounded);
-    if (verdict->edge_holes + verdict->edge_doubles > 0)
-        print(to, "edge holes        %llu, doubled %llu\n", (unsigned long long)verdict->edge_holes,
-              (unsigned long long)verdict->edge_doubles);
-    print(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
-}
-
-static void print_bounds(const struct driver *driver, struct printed *to)
-{
-    char words[DRIVER_WORDS];
-    driver_print(driver, words);
-    print(to, "bounds            %s%s\n", driver->is_measured ? "measured: " : "of ",
-          driver->is_measured ? words : driver->name);
-}
-
-void report_print(const struct plan *plan, const struct render_result *result, struct printed *to)
-{
-    const struct part_seconds *seconds = &result->seconds;
-    const int bits = plan->options.bits;
-    print(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
-          plan->scene->width, plan->scene->height, plan->n_bands,
-          has_components(plan) ? "components" : "wavelengths");
+    const struct scene *scene = plan->scene;
+    const double *nm = scene->wavelengths_nm;
+    print(to, "picture           %s, %d x %d pixels, %d %s", scene->path, scene->width,
+          scene->height, plan->n_bands, has_components(plan) ? "components" : "wavelengths");
+    if (!has_components(plan))
+        print(to, ", %.10g to %.10g nm", nm[0], nm[scene->n_wavelengths - 1]);
+    print_text(to, "\n");
     if (result->rows.count > 0)
         print(to, "part              rows %d to %d, from 0\n", result->rows.first,
               result->rows.first + result->rows.count - 1);
-    if (plan->scene->positions > 1)
-        print(to,
-              "positions         %d x %d a pixel, whose mean is stored; the check counts each as a "
-              "pixel\n",
-              plan->scene->positions, plan->scene->positions);
     if (plan->sampling) {
-        print(to, "sampling          ");
+        print_text(to, "sampling          ");
         sampling_print(plan->sampling, to);
     }
-    print(to, "full scale        %.10g is count 65535%s\n", result->full_scale,
-          bits == 8 ? ", stored as 255" : "");
     if (plan->options.use_gl)
-        print(to, "OpenGL            %s, %s, by %s\n", result->names.renderer,
+        print(to, "drawn by          %s, %s, by %s\n", result->names.renderer,
               result->names.version, result->names.library);
-    if (plan->options.check)
-        print_bounds(&result->driver, to);
-    if (plan->options.check)
-        print_check(&result->check, to);
-    print_verdict(plan, &result->check, to);
-    if (result->odd.clipped)
+}
+
+/* Says what is lost above full scale. */
+static void print_clipped(const struct plan *plan, const struct render_result *result,
+                          struct printed *to)
+{
+    const int bits = plan->options.bits;
+    if (result->odd.clipped > 0)
         print(to, "clipped           %llu samples above full scale are stored as %s\n",
               (unsigned long long)result->odd.clipped,
               bits == 8    ? "255"
               : bits == 32 ? "full scale"
                            : "65535");
-    if (result->notes)
-        notes_print(result->notes, to);
-    print(to,
-          "seconds           %.3f, of processors %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, "
-          "check %.3f, "
-          "write %.3f)\n",
-          seconds->total, seconds->processor, seconds->read, seconds->plan, seconds->gl,
-          seconds->raster, seconds->check, seconds->write);
 }
 
-/* ---- as JSON ---- */
+void report_print(const struct plan *plan, const struct render_result *result, struct printed *to)
+{
+    print_picture(plan, result, to);
+    print_verdict(plan, &result->check, to);
+    if (result->notes)
+        notes_print_shading(result->notes, to);
+    print_clipped(plan, result, to);
+    if (result->notes)
+        notes_print(result->notes, to);
+    print(to, "seconds           %.3f, of processors %.3f\n", result->seconds.total,
+          result->seconds.processor);
+}
+
+/* ---- all figures ---- */
 
 static void json_picture(struct json *json, const struct plan *plan,
                          const struct render_result *result)
@@ -355,19 +265,18 @@ static void json_seconds(struct json *json, const struct part_seconds *seconds)
     json_close(json, '}');
 }
 
-void report_json(const struct plan *plan, const struct render_result *result, const char *output,
-                 const char *sha256, uint64_t peak_bytes, struct json *json)
+/* Puts the work, the check and what comes after them. */
+static void put_figures(const struct plan *plan, const struct render_result *result,
+                        struct json *json)
 {
-    json_begin(json);
-    json_picture(json, plan, result);
-    json_effects(json, plan);
     json_work(json, plan, result);
-    json_string(json, "verdict", verdict_word(plan, &result->check));
+    if (!json->words)
+        json_string(json, "verdict", verdict_word(plan, &result->check));
     if (plan->options.check)
         json_check(json, plan, &result->check);
     else
         json_string(json, "check", NULL);
-    if (result->notes) {
+    if (result->notes && !json->words) {
         notes_put_shading(plan, result->notes, json);
         notes_put(result->notes, json);
     }
@@ -375,7 +284,18 @@ void report_json(const struct plan *plan, const struct render_result *result, co
     json_part(json, &result->rows);
     json_count(json, "clipped_samples", result->odd.clipped);
     json_seconds(json, &result->seconds);
-    json_count(json, "peak_bytes", peak_bytes);
-    json_string(json, "output", output);
-    json_string(json, "sha256", sha256);
+}
+
+void report_put(const struct plan *plan, const struct render_result *result, struct json *json)
+{
+    char bounds[DRIVER_WORDS];
+    driver_print(&result->driver, bounds);
+    if (!json->words) {
+        json_picture(json, plan, result);
+        json_effects(json, plan);
+    } else if (plan->options.check) { /* the facts of the plan have the rest */
+        json_number(json, "full_scale", result->full_scale);
+        json_string(json, "bounds", result->driver.is_measured ? bounds : result->driver.name);
+    }
+    put_figures(plan, result, json);
 }

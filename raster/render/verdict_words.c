@@ -22,7 +22,7 @@ const char *verdict_word(const struct plan *plan, const struct check_verdict *ve
     static const char *const words[] = {[OUTCOME_AGREED] = "agreed",
                                         [OUTCOME_DIFFERS] = "differs",
                                         [OUTCOME_NOT_VERIFIED] = "not verified"};
-    return plan->options.check ? words[check_outcome(plan, verdict)] : "not checked";
+    return plan->options.check ? words[check_outcome(verdict)] : "not checked";
 }
 
 static double unchecked_percent(const struct check_verdict *verdict)
@@ -50,7 +50,7 @@ static void unchecked_text(const struct plan *plan, const struct check_verdict *
         out, capacity,
         "%.3g %% of the object pixels could not be checked, at most %.3g %% may; most of them are "
         "on %s: %s",
-        unchecked_percent(verdict), 100 * plan->options.unchecked, object,
+        unchecked_percent(verdict), 100 * verdict->most_unchecked, object,
         causes[verdict->unchecked_cause]);
 }
 
@@ -65,11 +65,14 @@ static void biased_text(const struct check_verdict *verdict, char *out, size_t c
 static void reason_text(const struct plan *plan, const struct check_verdict *verdict, char *out,
                         size_t capacity)
 {
-    switch (check_outcome(plan, verdict)) {
+    switch (check_outcome(verdict)) {
     case OUTCOME_AGREED:
         snprintf(out, capacity,
-                 "every %s explained, and %.3g %% of the object pixels could not be checked",
-                 verdict->lacks.numbers || verdict->lacks.depths ? "colour is" : "pixel is",
+                 "OpenGL drew what the scene's triangles call for%s; %.3g %% of the object pixels "
+                 "could not be checked",
+                 verdict->lacks.numbers  ? " in every colour (it gives no triangles)"
+                 : verdict->lacks.depths ? " (it gives no depths)"
+                                         : ", at every pixel",
                  unchecked_percent(verdict));
         break;
     case OUTCOME_DIFFERS:
@@ -116,7 +119,7 @@ void report_verdict(const struct plan *plan, const struct check_verdict *verdict
                     char out[STACK_VERDICT])
 {
     const size_t capacity = STACK_VERDICT;
-    const bool agreed = !plan->options.check || check_outcome(plan, verdict) == OUTCOME_AGREED;
+    const bool agreed = !plan->options.check || check_outcome(verdict) == OUTCOME_AGREED;
     if (plan->scene->shading == SHADING_PHONG)
         snprintf(out, capacity, "pixels of the reference, not checked%s", no_check(plan));
     else if (plan->options.store_raster && agreed)

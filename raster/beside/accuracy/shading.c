@@ -65,12 +65,17 @@ static void note_shading(const struct plan *plan, struct notes *notes)
              name, shading->objects[worst].quantile_95);
 }
 
-static void print_refined(const struct shading *shading, struct printed *to)
+static void print_shading(const struct shading *shading, struct printed *to)
 {
     const struct refine_result *refined = &shading->refined;
+    const struct accuracy_estimate *estimate = estimate_of(shading);
+    if (!shading->is_refined && estimate->known)
+        print(
+            to,
+            "shading           within %.2g %s of light at every point, at 95 %% of object pixels\n",
+            estimate->quantile_95, unit_of(estimate));
     if (!shading->is_refined)
         return;
-    const struct accuracy_estimate *estimate = &refined->estimate;
     if (!estimate->known)
         print_text(to, "accuracy          flat shading is not refined\n");
     else
@@ -155,9 +160,9 @@ static bool refine(const struct options *options, struct plan *plan, struct shad
 
 static bool judge(const struct lit_scene *lit, int pixels, struct notes *notes, struct error *err)
 {
-    if (!notes->shading && (!make_shading(&notes->shading, err) ||
-                            !accuracy_estimate(lit->plan, lit->surfaces, pixels,
-                                               &notes->shading->estimate, err)))
+    if (!notes->shading &&
+        (!make_shading(&notes->shading, err) ||
+         !accuracy_estimate(lit->plan, lit->surfaces, pixels, &notes->shading->estimate, err)))
         return false;
     note_shading(lit->plan, notes);
     return true;
@@ -172,7 +177,7 @@ static void free_shading(struct shading *shading)
 
 const struct shading_judge accuracy_judge = {.refine = refine,
                                              .judge = judge,
-                                             .print = print_refined,
+                                             .print = print_shading,
                                              .put = put_accuracy,
                                              .free = free_shading};
 

@@ -4,18 +4,15 @@
 
 /* ---- export ---- */
 
-static bool take_plan(void *of, const struct plan *plan, struct error *err)
-{
-    const struct options *options = of;
-    return export_plan(plan, options->output, err);
-}
-
 static bool run_export(struct options *options, struct error *err)
 {
+    struct render_job job = {.limits = {false, 0}};
     if (!options->output)
         return error_usage(err, "export needs -o FOLDER");
-    const struct render_foreign foreign = {.take_plan = take_plan, .of = options};
-    return render_with_options(options, &(struct render_output){.foreign = &foreign}, NULL, err);
+    const bool done = job_read(options, true, &job, err) && job_plan(options, &job, err) &&
+                      export_plan(&job.plan, options->output, err);
+    job_free(&job);
+    return done;
 }
 
 /* ---- judge ---- */
@@ -51,8 +48,9 @@ static const struct option export_rows[] = {
 };
 static const struct option_list export_list = OPTION_LIST(export_rows);
 static const struct option_list *const export_lists[] = {
-    &export_list,  &scene_options,  &shading_options, &accuracy_options, &sampling_options,
-    &scale_option, &threads_option, &json_option,     &common_options,   NULL};
+    &export_list,      &scene_options,    &shading_options,
+    &accuracy_options, &sampling_options, &scale_option,
+    &threads_option,   &common_options,   NULL};
 const struct command export_command = {
     .name = "export",
     .operands = "[SCENE] -o FOLDER",
@@ -71,11 +69,13 @@ static const struct option judge_rows[] = {
      OWN(TEXT, judge_options, driver), .choices = drivers},
 };
 static const struct option_list judge_list = OPTION_LIST(judge_rows);
-static const struct option_list *const judge_lists[] = {
-    &judge_list,       &scene_options,  &shading_options, &accuracy_options,
-    &sampling_options, &judged_options, &map_option,      &scale_option,
-    &threads_option,   &json_option,    &verbose_option,  &quiet_option,
-    &common_options,   NULL};
+static const struct option_list *const judge_lists[] = {&judge_list,       &scene_options,
+                                                        &shading_options,  &accuracy_options,
+                                                        &sampling_options, &judged_options,
+                                                        &map_option,       &scale_option,
+                                                        &threads_option,   &json_option,
+                                                        &verbose_option,   &quiet_option,
+                                                        &common_options,   NULL};
 const struct command judge_command = {
     .name = "judge",
     .operands = "SCENE PIXELS",

@@ -16,21 +16,18 @@ struct task {
 };
 
 /* Takes the verdict out of a render. */
-static bool take(void *to, const struct plan *plan, const struct render_result *result,
-                 struct error *err)
+static void take(const struct plan *plan, const struct render_result *result,
+                 struct verify_result *out)
 {
-    struct verify_result *out = to;
     struct error words = {.status = EXIT_AGREED};
-    (void)err;
     out->check = result->check;
     out->names = result->names;
     snprintf(out->profile, sizeof out->profile, "%s", result->driver.name);
-    out->outcome = (int)check_outcome(plan, &result->check);
+    out->outcome = (int)check_outcome(&result->check);
     if (out->outcome == VERIFY_AGREED)
-        return true;
+        return;
     report_disagreement(plan, &result->check, NULL, &words);
     snprintf(out->text, sizeof out->text, "%.1000s", error_words(&words));
-    return true;
 }
 
 /* The change comes before those of the command line, so that the user's win. */
@@ -59,17 +56,21 @@ static bool judge(void *context, void *out, struct error *err)
 {
     const struct task *task = context;
     struct options options = *task->options;
-    const struct render_output output = {.take = take, .taker = out};
+    const struct render_output nothing = {.path = NULL};
+    struct render_job job = {.limits = {false, 0}};
+    struct render_result result;
     const double start = clock_seconds();
     memset(out, 0, sizeof(struct verify_result));
     struct verify_options own = *(const struct verify_options *)task->options->own;
     own.render.gl = task->driver->library;
     own.render.renderer = task->driver->renderer[0] ? task->driver->renderer : NULL;
     options.own = &own;
-    options.json = options.output = NULL;
-    options.quiet = true;
     place_scene(&options, task->scene);
-    const bool done = render_with_options(&options, &output, NULL, err);
+    const bool done = job_read(&options, false, &job, err) && job_plan(&options, &job, err) &&
+                      render(&job.plan, &job.limits, &nothing, NULL, &result, err);
+    if (done)
+        take(&job.plan, &result, out);
+    job_free(&job);
     ((struct verify_result *)out)->seconds = clock_seconds() - start;
     return done;
 }

@@ -66,6 +66,7 @@ static void print_report(const struct options *options, int kind, struct view_re
     if (kind == PAGE_KIND && is_still(options) && !own->still)
         print_text(to, "kind              still: lights and eye can be changed; ./build.sh live "
                        "makes a program whose pages can change all of the scene\n");
+    notes_print_shading(&report->notes, to);
     notes_print(&report->notes, to);
 }
 

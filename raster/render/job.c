@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT */
+/* From a command line to a plan. */
+#include <string.h>
+
+#include "raster/render/inside.h"
+
+/* ---- what the options ask for ---- */
+
+bool stores_raster(const struct render_options *own)
+{
+    return own->renderer && strcmp(own->renderer, "raster") == 0;
+}
+
+const char *asks_check(const struct render_options *own)
+{
+    return own->strict      ? "--strict"
+           : own->unchecked ? "--unchecked"
+           : own->check_map ? "--check-map"
+                            : NULL;
+}
+
+/* Refuses options that need OpenGL in a program without it. Reads no file. */
+static bool check_gl(const struct render_options *own, struct error *err)
+{
+    const char *checks = asks_check(own);
+    const char *driver;
+    if (gl_is_built())
+        return drawing_ways.open[driver_way(own->renderer, &driver)] ||
+               error_usage(err,
+                           "this program draws without shaders; expected another --renderer "
+                           "than %s",
+                           own->renderer);
+    if (!stores_raster(own))
+        return error_usage(err, "this program was built without OpenGL; add --renderer raster");
+    return !checks ||
+           error_usage(err, "%s checks OpenGL, but this program was built without OpenGL", checks);
+}
+
+/* Phong shading lights each pixel. OpenGL lights vertices only, so it can neither draw nor check
+ * this shading. */
+static bool check_shading(const struct render_options *own, const struct scene *scene,
+                          struct plan_options *plan, struct error *err)
+{
+    if (scene->shading != SHADING_PHONG)
+        return true;
+    if (!plan->store_raster)
+        return error_usage(err, "OpenGL lights vertices only and cannot draw phong shading; add %s",
+                           plan->complete ? "--shading smooth" : "--renderer raster");
+    if (asks_check(own))
+        return error_usage(err, "%s checks OpenGL, which has no phong shading", asks_check(own));
+    plan->check = plan->use_gl = false;
+    return true;
+}
+
+/* Returns 8 or 16 for these words, 32 for any other word, and 0 for NULL. */
+static int bits_of(const char *choice)
+{
+    if (!choice)
+        return 0;
+    return strcmp(choice, "8") == 0 ? 8 : strcmp(choice, "16") == 0 ? 16 : 32;
+}
+
+/* foreign: another program draws. */
+static bool plan_options_of(const struct options *options, bool foreign, struct render_job *job,
+                            struct error *err)
+{
+    const struct render_options *own = options->own;
+    struct plan_options plan = {.full_scale = own->full_scale,
+                                .buffer_bits = bits_of(own->buffer),
+                                .gl_library = own->gl,
+                                .store_raster = stores_raster(own),
+                                .bits = bits_of(own->depth),
+                                .threads = options->threads};
+    plan.gl_way = driver_way(own->renderer, &plan.gl_driver);
+    if (plan.gl_way != GL_WITHOUT_SHADERS && plan.buffer_bits != 0 && plan.buffer_bits != 32)
+        return error_usage(err, "shaders draw into floats; leave out --buffer %s", own->buffer);
+    plan.complete = foreign;
+    plan.check = (gl_is_built() || foreign) && !own->no_check;
+    plan.use_gl = plan.check || !plan.store_raster;
+    job->options = plan;
+    job->limits = (struct verdict_limits){own->strict, own->strict ? 0 : USUAL_UNCHECKED};
+    return !own->unchecked ||
+           option_number("--unchecked", own->unchecked, 0, 1, &job->limits.unchecked, err);
+}
+
+/* ---- the job ---- */
+
+bool job_read(const struct options *options, bool foreign, struct render_job *job,
+              struct error *err)
+{
+    const double start = clock_seconds();
+    const bool done = plan_options_of(options, foreign, job, err) &&
+                      (foreign || check_gl(options->own, err)) &&
+                      scene_read_sampled(options, &job->scene, &job->sampling, err) &&
+                      check_shading(options->own, &job->scene, &job->options, err);
+    job->seconds.read = clock_seconds() - start;
+    return done;
+}
+
+bool job_plan(const struct options *options, struct render_job *job, struct error *err)
+{
+    const double start = clock_seconds();
+    const bool done =
+        plan_make(&job->scene, sampling_or_none(&job->sampling), &job->options, &job->plan, err) &&
+        notes_refine(options, &job->plan, &job->notes, err);
+    job->seconds.plan = clock_seconds() - start;
+    return done;
+}
+
+void job_free(struct render_job *job)
+{
+    notes_free(&job->notes);
+    plan_free(&job->plan);
+    sampling_free(&job->sampling);
+    scene_free(&job->scene);
+}
