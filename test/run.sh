@@ -105,7 +105,7 @@ make_library() {
 
 # build_units FILE...: the C tests, each linked with that library. Warnings are errors.
 build_units() {
-    compile test/units '-O1 -Werror -fPIE -Itest/unit' "$@"
+    compile test/units '-O1 -Werror -fPIE -Itest/shared' "$@"
     for object in $objects; do
         test_name "$object"
         case $(packages_of "$(find test -name "$name.c")") in *osmesa*) osmesa=-lOSMesa ;; *) osmesa= ;; esac
@@ -142,11 +142,11 @@ make_replay() {
     link test/replay $objects "$LIBRARY"
 }
 
-make_fail() { build_preloaded test/attack/fail.c "$FAIL_LIBRARY"; }
-make_spoil() { build_preloaded test/attack/spoil.c "$SPOIL_LIBRARY"; }
-make_calls() { build_preloaded test/attack/calls.c "$CALLS_LIBRARY" -lOSMesa; }
-make_liar() { build_preloaded test/attack/liar.c "$LIAR_LIBRARY" -lOSMesa; }
-make_faults() { build_preloaded test/oracle/fault.c "$FAULTS" -lOSMesa; }
+make_fail() { build_preloaded test/program/fail.c "$FAIL_LIBRARY"; }
+make_spoil() { build_preloaded test/raster/beside/shader/spoil.c "$SPOIL_LIBRARY"; }
+make_calls() { build_preloaded test/raster/gl/calls.c "$CALLS_LIBRARY" -lOSMesa; }
+make_liar() { build_preloaded test/raster/beside/measure/liar.c "$LIAR_LIBRARY" -lOSMesa; }
+make_faults() { build_preloaded test/raster/check/fault.c "$FAULTS" -lOSMesa; }
 
 make_mutant() { build_mutant mutant $pixel "$mutation"; }
 

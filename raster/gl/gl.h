@@ -214,7 +214,7 @@ struct canvas {
 /* Takes the names of what draws the plan, and the bounds by which it is judged: an unknown driver
  * is measured first. A canvas is in use. Refuses what contexts_accept and driver_has_threads
  * refuse. The bounds of raster/bounds hold for the shaders of a known driver as for its own
- * lighting: the shaders do the same operations, and both measure the same (test/run/traits.py). */
+ * lighting: the shaders do the same operations, and both measure the same (traits.py). */
 bool opened_accept(struct renderer *renderer, const struct plan *plan, struct contexts *contexts,
                    const struct driver_threads *before, struct error *err);
 /* Returns what the pixel x, y of a tile of the plan's size shows: numbers from the top, depths

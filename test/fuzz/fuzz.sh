@@ -61,15 +61,15 @@ fuzz_seeds() {
 # fuzz_words TARGET prints the words of its sources as a dictionary: each string of ASCII without blanks, '%' and '\'.
 fuzz_words() {
     case $1 in
-    scene) words='data/scene data/material data/shape data/spectra' ;;
-    list | map) words='data/scene/materials.c data/material' ;;
-    material | mtl) words='data/material data/spectra/spectrum.c' ;;
+    scene) words='data/scene data/mesh/shape.c data/spectra' ;;
+    list | map) words='data/scene/material*.c' ;;
+    material | mtl) words='data/scene/material.c data/scene/mtl.c data/spectra/spectrum.c' ;;
     table | matrix) words='data/spectra' ;;
     mesh) words=data/mesh/obj.c ;;
-    texture) words=data/tiff ;;
-    record) words='data/record data/stack/tags.c data/method' ;;
-    stack) words='data/tiff data/record data/stack data/method' ;;
-    line) words='spectral.c data/method data/colour data/develop data/compare data/spectra data/scene' ;;
+    texture) words=data/images ;;
+    record) words='data/stack/record.c data/stack/tags.c data/sampling/method.c' ;;
+    stack) words='data/images data/stack data/sampling/method.c' ;;
+    line) words='spectral.c data/sampling data/colour data/spectra data/scene raster/render raster/beside' ;;
     esac
     find $words -name '*.c' -exec grep -hv '^#' {} + | grep -oE '"[!#$&-Z^-~]{1,32}"' | sort -u
 }

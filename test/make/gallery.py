@@ -13,7 +13,7 @@ import tempfile
 from PIL import Image
 
 sys.dont_write_bytecode = True
-sys.path.append("test/run")
+sys.path.append("test/shared")
 from browser import Browser
 
 SPECTRAL = os.path.abspath(os.environ.get("SPECTRAL", "build/spectral"))

@@ -1,0 +1,454 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads fail cleanly, names resolve, outputs appear whole or not at all, and digests agree with
+ * FIPS 180-4's own examples. */
+#include <dirent.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "data/base/inside.h"
+#include "data/files/files.h"
+#include "spectral.h"
+#include "test.h"
+
+enum { PATH_SIZE = 512, LARGE = 200001 };
+static const struct place nowhere = {NULL, 0, 0};
+
+/* Returns a path in a folder that only this test uses, so that leftovers can be counted. */
+static const char *temporary(const char *name, char path[PATH_SIZE])
+{
+    const char *folder = test_folder();
+    snprintf(path, PATH_SIZE, "%s/file", folder);
+    mkdir(path, 0777);
+    snprintf(path, PATH_SIZE, "%s/file/%s", folder, name);
+    return path;
+}
+
+static int count_entries(void)
+{
+    char path[PATH_SIZE];
+    DIR *folder = opendir(temporary(".", path));
+    int count = 0;
+    while (folder != NULL && readdir(folder) != NULL)
+        count++;
+    closedir(folder);
+    return count;
+}
+
+static void put(const char *path, const char *bytes, size_t length)
+{
+    FILE *file = fopen(path, "wb");
+    fwrite(bytes, 1, length, file);
+    fclose(file);
+}
+
+static bool reads(const char *path)
+{
+    struct error err = {0};
+    char *bytes;
+    size_t length;
+    const bool done = file_read(path, nowhere, &bytes, &length, &err);
+    free(bytes);
+    return done;
+}
+
+/* Returns whether the file holds exactly this string. */
+static bool holds(const char *path, const char *string)
+{
+    struct error err = {0};
+    char *bytes;
+    size_t length;
+    bool same = file_read(path, nowhere, &bytes, &length, &err) && length == strlen(string) &&
+                strcmp(bytes, string) == 0;
+    files_read_forget(); /* a look is no input */
+    free(bytes);
+    return same;
+}
+
+static bool refuses_read(const char *path, const char *with)
+{
+    struct error err = {0};
+    struct place from = {"scene", 2, 3};
+    char *bytes;
+    size_t length;
+    bool read = file_read(path, from, &bytes, &length, &err);
+    if (!read && bytes == NULL && err.status == EXIT_INPUT && strstr(err.text, with) != NULL)
+        return true;
+    printf("# %s\n", err.text);
+    free(bytes);
+    return false;
+}
+
+static void fill(char large[LARGE], char letter)
+{
+    memset(large, letter, LARGE - 1);
+    large[LARGE - 1] = '\0';
+}
+
+static void check_reads(void)
+{
+    struct error err = {0};
+    char *bytes;
+    size_t length;
+    char path[PATH_SIZE], folder[PATH_SIZE], large[LARGE];
+    temporary("read", path);
+    put(path, "a\nb", 3);
+    CHECK(holds(path, "a\nb"), "a file is read whole");
+    put(path, "", 0);
+    CHECK(holds(path, ""), "an empty file is read");
+    fill(large, 'x');
+    put(path, large, LARGE - 1);
+    CHECK(holds(path, large), "a larger file is read");
+    put(path, "ab\0c", 4);
+    CHECK(refuses_read(path, "byte 3 is NUL"), "a NUL byte is refused and its place named");
+    CHECK(truncate(path, (off_t)1 << 40) == 0 && refuses_read(path, "too long"),
+          "a terabyte is refused before it is read");
+    CHECK(refuses_read("/dev/zero", "no regular file"),
+          "a device is refused where a file names it");
+    CHECK(!file_read("/dev/zero", nowhere, &bytes, &length, &err) &&
+              strstr(err.text, "byte 1 is NUL"),
+          "an endless file of zeros ends");
+    CHECK(refuses_read(temporary("none", path), "scene:2:3: error: cannot read"),
+          "the message for a missing file names the place that refers to it");
+    CHECK(refuses_read(temporary(".", folder), "folder"), "a folder is refused as a file");
+    CHECK(refuses_read("builtin:none", "built-in"), "an unknown built-in file is refused");
+}
+
+static void check_pipe(void)
+{
+    char path[PATH_SIZE], large[LARGE];
+    fill(large, 'y');
+    mkfifo(temporary("pipe", path), 0600);
+    const pid_t child = fork();
+    if (child == 0) {
+        put(path, large, LARGE - 1);
+        _exit(0);
+    }
+    CHECK(holds(path, large), "a pipe is read to its end");
+    waitpid(child, NULL, 0);
+    unlink(path);
+}
+
+static void check_relative(void)
+{
+    static const char *const cases[][3] = {
+        {NULL, "a", "a"},
+        {"--light", "a", "a"},
+        {"b.scene", "a", "a"},
+        {"x/b.scene", "a", "x/a"},
+        {"x/b.scene", "../a", "x/../a"},
+        {"/b", "a", "/a"},
+        {"x/b", "/a", "/a"},
+        {"x/b", "builtin:a", "builtin:a"},
+        {"builtin:b", "a", "builtin:a"},
+        {"builtin:scenes/b", "a", "builtin:scenes/a"},
+        {"builtin:scenes/b", "../tables/d65.csv", "builtin:tables/d65.csv"},
+        {"builtin:scenes/x/b", "../.././tables/./a", "builtin:tables/a"},
+        {"builtin:scenes/b", "../../../a", "builtin:a"},
+        {"builtin:scenes/b", "..a/b..", "builtin:scenes/..a/b.."},
+        {"builtin:scenes/b", "/a", "/a"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char *path = file_relative(cases[i][0], cases[i][1]);
+        CHECK_TEXT(path, cases[i][2], "%s as seen from %s", cases[i][1],
+                   cases[i][0] != NULL ? cases[i][0] : "the command line");
+        free(path);
+    }
+}
+
+static void check_replacement(void)
+{
+    char path[PATH_SIZE], link[PATH_SIZE];
+    struct output output;
+    struct error err = {0};
+    struct stat status;
+    int before;
+    temporary("out", path);
+    temporary("link", link);
+    unlink(path);
+    unlink(link);
+    before = count_entries();
+    CHECK(output_open(&output, path, &err) && access(path, F_OK) != 0,
+          "an open output does not appear under its name");
+    output_discard(&output);
+    output_discard(&output);
+    CHECK(count_entries() == before, "a discarded output leaves nothing");
+    umask(027);
+    CHECK(file_write(path, "old", 3, NULL, &err) && holds(path, "old") &&
+              stat(path, &status) == 0 && (status.st_mode & 0777) == 0640,
+          "a new file has the mode that the umask gives");
+    chmod(path, 0606);
+    symlink("out", link);
+    CHECK(output_open(&output, link, &err) && write(output.descriptor, "new", 3) == 3 &&
+              holds(path, "old"),
+          "the old file stands until the commit");
+    CHECK(output_pass(&output, NULL, &err) && holds(path, "new"),
+          "the commit replaces the old file");
+    output_discard(&output);
+    CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0606,
+          "the new file has the old one's mode");
+    CHECK(lstat(link, &status) == 0 && S_ISLNK(status.st_mode), "a link stays a link");
+    CHECK(count_entries() == before + 2, "no temporary file is left");
+    unlink(link);
+    umask(022);
+}
+
+static enum exit_status write_status(const char *path)
+{
+    struct error err = {0};
+    return file_write(path, "x", 1, NULL, &err) ? EXIT_AGREED : err.status;
+}
+
+static void check_refusals(void)
+{
+    char path[PATH_SIZE], name[PATH_SIZE] = "", long_path[PATH_SIZE], paths[4][PATH_SIZE];
+    memset(name, 'n', 250);
+    temporary(name, long_path);
+    memset(name, 'n', 300);
+    const struct {
+        const char *path, *what;
+    } refused[] = {{temporary(".", paths[0]), "a folder"},
+                   {temporary("no/file", paths[1]), "a file in a missing folder"},
+                   {temporary("out/file", paths[2]), "a path below a file"},
+                   {temporary("new/", paths[3]), "a name that ends in /"},
+                   {"", "the empty name"},
+                   {"builtin:a", "a built-in file"},
+                   {name, "a name that is too long"}};
+    const int before = count_entries();
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
+        CHECK(write_status(refused[i].path) == EXIT_INPUT, "%s cannot be written", refused[i].what);
+    symlink("missing", temporary("dangling", path));
+    CHECK(write_status(path) == EXIT_INPUT, "a link to nothing cannot be written");
+    unlink(path);
+    CHECK(write_status(long_path) == EXIT_AGREED, "a long name gets a temporary file");
+    unlink(long_path);
+    if (geteuid() != 0) {
+        put(temporary("locked", path), "x", 1);
+        chmod(path, 0400);
+        CHECK(write_status(path) == EXIT_INPUT, "a write-protected file is kept");
+        unlink(path);
+    }
+    CHECK(count_entries() == before, "refused outputs leave no file");
+}
+
+static void check_devices(void)
+{
+    char path[PATH_SIZE], seen[8] = "";
+    struct stat status;
+    pid_t child;
+    int ended, before = count_entries();
+    setenv("TMPDIR", temporary(".", path), 1);
+    CHECK(write_status("/dev/null") == EXIT_AGREED, "a device receives a copy");
+    mkfifo(temporary("pipe", path), 0600);
+    child = fork();
+    if (child == 0)
+        _exit((int)write_status(path));
+    FILE *pipe = fopen(path, "r");
+    CHECK(pipe != NULL && fread(seen, 1, sizeof seen, pipe) == 1 && seen[0] == 'x',
+          "a pipe receives a copy");
+    fclose(pipe);
+    waitpid(child, &ended, 0);
+    CHECK(WIFEXITED(ended) && WEXITSTATUS(ended) == 0 && stat(path, &status) == 0 &&
+              S_ISFIFO(status.st_mode),
+          "the pipe stays a pipe");
+    unlink(path);
+    setenv("TMPDIR", "/none", 1);
+    CHECK(write_status("/dev/null") == EXIT_SYSTEM, "a copy fails without TMPDIR's folder");
+    unsetenv("TMPDIR");
+    CHECK(count_entries() == before, "copies leave no temporary file");
+}
+
+/* ---- inputs ---- */
+
+/* A file that this process has read is not replaced, whenever it was read. test/program/cli.sh and
+ * test/data/files/spared.py try its other names. */
+static void check_inputs(void)
+{
+    char late[PATH_SIZE], other[PATH_SIZE];
+    struct error err = {0};
+    struct outputs outputs = {.n = 0};
+    put(temporary("late", late), "kept", 4);
+    CHECK(file_write(temporary("first", other), "new", 3, &outputs, &err) &&
+              file_write(late, "new", 3, &outputs, &err) && reads(late),
+          "an input is read after its output was written, but before it has its name");
+    CHECK(!outputs_commit(&outputs, &err) && err.status == EXIT_INPUT && holds(late, "kept"),
+          "it is not replaced");
+    CHECK(access(other, F_OK) != 0, "no other output of the command appears then");
+    err = (struct error){0};
+    CHECK(file_write(other, "one", 3, &outputs, &err) &&
+              file_write(other, "two", 3, &outputs, &err) && !outputs_commit(&outputs, &err) &&
+              err.status == EXIT_INPUT && access(other, F_OK) != 0,
+          "two outputs of one name are refused, and neither appears");
+    unlink(late);
+}
+
+/* ---- folders ---- */
+
+static void check_folders(void)
+{
+    char path[PATH_SIZE], file[sizeof(struct folder) + 16];
+    struct folder own, other;
+    struct error err = {0};
+    setenv("TMPDIR", temporary(".", path), 1);
+    const int before = count_entries();
+    CHECK(folder_open(&own, &err) && folder_open(&other, &err) && access(own.path, F_OK) == 0,
+          "folders of two that live stand side by side");
+    snprintf(file, sizeof file, "%s/file", other.path);
+    put(file, "x", 1);
+    folder_close(&other);
+    CHECK(access(file, F_OK) != 0 && count_entries() == before + 1,
+          "a folder goes with all that is in it");
+    folder_close(&own);
+    CHECK(count_entries() == before, "no folder is left");
+    unsetenv("TMPDIR");
+}
+
+/* Returns the exit status of a child process that may write only 4096 bytes. */
+static int write_full(const char *path)
+{
+    static char large[1 << 20];
+    struct error err = {0};
+    struct rlimit limit;
+    pid_t child = fork();
+    int ended;
+    if (child == 0) {
+        dup2(open("/dev/full", O_WRONLY), 1);
+        signal(SIGXFSZ, SIG_IGN);
+        getrlimit(RLIMIT_FSIZE, &limit);
+        limit.rlim_cur = 4096;
+        setrlimit(RLIMIT_FSIZE, &limit);
+        _exit(file_write(path, large, sizeof large, NULL, &err) ? 0 : (int)err.status);
+    }
+    waitpid(child, &ended, 0);
+    return WIFEXITED(ended) ? WEXITSTATUS(ended) : -1;
+}
+
+static void check_full(void)
+{
+    char path[PATH_SIZE];
+    int before;
+    put(temporary("kept", path), "kept", 4);
+    before = count_entries();
+    CHECK(write_full("-") == EXIT_SYSTEM, "a standard output that is full is noticed");
+    CHECK(write_full(path) == EXIT_SYSTEM && holds(path, "kept") && count_entries() == before,
+          "if the bytes do not fit, the old file stands and the temporary file is gone");
+}
+
+static void check_digest(void)
+{
+    /* FIPS 180-4's examples (NIST, "Examples with Intermediate Values"): one block, two blocks;
+     * then one million "a" and the empty message, from the same source. */
+    static char million[1000001];
+    static const struct {
+        const char *bytes, *digest, *what;
+    } messages[] = {
+        {"abc", "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad", "abc"},
+        {"abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq",
+         "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1",
+         "56 bytes, whose end takes a block of its own"},
+        {"", "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855", "nothing"},
+        {million, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0",
+         "a million a"},
+    };
+    char path[PATH_SIZE], out[65];
+    struct error err = {0};
+    temporary("digest", path);
+    memset(million, 'a', sizeof million - 1);
+    for (size_t i = 0; i < sizeof messages / sizeof messages[0]; i++) {
+        put(path, messages[i].bytes, strlen(messages[i].bytes));
+        digest_file(path, out, &err);
+        CHECK_TEXT(out, messages[i].digest, "%s", messages[i].what);
+    }
+    struct digest digest;
+    digest_start(&digest);
+    for (size_t at = 0, length = 0; at < 1000000; at += length) {
+        length = 1 + at * 7 % 200;
+        length = length < 1000000 - at ? length : 1000000 - at;
+        digest_add(&digest, million + at, length);
+    }
+    digest_end(&digest, out);
+    CHECK_TEXT(out, messages[3].digest, "a million a in pieces of all sizes");
+    CHECK(!digest_file(temporary(".", path), out, &err) && err.status == EXIT_SYSTEM,
+          "the digest of a folder is refused");
+}
+
+/* ---- memory ---- */
+
+static void check_arrays(void)
+{
+    struct error err = {.status = EXIT_AGREED};
+    int *numbers = NULL, n = 0, wrong = 0;
+    for (int i = 0; i < 100; i++)
+        array_add(&numbers, &n, i % 2 == 0 ? &i : NULL, sizeof i, &err);
+    for (int i = 0; i < n; i++)
+        wrong += numbers[i] != (i % 2 == 0 ? i : 0);
+    CHECK(n == 100 && wrong == 0, "%d items, %d wrong; expected 100, NULL adding zeros", n, wrong);
+    n = INT_MAX;
+    CHECK(!array_add(&numbers, &n, NULL, sizeof *numbers, &err) && n == INT_MAX &&
+              err.status == EXIT_SYSTEM,
+          "an array that cannot grow stays");
+    free(numbers);
+}
+
+static void check_printed(void)
+{
+    struct printed printed = {.text = NULL};
+    for (int i = 0; i < 1000; i++)
+        print(&printed, "%d%c%s", 1, '\0', "23");
+    print_text(&printed, "4");
+    print_bytes(&printed, "\0005", 2);
+    char *text = printed_end(&printed);
+    bool right = text && printed.length == 4003 && memcmp(text + 4000, "4\0005", 4) == 0;
+    for (size_t i = 0; right && i < 1000; i++)
+        right = memcmp(text + 4 * i, "1\00023", 4) == 0;
+    CHECK(right, "a text has its length, and a NUL behind it");
+    free(text);
+    CHECK(!printed_end(&printed), "a text is returned once");
+    printed = (struct printed){.text = NULL};
+    print_text(&printed, "whole");
+    print_bytes(&printed, "", SIZE_MAX / 2);
+    print_text(&printed, "part");
+    CHECK(!printed_end(&printed), "a text that memory has no room for is none, not a part");
+}
+
+/* A message says how much memory lacks, and what for. */
+static void check_memory(void)
+{
+    struct error err = {.status = EXIT_AGREED};
+    double *numbers = &(double){0};
+    int32_t *kept = calloc(1, sizeof *kept), *before = kept;
+    CHECK(!MAKE_ARRAY(numbers, SIZE_MAX / 4, &err, "the texels of %s", "a.tif") && !numbers &&
+              err.status == EXIT_SYSTEM && strncmp(err.text, "error: out of memory: ", 22) == 0 &&
+              strstr(err.text, " MiB for the texels of a.tif; --memory sets the limit"),
+          "what is larger than any memory is named with its size: %s", err.text);
+    err = (struct error){.status = EXIT_AGREED};
+    CHECK(!memory_lacks(&err, 1000, "a name") &&
+              strstr(err.text, "out of memory: 1000 bytes for a name;"),
+          "small needs are in bytes: %s", err.text);
+    CHECK(!memory_resize(&kept, SIZE_MAX / 4, sizeof *kept) && kept == before,
+          "an array that cannot grow stays");
+    free(kept);
+}
+
+int main(void)
+{
+    check_arrays();
+    check_memory();
+    check_printed();
+    check_reads();
+    check_pipe();
+    check_relative();
+    check_replacement();
+    check_refusals();
+    check_devices();
+    check_inputs();
+    check_folders();
+    check_full();
+    check_digest();
+    return test_end();
+}

@@ -1,0 +1,313 @@
+/* SPDX-License-Identifier: MIT */
+/* TIFF pictures are read back with libtiff. test/raster/beside/see/develop.py reads their texts and profiles, and
+ * PNG files, with other programs, fills the disk, and writes to pipes. */
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "data/files/files.h"
+#include "data/images/images.h"
+#include "spectral.h"
+#include "test.h"
+
+static const unsigned char profile[] = "a profile of an odd number of bytes!!";
+
+static struct picture_options options_of(enum picture_samples samples, int width, int height)
+{
+    return (struct picture_options){.width = width,
+                                    .height = height,
+                                    .samples = samples,
+                                    .channels = {"X", "Y", "Z"},
+                                    .profile = samples == PICTURE_FLOAT ? NULL : profile,
+                                    .profile_length = sizeof profile,
+                                    .description = "two\nlines"};
+}
+
+/* A different number for every sample of a small picture. */
+static unsigned sample_at(int width, int x, int y, int channel)
+{
+    const unsigned pixel = (unsigned)y * (unsigned)width + (unsigned)x;
+    return (3 * pixel + (unsigned)channel) * 7 % 65521;
+}
+
+static void fill_row(const struct picture_options *options, int y, void *row)
+{
+    for (int i = 0; i < 3 * options->width; i++) {
+        const unsigned sample = sample_at(options->width, i / 3, y, i % 3);
+        if (options->samples == PICTURE_8)
+            ((uint8_t *)row)[i] = (uint8_t)sample;
+        else if (options->samples == PICTURE_16)
+            ((uint16_t *)row)[i] = (uint16_t)sample;
+        else
+            ((float *)row)[i] = (float)sample / -7;
+    }
+}
+
+/* Writes the picture, `step` rows at a time. */
+static bool write_rows(struct picture_writer *writer, int step, struct error *err)
+{
+    const struct picture_options *options = &writer->options;
+    const size_t size = options->samples == PICTURE_8 ? 1 : options->samples == PICTURE_16 ? 2 : 4;
+    const size_t pitch = 3 * (size_t)options->width * size;
+    char *rows = malloc(pitch * (size_t)step);
+    bool done = rows != NULL;
+    while (done && writer->row < options->height) {
+        const int left = options->height - writer->row, n = left < step ? left : step;
+        for (int i = 0; i < n; i++)
+            fill_row(options, writer->row + i, rows + (size_t)i * pitch);
+        done = picture_write(writer, rows, n, err);
+    }
+    free(rows);
+    return done;
+}
+
+static bool write_picture(const char *path, const struct picture_options *options, int step,
+                          struct error *err)
+{
+    struct picture_writer writer;
+    if (!picture_open(&writer, path, options, err))
+        return false;
+    const bool done = write_rows(&writer, step, err) && picture_commit(&writer, NULL, err);
+    picture_discard(&writer);
+    return done;
+}
+
+static bool same_files(const char *one, const char *other)
+{
+    char a[65], b[65];
+    struct error err = {0};
+    return digest_file(one, a, &err) && digest_file(other, b, &err) && strcmp(a, b) == 0;
+}
+
+static double read_sample(const struct picture_options *options, const void *row, size_t at)
+{
+    if (options->samples == PICTURE_8)
+        return ((const uint8_t *)row)[at];
+    return options->samples == PICTURE_16 ? ((const uint16_t *)row)[at]
+                                          : -7 * (double)((const float *)row)[at];
+}
+
+/* Returns the number of samples of the current page that differ from those written. */
+static int wrong_samples(TIFF *tiff, const struct picture_options *options, int page)
+{
+    const int n = options->samples == PICTURE_FLOAT ? 1 : 3;
+    const unsigned mask = options->samples == PICTURE_8 ? 255 : 65535;
+    void *row = malloc((size_t)TIFFScanlineSize64(tiff));
+    int wrong = row == NULL;
+    for (int y = 0; row != NULL && y < options->height; y++) {
+        if (TIFFReadScanline(tiff, row, (uint32_t)y, 0) != 1)
+            wrong++;
+        for (int i = 0; i < n * options->width; i++) {
+            const unsigned expected =
+                sample_at(options->width, i / n, y, n == 1 ? page : i % n) & mask;
+            wrong += fabs(read_sample(options, row, (size_t)i) - expected) > 0.01;
+        }
+    }
+    free(row);
+    return wrong;
+}
+
+static void check_picture(const char *path, const struct picture_options *options)
+{
+    const int n_pages = options->samples == PICTURE_FLOAT ? 3 : 1;
+    TIFF *tiff = TIFFOpen(path, "rc");
+    if (!CHECK(tiff != NULL, "%s: libtiff opens it", path))
+        return;
+    CHECK(TIFFNumberOfDirectories(tiff) == (unsigned)n_pages, "%s: it has %d pages", path, n_pages);
+    for (int page = 0; page < n_pages; page++)
+        CHECK(TIFFSetDirectory(tiff, (uint16_t)page) && wrong_samples(tiff, options, page) == 0,
+              "%s, page %d: every sample is right", path, page + 1);
+    TIFFClose(tiff);
+}
+
+static void test_samples(void)
+{
+    static const struct {
+        enum picture_samples samples;
+        const char *name;
+    } kinds[] = {{PICTURE_8, "8 bits"}, {PICTURE_16, "16 bits"}, {PICTURE_FLOAT, "float"}};
+    static const int sizes[][2] = {{7, 5}, {1, 1}, {300, 301}, {30000, 3}};
+    for (size_t kind = 0; kind < sizeof kinds / sizeof kinds[0]; kind++)
+        for (size_t size = 0; size < sizeof sizes / sizeof sizes[0]; size++) {
+            const struct picture_options options =
+                options_of(kinds[kind].samples, sizes[size][0], sizes[size][1]);
+            char path[64], other[] = "picture_other.tif";
+            struct error err = {0};
+            snprintf(path, sizeof path, "picture_%dx%d (%s).tif", options.width, options.height,
+                     kinds[kind].name);
+            if (CHECK(write_picture(path, &options, options.height, &err), "%s: written %s", path,
+                      err.text))
+                check_picture(path, &options);
+            CHECK(write_picture(other, &options, 2, &err) && same_files(path, other),
+                  "%s: written two rows at a time it has the same bytes", path);
+            unlink(other);
+            unlink(path);
+        }
+}
+
+/* Writes only the last row, so that the file is sparse and takes no room. */
+static void test_big(enum picture_samples samples, int size)
+{
+    const char *path = "picture_big.tif";
+    const struct picture_options options = options_of(samples, size, size);
+    struct picture_writer writer;
+    struct error err = {0};
+    bool done = picture_open(&writer, path, &options, &err);
+    writer.row = size - 1;
+    done = done && write_rows(&writer, 1, &err) && picture_commit(&writer, NULL, &err);
+    CHECK(done, "a picture above 4 GiB is written %s", err.text);
+    TIFF *tiff = done ? TIFFOpen(path, "r") : NULL;
+    CHECK(tiff != NULL && TIFFIsBigTIFF(tiff), "it is a BigTIFF");
+    float *row = tiff != NULL ? malloc((size_t)TIFFScanlineSize64(tiff)) : NULL;
+    for (int page = 0; row != NULL && page < (samples == PICTURE_FLOAT ? 3 : 1); page++) {
+        const unsigned expected = sample_at(size, 0, size - 1, page);
+        CHECK(TIFFSetDirectory(tiff, (uint16_t)page) &&
+                  TIFFReadScanline(tiff, row, (uint32_t)size - 1, 0) == 1 &&
+                  fabs(read_sample(&options, row, 0) -
+                       (samples == PICTURE_8 ? expected & 255 : expected)) < 0.01,
+              "its last row is in its place, on page %d", page + 1);
+    }
+    free(row);
+    if (tiff != NULL)
+        TIFFClose(tiff);
+    unlink(path);
+}
+
+static void test_impossible(void)
+{
+    const struct picture_options options = options_of(PICTURE_FLOAT, INT32_MAX, INT32_MAX);
+    struct picture_writer writer;
+    struct error err = {0};
+    CHECK(!picture_open(&writer, "picture_huge.tif", &options, &err) && err.status == EXIT_INPUT &&
+              access("picture_huge.tif", F_OK) != 0,
+          "%s", err.text);
+}
+
+static void test_damage(void)
+{
+    const struct picture_options options = options_of(PICTURE_FLOAT, 7, 5);
+    const char *path = "picture_damaged.tif";
+    struct picture_writer writer;
+    struct stat status;
+    struct error err = {0};
+    CHECK(picture_open(&writer, path, &options, &err) && write_rows(&writer, 5, &err) &&
+              fstat(writer.pages.output.descriptor, &status) == 0 &&
+              ftruncate(writer.pages.output.descriptor, status.st_size - 1) == 0,
+          "a picture loses its last byte");
+    CHECK(!picture_commit(&writer, NULL, &err) && err.status == EXIT_SYSTEM &&
+              access(path, F_OK) != 0,
+          "the damaged picture does not appear: %s", err.text);
+}
+
+/* ---- PNG ---- */
+
+/* The bytes of a PNG are the same, however many rows come at once. */
+static void test_png_rows(void)
+{
+    static const enum picture_samples kinds[] = {PICTURE_8, PICTURE_16};
+    for (size_t kind = 0; kind < sizeof kinds / sizeof kinds[0]; kind++) {
+        const struct picture_options options = options_of(kinds[kind], 700, 301);
+        struct error err = {0};
+        CHECK(write_picture("rows.png", &options, 301, &err), "a PNG is written %s", err.text);
+        for (int step = 1; step < 300; step *= 7)
+            CHECK(write_picture("some.PNG", &options, step, &err) &&
+                      same_files("rows.png", "some.PNG"),
+                  "written %d rows at a time it has the same bytes", step);
+        unlink("some.PNG");
+        unlink("rows.png");
+    }
+}
+
+/* Copies a rectangle of a picture of 8 bits and this width. */
+static void copy_rectangle(const uint8_t *picture, int width, const struct picture_rectangle *at,
+                           uint8_t *out)
+{
+    const size_t n = 3 * (size_t)at->width;
+    for (int row = 0; row < at->height; row++)
+        memcpy(out + (size_t)row * n, picture + 3 * ((at->y + row) * width + at->x), n);
+}
+
+/* Writes tiles of 30 x 20 pixels, each in rectangles of 8 rows or fewer. */
+static bool put_tiles(struct picture_writer *writer, const uint8_t *picture, struct error *err)
+{
+    static uint8_t part[3 * 30 * 8];
+    const int width = writer->options.width, height = writer->options.height;
+    for (int y = 0; y < height; y += 20)
+        for (int x = 0; x < width; x += 30)
+            for (int row = y; row < y + 20 && row < height; row += 8) {
+                const int end = y + 20 < height ? y + 20 : height;
+                const struct picture_rectangle at = {x, row, width - x < 30 ? width - x : 30,
+                                                     end - row < 8 ? end - row : 8};
+                copy_rectangle(picture, width, &at, part);
+                if (!picture_put(writer, &at, part, err))
+                    return false;
+            }
+    return true;
+}
+
+/* A picture of rectangles has the bytes of a picture of rows. */
+static void test_rectangles(void)
+{
+    static uint8_t picture[3 * 100 * 70];
+    for (int width = 29; width <= 100; width += 71) {
+        const struct picture_options options = options_of(PICTURE_8, width, 70);
+        struct picture_writer writer;
+        struct error err = {0};
+        for (int y = 0; y < options.height; y++)
+            fill_row(&options, y, picture + 3 * (size_t)y * (size_t)width);
+        const bool done = picture_open(&writer, "tiles.png", &options, &err) &&
+                          put_tiles(&writer, picture, &err) && picture_commit(&writer, NULL, &err);
+        CHECK(done && write_picture("rows.png", &options, 9, &err) &&
+                  same_files("tiles.png", "rows.png"),
+              "%d pixels wide: tiles give the bytes that rows give %s", width, err.text);
+        picture_discard(&writer);
+    }
+    unlink("tiles.png");
+    unlink("rows.png");
+}
+
+/* ---- the scale ---- */
+
+static bool same_colour(double one, double other)
+{
+    uint8_t a[3], b[3];
+    scale_colour(one, 0.25, a);
+    scale_colour(other, 0.25, b);
+    return memcmp(a, b, 3) == 0;
+}
+
+/* Steps end at powers of two, and no two steps share a colour. */
+static void test_scale(void)
+{
+    uint8_t rgb[3];
+    scale_colour(0, 0.25, rgb);
+    CHECK(rgb[0] + rgb[1] + rgb[2] == 0, "0 is black");
+    CHECK(!same_colour(0, 1e-300) && same_colour(1e-300, 0.25),
+          "all numbers up to the least share");
+    int wrong = 0;
+    for (int step = 0; step < 13; step++) {
+        const double most = ldexp(0.25, step), above = most * (1 + 1e-15);
+        wrong += !same_colour(0.51 * most, most) && step > 0;
+        wrong += same_colour(most, above);
+        for (int other = 0; other < step; other++)
+            wrong += same_colour(most, ldexp(0.25, other));
+    }
+    CHECK(wrong == 0, "each of 13 steps ends at a power of two, and has a colour of its own");
+    CHECK(same_colour(1025, HUGE_VAL) && same_colour(1025, (double)NAN) && !same_colour(1024, 1025),
+          "numbers above the largest step and NaN share the last colour");
+}
+
+int main(void)
+{
+    const char *folder = test_folder();
+    if (!CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
+        return test_end();
+    test_samples();
+    test_big(PICTURE_8, 40000);
+    test_big(PICTURE_FLOAT, 20000);
+    test_impossible();
+    test_damage();
+    test_png_rows();
+    test_rectangles();
+    test_scale();
+    return test_end();
+}

@@ -1,0 +1,431 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
+"""Checks wavelength sampling from render to develop. The result of each method for a chart, whose radiances are
+light x reflectance, is computed once more with numpy, at every nm, from the tables. Theory says for which spectra
+a method must be exact, and for which not. Hard cases are right or refused. Prints TAP."""
+import glob
+import json
+
+import numpy as np
+
+from colours import cielab, ciede2000
+from rendered import bail_out, built_in, check, developed, done, pages_of, path_of, run, table, weights, write
+
+FIRST, LAST = 380, 730  # of the scene patches
+NM = np.arange(FIRST, LAST + 1.0)
+CHART = [np.interp(NM, *table(path)) for path in sorted(glob.glob("data/builtin/materials/colorchecker/*.txt"))]
+METHODS = ["box:8", "riemann:10", "gauss:8", "gauss:8,open", "gauss:9,xyz", "gauss:9,lms", "gauss:8,acc",
+           "adaptive:0.001", "basis:6", "rgb", "xyz"]
+FIXED = ["gauss:9,xyz", "gauss:9,lms", "gauss:8,acc", "basis:6", "rgb", "xyz"]
+SMALL = "wavelengths 380 730 5\nsize 8 8\ncamera ortho 2\n"
+
+
+# ---- sums with numpy ----
+
+def light_of(name):
+    return np.interp(NM, *built_in(name), 0, 0)
+
+
+EYE, EYE_10, D65 = weights("cie1931", NM), weights("cie1964", NM), light_of("d65")
+
+
+def lagrange(nodes, nm=NM):
+    """[node, nm]: the polynomials that are 1 at one node and 0 at all others."""
+    return np.array([np.prod([(nm - other) / (node - other) for other in nodes if other != node], 0)
+                     * np.ones(len(nm)) for node in nodes])
+
+
+# ---- the program ----
+
+class Sampled:
+    """A scene rendered by the reference under one sampling, into pages of floats."""
+
+    def __init__(self, scene, sampling, *options):
+        self.path = path_of("sampled.tif")
+        self.result = run("render", scene, "--sampling", sampling, "--renderer", "raster", "--no-check",
+                          "--quiet", "--threads", "1", "--depth", "32f", "--json", "-", "-o", self.path, *options)
+        self.report = json.loads(self.result.stdout) if self.result.returncode == 0 else None
+
+    def is_refused(self):
+        """Returns whether the command was refused in one line; any other failure is a crash."""
+        return self.result.returncode == 2 and self.result.stderr.count("\n") == 1
+
+    def pages(self):
+        return len(pages_of(self.path))
+
+    def nodes(self):
+        return np.array(self.report["wavelengths_nm"])
+
+    def develop(self, *options):
+        image = path_of("developed.tif")
+        return run("develop", self.path, "--xyz", "--quiet", "--threads", "1", "-o", image, *options), image
+
+    def xyz(self, *options):
+        """XYZ of the developed stack [y, x, channel]"""
+        return developed(self.path, "--xyz", "--threads", "1", *options)[0]
+
+
+def chart(sampling, *options, detector="cie1931"):
+    """XYZ of the 24 patches, [patch, channel], and the number of pages."""
+    stack = Sampled("patches", sampling, "--size", "60x40", *options)
+    if stack.report is None:
+        bail_out(stack.result.stderr)
+    return stack.xyz("--detector", detector)[5::10, 5::10].reshape(-1, 3), stack.pages()
+
+
+def is_near(seen, expected, name, magnitude=None):
+    """Pages and pictures have single precision: each value, and each factor, has an error of 2^-24 of itself;
+    `magnitude` is the sum of the magnitudes of a channel's terms."""
+    magnitude = np.abs(expected).max() if magnitude is None else magnitude
+    error = np.abs(seen - expected).max()
+    check(error <= 3 * 2**-24 * magnitude, name, f"error {error} of {magnitude}")
+
+
+def error(seen, expected):
+    """The largest error of all channels and patches, relative to the white's Y."""
+    return np.abs(seen - expected).max() / (EYE[1] @ D65)
+
+
+# ---- the definition of each method ----
+
+def exact(light):
+    return np.array([EYE @ (light * r) for r in CHART])
+
+
+def check_riemann():
+    for step in 1, 5, 20:
+        nm = np.arange(FIRST, LAST + 1e-9, step)
+        at = np.isin(NM, nm)
+        is_near(chart(f"riemann:{step}")[0],
+                np.array([weights("cie1931", nm) @ (D65 * r)[at] for r in CHART]),
+                f"riemann:{step} is a sum over every {step} nm")
+    check(chart("riemann:5")[1] == 71, "each wavelength has a page: 71 for 350 nm by 5")
+
+
+def boxes(n):
+    """[box, nm]: the cells of 1 nm in each box. Boxes have equal areas under the observer's functions; a box ends
+    with the cell at which the total area reaches the box's share."""
+    area = np.cumsum(np.abs(EYE).sum(0))
+    ends = np.append(0, np.searchsorted(area, area[-1] * np.arange(1, n + 1) / n * (1 - 1e-12)) + 1)
+    number = np.arange(len(NM))
+    return ((number >= ends[:-1, None]) & (number < ends[1:, None])).astype(float)
+
+
+def check_box():
+    for n in 1, 4, 10:
+        shares = boxes(n)
+        mean = shares / shares.sum(1)[:, None]
+        expected = np.array([(EYE @ shares.T) @ ((mean @ D65) * (mean @ r)) for r in CHART])
+        seen, pages = chart(f"box:{n}")
+        is_near(seen, expected, f"box:{n}: means of light and reflectance over boxes of equal area")
+        check(pages == n, f"box:{n} has {n} pages", pages)
+
+
+def primaries():
+    """The matrix of sRGB from its chromaticities: linear red, green and blue to XYZ."""
+    white = np.array([0.3127, 0.3290, 0.3583]) * 100 / 0.3290
+    columns = np.array([[0.64, 0.33, 0.03], [0.30, 0.60, 0.10], [0.15, 0.06, 0.79]]).T
+    return columns * np.linalg.solve(columns, white)
+
+
+def three_numbers(light, matrix, clips):
+    """Products of light and reflectance as three numbers each; the reflectance's numbers are those under D65."""
+    values = np.linalg.inv(matrix) @ EYE
+    clip = (lambda v: v.clip(0)) if clips else (lambda v: v)
+    return np.array([matrix @ (clip(values @ light) * clip(values @ (D65 * r) / (values @ D65)))
+                     for r in CHART])
+
+
+def check_three_numbers():
+    for name in "d65", "a", "fluorescent":
+        light = light_of(name)
+        for method, matrix in ("rgb", primaries()), ("xyz", np.eye(3)):
+            seen, pages = chart(method, "--light", f"1={name}")
+            magnitude = 3 * (EYE @ light).max()  # sRGB's matrix has negative parts
+            is_near(seen, three_numbers(light, matrix, method == "rgb"),
+                    f"{method} under {name}: a radiance is three numbers of a light times three of a reflectance",
+                    magnitude)
+            check(pages == 3, "the stack has three pages")
+    check(error(chart("xyz")[0], exact(D65)) < 1e-6, "under D65 itself xyz is right")
+    wrong = error(chart("xyz", "--light", "1=a")[0], exact(light_of("a")))
+    check(wrong > 0.01, "under illuminant A xyz is not right", wrong)
+
+
+def check_basis():
+    for name in "d65", "fluorescent":
+        products = np.array([light_of(name) * r for r in CHART])
+        components = np.linalg.svd(products, full_matrices=False)[2]
+        truth, errors = exact(light_of(name)), []
+        for k in 1, 2, 4, 8, 24:
+            seen = chart(f"basis:{k}", "--light", f"1={name}")[0]
+            part = components[:k]
+            expected = (products @ part.T) @ (EYE @ part.T).T
+            magnitude = 4 * np.abs(EYE).sum(0) @ products.max(0)  # coordinates are sheared
+            is_near(seen, expected, f"basis:{k} under {name}: the error is that of {k} singular vectors", magnitude)
+            errors.append(error(seen, truth))
+        check(errors[0] > errors[2] > errors[3] > errors[4],
+              f"the errors of basis:K fall with K under {name}", errors)
+        check(errors[4] < 2e-6, "basis:24 is exact, since the rank is 24", errors[4])
+
+
+# ---- theory of quadrature ----
+
+def polynomial_scene():
+    """Light and reflectance are linear: their product is of degree 2, and no less."""
+    write("ramp.csv", "300,1\n800,3\n")
+    write("slope.csv", "300,0.9\n800,0.1\n")
+    scene = SMALL + "light ramp.csv 1 direction 0 0 1\nmaterial m { diffuse slope.csv }\n" \
+        "object plane 4 4 material m\n"
+    return write("polynomial.scene", scene), (1 + (NM - 300) / 250) * (0.9 - (NM - 300) / 625)
+
+
+def check_exactness():
+    scene, product = polynomial_scene()
+    truth = EYE @ product
+    scale = np.abs(EYE).sum(0) @ product
+    for method in "gauss:3", "gauss:3,open", "gauss:6,xyz", "gauss:6,lms", "adaptive:1e-9", "basis:1", "riemann:1":
+        is_near(Sampled(scene, method).xyz()[4, 4], truth, f"{method} is exact for degree 2", 4 * scale)
+    for method in "gauss:2", "gauss:2,open", "gauss:3,xyz", "box:2", "riemann:50":
+        wrong = np.abs(Sampled(scene, method).xyz()[4, 4] - truth).max() / truth[1]
+        check(wrong > 1e-4, f"{method} is not exact for degree 2", wrong)
+    seen = Sampled(scene, "gauss:2").xyz()[4, 4]
+    is_near(seen.sum(), truth.sum(), "gauss:2 is exact to degree 3 for X + Y + Z, its weight function", 4 * scale)
+
+
+def check_gauss():
+    for name in "a", "d65":
+        truth, light = exact(light_of(name)), f"1={name}"
+        gauss = error(chart("gauss:8", "--light", light)[0], truth)
+        riemann, pages = chart("riemann:50", "--light", light)
+        check(pages == 8 and gauss < error(riemann, truth), f"gauss:8 beats 8 equal steps under {name}",
+              gauss, error(riemann, truth))
+    truth, lamp = exact(light_of("a")), ("--light", "1=a")
+    errors = np.array([error(chart(f"gauss:{n}", *lamp)[0], truth) for n in (2, 4, 8, 16, 32)])
+    ratios = errors[1:] / errors[:-1]
+    check(ratios[0] < 0.6 and (np.diff(ratios) < 0).all(),
+          "under the smooth illuminant A each doubling of N leaves a smaller part of the error than the last:"
+          f" {', '.join(f'{r:.3f}' for r in ratios)}", errors)
+    errors = [error(chart(f"riemann:{step}", *lamp)[0], truth) for step in (100, 50, 25)]
+    check(errors[1] < errors[0] / 4 and errors[2] < errors[1] / 4,
+          "half the step leaves less than a quarter of the error: riemann is of second order or better", errors)
+    stack = Sampled("patches", "gauss:9,acc")
+    check(stack.is_refused() and "8 samples" in stack.result.stderr,
+          "a rule that does not exist is refused, and the message names one that exists", stack.result.stderr)
+
+
+def check_adaptive():
+    for name in "d65", "a", "fluorescent":
+        light = light_of(name)
+        truth, pages = exact(light), []
+        for tolerance in 0.01, 0.001, 0.0001:
+            seen, n = chart(f"adaptive:{tolerance}", "--light", f"1={name}")
+            wrong = np.abs(seen - truth).max() / (EYE @ light).max()
+            pages.append(n)
+            check(wrong <= tolerance + 3 * 2**-24,
+                  f"adaptive:{tolerance} under {name}: {n} pages are within the tolerance",
+                  f"error {wrong}")
+        check(pages[0] < pages[1] < pages[2] < 351, "a smaller tolerance takes more pages, but never every nm", pages)
+    light = light_of("fluorescent")
+    seen, n = chart("adaptive:0.001", "--light", "1=fluorescent")
+    fixed = chart(f"gauss:{min(n, 64)}", "--light", "1=fluorescent")[0]
+    check(error(fixed, exact(light)) > 2 * error(seen, exact(light)),
+          "under a tube, quadrature without peaks has more than twice the error",
+          error(fixed, exact(light)), error(seen, exact(light)))
+
+
+# ---- another detector afterwards ----
+
+def check_other_detector():
+    truth = np.array([EYE_10 @ (D65 * r) for r in CHART])
+    for n, method in (8, "gauss:8,open"), (12, "gauss:12"):
+        stack = Sampled("patches", method, "--size", "60x40")
+        nodes = stack.nodes()
+        at = np.array([np.interp(nodes, *built_in("d65"))
+                       * np.interp(nodes, *table(path))
+                       for path in sorted(glob.glob("data/builtin/materials/colorchecker/*.txt"))])
+        of = EYE_10 @ lagrange(nodes).T
+        seen = stack.xyz("--detector", "cie1964")[5::10, 5::10].reshape(-1, 3)
+        is_near(seen, at @ of.T, f"{method} works for another observer, by the polynomial through its {n} pages",
+                np.abs(of).sum(1).max() * at.max())
+    legendre = (np.polynomial.legendre.leggauss(8)[0] * (LAST + 1 - FIRST) + LAST + FIRST) / 2
+    nodes = Sampled("patches", "gauss:8,open", "--size", "60x40").nodes()
+    check(np.abs(nodes - legendre).max() < 1e-9,
+          "gauss:8,open has the wavelengths of Gauss-Legendre quadrature", nodes)
+    shares = boxes(10)
+    mean = shares / shares.sum(1)[:, None]
+    is_near(chart("box:10", detector="cie1964")[0],
+            np.array([(EYE_10 @ shares.T) @ ((mean @ D65) * (mean @ r)) for r in CHART]),
+            "box:10 works for another observer, by its boxes")
+    for method, limit in ("adaptive:0.0001", 0.001), ("riemann:1", 1e-6):
+        wrong = error(chart(method, detector="cie1964")[0], truth)
+        check(wrong < limit, f"{method} is right for another observer, too", wrong)
+    for method in FIXED:
+        stack = Sampled("patches", method, "--size", "60x40")
+        result, _ = stack.develop("--detector", "cie1964")
+        check(stack.report is not None and result.returncode == 2 and result.stderr.count("\n") == 1
+              and "cie1931" in result.stderr, f"{method} refuses another observer, and the message names its own",
+              result.stderr)
+
+
+# ---- limits of three numbers ----
+
+def halves(scene, size, unit, offset, sampling, *options):
+    """CIEDE2000 between the halves of the six spheres of a grid, scaled to equal brightness, since the halves are
+    shaded differently. `unit` is a length in pixels, `offset` moves the grid."""
+    xyz = Sampled(scene, sampling, "--size", f"{size[0]}x{size[1]}", *options).xyz()
+    differences = []
+    for i in range(6):
+        x = size[0] / 2 + unit * 0.66 * (6 * (i % 3) - 6 + offset)
+        y = int(size[1] / 2 - unit * 0.66 * (3 - 6 * (i // 3)))
+        sides = [xyz[y, int(x - 3)], xyz[y, int(x + 3)]]
+        lab = [cielab(side / side[1] * 50, np.array([95.047, 100, 108.883])) for side in sides]
+        differences.append(float(ciede2000(*lab)))
+    return np.array(differences)
+
+
+def check_metamers():
+    where = "metamers", (100, 50), 4, -9.4
+    true, rgb = (halves(*where, method, "--light", "1=a", "--ambient", "a*0.1") for method in ("riemann:1", "rgb"))
+    check(true.min() > 1 and rgb.max() < 0.1,
+          f"metamers under illuminant A differ by {true.min():.2f} to {true.max():.2f} CIEDE2000, in rgb by"
+          f" {rgb.max():.3f} at most", true, rgb)
+
+
+def check_fluorescence():
+    """The halves of the built-in scene look alike under A, although one of them fluoresces a little there."""
+    where = "fluorescence", (60, 40), 5, 0
+    true, rgb, xyz = (halves(*where, method, "--light", "1=a") for method in ("riemann:1", "rgb", "xyz"))
+    check(true.max() < 0.1 and min(rgb.max(), xyz.max()) > 1,
+          f"surfaces alike under A because one fluoresces ({true.max():.3f} CIEDE2000 at most) are not in rgb"
+          f" and xyz ({rgb.max():.2f}, {xyz.max():.2f})", true, rgb, xyz)
+    scene = write("glow.scene", SMALL + "light d65 1 direction 0 0 1\nmaterial dull { diffuse 0.3 }\n"
+                  "material glow { diffuse 0.3 fluorescence gaussian:450,40 gaussian:540,60 }\n"
+                  "object plane 1 2 material dull translate -0.5 0 0\n"
+                  "object plane 1 2 material glow translate 0.5 0 0\n")
+    for method in "rgb", "xyz", "riemann:1", "basis:2":
+        dull, glow = Sampled(scene, method).xyz()[4, [2, 6]]
+        white = np.array([95.047, 100, 108.883])
+        difference = ciede2000(cielab(dull, white), cielab(glow, white))
+        cannot = method in ("rgb", "xyz")
+        check(difference == 0 if cannot else difference > 10, f"{method} {'cannot show' if cannot else 'shows'}"
+              f" fluorescence in daylight: {difference:.2f} CIEDE2000 between a pair")
+    check_glow()
+
+
+def check_glow():
+    """Renders the built-in scene under a black light."""
+    glow = ["--size", "60x40", "--light", "1=uv"]
+    truth = Sampled("fluorescence", "riemann:1", *glow).xyz()
+
+    def off(method):
+        return np.abs(Sampled("fluorescence", method, *glow).xyz() - truth).max() / truth.max()
+
+    for method, limit in ("basis:30", 3e-6), ("adaptive:0.01", 0.01), ("adaptive:0.0001", 0.0001):
+        wrong = off(method)
+        check(wrong < limit, f"{method} shows the glow under a black light, within {limit}", wrong)
+    for few, many in ("box:10", "box:60"), ("gauss:10,open", "gauss:40,open"):
+        wrong = off(few), off(many)
+        check(wrong[0] > 5 * wrong[1], f"{many} shows the glow better than {few}", wrong)
+
+
+# ---- OpenGL ----
+
+def check_gl():
+    for scene in "spheres", "patches":
+        for method in METHODS:
+            result = run("render", scene, "--size", "60x40", "--sampling", method, "--quiet", "-o", "/dev/null")
+            check(result.returncode == 0, f"OpenGL and the reference agree on {scene} by {method}", result.stderr)
+
+
+def check_again():
+    for method in METHODS:
+        stack = Sampled("spheres", method, "--size", "30x20")
+        again = path_of("again.tif")
+        result = run("render", "--again", stack.path, "--quiet", "-o", again)
+        check(result.returncode == 0 and open(again, "rb").read() == open(stack.path, "rb").read(),
+              f"a stack by {method} is made again to the last byte", result.stderr)
+
+
+# ---- hard cases ----
+
+def scene_of(name, light, *reflectances):
+    """Strips side by side."""
+    words = SMALL + (f"light {light} 1 direction 0 0 1\n" if light else "")
+    for i, r in enumerate(reflectances):
+        words += f"material m{i} {{ diffuse {r} }}\n"
+        words += f"object plane {2 / len(reflectances)} 2 material m{i}" \
+                 f" translate {(2 * i + 1) / len(reflectances) - 1} 0 0\n"
+    return write(name + ".scene", words)
+
+
+RED, GREEN = (factor * np.exp(-4 * np.log(2) * ((NM - nm) / width) ** 2)
+              for nm, width, factor in ((600, 80, 0.8), (520, 90, 0.6)))
+STRIPS = ["gaussian:600,80*0.8", "gaussian:520,90*0.6"]
+
+
+def check_hard(name, scene, light, strips, *options, at=np.s_[:],
+               exact_by=("riemann:1", "adaptive:0.0001", "basis:24")):
+    """Checks that every method gives a finite picture or a refusal in one line, and is within 1/10000 of the light if
+    it promises to be exact."""
+    truth, scale = [EYE[:, at] @ (light * r)[at] for r in strips], (EYE[:, at] @ light[at]).max()
+    wrong, refused = [], []
+    for method in sorted({*METHODS, *exact_by}):
+        stack = Sampled(scene, method, *options)
+        result, image = stack.develop() if stack.report else (stack.result, None)
+        if result.returncode == 2 and result.stderr.count("\n") == 1:
+            refused.append(method)
+            continue
+        seen = np.moveaxis(pages_of(image), 0, 2) if result.returncode == 0 else np.full((8, 8, 3), np.nan)
+        is_right = np.allclose(seen[4, [2, 6]], truth, 0, 1e-4 * scale)
+        if not np.isfinite(seen).all() or (method in exact_by and not is_right):
+            wrong.append((method, result.stderr, seen[4, [2, 6]], truth))
+    check(not wrong, f"{name}: right or refused by every method (refused: {', '.join(refused) or 'none'})", *wrong)
+    return refused
+
+
+def check_lines():
+    write("line.csv", "545,0\n546,1\n547,0\n")
+    write("coarse.csv", "380,0\n540,0\n545,1\n550,0\n730,0\n")
+    for name, light, spectrum in (
+            ("a line of 2 nm", "gaussian:546,2", np.exp(-4 * np.log(2) * ((NM - 546) / 2) ** 2)),
+            ("a light of one sample", "line.csv", (NM == 546).astype(float)),
+            ("a light of one sample in a coarse table", "coarse.csv", np.interp(NM, [540, 545, 550], [0, 1, 0]))):
+        check_hard(name, scene_of("hard", light, *STRIPS), spectrum, [RED, GREEN])
+
+
+def check_hard_cases():
+    scene, dark = scene_of("strips", "d65", *STRIPS), 0 * NM
+    check_hard("identical spectra", scene_of("hard", "d65", STRIPS[0], STRIPS[0]), D65, [RED, RED])
+    check_hard("no light", scene_of("hard", None, *STRIPS), dark, [RED, GREEN])
+    check_hard("a light that is 0", scene_of("hard", "0", *STRIPS), dark, [RED, GREEN])
+    check_hard("nothing but black", scene_of("hard", "d65", "0", "0"), D65, [dark, dark])
+    check_hard("one wavelength", scene, D65, [RED, GREEN], "--wavelengths", "550", at=np.s_[170:171],
+               exact_by=("riemann:1", "riemann:10", "box:1", "gauss:1", "gauss:1,open", "adaptive:0.0001", "basis:1"))
+    check_hard("two neighbours", scene, D65, [RED, GREEN], "--wavelengths", "550,551", at=np.s_[170:172])
+    refused = check_hard("wavelengths that no eye sees", scene, dark, [RED, GREEN], "--wavelengths", "900:1000:5")
+    check({"box:8", "gauss:8", "adaptive:0.0001", *FIXED} <= set(refused),
+          "methods that need an observer are refused there", refused)
+    for factor in "1e-30", "1e30":
+        light = float(factor) * D65
+        check_hard(f"a light of {factor}", scene_of("hard", f"d65*{factor}", *STRIPS), light, [RED, GREEN])
+    check(chart("basis:99")[1] == 24, "a basis of 99 has 24 components for 24 patches")
+    check(Sampled(scene_of("hard", "d65", STRIPS[0], STRIPS[0]), "basis:9").pages() == 1,
+          "a basis of equal spectra has 1 component")
+
+
+check_riemann()
+check_box()
+check_three_numbers()
+check_basis()
+check_exactness()
+check_gauss()
+check_adaptive()
+check_other_detector()
+check_metamers()
+check_fluorescence()
+check_gl()
+check_again()
+check_lines()
+check_hard_cases()
+done()

@@ -1,0 +1,640 @@
+/* SPDX-License-Identifier: MIT */
+/* Compares samplings with the sum over every nm: they are exact where they must be, keep their
+ * tolerance, and survive hard cases. test/data/sampling/sampling.py computes each method once more. */
+#include "data/base/base.h"
+#include "data/files/files.h"
+#include "data/maths/maths.h"
+#include "data/sampling/inside.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+#include "test.h"
+
+/* ---- scenes of one light and some reflectances ---- */
+
+enum { MOST_SURFACES = 32, MOST_NM = 601, MOST_PAGES = MOST_NM };
+struct stage {
+    struct fine_spectra fine;
+    struct spectrum light, surface[MOST_SURFACES];
+    int n; /* surfaces */
+};
+
+static struct spectrum spectrum_of(const char *text)
+{
+    struct spectrum out = {0};
+    struct error err = {0};
+    const struct word word = {.start = text, .length = strlen(text)};
+    if (!spectrum_read(&word, 0, HUGE_VAL, &out, &err))
+        printf("# %s\n", err.text);
+    return out;
+}
+
+static void put_light(struct stage *stage, const char *light, double first, int n_nm)
+{
+    struct fine_spectra *fine = &stage->fine;
+    stage->light = spectrum_of(light);
+    *fine = (struct fine_spectra){.first_nm = first, .n_nm = n_nm, .n_lights = 1};
+    fine->lights = calloc((size_t)n_nm, sizeof *fine->lights);
+    fine->products = calloc((size_t)n_nm * MOST_SURFACES, sizeof *fine->products);
+    for (int j = 0; j < n_nm; j++)
+        fine->lights[j] = spectrum_at(&stage->light, first + j, SPECTRUM_ZERO);
+}
+
+static void put_surface(struct stage *stage, const char *text)
+{
+    struct fine_spectra *fine = &stage->fine;
+    stage->surface[stage->n] = spectrum_of(text);
+    for (int j = 0; j < fine->n_nm; j++)
+        fine->products[stage->n * fine->n_nm + j] =
+            fine->lights[j] *
+            spectrum_at(&stage->surface[stage->n], fine->first_nm + j, SPECTRUM_HOLD);
+    fine->n_products = ++stage->n;
+}
+
+/* Makes a scene of the ColorChecker's patches under a light. */
+static struct stage chart(const char *light, double first, int n_nm)
+{
+    static const char folder[] = "materials/colorchecker/";
+    struct stage stage = {.n = 0};
+    put_light(&stage, light, first, n_nm);
+    for (size_t i = 0; i < builtin_file_count && stage.n < MOST_SURFACES; i++) {
+        char path[256];
+        if (strncmp(builtin_files[i].name, folder, strlen(folder)) == 0 &&
+            strstr(builtin_files[i].name, ".txt") != NULL) {
+            snprintf(path, sizeof path, "builtin:%s", builtin_files[i].name);
+            put_surface(&stage, path);
+        }
+    }
+    return stage;
+}
+
+static struct stage single(const char *light, const char *surface, double first, int n_nm)
+{
+    struct stage stage = {.n = 0};
+    put_light(&stage, light, first, n_nm);
+    put_surface(&stage, surface);
+    return stage;
+}
+
+static void clear(struct stage *stage)
+{
+    spectrum_free(&stage->light);
+    for (int i = 0; i < stage->n; i++)
+        spectrum_free(&stage->surface[i]);
+    fine_spectra_free(&stage->fine);
+}
+
+/* ---- making and using samplings ---- */
+
+/* Returns a zeroed sampling and fills err after an error. */
+static struct sampling sampling_of(const struct stage *stage, const char *text,
+                                   const char *detector, struct error *err)
+{
+    struct sampling_method method;
+    struct sampling out = {.detector = NULL};
+    *err = (struct error){0};
+    if (sampling_read("--sampling", text, &method, err))
+        sampling_make(&method, detector, &stage->fine, &out, err);
+    return out;
+}
+
+static struct sampling made(const struct stage *stage, const char *text)
+{
+    struct error err;
+    struct sampling out = sampling_of(stage, text, "cie1931", &err);
+    if (out.pages.n == 0)
+        printf("# %s\n", err.text);
+    return out;
+}
+
+/* Computes one page of a surface in the light: the product of both page values, or a component of
+ * the product. */
+static double page_of(const struct stage *stage, const struct sampling *s, int surface, int page)
+{
+    const struct spectral_pages pages = s->pages;
+    double sum = 0;
+    if (!s->pages.of_products)
+        return page_value(&pages, &stage->light, page, SPECTRUM_ZERO) *
+               page_value(&pages, &stage->surface[surface], page, SPECTRUM_HOLD);
+    for (int j = 0; j < s->fine.n; j++)
+        sum +=
+            s->pages.analysis[page * s->fine.n + j] * stage->fine.products[surface * s->fine.n + j];
+    return sum;
+}
+
+static void channels_of(const struct stage *stage, const struct sampling *s, int surface,
+                        double out[3])
+{
+    double pages[MOST_PAGES];
+    for (int page = 0; page < s->pages.n; page++)
+        pages[page] = page_of(stage, s, surface, page);
+    detector_response(s->weights, pages, s->pages.n, out);
+}
+
+/* Returns the largest error of all channels of all surfaces, relative to the light's largest
+ * response. */
+static double worst_error(const struct stage *stage, const struct sampling *s)
+{
+    const int n = s->fine.n;
+    double worst = 0, light[3];
+    if (s->pages.n == 0)
+        return HUGE_VAL;
+    detector_response(s->fine.weights, stage->fine.lights, n, light);
+    const double scale = fmax(light[0], fmax(light[1], light[2]));
+    for (int i = 0; i < stage->n; i++) {
+        double seen[3], exact[3];
+        channels_of(stage, s, i, seen);
+        detector_response(s->fine.weights, stage->fine.products + i * n, n, exact);
+        for (int channel = 0; channel < 3; channel++)
+            worst = fmax(worst, fabs(seen[channel] - exact[channel]) / scale);
+    }
+    return worst;
+}
+
+static int pages_of(const struct stage *stage, const char *text)
+{
+    struct sampling s = made(stage, text);
+    const int n = s.pages.n;
+    sampling_free(&s);
+    return n;
+}
+
+/* ---- names ---- */
+
+static void test_names(void)
+{
+    static const char *const good[] = {"box:8",         "riemann:10",
+                                       "riemann:2.5",   "gauss:8",
+                                       "gauss:8,open",  "gauss:9,xyz",
+                                       "gauss:9,lms",   "gauss:6,acc",
+                                       "adaptive:0.01", "adaptive:1e-09",
+                                       "adaptive:0.3",  "basis:6",
+                                       "rgb",           "xyz"};
+    static const char *const bad[] = {
+        "",           "box",      "box:",     "box:0",       "box:1.5",          "riemann:0.5",
+        "riemann:x",  "gauss:65", "gauss:8,", "gauss:8,rgb", "box:8,xyz",        "adaptive:0",
+        "adaptive:2", "rgb:3",    "xyz:",     "simpson:8",   "gauss:8,open,xyz", "gauss: 8"};
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        struct sampling_method method;
+        struct error err = {0};
+        char name[SAMPLING_NAME] = "refused";
+        if (sampling_read("--sampling", good[i], &method, &err))
+            sampling_name(&method, name);
+        CHECK_TEXT(name, good[i], "%s is read and named again", good[i]);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct sampling_method method;
+        struct error err = {0};
+        CHECK(!sampling_read("--sampling", bad[i], &method, &err) && err.status == EXIT_INPUT &&
+                  strstr(err.text, "--sampling") != NULL,
+              "'%s' is refused", bad[i]);
+    }
+}
+
+/* ---- known errors ---- */
+
+static void test_tolerances(const char *light, int n_peaks)
+{
+    static const char *const names[] = {"adaptive:0.1", "adaptive:0.01", "adaptive:0.001",
+                                        "adaptive:1e-06", "adaptive:1e-09"};
+    struct stage stage = chart(light, 360, 441);
+    int most = 0;
+    bool within = true;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct sampling s = made(&stage, names[i]);
+        within = within && worst_error(&stage, &s) <= s.method.tolerance;
+        most = s.pages.n > most ? s.pages.n : most;
+        if (i == 0)
+            CHECK(s.n_peaks == n_peaks, "%s has %d emission peaks", light, n_peaks);
+        sampling_free(&s);
+    }
+    CHECK(within, "%s: adaptive keeps every tolerance", light);
+    CHECK(most <= 441, "%s: adaptive has at most one page for each nm", light);
+    clear(&stage);
+}
+
+static void test_adaptive(void)
+{
+    test_tolerances("d65", 0);
+    test_tolerances("a", 0);
+    test_tolerances("1", 0);
+    test_tolerances("blackbody:2000", 0);
+    test_tolerances("blackbody:20000", 0);
+    test_tolerances("gaussian:546,4", 1);
+    test_tolerances("gaussian:546.5,1", 1);
+    test_tolerances("fluorescent", 3);
+}
+
+/* Pages cost time. The sufficient number is known for simple lights. */
+static void test_few_pages(void)
+{
+    struct stage tube = chart("fluorescent", 380, 401), day = chart("d65", 380, 401);
+    struct stage narrow = chart("gaussian:546.5,0.5", 380, 401);
+    const int coarse = pages_of(&tube, "adaptive:0.1"), fine = pages_of(&tube, "adaptive:0.01");
+    CHECK(pages_of(&narrow, "adaptive:0.001") <= 4,
+          "a line of 2 nm has a page for each nm, and one on either side");
+    CHECK(coarse <= 8 && fine <= 34 && fine > coarse,
+          "the tube needs at most 8 pages, and 34 for the smaller tolerance");
+    CHECK(pages_of(&day, "adaptive:0.01") <= 17, "daylight needs at most 17 pages");
+    printf("# tube %d and %d\n", coarse, fine);
+    clear(&tube);
+    clear(&day);
+    clear(&narrow);
+}
+
+static void test_peaks(void)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/sampling-lines.csv", test_folder());
+    test_write(path, "nm,power\n380,1\n439,1\n440,9\n442,9\n443,1\n545,1\n550,3\n555,1\n640,1\n"
+                     "645,1.7\n650,1\n680,1\n700,2.3\n720,1\n745,1\n750,1.45\n755,1\n780,1\n");
+    struct stage stage = single(path, "0.5", 380, 401);
+    struct sampling s = made(&stage, "adaptive:0.01");
+    CHECK(s.n_peaks == 4 && s.peak_nm[0] == 440 && s.peak_nm[1] == 550 && s.peak_nm[2] == 645 &&
+              s.peak_nm[3] == 700,
+          "a peak exceeds its neighbours by half the mean; a flat one lies at its first nm");
+    sampling_free(&s);
+    clear(&stage);
+}
+
+/* A scene has a dim light and then a bright one: errors under the dim light are relative to the dim
+ * light. */
+static void test_dim_light(void)
+{
+    struct stage stage = single("1*0.001", "gaussian:610,6", 380, 401);
+    double *lights = realloc(stage.fine.lights, 2 * 401 * sizeof *lights);
+    for (int j = 0; lights != NULL && j < 401; j++)
+        lights[401 + j] = 1;
+    stage.fine.lights = lights;
+    stage.fine.n_lights = 2;
+    struct sampling s = made(&stage, "adaptive:0.001");
+    CHECK(worst_error(&stage, &s) <= 0.001, "the tolerance is relative to the light that shines");
+    sampling_free(&s);
+    clear(&stage);
+}
+
+/* Returns the sum of squared errors of a surface's radiances, made again from its pages. */
+static double squared_error(const struct stage *stage, const struct sampling *s, int surface)
+{
+    double sum = 0;
+    for (int j = 0; j < s->fine.n; j++) {
+        double error = -stage->fine.products[surface * s->fine.n + j];
+        for (int page = 0; page < s->pages.n; page++)
+            error += s->synthesis[j * s->pages.n + page] * page_of(stage, s, surface, page);
+        sum += error * error;
+    }
+    return sum;
+}
+
+/* Returns by how much rounding of pages up to `largest_page` changes radiances, relative to the
+ * brightest. */
+static double magnified(const struct stage *stage, const struct sampling *s, double largest_page)
+{
+    double brightest = 0, worst = 0;
+    for (int i = 0; i < stage->n * s->fine.n; i++)
+        brightest = fmax(brightest, stage->fine.products[i]);
+    for (int j = 0; j < s->fine.n; j++) {
+        double sum = 0;
+        for (int page = 0; page < s->pages.n; page++)
+            sum += fabs(s->synthesis[j * s->pages.n + page]);
+        worst = fmax(worst, sum * largest_page / brightest);
+    }
+    return worst;
+}
+
+static void check_basis(const char *light, struct stage stage)
+{
+    double least = 0, largest = 0, before = HUGE_VAL, worst = 0, most = 0;
+    bool falls = true;
+    for (int k = 1; k <= 24; k++) {
+        char name[32];
+        double sum = 0;
+        snprintf(name, sizeof name, "basis:%d", k);
+        struct sampling s = made(&stage, name);
+        for (int i = 0; i < stage.n; i++) {
+            sum += squared_error(&stage, &s, i);
+            for (int page = 0; page < s.pages.n; page++) {
+                const double value = page_of(&stage, &s, i, page);
+                least = fmin(least, value);
+                largest = fmax(largest, value);
+            }
+        }
+        falls = falls && (sum < before || s.pages.n < k);
+        before = sum;
+        worst = worst_error(&stage, &s);
+        most = fmax(most, magnified(&stage, &s, largest));
+        sampling_free(&s);
+    }
+    CHECK(least >= -1e-13 * largest, "%s: no product has a negative component", light);
+    CHECK(most <= 30, "%s: rounding errors are magnified by at most 30: %g", light, most);
+    CHECK(falls, "%s: with every component the rms error of radiances falls", light);
+    CHECK_NEAR(sqrt(before), 0, 1e-10,
+               "%s: with as many components as the rank, radiances are exact", light);
+    CHECK_NEAR(worst, 0, 1e-10, "%s: with as many components as the rank, channels are exact",
+               light);
+    clear(&stage);
+}
+
+static void test_basis(void)
+{
+    static const char *const lights[] = {"d65", "fluorescent", "gaussian:546,4"};
+    struct stage apart = {.n = 0};
+    for (int i = 0; i < 3; i++)
+        check_basis(lights[i], chart(lights[i], 380, 401));
+    put_light(&apart, "1", 430, 61);
+    for (int i = 0; i < 12; i++) {
+        char text[64];
+        snprintf(text, sizeof text, "gaussian:%d,%d*1e-%d", 430 + 17 * i % 60, 4 + i % 7, i % 3);
+        put_surface(&apart, text);
+    }
+    check_basis("separate spectra", apart);
+}
+
+/* Polynomials of the wavelength, up to a degree, give exact responses. */
+static void check_polynomials(const struct stage *stage, const char *text, int degree)
+{
+    struct sampling s = made(stage, text);
+    double worst = s.pages.n > 0 ? 0 : HUGE_VAL;
+    for (int k = 0; k <= degree; k++)
+        for (int channel = 0; channel < 3; channel++) {
+            double exact = 0, seen = 0;
+            for (int j = 0; j < s.fine.n; j++)
+                exact += s.fine.weights[channel * s.fine.n + j] * power(s.fine.nm[j] / 800, k);
+            for (int page = 0; page < s.pages.n; page++)
+                seen += s.weights[channel * s.pages.n + page] *
+                        power(s.pages.wavelength_nm[page] / 800, k);
+            worst = fmax(worst, fabs(seen - exact));
+        }
+    CHECK_NEAR(worst, 0, 1e-9, "%s is exact for polynomials of degree %d", text, degree);
+    sampling_free(&s);
+}
+
+static void test_polynomials(void)
+{
+    struct stage stage = chart("d65", 380, 401);
+    check_polynomials(&stage, "gauss:8", 7);
+    check_polynomials(&stage, "gauss:8,open", 7);
+    check_polynomials(&stage, "gauss:9,xyz", 5);
+    check_polynomials(&stage, "gauss:10,xyz", 5);
+    check_polynomials(&stage, "gauss:9,lms", 5);
+    check_polynomials(&stage, "gauss:6,acc", 3);
+    check_polynomials(&stage, "gauss:7,acc", 3);
+    clear(&stage);
+}
+
+/* ---- hard cases ---- */
+
+static const char *const all[] = {
+    "box:8",       "riemann:10",  "gauss:1",       "gauss:8",        "gauss:64", "gauss:8,open",
+    "gauss:9,xyz", "gauss:9,lms", "adaptive:0.01", "adaptive:1e-09", "basis:1",  "basis:9",
+    "rgb",         "xyz"};
+enum { ALL = sizeof all / sizeof all[0] };
+
+static bool finite_all(const double *values, size_t count)
+{
+    bool good = true;
+    for (size_t i = 0; i < count && values != NULL; i++)
+        good = good && isfinite(values[i]);
+    return good;
+}
+
+static bool is_sound(const struct sampling *s)
+{
+    const size_t pages = (size_t)s->pages.n, cells = pages * (size_t)s->fine.n;
+    bool good = s->pages.n >= 1 && finite_all(s->weights, 3 * pages) &&
+                finite_all(s->pages.analysis, cells) && finite_all(s->synthesis, cells) &&
+                finite_all(s->pages.reflectance_analysis, cells) &&
+                finite_all(s->pages.wavelength_nm, pages);
+    for (int i = 1; i < s->pages.n; i++)
+        good = good && s->pages.wavelength_nm[i] > s->pages.wavelength_nm[i - 1];
+    return good;
+}
+
+static void check_all(const char *what, const struct stage *stage)
+{
+    bool sound = true;
+    for (int i = 0; i < ALL; i++) {
+        struct sampling s = made(stage, all[i]);
+        sound = sound && is_sound(&s) && isfinite(worst_error(stage, &s)) == (stage->n > 0);
+        if (!sound)
+            printf("# %s\n", all[i]);
+        sampling_free(&s);
+    }
+    CHECK(sound, "%s: all samplings are made, finite, with increasing wavelengths", what);
+}
+
+static void test_black(void)
+{
+    struct stage stage = single("0", "0.5", 380, 401);
+    for (int i = 0; i < ALL; i++) {
+        struct sampling s = made(&stage, all[i]);
+        double seen[3] = {1, 1, 1};
+        channels_of(&stage, &s, 0, seen);
+        CHECK(is_sound(&s) && seen[0] == 0 && seen[1] == 0 && seen[2] == 0,
+              "%s: an all-black scene is black", all[i]);
+        if (s.method.kind == SAMPLING_BASIS)
+            CHECK(s.pages.n == 1 && s.rank == 0, "an all-black scene has one component of rank 0");
+        sampling_free(&s);
+    }
+    clear(&stage);
+}
+
+static void test_line(void)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/sampling-line.csv", test_folder());
+    test_write(path, "nm,power\n380,0\n554,0\n555,1\n556,0\n780,0\n");
+    struct stage stage = chart(path, 380, 401);
+    struct sampling s = made(&stage, "adaptive:0.001"), basis = made(&stage, "basis:9");
+    CHECK(s.n_peaks == 1 && s.peak_nm[0] == 555, "a light of a single sample is a peak");
+    CHECK_NEAR(worst_error(&stage, &s), 0, 1e-3, "adaptive resolves the single sample");
+    CHECK(basis.rank == 1 && basis.pages.n == 1, "its products have rank 1");
+    CHECK_NEAR(worst_error(&stage, &basis), 0, 1e-12, "one component of the single line is exact");
+    check_all("a single line", &stage);
+    sampling_free(&s);
+    sampling_free(&basis);
+    clear(&stage);
+}
+
+static void test_rank(void)
+{
+    struct stage stage = single("1", "1", 380, 401);
+    put_surface(&stage, "gaussian:450,100*1e-10");
+    put_surface(&stage, "gaussian:650,100*1e-14");
+    struct sampling s = made(&stage, "basis:3");
+    CHECK(s.rank == 2 && s.pages.n == 2, "the rank counts components above 1e-12 of the largest");
+    sampling_free(&s);
+    clear(&stage);
+}
+
+static void test_apart(void)
+{
+    struct stage stage = {.n = 0};
+    put_light(&stage, "1", 380, 401);
+    put_surface(&stage, "gaussian:450,1*1e-200");
+    put_surface(&stage, "gaussian:550,1*1e-200");
+    put_surface(&stage, "gaussian:650,1*1e-200");
+    struct sampling s = made(&stage, "basis:3"), fewer = made(&stage, "basis:2");
+    CHECK(s.rank == 3 && is_sound(&s) && worst_error(&stage, &s) < 1e-210,
+          "separate, tiny spectra are exact");
+    CHECK(is_sound(&fewer), "separate, tiny spectra stay finite with fewer components");
+    sampling_free(&s);
+    sampling_free(&fewer);
+    clear(&stage);
+}
+
+static void check_refusal(const struct stage *stage, const char *text, const char *detector,
+                          const char *reason)
+{
+    struct error err;
+    struct sampling s = sampling_of(stage, text, detector, &err);
+    CHECK(s.pages.n == 0 && err.status == EXIT_INPUT && strstr(err.text, reason) != NULL,
+          "%s for %s: '%s'", text, detector, reason);
+    if (strstr(err.text, reason) == NULL)
+        printf("# %s\n", err.text);
+    sampling_free(&s);
+}
+
+static void test_refusals(void)
+{
+    struct stage stage = chart("d65", 380, 401), dark = chart("d65", 300, 50);
+    struct stage blue = chart("d65", 380, 50);
+    check_refusal(&stage, "box:8", "dcs200-camera", "needs an observer");
+    check_refusal(&stage, "rgb", "dcs200-camera", "needs an observer");
+    check_refusal(&stage, "xyz", "transparency-film", "needs an observer");
+    check_refusal(&stage, "gauss:6,acc", "dcs200-camera", "needs an observer");
+    check_refusal(&stage, "box:402", "cie1931", "401 nm");
+    check_refusal(&dark, "gauss:60,open", "cie1931", "50 nm");
+    check_refusal(&blue, "rgb", "cie1931", "not all above 0 from 380 to 429 nm");
+    check_refusal(&stage, "riemann:500", "cie1931", "400 nm long");
+    check_refusal(&stage, "gauss:8", "no-such-detector", "no-such-detector");
+    for (int i = 0; i < ALL; i++)
+        if (strcmp(all[i], "riemann:10") != 0 && strcmp(all[i], "gauss:8,open") != 0)
+            check_refusal(&dark, all[i], "cie1931", "sees nothing");
+    struct sampling open = made(&dark, "gauss:8,open"), steps = made(&dark, "riemann:10");
+    CHECK(open.pages.n == 8 && steps.pages.n == 5,
+          "a sampling without a fixed detector accepts one that sees nothing");
+    sampling_free(&open);
+    sampling_free(&steps);
+    clear(&stage);
+    clear(&dark);
+    clear(&blue);
+}
+
+/* A refusal proposes a number of pages that has a solution. */
+static void test_unsolvable(void)
+{
+    struct stage stage = chart("d65", 380, 401);
+    int refused = 0, solved = 0;
+    for (int n = 3; n <= 12; n++) {
+        char text[32];
+        struct error err;
+        snprintf(text, sizeof text, "gauss:%d,acc", n);
+        struct sampling s = sampling_of(&stage, text, "cie1931", &err);
+        const char *number = strrchr(err.text, ';');
+        if (s.pages.n == 0 && number != NULL) {
+            refused++;
+            snprintf(text, sizeof text, "gauss:%d,acc", atoi(number + 1));
+            struct sampling other = made(&stage, text);
+            solved += other.pages.n > 0;
+            sampling_free(&other);
+        }
+        sampling_free(&s);
+    }
+    printf("# %d of 10 have no solution\n", refused);
+    CHECK(refused > 0 && solved == refused,
+          "functions that change sign: each refusal proposes a number that is accepted");
+    clear(&stage);
+}
+
+/* ---- uses of samplings ---- */
+
+/* Radiances are linear between pages and constant in boxes. */
+static void test_synthesis(void)
+{
+    static const char *const names[] = {"box:8", "riemann:7", "gauss:8", "gauss:6,acc",
+                                        "adaptive:0.1"};
+    struct stage stage = chart("d65", 380, 401);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct sampling s = made(&stage, names[i]);
+        double sums = 0, line = 0;
+        for (int j = 0; j < s.fine.n; j++) {
+            const double x = s.fine.nm[j], last = s.pages.wavelength_nm[s.pages.n - 1];
+            double sum = 0, value = 0;
+            for (int page = 0; page < s.pages.n; page++) {
+                sum += s.synthesis[j * s.pages.n + page];
+                value += s.synthesis[j * s.pages.n + page] * s.pages.wavelength_nm[page];
+            }
+            sums = fmax(sums, fabs(sum - 1));
+            line = fmax(line, fabs(value - fmin(fmax(x, s.pages.wavelength_nm[0]), last)));
+        }
+        CHECK_NEAR(sums, 0, 1e-15, "%s: a constant radiance is reconstructed exactly", names[i]);
+        if (s.method.kind != SAMPLING_BOX)
+            CHECK_NEAR(line, 0, 1e-11,
+                       "%s: a linear radiance is reconstructed exactly, and held at the ends",
+                       names[i]);
+        sampling_free(&s);
+    }
+    clear(&stage);
+}
+
+static void test_print(void)
+{
+    static const struct {
+        const char *text, *expected, *label;
+    } all_printed[] = {
+        {"riemann:50",
+         "riemann:50 for cie1931: 9 wavelengths; radiances at these wavelengths only\n", ""},
+        {"gauss:8",
+         "gauss:8 for cie1931: 8 wavelengths, 3 of 24 weights negative (-1.1 %);"
+         " radiances at these wavelengths only\n",
+         ""},
+        {"adaptive:0.1",
+         "adaptive:0.1 for cie1931: 5 wavelengths, 1 emission peak (546 nm);"
+         " radiances at these wavelengths only\n",
+         ""},
+        {"rgb",
+         "rgb for cie1931: 3 components; no spectra, and no fluorescence; for no detector but "
+         "cie1931\n",
+         "green"},
+        {"xyz",
+         "xyz for cie1931: 3 components; no spectra, and no fluorescence; for no detector but "
+         "cie1931\n",
+         "Y"}};
+    struct stage stage = chart("gaussian:546,4", 380, 401);
+    for (size_t i = 0; i < sizeof all_printed / sizeof all_printed[0]; i++) {
+        char seen[24];
+        struct sampling s = made(&stage, all_printed[i].text);
+        struct printed printed = {.text = NULL};
+        sampling_print(&s, &printed);
+        char *line = printed_end(&printed);
+        CHECK_TEXT(line ? line : "", all_printed[i].expected,
+                   "%s: the description is right, and one line", all_printed[i].text);
+        free(line);
+        sampling_label(&s, 1, seen);
+        CHECK_TEXT(seen, all_printed[i].label, "%s: the second page has its label",
+                   all_printed[i].text);
+        sampling_free(&s);
+    }
+    clear(&stage);
+}
+
+int main(void)
+{
+    test_names();
+    test_adaptive();
+    test_few_pages();
+    test_peaks();
+    test_dim_light();
+    test_polynomials();
+    test_basis();
+    test_black();
+    test_line();
+    test_rank();
+    test_apart();
+    test_refusals();
+    test_unsolvable();
+    test_synthesis();
+    test_print();
+    return test_end();
+}

@@ -1,0 +1,77 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: first
+"""Links and tables of contents in README.md and in data/doc lead somewhere, and README links each page. CONTRIBUTING, the maps of
+the rooms and test/README.md name files that exist, and the maps list each room. Prints TAP."""
+import os
+import re
+
+from tap import check, done
+
+LINK = re.compile(r"\[[^]]*\]\(([^)#\s]*)(?:#([^)\s]*))?\)")
+
+
+def names_of(top):
+    """The files and folders below a folder, as paths."""
+    return {os.path.normpath(os.path.join(folder, name)) for folder, folders, names in os.walk(top) for name in folders + names}
+
+
+def lost(path, text, known):
+    """The files and folders that a text names, with their line, and that do not exist. A word in capitals stands for a name."""
+    places = "", os.path.dirname(path), "test", "test/cases", "data", "data/builtin/viewer"
+    for number, line in enumerate(text.splitlines(), 1):
+        for name in {*re.findall(r"`([\w./-]+)`", line), *re.findall(r"(?<![\w/.-])(?:data|raster|test)/[\w./-]*\w", line)}:
+            is_name = "/" in name or re.search(r"\w[.](c|h|py|sh|md|js|css|html|scene|sha256)$", name)
+            if is_name and not re.search(r"[A-Z]{4}|^build/", name) and name.strip("/") not in {os.path.basename(each) for each in known} and \
+                    not any(os.path.normpath(os.path.join(place, name)) in known for place in places):
+                yield f"{path}:{number}: {name}"
+
+
+def rooms_in(text):
+    table = re.search(r"^\| room \| what it is for \|\n(.*?)\n\n", text, re.MULTILINE | re.DOTALL)[1]
+    return set(re.findall(r"`(\w+)`", " ".join(row.split("|")[1] for row in table.splitlines())))
+
+
+def check_names():
+    known = set.union(*map(names_of, ("data", "raster", "test", ".ci"))) | set(os.listdir("."))
+    for path in "CONTRIBUTING.md", "data/README.md", "raster/README.md", "test/README.md":
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        found = list(lost(path, text, known))
+        check(not found, f"{path}: each file that it names exists", *found)
+        planted = f"See `text/planted.c`, `planted.py` or data/planted.\n`text.c`, `STACK.tif` and data/text/text.c exist.\n{text}"
+        check(len(list(lost(path, planted, known))) == len(found) + 3, f"{path}: planted names are found, and others are not")
+        top = os.path.dirname(path)
+        if top in ("data", "raster"):
+            rooms = {name for name in os.listdir(top) if os.path.exists(f"{top}/{name}/{name}.h")}
+            check(rooms_in(text) == rooms, f"{path} lists each room", sorted(rooms_in(text) ^ rooms))
+
+
+def anchors(path):
+    with open(path, encoding="utf-8") as file:
+        headings = re.findall(r"^#+ (.*)$", file.read(), re.MULTILINE)
+    return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+def check_links(path):
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    bad = []
+    for target, anchor in LINK.findall(re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)):
+        if target.startswith("http"):
+            continue
+        file = os.path.normpath(os.path.join(os.path.dirname(path), target)) if target else path
+        if not os.path.exists(file) or (anchor and anchor not in anchors(file)):
+            bad.append(f"{target}#{anchor}")
+    check(not bad, f"{path}: all links lead somewhere", *bad)
+
+
+check_names()
+pages = sorted("data/doc/" + name for name in os.listdir("data/doc"))
+for each in ["README.md", *pages]:
+    check_links(each)
+with open("README.md", encoding="utf-8") as readme:
+    linked = readme.read()
+for each in pages:
+    check(f"({each}" in linked, f"README links {each}")
+done()

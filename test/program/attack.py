@@ -1,0 +1,188 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile libosmesa6; makes: fail
+"""Lets calls fail, one a run, in each command of the program: allocations, system calls, starts of threads and processes.
+The result must be the right one, byte by byte, or exit status 3 with one line, where no output has changed and no file is
+left. Calls that a signal interrupts, and those that move only a half, must give the right result.
+
+Without FULL=1 only some calls of each kind are tried. A fault is printed with the words of FAIL that show it again.
+Words behind test/program/attack.py are the names of the commands to run. Prints TAP, and a table of all runs."""
+import collections
+import concurrent.futures
+import errno
+import os
+import queue
+import shutil
+import sys
+import time
+
+from attacked import FORMS, OLDER, TMP, Place, error_lines, faults, normal, results
+from tap import check, done
+
+FULL = "FULL" in os.environ
+AT_ONCE = 2
+Attack = collections.namedtuple("Attack", "family fail depth")
+# family: words of the truth; whether a refusal is right, too
+FAMILIES = {
+    "own": ("an allocation fails", True),
+    "own+": ("all allocations fail from one on", True),
+    "gl": ("an allocation of OpenGL's libraries fails", True),
+    "start": ("a thread or a process does not start", True),
+    "call": ("a system call fails", True),
+    "call+": ("all system calls of a kind fail from one on", True),
+    "storm": ("system calls are interrupted, or move a half", False),
+}
+# How many calls of a kind are tried: of allocations, ..., of each system call; first in a quick command.
+MOST = {"own": (10 ** 6, 60), "own+": (150, 20), "gl": (200, 12), "start": (100, 10), "call": (10 ** 6, 4),
+        "call+": (20, 1)} if FULL else \
+       {"own": (5, 2), "own+": (2, 1), "gl": (2, 1), "start": (3, 1), "call": (1, 0), "call+": (0, 0)}
+QUOTA = errno.EDQUOT
+OTHER_ERRORS = {"open": (5, 12), "write": (5, QUOTA), "pwrite": (5, QUOTA), "fsync": (28,), "ftruncate": (28,), "rename": (28,),
+                "link": (5,), "mmap": (11,), "fork": (12,)} if FULL else {}
+# Where these fail, an earlier output of the command may have got its name.
+NAMING = "rename", "link"
+ALLOWED = {"unlink": {"file left"}}  # a file that cannot be removed stays
+COLUMNS = ("tried", "right result", "exit 3", "wrong status", "crash", "wrong bytes", "output changed", "file left",
+           "not one line", "hangs", "input changed")
+
+
+def spread(count, most, phase):
+    """Numbers from 1 to count: all, or `most` of them at equal distances. The phase, from 0 to 1, moves them."""
+    if count <= most:
+        return range(1, count + 1)
+    return [1 + int((i + phase) * count / most) for i in range(most)]
+
+
+def attacks_of_kind(kind, count, depth, slow, phase):
+    def tries(family):
+        return spread(count, MOST[family][slow], phase)
+    if kind in ("own", "gl"):
+        for n in tries(kind):
+            yield Attack(kind, f"{kind}:{n}", depth)
+        for n in tries("own+") if kind == "own" else ():
+            yield Attack("own+", f"own:{n}+", depth)
+        return
+    if kind in ("thread", "fork"):
+        for n in tries("start"):
+            yield Attack("start", f"{kind}:{n}", depth)
+            yield Attack("start", f"{kind}:{n}+", depth)
+        return
+    for n in tries("call"):
+        yield Attack("call", f"{kind}:{n}", depth)
+        for error in OTHER_ERRORS.get(kind, ()):
+            yield Attack("call", f"{kind}:{n}:{error}", depth)
+    for n in tries("call+"):
+        yield Attack("call+", f"{kind}:{n}+", depth)
+
+
+def attacks(form, counts, phase):
+    first = FORMS.index(form) % 2
+    for depth, kinds in counts.items():
+        for i, (kind, count) in enumerate(sorted(kinds.items())):
+            # without FULL=1, one command tries every second kind of calls, and the next command the others
+            if count > 0 and kind and (FULL or i % 2 == first or kind in ("own", "gl", "thread", "fork")):
+                yield from attacks_of_kind(kind, count, depth, form.slow, phase)
+    storms = ("short:1", "short:2") if form.uses_egl else ("eintr:2", "eintr:3", "short:1", "short:2")
+    for fail in storms[:1 if form.slow else 4]:
+        yield Attack("storm", fail, None)
+
+
+class Tried:
+    """The runs of one attack of a form, and what was wrong in them."""
+
+    def __init__(self):
+        self.sums = collections.Counter()
+        self.wrong = []
+
+    def add(self, attack, run, found, expected):
+        self.sums["tried"] += 1
+        if found:
+            self.wrong.append((attack, run, found))
+            self.sums.update(found)
+        else:
+            self.sums["right result" if run.status == expected[0] else "exit 3"] += 1
+
+    def remarks(self):
+        return [f"{attack.fail} of generation {attack.depth}: {', '.join(sorted(found))}; status {run.status}"
+                f"{''.join(' ' + line[:160] for line in error_lines(run)[:2])} {' '.join(run.temporary)}"
+                for attack, run, found in self.wrong[:None if FULL else 20]]
+
+
+def prepare(form, places):
+    """The results of a form when nothing fails, its counts of calls, and the seconds after which another run hangs. The
+    second run is in the other folder."""
+    start = time.monotonic()
+    places[0].run(form, counted=False)  # fills the drivers' cache
+    expected = results(form, places[0].run(form, counted=False))
+    counted = places[1].run(form, older=True)
+    check(results(form, counted) == expected and not faults(form, counted, expected, True) and expected[0] in (0, 1, 2),
+          f"{form.name}: nothing fails: the same result in another folder, over older files", counted.stderr,
+          f"status {expected[0]}, then {counted.status}")
+    return (expected, {depth: counted.report.counts[depth] for depth in sorted(counted.report.counts)},
+            8 + 8 * (time.monotonic() - start))
+
+
+def is_seen(form, run):
+    """OpenGL may lack memory and report no error. --version says so, and the check finds what was drawn: then no file but the
+    map has changed."""
+    unchanged = all(data == OLDER for name, data in run.files.items() if not name.startswith("out/map."))
+    return form.name == "--version" and b"OpenGL cannot draw: " in run.stdout or \
+        run.status == 1 and "error: the pictures differ at" in run.stderr and unchanged
+
+
+def attempt(place_queue, form, attack, older, expected, longest):
+    place = place_queue.get()
+    try:
+        run = place.run(form, attack.fail, attack.depth, older, longest=longest)
+        kind = attack.fail.split(":")[0]
+        found = faults(form, run, expected, older, kind in NAMING) - ALLOWED.get(kind, set())
+        if (kind == "gl" or form.name == "--version") and is_seen(form, run):
+            found = set()
+        if not FAMILIES[attack.family][1] and run.status == 3 and expected[0] != 3:
+            found = found | {"wrong status"}
+        # pictures would fill the memory
+        return run._replace(stdout=None, files=None), found
+    finally:
+        place_queue.put(place)
+
+
+def print_table(table):
+    print("#", "attack", "command", *COLUMNS, sep=" | ")
+    totals = collections.defaultdict(collections.Counter)
+    for (family, name), tried in table.items():
+        totals[family].update(tried.sums)
+        if FULL or tried.wrong:
+            print("#", family, name, *(tried.sums[column] for column in COLUMNS), sep=" | ")
+    for family, sums in totals.items():
+        print("#", family, "all", *(sums[column] for column in COLUMNS), sep=" | ")
+
+
+def main():
+    forms = [form for form in FORMS if not sys.argv[1:] or form.name in sys.argv[1:]]
+    shutil.rmtree(TMP, ignore_errors=True)
+    places = [Place(0)]
+    places += [Place(i, places[0].path("in")) for i in range(1, AT_ONCE)]
+    place_queue = queue.Queue()
+    for place in places:
+        place_queue.put(place)
+    table = {}
+    with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
+        for i, form in enumerate(forms):
+            expected, counts, longest = prepare(form, places)
+            # older files lie there in every second run
+            jobs = [(attack, pool.submit(attempt, place_queue, form, attack, j % 2 == 1, expected, longest))
+                    for j, attack in enumerate(attacks(form, counts, (i * 0.381966 + 0.2) % 1))]
+            for attack, job in jobs:
+                tried = table.setdefault((attack.family, form.name), Tried())
+                tried.add(attack, *job.result(), expected)
+            for family, (words, may_refuse) in FAMILIES.items():
+                tried = table.get((family, form.name))
+                if tried:
+                    check(not tried.wrong, f"{form.name}: {words}: the right result{' or none' if may_refuse else ''}",
+                          f"{len(tried.wrong)} of {tried.sums['tried']}", *tried.remarks())
+    print_table(table)
+    shutil.rmtree(TMP, ignore_errors=True)
+    done()
+
+
+main()

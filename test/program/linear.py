@@ -1,0 +1,208 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: full; packages: valgrind; makes: test_linear
+"""Every reader takes a time in proportion to its input. The measure of time is the number of instructions, which
+valgrind counts: it is the same on a slow and on a busy machine. Eight times as many things must take less than 16
+times as many instructions, so that n log n passes and n^1.5 does not. Prints TAP."""
+import concurrent.futures
+import math
+import os
+import re
+import shutil
+import struct
+import subprocess
+
+from tap import bail_out, check, done, skip_all
+
+BUILD = os.environ.get("BUILD", "build")
+PROGRAM = f"{BUILD}/test/test_linear"
+FOLDER = os.path.join(os.environ.get("TEST_TMP", f"{BUILD}/tmp"), "linear")
+TIMES, MOST = 8, 16
+LIMIT_S = 300  # a reader that takes longer has failed
+HEAD = "size 8 8\nwavelengths list 500\nambient 1 1\nlight 1 1 direction 0 0 1\n"
+GREY = "material m { diffuse 0.5 }\n"
+
+
+def joined(n, line):
+    return "".join(line(i) for i in range(n))
+
+
+# ---- scenes of n things: each function returns {file: text} ----
+
+def mesh(obj, more=None, words="material m"):
+    return {"a.scene": HEAD + GREY + f"object mesh a.obj {words}\n", "a.obj": obj, **(more or {})}
+
+
+def scene(text):
+    return {"a.scene": HEAD + text}
+
+
+def parts(n):
+    return "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + joined(n, lambda i: f"usemtl u{i}\nf 1 2 3\n")
+
+
+def cone(n):
+    """Faces at a point with a crease between them; none has a normal."""
+    return mesh("v 0 0 0.2\n" + joined(n, lambda i: "v {:.9f} {:.9f} -3\n".format(
+        math.cos(2 * math.pi * i / n), math.sin(2 * math.pi * i / n))) +
+                joined(n, lambda i: f"f 1 {i + 2} {(i + 1) % n + 2}\n"))
+
+
+def apex(n):
+    """Faces at a point where each has another normal."""
+    return mesh("v 0 0 0\n" + joined(n, lambda i: f"v 1 {i / n} 0\nvn 1 {i / n} 1\n") +
+                joined(n - 1, lambda i: f"f 1//{i + 1} {i + 2}//{i + 1} {i + 3}//{i + 1}\n"))
+
+
+def grid(n):
+    side = math.isqrt(n)
+    corner = [i + j * (side + 1) + 1 for j in range(side) for i in range(side)]
+    return mesh(joined((side + 1) ** 2, lambda i: f"v {i % (side + 1)} {i // (side + 1)} {i % 3}\n") +
+                "".join(f"f {c} {c + 1} {c + side + 2} {c + side + 1}\n" for c in corner))
+
+
+# ---- pictures of n pages or lines ----
+
+def tiff(n_pages, description):
+    """A TIFF file of pages of one pixel. The first has a description."""
+    text = description.encode() + b"\0\0"
+    text = text[:len(text) // 2 * 2]
+    pixel = 8 + len(text)
+    out, link = bytearray(struct.pack("<2sHI", b"II", 42, pixel + 2) + text + b"\1\0"), 4
+    for page in range(n_pages):
+        entries = [(256, 3, 1, 1), (257, 3, 1, 1), (258, 3, 1, 8), (259, 3, 1, 1), (262, 3, 1, 1)]
+        entries += [(270, 2, len(text), 8)] if page == 0 else []
+        entries += [(273, 4, 1, pixel), (277, 3, 1, 1), (278, 3, 1, 1), (279, 4, 1, 1)]
+        struct.pack_into("<I", out, link, len(out))
+        out += struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", *entry) for entry in entries)
+        link = len(out)
+        out += bytes(4)
+    return {"a.tif": bytes(out)}
+
+
+def ome(n):
+    channels = joined(n, lambda i: f'<Channel ID="{i}" EmissionWavelength="{300 + i / 100:.2f}"/>')
+    return tiff(n, f"<OME><Image><Pixels>{channels}</Pixels></Image></OME>")
+
+
+def record(n):
+    return tiff(1, "<Description>program: x\n" + "no colon\n" * n + "</Description>")
+
+
+READERS = {
+    "materials": (500, lambda n: scene(joined(n, lambda i: f"material m{i} {{ diffuse 0.5 }}\n"
+                                                            f"object plane 1 1 material m{i}\n"))),
+    "metameric partners": (300, lambda n: scene(joined(
+        n, lambda i: f"material a{i} {{ diffuse 0.5 }}\nmaterial b{i} {{ diffuse 0.4 metamer a{i} }}\n"
+                     f"object plane 1 1 material b{i}\n"))),
+    "materials whose tables end early": (1000, lambda n: {
+        "t.csv": "499,0.5\n499.5,0.6\n",
+        **scene(joined(n, lambda i: f"material m{i} {{ diffuse t.csv }}\nobject plane 1 1 material m{i}\n"))}),
+    "shapes": (2500, lambda n: scene(GREY + joined(n, lambda i: f"object plane {1 + i} 1 material m\n"))),
+    "objects": (500, lambda n: scene(GREY + joined(n, lambda i: f"object plane 1 1 material m translate {i} 0 0\n"))),
+    "lights of one spectrum": (3000, lambda n: scene(
+        GREY + "object plane 1 1 material m\n" + joined(n, lambda i: f"light 1 1 position {i} 0 5\n"))),
+    "usemtl": (500, lambda n: mesh(parts(n), {"a.map": "* material m\n"}, "materials a.map")),
+    "lines of a material map": (300, lambda n: mesh(
+        parts(n), {"a.map": joined(n, lambda i: f"u{i} material m\n")}, "materials a.map")),
+    "entries of an MTL file": (150, lambda n: mesh(
+        parts(n), {"a.map": joined(n, lambda i: f"u{i} mtl a.mtl\n"),
+                   "a.mtl": joined(n, lambda i: f"newmtl u{i}\nKd 0.5 0.5 0.5\n")}, "materials a.map")),
+    "faces of a mesh": (800, grid),
+    "faces at the tip of a cone": (400, cone),
+    "normals at one point": (1000, apex),
+    "rows of a table": (800, lambda n: {
+        "t.csv": joined(n, lambda i: f"{300 + 400 * i / n:.6f},0.5\n"),
+        **scene("material m { diffuse t.csv }\nobject plane 1 1 material m\n")}),
+    "comments": (3000, lambda n: scene(GREY + "object plane 1 1 material m\n" + "# nothing\n" * n)),
+    "pages that OME-XML describes": (1500, ome),
+    "lines of a record": (1000, record),
+}
+
+
+def write(folder, files):
+    """Writes the files, and returns the one to read."""
+    os.makedirs(folder)
+    for name, text in files.items():
+        with open(os.path.join(folder, name), "wb") as file:
+            file.write(text if isinstance(text, bytes) else text.encode())
+    return os.path.join(folder, next(name for name in files if name in ("a.scene", "a.tif")))
+
+
+def instructions(path):
+    """Counts those of reading a file; infinite: it takes too long. An input without an object, or a TIFF file that
+    is no stack, is refused in the end, which is no matter here."""
+    command = "info" if path.endswith(".tif") else "plan"
+    try:
+        result = subprocess.run(["valgrind", "--tool=cachegrind", "--cache-sim=no",
+                                 "--cachegrind-out-file=/dev/null", PROGRAM, command, path],
+                                check=False, timeout=LIMIT_S, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                universal_newlines=True)
+    except subprocess.TimeoutExpired:
+        return math.inf, "takes more than five minutes"
+    found = re.search(r"I +refs: +([\d,]+)", result.stderr)
+    if not found:
+        bail_out("valgrind counted nothing:", result.stderr)
+    said = "\n".join(line for line in result.stderr.splitlines() if not line.startswith(("==", "--")))
+    return int(found.group(1).replace(",", "")), said
+
+
+def compare(name):
+    n, make = READERS[name]
+    folder = os.path.join(FOLDER, name.replace(" ", "-"))
+    return [instructions(write(f"{folder}/{k}", make(k))) for k in (n, TIMES * n)]
+
+
+def starts():
+    """Counts the instructions that a file of almost nothing takes, by its ending."""
+    inputs = {"scene": scene(GREY + "object plane 1 1 material m\n"), "tif": record(1)}
+    return {ending: instructions(write(f"{FOLDER}/{ending}", files))[0] for ending, files in inputs.items()}
+
+
+def check_readers():
+    start = starts()
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        for name, counts in zip(READERS, pool.map(compare, READERS)):
+            n, make = READERS[name]
+            few, many = (count - start["tif" if make in (ome, record) else "scene"] for count, _ in counts)
+            refused = [said for _, said in counts if said and "has no record" not in said]
+            check(not refused and many < MOST * few,
+                  f"{TIMES * n} {name} take less than {MOST} times the instructions of {n}",
+                  f"{few} and {many} instructions: {many / max(few, 1):.1f} times as many", *refused)
+
+
+def check_includes():
+    """Each of 25 files includes the next one twice: that would be 2^25 files."""
+    files = {f"{i}.scene": f"include {i + 1}.scene\n" * 2 for i in range(25)}
+    path = write(os.path.join(FOLDER, "includes"), {"a.scene": "include 0.scene\n", **files, "25.scene": "# end\n"})
+    try:
+        result = subprocess.run([PROGRAM, "plan", path], check=False, timeout=10, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, universal_newlines=True)
+        holds, said = result.returncode == 2 and "at most 1000 files" in result.stderr, result.stderr
+    except subprocess.TimeoutExpired:
+        holds, said = False, "takes more than 10 s"
+    check(holds, "files that include each other 2^25 times are refused", said)
+
+
+def check_lengths():
+    """A text file of more than 256 MB, and a line of more than 64 MB."""
+    for name, size, limit in ("long.scene", 300 << 20, "256 MB"), ("line.scene", 65 << 20, "64 MB"):
+        path = os.path.join(FOLDER, name)
+        with open(path, "wb") as file:
+            if name == "line.scene":
+                file.write(b"# one\n" + b"#" * size)
+            file.truncate(size)
+        result = subprocess.run([PROGRAM, "plan", path], check=False, stdout=subprocess.DEVNULL,
+                                stderr=subprocess.PIPE, universal_newlines=True)
+        check(result.returncode == 2 and f"at most {limit}" in result.stderr, f"{name} is refused", result.stderr)
+        os.remove(path)
+
+
+if not shutil.which("valgrind"):
+    skip_all("valgrind is not installed")
+shutil.rmtree(FOLDER, ignore_errors=True)
+check_readers()
+check_includes()
+check_lengths()
+shutil.rmtree(FOLDER, ignore_errors=True)
+done()

@@ -1,0 +1,226 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile
+"""Checks phenomena that need spectra, which the captions of the 1998 thesis state (its figures 22 to 41), on
+pictures that the program renders and develops; and that both renderers' developed pictures agree. Prints TAP."""
+import os
+
+import numpy as np
+import tifffile
+
+from rendered import check, developed, done, objects_of, output_of, path_of, reference, write
+
+SQUARES = """wavelengths 300 760 5
+size 300 200
+camera ortho 12
+light {light} 1 direction 0 0 1
+checker {list} plane 5 5
+"""
+
+
+def render(name, *options, scene=None):
+    return reference(name + ".tif", scene or name, "--depth", "32f", *options)
+
+
+def develop(stack, *options):
+    """Rows of pixels of three values: RGB of 8 bits, or the kind that the options select."""
+    return developed(stack, *options)[0]
+
+
+def squares(name, list_file, light):
+    """A scene of squares that face one light, with materials of a list."""
+    path = write(f"{name}.scene", SQUARES.format(light=light, list=list_file))
+    return render(f"{name}-{light}", scene=path)
+
+
+def halves(picture):
+    """The left and right halves of six squares in two rows of three: 25 pixels a unit, the grid of
+    the thesis at a scale of 0.66."""
+    places = [(0.66 * x, 0.66 * y) for y in (3, -3) for x in (-6, 0, 6)]
+    return [[picture[round(100 - 25 * y), round(150 + 25 * (x + side))] for side in (-0.8, 0.8)]
+            for x, y in places]
+
+
+def distances(picture):
+    return [np.linalg.norm(one - other) for one, other in halves(picture)]
+
+
+def chromaticities(xyz):
+    """chromaticity; 0 for black"""
+    return xyz[..., :2] / np.maximum(xyz.sum(-1, keepdims=True), 1e-9)
+
+
+# ---- metamers ----
+
+def check_illuminant_metamerism():
+    """figure 28: a match under D65, none under A or the fluorescent tube"""
+    far = {light: distances(develop(squares("illuminant", "metamers/illuminant", light), "--lab"))
+           for light in ("d65", "a", "fluorescent")}
+    check(max(far["d65"]) < 0.5, "illuminant metamers match under D65", far["d65"])
+    for light in ("a", "fluorescent"):
+        check(min(far[light]) > 4, f"illuminant metamers differ under {light}", far[light])
+
+
+def check_observer_metamerism():
+    """figure 26: a match to a person, none to the camera or the film"""
+    stack = squares("observer", "metamers/observer", "d65")
+    check(max(distances(develop(stack, "--lab"))) < 0.5, "observer metamers match to CIE 1931")
+    for detector in ("dcs200-camera", "transparency-film"):
+        far = distances(develop(stack, "--detector", detector))
+        check(min(far) > 8, f"observer metamers differ for the {detector}, in 8 bits", far)
+
+
+# ---- fluorescence ----
+
+def check_fluorescence():
+    """figure 30: a match under A, none under D65, a glow under ultraviolet, where the other half is almost black"""
+    stacks = {light: squares("fluorescence", "fluorescence", light) for light in ("a", "d65", "uv")}
+    far = {light: distances(develop(stack, "--lab")) for light, stack in stacks.items()}
+    check(max(far["a"]) < 0.5, "fluorescent and plain halves match under A", far["a"])
+    check(min(far["d65"]) > 4, "fluorescent and plain halves differ under D65", far["d65"])
+    luminances = [(plain[1], glowing[1]) for plain, glowing in halves(develop(stacks["uv"], "--xyz"))]
+    check(all(glowing > 5 * plain and glowing > 2 for plain, glowing in luminances),
+          "fluorescent halves glow under ultraviolet", luminances)
+    check(all(plain < 2 for plain, _ in luminances), "plain halves are almost black under ultraviolet", luminances)
+
+
+# ---- metals, textures, shapes ----
+
+def check_metals():
+    """figure 32: two materials with equal diffuse and different specular reflectance"""
+    scene = write("metals.scene", """wavelengths 380 730 10
+size 200 100
+camera ortho 8
+light d65 1 direction 0 0 1
+material plastic { diffuse 0.1 gloss 40 }
+material metal { diffuse 0.1 specular colorchecker/16-yellow gloss 40 }
+object sphere 1.8 90 90 material plastic translate -2 0 0
+object sphere 1.8 90 90 material metal translate 2 0 0
+""")
+    lab = develop(render("metals-pair", scene=scene), "--lab")
+    highlights, rims = (lab[50, 50], lab[50, 150]), (lab[50, 50 - 38], lab[50, 150 - 38])
+    check(np.linalg.norm(rims[0] - rims[1]) < 0.01, "away from highlights two materials look the same", rims)
+    check(np.hypot(*highlights[0][1:]) < 1 and np.hypot(*highlights[1][1:]) > 30,
+          "the plastic's highlight has the light's colour, the metal's is coloured", highlights)
+
+
+def check_textures():
+    """figure 33: a grey texture changes the luminance of a spectrum, not its chromaticity"""
+    scene = write("textured.scene", """wavelengths 380 730 10
+size 100 100
+camera ortho 4
+light d65 1 direction 0 0 1
+material bark { diffuse colorchecker/15-red texture bark }
+object plane 4 4 material bark
+""")
+    xyz = develop(render("textured", scene=scene), "--xyz")
+    spread = np.ptp(chromaticities(xyz).reshape(-1, 2), axis=0)
+    check(spread.max() < 1e-5, "a texture has one chromaticity", spread)
+    check(xyz[..., 1].max() > 1.5 * xyz[..., 1].min(), "a texture has several luminances")
+
+
+def check_shapes():
+    """figures 22, 24 and 25: the colour of a patch does not depend on its shape"""
+    options = ("--size", "300x200", "--wavelengths", "380:730:10")
+    flat = chromaticities(develop(render("patches", *options), "--xyz"))
+    round_ = chromaticities(develop(render("colorchecker", *options), "--xyz"))
+    rows, columns = (np.round(100 - 25 * np.array([3, 1, -1, -3])).astype(int),
+                     np.round(150 + 25 * np.array([-5, -3, -1, 1, 3, 5])).astype(int))
+    tube = 25 * 1.65 / 3  # half-way round the tube of a torus, which has a hole in its middle
+    worst = max(abs(flat[y, x] - round_[y, round(x + tube)]).max() for y in rows for x in columns)
+    check(worst < 2e-5, "each patch has the same chromaticity as a square and as a torus", worst)
+
+
+# ---- adaptation ----
+
+def check_adaptation():
+    """figures 34 to 36: under A everything looks yellow; von Kries removes the tint, Fairchild a part of it"""
+    stack = render("patches-a", "--light", "1=a", "--size", "300x200", scene="patches")
+    kinds = ("none", "von-kries", "fairchild", "bradford", "cat16")
+    grey = {kind: develop(stack, "--adaptation", kind)[175, 75] for kind in kinds} # patch 20
+    tint = {kind: rgb[0] - rgb[2] for kind, rgb in grey.items()}
+    check(tint["none"] > 60, "a grey patch is yellow without adaptation", grey)
+    for kind in ("von-kries", "bradford", "cat16"):
+        check(np.ptp(grey[kind]) <= 4, f"{kind}: the patch is grey", grey)
+    check(10 < tint["fairchild"] < tint["none"] - 10, "Fairchild: the patch keeps some of the tint", grey)
+    tints = [np.diff(develop(stack, "--adaptation", f"fairchild:{luminance}")[175, 75][[2, 0]])[0]
+             for luminance in (0.1, 10, 1000, 100000)]
+    check(all(np.diff(tints) < 0), "Fairchild: dimmer light leaves more of the tint", tints)
+    stack = render("patches-d65", "--size", "300x200", scene="patches")
+    near = np.abs(develop(stack, "--adaptation", "von-kries") - develop(stack)).max()
+    check(near <= 6, "under D65 von Kries changes little", near)
+
+
+# ---- a room ----
+
+def objects(stack):
+    """{name: mask} of the objects that a stack records"""
+    with tifffile.TiffFile(stack) as tiff:
+        lines = tiff.pages[0].description.split("<Description>")[1].split("<")[0].split("\n")
+    names = [line[len("object: "):] for line in lines if line.startswith("object: ")]
+    numbers = objects_of(stack)
+    return [(name, numbers == i) for i, name in enumerate(names, 1)]
+
+
+def room(light=None, *options):
+    """The room in its own light, or all of it in another."""
+    lamps = [word for i in range(1, 9) for word in ("--light", f"{i}={light}")] + ["--ambient", f"{light}*0.24"]
+    return render(f"room-{light}", "--size", "600x400", "--wavelengths", "300:760:10", *(lamps if light else ()),
+                  *options, scene="room")
+
+
+def check_room():
+    """figures 39 to 41: metameric chairs that match under D65, and do not under A adapted by Fairchild; fluorescent
+    things on the table and on the wall under ultraviolet; all of them among other objects"""
+    stacks = {light: room(light) for light in (None, "d65", "a", "uv")}
+    pictures = {light: develop(stack, "--xyz", *(("--adaptation", "fairchild") if light == "a" else ()))
+                for light, stack in stacks.items()}
+    masks = objects(stacks["d65"])
+    halves = [[mask for name, mask in masks if name == half] for half in ("halves", "illuminant-5-blue-flower")]
+    check([len(half) for half in halves] == [2, 2] and all(mask.sum() > 500 for half in halves for mask in half),
+          "the room shows both halves of two chairs", [name for name, _ in masks])
+    for light, holds, truth in ((None, lambda far: far < 1e-3, "match in the scene's own light"),
+                                ("d65", lambda far: far < 1e-3, "match under D65"),
+                                ("a", lambda far: far > 0.01, "differ under A")):
+        far = [np.ptp([np.median(chromaticities(pictures[light][mask]), 0) for mask in chair], axis=0).max()
+               for chair in zip(*halves)]
+        check(all(map(holds, far)), f"the halves of both chairs {truth}", far)
+    shares = sorted(((pictures["uv"][mask][:, 1].mean() / pictures["d65"][mask][:, 1].mean(), name)
+                     for name, mask in masks if mask.sum() > 50), reverse=True)
+    print("# the objects that keep most of their luminance under ultraviolet:", shares[:8])
+    glow = ["fluorescent-green", "fluorescent-orange", "fluorescent-green", "fluorescent-orange", "yellow"]
+    check(sorted(name for _, name in shares[:5]) == sorted(glow) and shares[4][0] > 3 * shares[5][0],
+          "the clock's rim and hands, and three things on the table, glow under ultraviolet", shares[:6])
+
+
+# ---- both renderers ----
+
+def check_renderers():
+    """The developed pictures of OpenGL and of the reference agree within 1 of 255, except on edges, where they may
+    show different objects or triangles."""
+    for scene in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")):
+        pictures = []
+        for renderer in ("gl", "raster"):
+            stack = path_of(f"{scene}-{renderer}.tif")
+            output_of("render", scene, "--size", "300x200", "--wavelengths", "380:730:10", "-o", stack,
+                "--renderer", renderer, "--quiet")
+            pictures.append(develop(stack))
+        far = np.abs(pictures[0] - pictures[1]).max(-1)
+        around = np.max([np.ptp([np.roll(pictures[1], (dy, dx), (0, 1)) for dy in (-1, 0, 1)
+                                 for dx in (-1, 0, 1)], axis=0).max(-1)], axis=0)
+        smooth = around <= 8
+        check((far[smooth] <= 1).all() and smooth.sum() > 5000 and (far > 1).mean() < 0.002,
+              f"{scene}: both renderers' developed pictures agree within 1 of 255 "
+              f"({(far > 1).sum()} pixels on edges do not)", far[smooth].max())
+
+
+check_illuminant_metamerism()
+check_observer_metamerism()
+check_fluorescence()
+check_metals()
+check_textures()
+check_shapes()
+check_adaptation()
+check_room()
+check_renderers()
+done()

@@ -1,0 +1,41 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# level: first
+# test/one.sh judges what a test prints: only a whole, good TAP passes. Each test has a head that test/run.sh understands.
+. test/shared/tap.sh
+
+# judges VERDICT WORDS SCRIPT: the runner gives the script this verdict, and its line says these words
+judges() {
+    printf '#!/bin/sh\n%s\n' "$3" >"$tmp/planted.sh"
+    chmod +x "$tmp/planted.sh"
+    : >"$tmp/results"
+    run env TEST_TMP="$tmp" RESULTS="$tmp/results" sh test/one.sh "$tmp/planted.sh"
+    [ "$(cat "$tmp/results")" = "$1 planted" ] && grep -q "$2" "$tmp/out"
+    ok $? "$1: $2"
+}
+judges passed 'passed .* s  planted$' 'echo "ok 1 - a"; echo 1..1'
+judges passed '1 parts skipped' 'echo "ok 1 - a"; echo "ok 2 # SKIP b"; echo 1..2'
+judges skipped 'skipped .* planted: no b$' 'echo "1..0 # SKIP no b"'
+judges failed '1 of 2 truths fail' 'echo "not ok 1 - a"; echo "# why"; echo "ok 2 - b"; echo 1..2; exit 1'
+grep -q '^    not ok 1 - a$' "$tmp/out" && grep -q '^    # why$' "$tmp/out" && ! grep -q 'ok 2' "$tmp/out"
+ok $? "the truth that failed is printed with its remarks, and no other"
+judges failed '1 of 1 truths' 'echo "not ok 1 - a"; echo 1..1'
+judges failed 'ended after 1 truths with status 0' 'echo "ok 1 - a"'
+judges failed 'ended after 1 truths with status 3' 'echo "ok 1 - a"; echo 1..1; exit 3'
+judges failed 'ended after 1 truths' 'echo "ok 1 - a"; echo 1..2'
+judges failed 'ended after 1 truths' 'echo "ok 1 - a"; echo broken >&2; kill -9 $$'
+grep -q '^    broken$' "$tmp/out"
+ok $? "what a test said before it ended is printed"
+judges failed 'ended after 0 truths' 'exit 0'
+
+head='# level: (first|full|release)(; packages:( [a-z0-9.+-]+)+)?(; makes:( [a-z_]+)+)?'
+find test/*/ -type f -perm -u+x >"$tmp/scripts"
+xargs -n 1 sed -n 3p <"$tmp/scripts" | grep -Evx "$head" >"$tmp/bad"
+[ -s "$tmp/scripts" ] && [ ! -s "$tmp/bad" ]
+ok $? "the third line of each script says when it runs and what it needs"
+for word in $(xargs sed -n '3s/.*makes://p' <"$tmp/scripts"); do
+    case $word in static | library | test_*) ;; *) grep -q "^make_$word()" test/run.sh || echo "$word" ;; esac
+done >"$tmp/unknown"
+[ ! -s "$tmp/unknown" ]
+ok $? "test/run.sh can make all that they need"
+done_testing

@@ -1,0 +1,97 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# level: full
+# Messages and lines that are seldom seen: `./build.sh coverage` named those that no other test runs. Each is
+# compared with its words.
+. test/shared/tap.sh
+
+small='--size 8x6 --wavelengths 400:700:50 --renderer raster --no-check -q'
+for sampling in gauss:3 rgb basis:2; do
+    # shellcheck disable=SC2086
+    "$SPECTRAL" render patches $small --sampling "$sampling" -o "$tmp/$sampling.tif"
+    run "$SPECTRAL" info "$tmp/$sampling.tif"
+    prints "^sampling +$sampling\$" "info prints the sampling $sampling"
+done
+prints '^sampled only for +cie1931$' "info prints the only detector of a basis"
+prints '^components +of 400 to 700 nm$' "info prints the range of components"
+run "$SPECTRAL" info "$tmp/gauss:3.tif"
+prints '^sampled for +cie1931$' "info prints the detector of other samplings"
+run "$SPECTRAL" plan patches --sampling basis:2
+prints '^bands +2$' "plan prints components"
+
+refuses 'envi takes a STACK' "envi without a stack" "$SPECTRAL" envi
+refuses 'exclude each other' "probe in two forms" "$SPECTRAL" probe patches 1 1 --csv --svg
+refuses '--detector needs --sampling' "a detector without sampling" "$SPECTRAL" plan patches --detector cie1964
+refuses 'is a PNG file, not a scene' "a picture as a scene" "$SPECTRAL" plan data/gallery/patches.png
+refuses 'cannot draw phong shading' "phong shading by OpenGL" "$SPECTRAL" render patches --shading phong
+refuses 'which has no phong shading' "a check of phong shading" \
+    "$SPECTRAL" render patches --shading phong --renderer raster --strict
+
+for i in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33; do
+    echo "include $((i + 1)).scene" >"$tmp/$i.scene"
+done
+echo 'light d65 1 direction 0 0 1' >"$tmp/34.scene"
+refuses 'more than 32 deep' "a chain of 34 includes" "$SPECTRAL" plan "$tmp/0.scene"
+
+run "$SPECTRAL" render patches --size 24x16 --wavelengths 400:700:150 -o /dev/null --check-map "$tmp/map.png"
+prints '^map colours ' "render says what the colours of a map mean"
+
+for count in 1 2; do
+    refuses 'three functions need at least 3 samples; [0-9]* have a solution' "too few samples of three functions" \
+        "$SPECTRAL" plan patches --sampling gauss:$count,acc
+done
+refuses 'has no solution for functions such as cie1964.s; 6 samples have one' "functions without a quadrature" \
+    "$SPECTRAL" plan colorchecker --sampling gauss:4,acc --detector cie1964
+run "$SPECTRAL" view patches --size 8x6 -o "$tmp/still.png" --json - -q
+prints '"out_of_gamut_pixels": [0-9]' "view counts the pixels of a picture that are out of gamut"
+# shellcheck disable=SC2046
+refuses 'more than 64 options of the picture' "too many options" "$SPECTRAL" plan spheres $(yes -- '--light 1=d65' | head -n 65)
+"$SPECTRAL" render patches --size 4x4 --wavelengths 400:700:150 -q -o "$tmp/checked.tif"
+for option in --no-check --strict '--unchecked 0.5'; do
+    # shellcheck disable=SC2086
+    refuses "--again takes no ${option%% *}" "another check of a checked stack" \
+        "$SPECTRAL" render --again "$tmp/checked.tif" $option -o "$tmp/again.tif"
+done
+
+# a light so close above the only pixel that the square of its distance is 0
+printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'light d65 1 position 0 0 1e-320 attenuation 0 0 1' \
+    'camera ortho 2' 'size 1 1' >"$tmp/near.scene"
+refuses 'a radiance is not finite' "view of an infinite radiance" \
+    "$SPECTRAL" view "$tmp/near.scene" --shading phong -o "$tmp/near.png"
+refuses 'a radiance in the region is not finite' "probe of an infinite radiance" \
+    "$SPECTRAL" probe "$tmp/near.scene" 0 0 --shading phong
+printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'ambient d65 0' 'camera ortho 2' >"$tmp/it's dark.scene"
+run "$SPECTRAL" cost "$tmp/it's dark.scene" --size 4x4 --runs 5 -j 1 --tolerance 1dE00
+line=$(sed -n 's/^  spectral render //p' "$tmp/out" | head -n 1)
+eval "\"\$SPECTRAL\" render $line --json - -q -o /dev/null" >"$tmp/typed.json" && grep -q "it's dark" "$tmp/typed.json" &&
+    grep -q '"width": 4,' "$tmp/typed.json"
+ok $? "a shell reads the command that cost proposes, with the scene's path and the options: $line"
+prints 'the observer sees no light: the white is a radiance of 1' "cost notes that a scene has no light"
+
+name=$(printf '%s/a\001\177.scene' "$tmp")
+"$SPECTRAL" show patches >"$name"
+"$SPECTRAL" render "$name" --size 4x4 --wavelengths 500 -q -o "$tmp/named.tif" --json "$tmp/named.json" &&
+    grep -aq 'a??[.]scene' "$tmp/named.tif" && grep -q 'a\\u0001\\u007f[.]scene' "$tmp/named.json"
+ok $? "control characters of a name are '?' in the stack, which is XML, and numbers in JSON"
+
+name=$tmp/élan.tif
+cp "$tmp/checked.tif" "$name"
+run "$SPECTRAL" develop "$name" -o "$tmp/named.tif" -q
+grep -aq '/[?][?]lan[.]tif' "$tmp/named.tif"
+ok $? "bytes beyond ASCII are '?' in the description of a picture"
+yes 'object plane 1 1 material m' | head -n 65536 | cat "$tmp/near.scene" - >"$tmp/many.scene"
+refuses 'a page shows at most 65535 objects and parts; this scene has 65537' "view of too many objects" \
+    "$SPECTRAL" view "$tmp/many.scene" -o "$tmp/many.html"
+{
+    printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'camera ortho 2' 'size 8192 1'
+    for i in $(seq 70); do echo "light blackbody:$((2000 + i)) 1 position 0 0 $i"; done
+} >"$tmp/wide.scene"
+run "$SPECTRAL" plan "$tmp/wide.scene"
+prints '^  tiles +2$' "a pixel with many terms has narrower tiles"
+refuses 'the file has 257 MB; a text file has at most 256 MB' "a pipe that gives too long a text" \
+    sh -c 'yes "# a comment" | head -c 268435457 | "$SPECTRAL" plan -'
+printf '%s\n' 'material m { diffuse 0.5 }' 'material black { diffuse 0 }' 'object plane 2 2 material m' \
+    'object plane 1 1 material black translate 0 0 0.5' 'light e 1 position 0 0 2' 'camera ortho 2' 'size 9 9' >"$tmp/black.scene"
+run "$SPECTRAL" render "$tmp/black.scene" --renderer raster --shading phong --wavelengths 500 -o "$tmp/black.tif"
+prints '^full scale +0.5 is count 65535' "an object that reflects no light does not change the full scale"
+done_testing

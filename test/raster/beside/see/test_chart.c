@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+/* Plots are well-formed XML for any values; axes have round steps; every point lies where its
+ * numbers put it. test/raster/beside/see/probe.py reads plots of spectra back. */
+#include "raster/beside/see/inside.h"
+#include "svg.h"
+
+static char *svg_of(const struct chart *chart)
+{
+    struct printed printed = {.text = NULL};
+    chart_svg(chart, &printed);
+    return svg_end(&printed);
+}
+
+/* Returns a chart of one line with n points. */
+static struct chart chart_of(struct chart_line *line, int n, const double *x, const double *y)
+{
+    *line = (struct chart_line){.name = "line", .n = n, .x = x, .y = y};
+    return (struct chart){.title = "title",
+                          .x_label = "wavelength (nm)",
+                          .y_label = "radiance",
+                          .lines = line,
+                          .n_lines = 1};
+}
+
+static void test_ticks(void)
+{
+    static const struct {
+        double y[2];
+        const char *name, *labels[4];
+    } axes[] = {
+        {{0.1, 0.71}, "round wavelengths and radiances, from 0", {"450", "700", "0.2", "0.8"}},
+        {{0.1, 1111}, "no decimals where steps are whole", {"400", "0", "200", "1200"}},
+        {{1e307, 2.1e307},
+         "large numbers are multiples of a power of ten",
+         {"0.0", "0.5", "2.0", "×10³⁰⁷"}},
+        {{0, 7e-308},
+         "small numbers are multiples of a power of ten",
+         {"400", "0", "5", "×10⁻³⁰⁸"}},
+        {{-0.04, -0.001},
+         "an axis of negative numbers ends at 0",
+         {"400", "-0.04", "-0.02", "0.00"}},
+        {{0, 1.6}, "steps of 1, 2 or 5", {"400", "0.0", "0.5", "1.5"}},
+        {{0, 94000}, "labels have up to five digits", {"400", "0", "20000", "80000"}},
+        {{0, 100000}, "labels never have more than five digits", {"400", "0.0", "0.2", "×10⁵"}},
+    };
+    for (size_t i = 0; i < sizeof axes / sizeof axes[0]; i++) {
+        struct chart_line line;
+        const struct chart chart = chart_of(&line, 2, (double[]){380, 730}, axes[i].y);
+        char *svg = svg_of(&chart), text[64];
+        bool all = true;
+        for (int k = 0; k < 4; k++) {
+            snprintf(text, sizeof text, ">%s</text>", axes[i].labels[k]);
+            all = all && strstr(svg, text) != NULL;
+        }
+        CHECK(all && svg_is_sound(svg), "%s", axes[i].name);
+        free(svg);
+    }
+}
+
+static void test_degenerate(void)
+{
+    const double x[] = {400, 500, 600, 700}, zero[4] = {0}, flat[] = {5, 5, 5, 5};
+    const double nan = (double)NAN;
+    const double holed[] = {1, nan, 3, HUGE_VAL}, none[] = {nan, nan, nan, nan};
+    const double extreme[] = {-1.7e308, 1.7e308, 5e-324, 0}, least[] = {5e-324, 5e-324, 0, 0};
+    const double close[] = {550, 550.0000000001, 550, 550};
+    const struct {
+        int n;
+        const double *x, *y;
+        const char *part, *name;
+    } cases[] = {
+        {1, x, flat, "<circle", "one point is a dot"},
+        {4, x, zero, "L", "zeros draw a line"},
+        {4, x, flat, "L", "a constant draws a line"},
+        {4, x, holed, "<circle", "a value that is not finite interrupts the line"},
+        {4, x, none, "</svg>", "a line without finite values is not drawn"},
+        {0, NULL, NULL, "</svg>", "a line without points is not drawn"},
+        {4, x, extreme, "L", "the largest numbers draw a line"},
+        {4, x, least, "L", "the smallest numbers draw a line"},
+        {4, close, flat, "L", "points at one place draw a line"},
+    };
+    struct chart_line line;
+    struct chart chart = {.title = "", .x_label = "", .y_label = ""};
+    char *svg = svg_of(&chart);
+    CHECK(svg_is_sound(svg), "a chart without lines is well-formed");
+    free(svg);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        chart = chart_of(&line, cases[i].n, cases[i].x, cases[i].y);
+        line.spread = cases[i].y;
+        chart.wavelengths = true;
+        svg = svg_of(&chart);
+        CHECK(svg_is_sound(svg) && strstr(svg, cases[i].part) != NULL, "%s", cases[i].name);
+        free(svg);
+    }
+}
+
+static void test_places(void)
+{
+    const double x[] = {400, 500, 600}, y[] = {0, 2, 1}, spread[] = {0, 0.5, 0};
+    struct chart_line line;
+    struct chart chart = chart_of(&line, 3, x, y);
+    char *svg = svg_of(&chart);
+    const char *path = strstr(svg, "stroke-linejoin"), *d = path ? strstr(path, " d=\"") : NULL;
+    double at[6] = {0};
+    int n = d == NULL ? 0
+                      : sscanf(d, " d=\"M%lf,%lfL%lf,%lfL%lf,%lf\"", &at[0], &at[1], &at[2], &at[3],
+                               &at[4], &at[5]);
+    CHECK(n == 6, "three points draw a path of three points");
+    CHECK_NEAR(at[2] - at[0], at[4] - at[2], 0.011, "equal steps of x have equal widths");
+    CHECK_NEAR(at[1] - at[3], 2 * (at[1] - at[5]), 0.021, "twice the value is twice as high");
+    CHECK(strstr(svg, "fill-opacity") == NULL && strstr(svg, "visible") == NULL,
+          "a chart without spread has no grey band, and without wavelengths no spectrum");
+    free(svg);
+    line.spread = spread;
+    chart.wavelengths = true;
+    svg = svg_of(&chart);
+    const char *band = strstr(svg, "fill-opacity"), *spectrum = strstr(svg, "url(#visible)");
+    CHECK(band != NULL && strstr(band + 1, "fill-opacity") == NULL && spectrum != NULL &&
+              strstr(spectrum + 1, "url(#visible)") == NULL,
+          "a chart with both has a grey band and a spectrum");
+    CHECK(strstr(svg, "<stop offset=\"0.0000\"") != NULL &&
+              strstr(svg, "<stop offset=\"1.0000\"") != NULL,
+          "the coloured spectrum begins and ends with the axis");
+    free(svg);
+    line.spread = (double[]){3, 3, 3};
+    svg = svg_of(&chart);
+    CHECK(strstr(svg, ">-") == NULL, "the grey band around values that are not negative ends at 0");
+    free(svg);
+}
+
+static void test_text(void)
+{
+    const double x[] = {400, 500}, y[] = {0, 1};
+    struct chart_line line;
+    struct chart chart = chart_of(&line, 2, x, y);
+    char *svg, *again, longest[4001];
+    line.name = "<b> & \"quotes\" \x01 \xff \xef\xbf\xbf \xc3\xa4";
+    svg = svg_of(&chart);
+    again = svg_of(&chart);
+    CHECK(svg_is_sound(svg), "names are escaped");
+    CHECK(strstr(svg, "&lt;b&gt; &amp; &quot;quotes&quot; \xef\xbf\xbd \xef\xbf\xbd \xef\xbf\xbd "
+                      "\xc3\xa4</text>") != NULL,
+          "bytes that XML cannot hold are replaced");
+    CHECK_TEXT(svg, again, "the same chart has the same bytes each time");
+    free(svg);
+    free(again);
+    memset(longest, 'w', sizeof longest - 1);
+    longest[sizeof longest - 1] = '\0';
+    line.name = chart.title = chart.x_label = chart.y_label = longest;
+    svg = svg_of(&chart);
+    CHECK(svg_is_sound(svg) && strlen(svg) < 20000 && strstr(svg, "w…</text>") != NULL,
+          "long texts are cut to the room");
+    free(svg);
+}
+
+static void test_strokes(void)
+{
+    enum { LINES = 35 };
+    const double x[] = {400, 500}, y[] = {0, 1};
+    struct chart_line lines[LINES];
+    struct chart chart = chart_of(lines, 2, x, y);
+    char strokes[LINES][200];
+    bool alike = false;
+    for (int i = 1; i < LINES; i++)
+        lines[i] = lines[0];
+    chart.n_lines = LINES;
+    char *svg = svg_of(&chart), *legend = strstr(svg, "<path fill=\"none\"");
+    for (int i = 0; i < LINES; i++) {
+        const char *from = strstr(legend, "stroke=\""), *to = strstr(from, " d=\"");
+        snprintf(strokes[i], sizeof strokes[i], "%.*s", (int)(to - from), from);
+        legend = strstr(to, "<path");
+        for (int j = 0; j < i; j++)
+            alike = alike || strcmp(strokes[i], strokes[j]) == 0;
+    }
+    CHECK(!alike, "no two of 35 lines look alike");
+    free(svg);
+}
+
+int main(void)
+{
+    test_ticks();
+    test_degenerate();
+    test_places();
+    test_text();
+    test_strokes();
+    return test_end();
+}

@@ -1,0 +1,116 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile; makes: spoil
+"""Checks --renderer gl-shader and es-shader: pictures agree with the reference on both of Mesa's drivers, OpenGL 3.3 core
+and OpenGL ES 3 draw the same bits, four passes are drawn at once, a planted fault is found, and an OpenGL ES
+that cannot read depths is not said to be checked there. FULL: all scenes at 300x200, and 200 random ones. Prints TAP."""
+import json
+import os
+import re
+import sys
+
+import numpy as np
+
+sys.path.append("test/raster/check")
+import random_scenes
+from rendered import SCENES, TMP, check, done, pages_of, refuses, run, write
+from tap import bail_out
+
+SPOIL = os.path.abspath(os.environ.get("SPOIL_LIBRARY", "build/test/spoil.so"))
+FULL = "FULL" in os.environ
+SMALL = () if FULL else ("--wavelengths", "400:700:20")
+# Two groups of lights; a mirrored, a two-sided and a textured object; a spot; an attenuation.
+OWN = """wavelengths 400 700 10
+size 90 60
+camera perspective 40 eye 0 0 6
+light d65 0.5 position 2 2 5 spot 0 0 -1 60 2
+light a 0.2 position -1 2 3 attenuation 1 0.1 0.05
+""" + "".join(f"light gaussian:{440 + 20 * i},40 0.1 direction {i - 4} 1 2\n" for i in range(9)) + """
+ambient gaussian:550,80 0.1
+material m { diffuse 0.6 specular 0.3 gloss 20 texture checks }
+material n { diffuse 0.3 specular 0.5 gloss 0 }
+object sphere 0.8 12 8 material m two-sided rotate 30 0 1 0 scale 1 -1.2 1 translate -1 0 0
+object torus 0.3 0.6 8 12 material n translate 1 0 0
+"""
+
+
+def drawn(scene, renderer, *options):
+    """The report of a render, and all samples."""
+    stack = os.path.join(TMP, "stack.tif")
+    result = run("render", scene, "-o", stack, "--keep", "--json", "-", "--depth", "32f", "--renderer", renderer, *options)
+    if result.returncode > 1:
+        bail_out(scene, renderer, options, result.stderr)
+    return json.loads(result.stdout), pages_of(stack), result
+
+
+def agree(name, scene, *options, drivers=("llvmpipe", "softpipe")):
+    for driver in drivers:
+        core, pixels, result = drawn(scene, f"gl-shader:{driver}", *options)
+        check(result.returncode == 0 and core["gl_renderer"].startswith(driver) and "Core Profile" in core["gl_version"] and
+              core["driver_profile"] == driver, f"{name}: OpenGL 3.3 core agrees with {driver}", result.stderr)
+        check(0 < (core["check"]["worst_error_over_bound"] or 0) < 1 or "random" in name,
+              f"{name}: its errors are within bounds", core["check"])
+        es, others, result = drawn(scene, f"es-shader:{driver}", *options)
+        check(result.returncode == 0 and es["gl_version"].startswith("OpenGL ES 3") and np.array_equal(pixels, others) and
+              core["check"] == es["check"], f"{name}: OpenGL ES 3 draws the same with {driver}", result.stderr)
+
+
+def scenes():
+    size = "300x200" if FULL else "120x80"
+    for scene in SCENES:
+        agree(scene, scene, *SMALL, "--size", size, drivers=("llvmpipe", "softpipe") if FULL else ("llvmpipe",))
+    agree("two groups of lights", write("own.scene", OWN))
+    for scene, *options in (("room", "--shading", "flat"), ("colorchecker", "--size", "8300x20"), ("room", "--size", "70x50", "--samples", "2"),
+                            ("room", "--accuracy", "0.5"), ("metals", "--sampling", "xyz"), ("patches", "--strict")):
+        size = () if "--size" in options else ("--size", "60x40")
+        agree(f"{scene} {' '.join(options)}", scene, *size, *options, drivers=("llvmpipe",))
+    random_scenes.write_textures(TMP)
+    for seed in range(1, 201 if FULL else 6):
+        agree(f"random scene {seed}", random_scenes.put(random_scenes.scene(seed, (64, 64)), TMP, str(seed)), drivers=("llvmpipe",))
+
+
+def work():
+    """31 wavelengths are 11 passes: three batches of at most four; and a pass for each with lighting of OpenGL's own."""
+    words = ("--size", "60x40", "--wavelengths", "400:700:10", "--no-check")
+    fixed, _, _ = drawn("colorchecker", "gl", "--gl", "egl", *words)
+    shader, _, _ = drawn("colorchecker", "gl-shader", *words)
+    check(fixed["work"]["gl_passes"] == 11 and shader["work"]["gl_passes"] == 3, "four passes are drawn at once", fixed["work"], shader["work"])
+    check(fixed["work"]["draw_calls"] * 3 == shader["work"]["draw_calls"] * 11, "with so many fewer draw calls", fixed["work"], shader["work"])
+    for name in ("gl-shader", "es-shader"):
+        again = run("verify", "patches", "--renderer", name)
+        check(again.returncode == 0 and f"--gl auto --renderer {name}: " in again.stdout, f"verify takes {name}", again.stdout, again.stderr)
+
+
+def faults():
+    fault = {"SPOIL": "diffuse", "LD_PRELOAD": SPOIL}
+    for name in ("gl-shader", "es-shader") if FULL else ("es-shader",):
+        result = run("verify", "room", "--gl", "egl", "--renderer", name, **fault)
+        check(result.returncode == 1 and "differs" in result.stdout, f"{name}: weak light is found", result.stdout, result.stderr)
+
+
+def limits():
+    words = ("render", "patches", "--size", "60x40", "-o", "/dev/null")
+    result = run(*words, "--renderer", "es-shader", SPOIL="depths", LD_PRELOAD=SPOIL)
+    check(result.returncode == 0 and "\nnot checked       depths and fragments: there are none\n" in result.stdout and
+          "every colour is explained" in result.stdout, "OpenGL ES without depths is not checked there, and the report says so", result.stdout)
+    for name in ("gl-shader", "es-shader"):
+        result = run("render", "room", "--size", "90x60", "-o", "/dev/null", "--renderer", name, SPOIL="unknown", LD_PRELOAD=SPOIL)
+        check(result.returncode == 0 and re.search("^bounds +measured: edges to 0.00195 pixel", result.stdout, re.MULTILINE) and
+              "OpenGL            Foo 9000, " in result.stdout, f"{name}: an unknown driver is measured by shaders", result.stdout, result.stderr)
+    refuses("an unknown OpenGL ES without depths", "this OpenGL ES cannot read depths, which measurements need", *words, "--renderer",
+            "es-shader", status=3, SPOIL="unknown depths", LD_PRELOAD=SPOIL)
+    result = run(*words, "--renderer", "gl-shader", "--no-check", SPOIL="unknown", LD_PRELOAD=SPOIL)
+    check(result.returncode == 0 and "OpenGL            Foo 9000, " in result.stdout, "without a check it draws", result.stderr)
+    for options, status, pattern in ((("--renderer", "gl-shader", "--gl", "osmesa"), 3, "OSMesa draws without shaders here; add --gl egl"),
+                                     (("--renderer", "gl-shader", "--buffer", "8"), 2, "shaders draw into floats"),
+                                     (("--renderer", "gl-shader", "--shading", "phong"), 2, "cannot draw phong shading"),
+                                     (("--renderer", "gl-shader:raster"), 2, "unknown renderer"), (("--renderer", "gl-shaders"), 2, "unknown renderer"),
+                                     (("--renderer", "es-shader", "--gl", "egl:60"), 3, "there is no egl:60")):
+        refuses(" ".join(options), pattern, *words, *options, status=status)
+
+
+scenes()
+work()
+faults()
+limits()
+done()

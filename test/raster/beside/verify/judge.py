@@ -1,0 +1,268 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile; makes: fail
+"""Exports scenes, lets the sample program data/samples/draw.c draw them, which has no part of spectral, and judges its
+pixels: they agree, and are those of `render --gl egl` to the last bit. Each kind of change is found at its place, and the
+report says what was not given. Pixels of another scene, and broken files, are refused. With FULL, all built-in scenes.
+Prints TAP."""
+import contextlib
+import json
+import os
+import re
+import resource
+import shutil
+import subprocess
+
+import numpy as np
+import tifffile
+
+from rendered import SPECTRAL, bail_out, check, done, output_of, pages_of, path_of, refuses, run, write
+
+FAIL = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
+DRAW = path_of("draw")
+DRAWN = path_of("drawn")
+SIZE = (90, 60)
+COMMON = ("--size", f"{SIZE[0]}x{SIZE[1]}", "--full-scale", "4")  # a power of two rounds nothing
+SHORT = ("--wavelengths", "400:700:50")
+# Eleven lights take two groups; a mirrored, a two-sided and a textured object; a spot; an attenuation; seven bands.
+OWN = """wavelengths 400 700 50
+size 90 60
+shading flat
+camera perspective 40 eye 0 0 6
+light d65 0.5 position 2 2 5 spot 0 0 -1 60 2
+light a 0.2 position -1 2 3 attenuation 1 0.1 0.05
+""" + "".join(f"light gaussian:{440 + 20 * i},40 0.1 direction {i - 4} 1 2\n" for i in range(9)) + """
+ambient gaussian:550,80 0.1
+material m { diffuse 0.6 specular 0.3 gloss 20 texture checks }
+material n { diffuse 0.3 }
+object sphere 0.8 12 8 material m two-sided rotate 30 0 1 0 scale 1 -1.2 1 translate -1 0 0
+object torus 0.3 0.6 8 12 material n translate 1 0 0
+"""
+
+
+def compile_sample():
+    source = "data/samples/draw.c"
+    result = subprocess.run([os.environ.get("CC", "cc"), "-std=c99", "-D_POSIX_C_SOURCE=200809L", "-pedantic", "-Wall", "-Wextra",
+                             "-Werror", "-O2", source, "-o", DRAW, "-lEGL", "-lGL", "-lm"],
+                            check=False, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+    check(result.returncode == 0 and '#include "' not in open(source).read(), "the sample compiles, without a header of ours",
+          result.stdout)
+
+
+def draw(scene, driver, *options):
+    """Exports a scene and draws it into DRAWN."""
+    folder = path_of("exported")
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.rmtree(DRAWN, ignore_errors=True)
+    said = output_of("export", scene, *COMMON, *options, "-o", folder)
+    result = subprocess.run([DRAW, folder, DRAWN], check=False, stderr=subprocess.PIPE, text=True,
+                            env={**os.environ, "GALLIUM_DRIVER": driver})
+    if result.returncode != 0 or said:
+        bail_out("draw", scene, said, result.stderr)
+
+
+def judge(scene, *options, pixels=DRAWN):
+    return run("judge", scene, pixels, *COMMON, *options)
+
+
+def figures(scene, *options):
+    return json.loads(judge(scene, *options, "--json", "-").stdout)["check"]
+
+
+def colours(first_band):
+    return os.path.join(DRAWN, f"colours-{first_band}.bin")
+
+
+def agrees(scene, driver, *options):
+    draw(scene, driver, *options)
+    name = f"{os.path.basename(scene)} by {driver} {' '.join(options)}"
+    result = judge(scene, *options)
+    check(result.returncode == 0 and result.stderr == "" and re.search(rf"^bounds +of {driver}$", result.stdout, re.MULTILINE) and
+          re.search(rf"^OpenGL +{driver}.*, by another program$", result.stdout, re.MULTILINE) and
+          "agreed: every pixel is explained" in result.stdout and "\nnot checked " not in result.stdout, f"{name}: agreed",
+          result.stdout, result.stderr)
+    seen = figures(scene, *options)
+    check(seen["triangles_checked"] and seen["depths_checked"] and seen["worst_depth_error_over_bound"] > 0, f"{name}: all is checked")
+    stack = path_of("render.tif")
+    output_of("render", scene, *COMMON, *options, "--gl", "egl", "--renderer", driver, "--depth", "32f", "-o", stack)
+    if "--samples" in options:
+        return
+    pages = pages_of(stack)
+    drawn = [4 * np.fromfile(colours(i // 3 * 3), "<f4").reshape(SIZE[1], SIZE[0], 4)[:, :, i % 3] for i in range(len(pages))]
+    check(all(np.array_equal(a, b) for a, b in zip(pages, drawn)), f"{name}: its colours are those of render --gl egl")
+
+
+# ---- changes ----
+
+def differs(what, pattern, *options, scene):
+    result = judge(scene, *options)
+    check(result.returncode == 1 and re.search(pattern, result.stderr) and result.stderr.count("\n") == 1, what, result.stderr,
+          result.stdout)
+
+
+@contextlib.contextmanager
+def changed(name, kind, channel, new):
+    """Changes a number of the pixel 45,30 in a file of pixels, and puts the old one back at the end."""
+    pixels = np.memmap(os.path.join(DRAWN, name), kind, "r+").reshape(SIZE[1], SIZE[0], -1)[30, 45]
+    old = pixels[channel]
+    pixels[channel] = new(old)
+    yield
+    pixels[channel] = old
+
+
+def changes(scene):
+    draw(scene, "llvmpipe", *SHORT)
+    for what, name, kind, channel, new, pattern in (
+            ("one colour", "colours-3.bin", "<f4", 1, lambda old: old + 0.01, ".*nm OpenGL"),
+            ("one colour that is no number", "colours-0.bin", "<f4", 0, lambda old: np.nan, ""),
+            ("one triangle", "numbers.bin", "<f4", 0, lambda old: old + 1, ".*shows triangle"),
+            ("one instance", "numbers.bin", "<f4", 2, lambda old: 300, ".*does not exist"),
+            ("one depth", "depths.bin", "<u4", 0, lambda old: old + (1 << 14), ".*depth"),
+            ("one number of fragments", "depths.bin", "<u4", 0, lambda old: old + 1, ".*fragments")):
+        with changed(name, kind, channel, new):
+            differs(f"{what} is found where it was changed", "first at 45,30 " + pattern, *SHORT, scene=scene)
+    check(judge(scene, *SHORT).returncode == 0, "without these changes it agrees")
+    os.rename(colours(0), path_of("kept"))
+    shutil.copy(colours(3), colours(0))
+    differs("two passes exchanged are found", r"pixels differ at|at pixel|differ", *SHORT, scene=scene)
+    os.rename(path_of("kept"), colours(0))
+
+
+def only_colours(scene):
+    draw(scene, "llvmpipe", *SHORT)
+    os.remove(os.path.join(DRAWN, "numbers.bin"))
+    result = judge(scene, *SHORT)
+    check(result.returncode == 0 and "\nnot checked       triangles: there are none\n" in result.stdout and
+          "agreed: every colour is explained" in result.stdout, "without numbers triangles are not checked, and the report says so",
+          result.stdout)
+    with changed("depths.bin", "<u4", 0, lambda old: old + (1 << 14)):
+        differs("a wrong depth is found without numbers", r"first at 45,30 .*depth", *SHORT, scene=scene)
+    os.remove(os.path.join(DRAWN, "depths.bin"))
+    result, seen = judge(scene, *SHORT), figures(scene, *SHORT)
+    check(result.returncode == 0 and "\nnot checked       triangles, depths and fragments: there are none\n" in result.stdout and
+          not seen["triangles_checked"] and not seen["depths_checked"], "colours alone agree, too", result.stdout)
+    with changed("colours-3.bin", "<f4", 1, lambda old: old + 0.01):
+        differs("a wrong colour is found in colours alone", r"first at 45,30 .*nm OpenGL", *SHORT, scene=scene)
+
+
+# ---- a TIFF ----
+
+def tiff(scene):
+    stack, changed, counts = path_of("stack.tif"), path_of("changed.tif"), path_of("counts.tif")
+    run("render", scene, *COMMON, *SHORT, "--gl", "egl", "--renderer", "llvmpipe", "--depth", "32f", "-o", stack)
+    result = judge(scene, *SHORT, "--driver", "llvmpipe", pixels=stack)
+    check(result.returncode == 0 and "agreed: every colour is explained" in result.stdout and "bounds            of llvmpipe" in
+          result.stdout and "OpenGL            an unnamed renderer, unknown version, by another program" in result.stdout,
+          "float pages agree", result.stdout, result.stderr)
+    result = judge(scene, *SHORT, pixels=stack)
+    check(result.returncode == 0 and "bounds            of unknown" in result.stdout, "without --driver bounds are those of any driver")
+    pages = tifffile.imread(stack)
+    pages[4, 30, 45] += np.float32(0.04)
+    tifffile.imwrite(changed, pages, photometric="minisblack")
+    result = judge(scene, *SHORT, "--driver", "llvmpipe", pixels=changed)
+    check(result.returncode == 1 and re.search(r"first at 45,30 .*nm OpenGL", result.stderr), "a changed page is found", result.stderr)
+    run("render", scene, *COMMON, *SHORT, "--gl", "egl", "-o", counts)
+    for what, words, pixels, pattern in (
+            ("a stack of counts", (), counts, "expected pages of 32-bit floats, found counts"),
+            ("too many pages", ("--wavelengths", "400:700:100"), stack, "expected 4 pages, found 7"),
+            ("radiances without a full scale of a power of two", ("--full-scale", "3"), stack, "add --full-scale 4"),
+            ("another size", ("--size", "60x60"), stack, "expected 60 x 60 pixels, found 90 x 60"),
+            ("too few pages", ("--wavelengths", "400:700:20"), stack, "expected 16 pages, found 7"),
+            ("other wavelengths", ("--wavelengths", "410:710:50"), stack, "page 1: expected 410 nm, found 400 nm"),
+            ("positions within pixels", ("--samples", "2"), stack, "judge --samples from a folder")):
+        refuses(what, pattern, "judge", scene, pixels, *COMMON, *SHORT, *words)
+
+
+# ---- refusals ----
+
+def refusals(scene):
+    draw(scene, "llvmpipe", *SHORT)
+    words, drawn = ("judge", scene, DRAWN, *COMMON, *SHORT), os.path.join(DRAWN, "drawn.txt")
+    text = open(drawn).read()
+    refuses("another light", r"drawn.txt:1:4: error: .*another scene", *words, "--light", "1=a")
+    refuses("another scene", "another scene", "judge", "spheres", DRAWN, *COMMON, *SHORT)
+    write("drawn/drawn.txt", "id 12\n")
+    refuses("another id", "another scene: expected id [0-9a-f]{64}, found 12", *words)
+    write("drawn/drawn.txt", "renderer llvmpipe\n")
+    refuses("no id", 'expected a line "id"', *words)
+    write("drawn/drawn.txt", text + "colour 3\n")
+    refuses("an unknown line", r"drawn.txt:4:1: error: .*colour", *words)
+    write("drawn/drawn.txt", re.sub("renderer .*", "renderer Foo 9000", text))
+    result = run(*words)
+    check(result.returncode == 0 and "bounds            of unknown" in result.stdout and "OpenGL            Foo 9000, " in result.stdout,
+          "an unknown renderer gets the bounds of any", result.stdout)
+    check("bounds            of softpipe" in run(*words, "--driver", "softpipe").stdout, "--driver chooses the bounds")
+    write("drawn/drawn.txt", text)
+    for name in ("colours-3.bin", "numbers.bin", "depths.bin"):
+        os.truncate(os.path.join(DRAWN, name), 100)
+        refuses(f"{name} is too short", rf"{name}: error: expected a file of \d+ bytes, found 100", *words)
+        os.remove(os.path.join(DRAWN, name))
+        if name[0] == "c":
+            refuses(f"{name} is missing", rf"{name}: error: cannot read .*{name}: No such file", *words)
+            os.mkfifo(os.path.join(DRAWN, name))
+            refuses(f"{name} is a pipe", rf"{name}: error: cannot read .*{name}: it is no regular file", *words)
+            os.remove(os.path.join(DRAWN, name))
+            shutil.copy(colours(0), colours(3))
+    for file in (os.path.join(DRAWN, "numbers.bin"), drawn):
+        if os.path.exists(file):
+            os.remove(file)
+        os.mkfifo(file)
+        refuses(f"{file} is a pipe", f"{file}: it is no regular file", *words)
+        os.remove(file)
+    write("drawn/drawn.txt", text)
+    os.symlink("/dev/zero", os.path.join(DRAWN, "depths.bin"))
+    refuses("depths.bin is a device", "depths.bin: it is no regular file", *words)
+    os.remove(os.path.join(DRAWN, "depths.bin"))
+    refuses("no pixels", "needs SCENE and PIXELS", "judge", scene)
+    refuses("a missing folder", "nosuch", "judge", scene, path_of("nosuch"), *COMMON)
+    refuses("no folder to write", "needs -o FOLDER", "export", scene)
+    refuses("a folder that exists", "exists already", "export", scene, "-o", DRAWN)
+    refuses("a folder below none", "cannot make the folder: No such file", "export", scene, "-o", path_of("nosuch/folder"))
+    refuses("phong shading", "add --shading smooth", "export", scene, "--shading", "phong", "-o", path_of("nosuch"))
+    refuses("a picture that is too large", "in one piece, of at most 8192 x", "judge", scene, DRAWN, "--size", "9000x10")
+
+
+def whole_or_not():
+    folder = path_of("parent")
+    shutil.rmtree(folder, ignore_errors=True)
+    os.mkdir(folder)
+    own = sorted(("spectral.notes", "spectral.a1b2c3", ".spectral-unfinished.old"))
+    for name in own:
+        os.mkdir(os.path.join(folder, name))
+        open(os.path.join(folder, name, "file"), "w").close()
+    result = subprocess.run([SPECTRAL, "export", "room", "-o", os.path.join(folder, "new")], check=False, stderr=subprocess.PIPE,
+                            universal_newlines=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000)))
+    check(result.returncode == 3 and result.stderr.count("\n") == 1 and sorted(os.listdir(folder)) == own,
+          "a disk that is full leaves nothing", result.returncode, result.stderr, os.listdir(folder))
+    statuses, left = set(), set()
+    for allocation in (*range(500, 1000, 20), 9000):
+        result = subprocess.run([SPECTRAL, "export", "patches", "-o", os.path.join(folder, "new")], check=False, stderr=subprocess.PIPE,
+                                env={**os.environ, "FAIL": f"own:{allocation}+", "LD_PRELOAD": FAIL})
+        statuses.add(result.returncode)
+        left |= set(os.listdir(folder)) - {*own, "new"}
+        shutil.rmtree(os.path.join(folder, "new"), ignore_errors=True)
+    check(statuses == {0, 3} and not left, "without memory, it leaves no folder", statuses, left)
+    run("export", "patches", "-o", os.path.join(folder, "new"))
+    check(sorted(os.listdir(folder)) == sorted((*own, "new")),
+          "a whole export leaves its folder alone",
+          os.listdir(folder))
+
+
+compile_sample()
+own = write("own.scene", OWN)
+for each in ("llvmpipe", "softpipe"):
+    agrees(own, each)
+    agrees("room", each, *SHORT)
+    agrees("textures", each, *SHORT)
+    agrees("spheres", each, *SHORT, "--samples", "2")
+if os.environ.get("FULL"):
+    for each in ("llvmpipe", "softpipe"):
+        for built_in in re.findall("^  (.*)$", run("list", "scenes").stdout, re.MULTILINE):
+            agrees(built_in, each)
+agrees("fluorescence", "llvmpipe", "--sampling", "xyz")
+changes("colorchecker")
+only_colours("colorchecker")
+tiff("colorchecker")
+refusals("colorchecker")
+whole_or_not()
+done()

@@ -1,0 +1,253 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: release; packages: python3-numpy python3-tifffile python3-gdal chromium; makes: live
+"""Tests pages of stacks in headless Chromium and Firefox: pictures equal those of develop, bands, regions and maps those
+that numpy computes from the file, for stacks of this program and for a cube that GDAL wrote. Prints TAP."""
+import json
+import os
+
+import numpy as np
+from osgeo import gdal
+
+from browser import Browser, Firefox
+from colours import srgb
+from rendered import SPECTRAL, check, developed, done, output_of, path_of, reference, refuses, run, values_of
+
+gdal.UseExceptions()
+PROGRAM = os.path.abspath(SPECTRAL)
+LIVE = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
+
+
+def foreign(name="cube", first=400, last=1000, n=200):
+    """A cube, written by GDAL, and its values as [band, y, x]."""
+    height, width = 40, 60
+    y, x = np.mgrid[0:height, 0:width]
+    values = np.stack([np.abs(0.3 + 0.2 * np.sin(x / 9 + k / 20) + 0.2 * np.cos(y / 7 - k / 30)) for k in range(n)]).round(4).astype(np.float32)
+    cube = gdal.GetDriverByName("GTiff").Create(path_of(name + ".tif"), width, height, n, gdal.GDT_Float32, ["INTERLEAVE=PIXEL"])
+    for band, nm in enumerate(np.linspace(first, last, n)):
+        cube.GetRasterBand(band + 1).WriteArray(values[band])
+        cube.GetRasterBand(band + 1).SetMetadata({"wavelength": f"{nm:.3f}", "wavelength_units": "Nanometers"})
+    del cube
+    return path_of(name + ".tif"), values
+
+
+kind = [PROGRAM]  # the program whose pages are tested: only live pages can open other stacks
+
+
+def view(stack, *options):
+    output_of("view", stack, "-o", path_of("stack.html"), "--quiet", *options, program=kind[0])
+    return path_of("stack.html")
+
+
+# ---- the page ----
+
+def near(seen, expected):
+    seen = seen[:, :, :3]
+    return seen.shape == expected.shape and np.abs(seen.astype(float) - expected).max() <= 1
+
+
+# ---- own stacks ----
+
+EYES = ((), ("--adaptation=cat16", "--detector=cie2006-2"), ("--adaptation=fairchild", "--exposure=1.5"),
+        ("--detector=dcs200-camera", "--display=monitor"), ("--exposure=auto", "--display=monitor"))
+
+
+def eyes(browser, which, name, stack):
+    browser.open(view(stack))
+    for options in EYES:
+        browser.see_by(options)
+        seen, (expected, _) = browser.pixels()[:, :, :3], developed(stack, *options)
+        check(near(seen, expected) and np.ptp(seen) > 100, f"{which}, {name}, {' '.join(options) or 'as it is'}: within 1 of develop",
+              np.abs(seen.astype(int) - expected).max())
+
+
+def spectra(browser, which, stack):
+    browser.open(view(stack))
+    values = values_of(stack)
+    browser.click(*browser.at(20.5, 10.5))
+    seen = np.array(browser.evaluate("[...stack_curves()[0].values]"))
+    check(np.allclose(seen, values[:, 10, 20], rtol=1e-12, atol=0), f"{which}: a click shows the spectrum of the file",
+          np.abs(seen - values[:, 10, 20]).max())
+    check(browser.text("picked").startswith("Pixel 20, 10: "), f"{which}: and its object")
+    browser.press("keep")
+    browser.click(*browser.at(40.5, 30.5))
+    browser.press("keep")
+    check(browser.evaluate("kept_spectra.length") == 2 and len(browser.evaluate("stack_curves().map(({name}) => name)")) >= 3,
+          f"{which}: several spectra are kept side by side")
+    browser.choose("stack-view", "angle")
+    kept = values[:, 10, 20]
+    length = np.linalg.norm(values, axis=0) * np.linalg.norm(kept)
+    angle = np.arccos(np.clip(np.tensordot(kept, values, (0, 0)) / np.where(length > 0, length, 1), -1, 1))
+    shown = np.array(browser.evaluate("[...map.values]")).reshape(angle.shape)
+    check(np.allclose(shown[length > 0], angle[length > 0], atol=2e-7), f"{which}: the map of spectral angles is numpy's",
+          np.abs(shown - angle)[length > 0].max())
+    browser.choose("stack-view", "difference")
+    difference = np.array(browser.evaluate("[...map.values]")).reshape(angle.shape)
+    check(difference[10, 20] < 1e-9 and difference.max() > 10, f"{which}: the map of CIEDE2000 is 0 where the spectrum was kept",
+          difference[10, 20])
+    browser.evaluate("document.querySelector('#kept-list button').click()")
+    check(browser.evaluate("kept_spectra.length") == 1, f"{which}: a kept spectrum is forgotten")
+
+
+# G. Sharma, W. Wu, E. N. Dalal, The CIEDE2000 color-difference formula, Color Research and Application 30 (2005), table 1.
+SHARMA = (((50, 2.6772, -79.7751), (50, 0, -82.7485), 2.0425), ((50, -1, 2), (50, 0, 0), 2.3669), ((50, 2.49, -0.001), (50, -2.49, 0.0009), 7.1792),
+          ((50, 2.49, -0.001), (50, -2.49, 0.0011), 7.2195), ((50, 2.5, 0), (73, 25, -18), 27.1492), ((50, 2.5, 0), (50, 3.1736, 0.5854), 1.0),
+          ((60.2574, -34.0099, 36.2677), (60.4626, -34.1751, 39.4387), 1.2644), ((22.7233, 20.0904, -46.694), (23.0331, 14.973, -42.5619), 2.0373),
+          ((2.0776, 0.0795, -1.135), (0.9033, -0.0636, -0.5514), 0.9082))
+
+
+def differences(browser, which):
+    seen = [browser.evaluate(f"ciede2000({list(one)}, {list(other)})") for one, other, _ in SHARMA]
+    check(np.allclose(seen, [expected for *_, expected in SHARMA], atol=5e-5), f"{which}: CIEDE2000 has the published values", seen)
+
+
+# ---- a foreign cube ----
+
+def cube(browser, which, stack, values):
+    browser.open(view(stack))
+    browser.choose("stack-view", "band")
+    for band in (0, 57, 199):
+        browser.put("band", band)
+        expected = 255 * srgb(values[band] / values.max())[:, :, None].repeat(3, 2)
+        check(near(browser.pixels(), expected), f"{which}: the slider shows band {band}, {browser.text('band-nm')}",
+              np.abs(browser.pixels()[:, :, :3] - expected).max())
+    browser.choose("stack-view", "bands")
+    for name, band in (("red", 150), ("green", 80), ("blue", 20)):
+        browser.choose("band-" + name, str(band))
+    expected = 255 * srgb(np.moveaxis(values[[150, 80, 20]], 0, 2) / values.max())
+    check(near(browser.pixels(), expected), f"{which}: three bands are shown as red, green and blue")
+    browser.tool("rectangle")
+    browser.drag([browser.at(10.5, 5.5), browser.at(20, 15), browser.at(30.5, 24.5)])
+    region = values[:, 5:25, 10:31].astype(float).reshape(len(values), -1)
+    statistics = browser.evaluate("[[...region.statistics.mean], [...region.statistics.spread], region.n]")
+    check(statistics[2] == region.shape[1] and np.allclose(statistics[0], region.mean(1), rtol=1e-9) and
+          np.allclose(statistics[1], region.std(1), rtol=1e-6, atol=1e-9), f"{which}: mean and spread of a rectangle are numpy's",
+          statistics[2], region.shape[1])
+    for field, value in zip("xywh", (3, 4, 5, 6)):
+        browser.put("region-" + field, value)
+    mean = browser.evaluate("[...region.statistics.mean]")
+    check(np.allclose(mean, values[:, 4:10, 3:8].astype(float).reshape(len(values), -1).mean(1), rtol=1e-9),
+          f"{which}: a rectangle in numbers")
+    browser.tool("polygon")
+    corners = [(5, 5), (50, 8), (40, 35), (12, 30)]
+    for corner in corners:
+        browser.click(*browser.at(*corner))
+    placed = np.array(browser.evaluate("drawn_region"))
+    browser.press("end-polygon")
+    y, x = np.mgrid[0:values.shape[1], 0:values.shape[2]] + 0.5
+    inside = np.zeros(x.shape, bool)
+    for (x1, y1), (x2, y2) in zip(placed, np.roll(placed, -1, 0)):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inside ^= ((y1 > y) != (y2 > y)) & (x < x1 + (y - y1) / (y2 - y1) * (x2 - x1))
+    mean = browser.evaluate("[...region.statistics.mean]")
+    check(len(placed) == 4 and np.abs(placed - corners).max() < 0.6 and np.allclose(mean, values[:, inside].astype(float).mean(1), rtol=1e-9),
+          f"{which}: the mean of a polygon is numpy's", placed.tolist())
+
+
+def unseen(browser, which):
+    """A cube in the infrared, which no built-in detector sees."""
+    stack, values = foreign("infrared", 1000, 2500, 20)
+    browser.open(view(stack))
+    browser.choose("stack-view", "band")
+    browser.put("band", 3)
+    expected = 255 * srgb(values[3] / values.max())[:, :, None].repeat(3, 2)
+    check(near(browser.pixels(), expected), f"{which}: bands that nobody sees are shown", browser.text("message"))
+    browser.click(*browser.at(20.5, 10.5))
+    check(np.allclose(browser.evaluate("[...stack_curves()[0].values]"), values[:, 10, 20]), f"{which}: and their spectra")
+
+
+def budgets(browser, which, stack, values):
+    page = view(stack, "--budget", "1")
+    browser.open(page)
+    factor, width = browser.evaluate("[stack.facts.factor, stack.facts.width]")
+    said = [output_of("view", stack, "-o", page, "--budget", "1", program=program) for program in (LIVE, PROGRAM)]
+    check(factor > 1 and all(f"means of {factor} x {factor} pixels" in one for one in said) and ["drop" in one for one in said] ==
+          [True, False] and "drop" in browser.text("about"),
+          f"{which}: a large stack is reduced, and lines say so", factor, said)
+    blocks = values[:, :values.shape[1] // factor * factor, :values.shape[2] // factor * factor].astype(float)
+    blocks = blocks.reshape(len(values), -1, factor, blocks.shape[2] // factor, factor).mean((2, 4))
+    seen = np.array(browser.evaluate("[...stack.pages[77]]")).reshape(-1, width)[:blocks.shape[1], :blocks.shape[2]]
+    check(np.allclose(seen, blocks[77], rtol=1e-6), f"{which}: its pixels are means")
+    browser.drop(stack)
+    browser.wait("stack.facts.factor === 1")
+    seen = np.array(browser.evaluate("[...stack.pages[77]]"), np.float32).reshape(values[77].shape)
+    check((seen == values[77]).all(), f"{which}: the whole stack is read where it is dropped onto the page")
+
+
+def two(browser, which, one, other):
+    """Two stacks side by side, with one cursor, and their difference."""
+    browser.open(view(one))
+    browser.evaluate("element('opens-beside').checked = true")
+    browser.drop(other)
+    browser.wait("beside !== null")
+    values = [values_of(stack) for stack in (one, other)]
+    browser.click(*browser.at(20.5, 10.5))
+    curves = browser.evaluate("stack_curves().map(({values}) => [...values])")
+    check(np.allclose(curves[0], values[0][:, 10, 20], rtol=1e-12) and np.allclose(curves[1], values[1][:, 10, 20], rtol=1e-12) and
+          browser.evaluate("element('cross-2').style.left === element('cross').style.left"), f"{which}: two stacks have one cursor",
+          browser.evaluate("[element('picked').textContent, stack_curves().map(({name}) => name)]"))
+    browser.choose("stack-view", "beside-radiance")
+    seen = np.array(browser.evaluate("[...map.values]")).reshape(values[0].shape[1:])
+    check(np.allclose(seen, np.abs(values[0] - values[1]).max(0), rtol=1e-9, atol=1e-12), f"{which}: their difference is numpy's")
+    browser.choose("stack-view", "beside-colour")
+    line = next(line for line in run("compare", one, other).stdout.splitlines() if line.startswith("CIEDE2000"))
+    expected = [float(line.split()[1]), float(line.split("percentile), ")[1].split()[0])]
+    seen = browser.evaluate("[map.values.reduce((sum, one) => sum + one, 0) / map.values.length, map.largest]")
+    check(np.allclose(seen, expected, rtol=1e-4), f"{which}: mean and largest CIEDE2000 are those of compare", seen, expected)
+    browser.press("close-beside")
+    check(browser.evaluate("beside === null && element('frame-2').hidden"), f"{which}: the second stack is closed")
+
+
+def alone(browser, which, header):
+    """A page of the usual program has no other program in it: it offers nothing that needs one."""
+    browser.open(view(header, "--budget", "1"))
+    hidden = browser.evaluate("[...document.querySelectorAll('#second-stack, #open, #module')].filter(one => !one.hidden).length")
+    about = browser.text("about")
+    check(hidden == 0 and "means of" in about and "drop" not in about, f"{which}: a page without the program offers no other stack", about)
+    policy = browser.evaluate("document.querySelector('meta[http-equiv]').content")
+    check("wasm" not in policy and "worker" not in policy and policy.endswith("base-uri 'none'; form-action 'none'"),
+          f"{which}: its policy allows none", policy)
+
+
+def refusals():
+    stack = path_of("own.tif")
+    for words, part in (((stack, "--size", "10x10"), "--size"), ((stack, "-o", path_of("x.png")), "develop"),
+                        ((stack, "--budget", "nothing"), "--budget"), (("spheres", "--budget", "9"), "is a scene"),
+                        ((stack, "--still"), "is a stack")):
+        refuses(f"view {' '.join(words)}", part, "view", *words)
+    facts = json.loads(output_of("view", stack, "-o", path_of("x.html"), "--quiet", "--json", "-"))
+    check(facts["width"] == 60 and facts["bands"] == 93 and facts["factor"] == 1 and
+          facts["bytes"] == os.path.getsize(path_of("x.html")), "--json has the figures of a page of a stack", facts)
+    check(not os.path.exists(path_of("x.png")), "and nothing is written")
+
+
+def main():
+    own = reference("own.tif", "fluorescence", "--size", "60x40")
+    deep = reference("deep.tif", "metamers", "--size", "60x40", "--depth", "32f")
+    gauss = reference("gauss.tif", "colorchecker", "--size", "60x40", "--sampling", "gauss:8")
+    other = reference("other.tif", "fluorescence", "--size", "60x40", "--light", "1=a*0.9")
+    stack, values = foreign()
+    for which, opened in (("Chromium", Browser), ("Firefox", Firefox)):
+        browser = opened(path_of(which))
+        browser.size(1400, 1000)
+        kind[0] = PROGRAM if which == "Chromium" else LIVE
+        for name, one in (("counts", own), ("floats", deep), ("gauss:8", gauss))[:3 if which == "Chromium" else 1]:
+            eyes(browser, which, name, one)
+        spectra(browser, which, own)
+        differences(browser, which)
+        cube(browser, which, stack, values)
+        unseen(browser, which)
+        if which == "Chromium":
+            alone(browser, which, stack)
+        kind[0] = LIVE
+        budgets(browser, which, stack, values)
+        two(browser, which, own, other)
+        if which == "Chromium":
+            check(not browser.complaints and all(one.startswith(("file:", "blob:", "data:")) for one in browser.requests),
+                  "Chromium: no page fetches or complains", *browser.complaints)
+        browser.close()
+    refusals()
+    done()
+
+
+main()

@@ -1,0 +1,133 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: full; packages: python3-numpy python3-tifffile libosmesa6
+"""Checks --gl: OSMesa, EGL without a window and EGL's device draw the same colours, depths, triangles and fragments to
+the last bit, with both of Mesa's drivers; a program without one of the libraries takes the other, and without both says
+what to install. FULL: 200 random scenes, and EGL's device with all scenes. Prints TAP."""
+import json
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+
+sys.path.append("test/raster/check")
+import random_scenes
+from rendered import SCENES, SPECTRAL, TMP, check, done, objects_of, pages_of, refuses, render, run
+
+LIBRARIES = ("osmesa", "egl", "egl:0")
+NM = ("--wavelengths", "400:700:60")
+
+
+def drawn(scene, *options):
+    """All samples of a stack, its objects, and what the check counted and measured: of triangles, depths and
+    fragments, too."""
+    report = render(scene, *options, "--keep", "--depth", "32f", worst=1)
+    stack = os.path.join(TMP, "stack.tif")
+    return pages_of(stack), objects_of(stack), report["check"], (report["gl_library"], report["gl_renderer"].split()[0])
+
+
+def are_alike(name, scene, *options, drivers=("llvmpipe", "softpipe")):
+    for driver in drivers:
+        words = (*options, "--renderer", driver)
+        one = drawn(scene, *words, "--gl", "osmesa")
+        check(one[3] == ("OSMesa", driver) and (one[0].max() > 0 or "random" in name), f"{name}: OSMesa draws with {driver}")
+        for library in LIBRARIES[1:] if "FULL" in os.environ or name == SCENES[0] else ("egl",):
+            two = drawn(scene, *words, "--gl", library)
+            check(two[3] == ("EGL", driver) and np.array_equal(one[0], two[0], equal_nan=True) and np.array_equal(one[1], two[1]),
+                  f"{name}: {library} draws the same with {driver}", two[3], np.abs(one[0] - two[0]).max())
+            check(one[2] == two[2], f"{name}: {library} has the same depths and fragments with {driver}", one[2], two[2])
+
+
+def scenes():
+    for scene in SCENES:
+        are_alike(scene, scene, *NM, "--size", "120x80")
+
+
+def forms():
+    for options in (("--buffer", "8"), ("--buffer", "16"), ("--size", "8300x20"), ("--size", "70x50", "--samples", "2"),
+                    ("--shading", "flat"), ("--size", "60x40", "--accuracy", "0.5")):
+        size = () if "--size" in options else ("--size", "60x40")
+        are_alike(f"room {' '.join(options)}", "room", *NM, *size, *options, drivers=("llvmpipe",))
+
+
+def random_ones():
+    random_scenes.write_textures(TMP)
+    for seed in range(1, 201 if "FULL" in os.environ else 11):
+        are_alike(f"random scene {seed}", random_scenes.put(random_scenes.scene(seed, (64, 64)), TMP, str(seed)))
+
+
+def without(*names):
+    """A program that cannot find these libraries."""
+    with open(SPECTRAL, "rb") as file:
+        code = file.read()
+    for name in names:
+        found = f"lib{name}.so".encode()
+        check(found in code, f"the program names {found.decode()}")
+        code = code.replace(found, b"lib" + b"X" * len(name) + b".so")
+    path = os.path.join(TMP, "without")
+    with open(path, "wb") as file:
+        file.write(code)
+    os.chmod(path, 0o755)
+    return path
+
+
+def missing():
+    drawing = ("render", "patches", "--size", "30x20", *NM, "-o", "/dev/null")
+    program = without("OSMesa")
+    result = run(*drawing, program=program)
+    check(result.returncode == 0 and re.search("^OpenGL .* by EGL$", result.stdout, re.MULTILINE),
+          "without OSMesa the program takes EGL", result.stdout, result.stderr)
+    result = run(*drawing, "--gl", "osmesa", program=program)
+    check(result.returncode == 3 and re.fullmatch(r"error: OpenGL is missing: there is no libXXXXXX[^\n]*libosmesa6[^\n]*\n", result.stderr),
+          "it says which package has OSMesa", result.stderr)
+    program = without("OSMesa", "EGL")
+    result = run(*drawing, program=program)
+    check(result.returncode == 3 and result.stderr.count("\n") == 1 and "libosmesa6" in result.stderr and "libegl1 and libgl1-mesa-dri" in
+          result.stderr and "--renderer raster needs none" in result.stderr, "without both it says which packages have them", result.stderr)
+    check(run(*drawing, "--renderer", "raster", "--no-check", program=program).returncode == 0, "the reference needs neither")
+    check(run("cost", "patches", "--size", "30x20", "--quiet", "--csv", "/dev/null", program=program).returncode == 0, "cost measures the reference")
+    check("\nOpenGL cannot draw: spectral drivers prints why\n" in run("--version", program=program).stdout, "--version says that there is no OpenGL")
+    libraries = subprocess.run(["ldd", SPECTRAL], check=True, stdout=subprocess.PIPE, universal_newlines=True).stdout
+    check(not re.search("OSMesa|EGL|libGL|LLVM", libraries), "no library of OpenGL is linked", libraries)
+
+
+def drivers():
+    """Each that is listed draws, by the options that are printed, and is what was listed."""
+    listed = json.loads(run("drivers", "--json", "-").stdout)["drivers"]
+    text = run("drivers").stdout
+    ways = {(one["gl"], one["renderer"]) for one in listed}
+    check({(library, None) for library in LIBRARIES} <= ways and {(library, "softpipe") for library in LIBRARIES} <= ways,
+          "both libraries and the device are listed, with both of Mesa's drivers", ways)
+    for one in listed:
+        words = ["--gl", one["gl"]] + (["--renderer", one["renderer"]] if one["renderer"] else [])
+        result = run("render", "patches", "--size", "30x20", *NM, "-o", "/dev/null", "--quiet", "--json", "-", *words)
+        report = json.loads(result.stdout)
+        check(one["usable"] and result.returncode == 0 and
+              all(report[key] == one[key] for key in ("gl_library", "gl_renderer", "gl_version", "driver_profile")),
+              f"{' '.join(words)} draws as it is listed", one, result.stderr)
+        check(f"{' '.join(words)}\n  renderer        {one['gl_renderer']}, by {one['gl_library']}\n" in text,
+              f"{' '.join(words)} is printed", text)
+    program = without("OSMesa")
+    result = run("drivers", program=program)
+    check(result.returncode == 0 and re.search("^--gl osmesa\n  cannot draw: OpenGL is missing: ", result.stdout, re.MULTILINE),
+          "a library that is missing is listed, with the package that has it", result.stdout)
+    result = run("drivers", program=without("OSMesa", "EGL"))
+    check(result.returncode == 3 and result.stdout.count("cannot draw") == 2 and result.stderr.count("\n") == 1,
+          "without both, exit 3", result.stdout, result.stderr)
+
+
+def refusals():
+    for words, status, pattern in ((("--gl", "glx"), 2, "--gl is osmesa, egl, egl:N"), (("--gl", "egl:"), 2, "--gl is"),
+                                   (("--gl", "egl:x"), 2, "--gl is"), (("--gl", "egl:63"), 3, "there is no egl:63")):
+        refuses(" ".join(words), pattern, "render", "patches", "-o", "/dev/null", *words, status=status)
+
+
+scenes()
+forms()
+random_ones()
+missing()
+drivers()
+refusals()
+done()

@@ -1,0 +1,486 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
+"""Renders pictures of single effects with both renderers and compares every band with radiances in closed form.
+Prints TAP."""
+
+import numpy as np
+import tifffile
+
+from rendered import D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, check, done, path_of, per_band, write
+
+SINGLE = 2.0 ** -24  # texels are kept in single precision, rounded once
+UV = np.interp(WAVELENGTHS, *built_in("uv"))
+FLAT = "size 12 8\ncamera ortho 12\n"
+FACING = "light d65 1 direction 0 0 1\n"
+
+
+def normalise(a):
+    return a / np.linalg.norm(a)
+
+
+def rotation(degrees, axis):
+    """Right-handed rotation after Rodrigues."""
+    x, y, z = normalise(np.array(axis, float))
+    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+    turn = np.radians(degrees)
+    return np.eye(3) + np.sin(turn) * cross + (1 - np.cos(turn)) * cross @ cross
+
+
+def square(words, *statements):
+    """A square of a material that fills the picture and faces it."""
+    return FLAT + "".join(statements) + f"material m {{ {words} }}\nobject plane 12 8 material m"
+
+
+def pixel_grid(width, height, extent):
+    """x and y of the pixel centres in an orthographic view of that width."""
+    step = extent / width
+    return np.meshgrid((np.arange(width) + 0.5) * step - extent / 2,
+                       extent * height / width / 2 - (np.arange(height) + 0.5) * step)
+
+
+# ---- fluorescence ----
+
+# rounded, so that the paint's file is the same on each processor
+EXCITATION = np.round(np.exp(-((WAVELENGTHS - 390) / 35) ** 2), 6)
+EMISSION = np.round(0.7 * np.exp(-((WAVELENGTHS - 530) / 30) ** 2), 6)
+
+
+def excited(light):
+    """Equations 6 to 9 of the 1998 thesis, on its 93 wavelengths, which are those of the tables."""
+    return (light * EXCITATION).sum() / EXCITATION.sum() * EMISSION
+
+
+def fluorescence(renderer):
+    lines = (f"{nm} {r!r}\nf {nm} {ex!r} {em!r}\n" for nm, r, ex, em in
+             zip(WAVELENGTHS, RED.tolist(), EXCITATION.tolist(), EMISSION.tolist()))
+    write("paint.txt", "".join(lines))
+    surface = "material paint paint.txt\nobject plane 12 8 material paint"
+
+    def holds(name, lights, expected, *options):
+        Picture("paint", renderer, FLAT + lights + surface, *options).agrees(per_band(expected),
+                                                                             f"{renderer}: {name}")
+
+    black_light = "light uv 0.8 direction 0 0 1\n"
+    holds("under a black light a surface is uv R + N Em", black_light, 0.8 * (UV * RED + excited(UV)))
+    holds("turned away by 60 degrees both terms are halved",
+          "light uv 0.8 direction 1.7320508075688772 0 1\n", 0.4 * (UV * RED + excited(UV)))
+    holds("ambient light and two lights each have their own N",
+          "ambient a 0.3\nlight d65 0.5 direction 0 0 1\n" + black_light,
+          0.3 * (LAMP_A * RED + excited(LAMP_A)) + 0.5 * (D65 * RED + excited(D65))
+          + 0.8 * (UV * RED + excited(UV)))
+    dark = UV == 0  # from 540 nm on
+    holds("N Em is also added at wavelengths where the black light is 0", black_light, 0.8 * excited(UV)[dark],
+          "--wavelengths", ",".join(map(str, WAVELENGTHS[dark])))
+    emission = 0.5 * np.exp(-4 * np.log(2) * ((WAVELENGTHS - 520) / 60) ** 2)
+    before, at, after = (UV[WAVELENGTHS == nm][0] for nm in (395, 400, 405))
+    # the mean of |nm - 400| over the line is 1/sqrt(4 pi ln 2), and the light is linear on both sides; the
+    # program's sum in steps of 1/40 of the line's width is off by less than a millionth
+    n = at + (before + after - 2 * at) / 10 / np.sqrt(4 * np.pi * np.log(2))
+    words = "diffuse RED fluorescence gaussian:400,1 gaussian:520,60*0.5"
+    Picture("line", renderer, square(words, black_light)).agrees(
+        per_band(0.8 * (UV * RED + n * emission)),
+        f"{renderer}: the emission excited at a line follows the light at that line", slack=1e-6)
+
+
+def bispectral(renderer):
+    def picture(name, excitation, emission, share, light):
+        rows = [",".join(map(repr, [nm, *row])) for nm, row in zip(emission, share.tolist())]
+        write("matrix.csv", "\n".join(["nm," + ",".join(map(repr, excitation)), *rows]) + "\n")
+        scene = square("diffuse 0.3 donaldson matrix.csv", f"light {light} 1 direction 0 0 1\n")
+        return Picture(name, renderer, scene)
+
+    emission = [500.0, 510.0, 530.0]
+    share = np.zeros((3, 3))
+    share[:, 1] = 0.1, 0.3, 0.2
+    write("line.csv", "399 0\n400 2\n401 0\n")
+    given = 2 * share[:, 1] / [10, 15, 20]  # a line of 1 nm, spread over the bands of emission
+    expected = np.interp(WAVELENGTHS, emission, given, 0, 0) + 0.3 * 2 * (WAVELENGTHS == 400)
+    picture("column", [380.0, 400.0, 420.0], emission, share, "line.csv").agrees(
+        per_band(expected), f"{renderer}: a line light excites its column of a Donaldson matrix")
+    excitation = [float(nm) for nm in WAVELENGTHS if nm <= 430]
+    emission = [float(nm) for nm in range(450, 610, 10)]
+    share = np.random.default_rng(2).uniform(0, 0.04, (len(emission), len(excitation)))
+    given = share @ UV[WAVELENGTHS <= 430] * 5 / 10
+    expected = np.interp(WAVELENGTHS, emission, given, 0, 0) + 0.3 * UV
+    picture("matrix", excitation, emission, share, "uv").agrees(
+        per_band(expected), f"{renderer}: on the light's own grid the emission is matrix x light")
+
+
+# ---- textures ----
+
+def sample(texels, u, v, linear):
+    """A repeating texture at u, v in texels from its lower left corner; texels[0] is its top row."""
+    height, width = texels.shape
+
+    def at(i, j):
+        return texels[height - 1 - j.astype(int) % height, i.astype(int) % width]
+    if not linear:
+        return at(np.floor(u), np.floor(v))
+    i, j = np.floor(u - 0.5), np.floor(v - 0.5)
+    x, y = u - 0.5 - i, v - 0.5 - j
+    return ((at(i, j) * (1 - x) + at(i + 1, j) * x) * (1 - y)
+            + (at(i, j + 1) * (1 - x) + at(i + 1, j + 1) * x) * y)
+
+
+def textured(renderer, name, texels, mode, width, height, repeat):
+    scene = (f"size {width} {height}\ncamera ortho {width}\n{FACING}"
+             f"material m {{ diffuse RED texture {name}.tif {mode} }}\n"
+             f"object plane {width} {height} material m repeat {repeat[0]} {repeat[1]}")
+    x, y = pixel_grid(width, height, width)
+    u = (x / width + 0.5) * texels.shape[1] * repeat[0]
+    v = (y / height + 0.5) * texels.shape[0] * repeat[1]
+    Picture("texture", renderer, scene).agrees(
+        per_band(D65 * RED) * sample(texels, u, v, mode == "linear"),
+        f"{renderer}: {name} texels, {mode}, repeated {repeat[0]} x {repeat[1]}, {width} x {height} pixels",
+        slack=2 * SINGLE)
+
+
+def textures(renderer):
+    random = np.random.default_rng(3)
+    grey8 = random.integers(0, 256, (2, 3)).astype(np.uint8)
+    grey16 = random.integers(0, 65536, (2, 3)).astype(np.uint16)
+    colour = random.integers(0, 256, (2, 3, 3)).astype(np.uint8)
+    luma = colour @ np.array([0.2126, 0.7152, 0.0722]) / 255
+    for name, stored, texels in (("grey8", grey8, grey8 / 255), ("grey16", grey16, grey16 / 65535),
+                                 ("colour", colour, luma)):
+        tifffile.imwrite(path_of(name + ".tif"), stored,
+                         photometric="rgb" if stored.ndim == 3 else "minisblack")
+        # 3 pixels a texel, the middle one at its centre
+        for mode in ("nearest", "linear"):
+            textured(renderer, name, texels, mode, 9, 6, (1, 1))
+            textured(renderer, name, texels, mode, 18, 18, (2, 3))
+        # 3 pixels for 2 texels: some are half-way between centres, where the nearest is either
+        textured(renderer, name, texels, "linear", 9, 9, (2, 3))
+    whole = "diffuse RED gloss 10 specular 0.4 emission 0.2 texture grey8.tif"
+    picture = Picture("whole", renderer, "size 9 6\ncamera ortho 9\nambient a 0.3\n" + FACING
+                      + f"material m {{ {whole} }}\nobject plane 9 6 material m")
+    radiance = D65 * (RED + 0.4) + 0.3 * LAMP_A * RED + 0.2
+    picture.agrees(per_band(radiance) * np.kron(grey8 / 255, np.ones((3, 3))),
+                   f"{renderer}: a texture multiplies light, highlight, ambient light and emission",
+                   slack=2 * SINGLE)
+
+
+def texel_borders(renderer):
+    """Two texels a pixel: each pixel centre lies on a corner of four texels, and the nearest one is the
+    one to its upper right, floor(u), floor(v)."""
+    texels = np.random.default_rng(4).integers(0, 256, (64, 64)).astype(np.uint8)
+    tifffile.imwrite(path_of("borders.tif"), texels)
+    textured(renderer, "borders", texels / 255, "nearest", 32, 32, (1, 1))
+
+
+def dark_texture(renderer):
+    texels = np.array([[51, 102]], np.uint8)
+    tifffile.imwrite(path_of("dark.tif"), texels)
+    picture = Picture("dark", renderer, square("diffuse RED texture dark.tif nearest", FACING))
+    expected = np.max(D65 * RED) * 102 / 255
+    check(abs(picture.report["full_scale"] / expected - 1) <= 2 * SINGLE,
+          f"{renderer}: the full scale is light x reflectance x the largest texel, which is below 1",
+          f"{picture.report['full_scale']}, not {expected}")
+
+
+def spectral_textures(renderer):
+    size = "size 24 18\ncamera ortho 24\n"
+    source = Picture("source", renderer, size + "ambient a 0.2\nlight d65 1 position 3 4 20\n"
+                     "material red { diffuse RED gloss 20 }\nobject sphere 8 20 20 material red\n",
+                     "--wavelengths", "400:700:20")
+    pages = source.radiance.astype(np.float32).astype(float)
+
+    def shown(name, mode, wavelengths, expected):
+        scene = (f"{size}ambient 1 1\nmaterial m {{ diffuse 1 spectral-texture source-{renderer}.tif "
+                 f"{mode} }}\nobject plane 24 18 material m")
+        Picture("shown", renderer, scene, "--wavelengths", wavelengths).agrees(
+            expected, f"{renderer}: {name}, {mode}", slack=2 * SINGLE)
+
+    for mode in ("nearest", "linear"):
+        shown("a stack as texture shows its own radiances", mode, "400:700:20", pages)
+        shown("between two pages a texture is interpolated linearly", mode, "405:685:20",
+              0.75 * pages[:-1] + 0.25 * pages[1:])
+        shown("beyond its pages a texture keeps the end pages", mode, "350,399,701,760", pages[[0, 0, -1, -1]])
+
+
+# ---- lights ----
+
+class Target:
+    """Squares behind one another on the z axis, below the eye at the origin, each larger than the one before it.
+    A light on the axis reaches the four corners of a square equally, so that each square is a frame of one
+    radiance. The whole scene is turned, because the picture must not depend on it, by a quarter about an axis of length
+    3: all numbers of the scene are ninths, on each processor. The largest square reaches beyond the view."""
+    RADII = np.arange(1, 8)
+    DEPTHS = -0.5 - 0.7 * RADII
+
+    def __init__(self, sense, x, y, z):
+        self.turn = f"rotate {90 * sense} {x} {y} {z}"
+        self.rows = ((x * x, x * y - 3 * sense * z, x * z + 3 * sense * y), (y * x + 3 * sense * z, y * y, y * z - 3 * sense * x),
+                     (z * x - 3 * sense * y, z * y + 3 * sense * x, z * z))
+
+    def vector(self, *along):
+        return " ".join(repr(sum(ninths * float(a) for ninths, a in zip(row, along)) / 9) for row in self.rows)
+
+    def scene(self, light, words="diffuse RED", more=""):
+        camera = f"camera ortho 13.5 eye 0 0 0 look {self.vector(0, 0, -1)} up {self.vector(0, 1, 0)}"
+        squares = "".join(f"object plane {2 * r} {2 * r} material m translate 0 0 {z!r} {self.turn}\n"
+                          for r, z in zip(self.RADII.tolist(), self.DEPTHS.tolist()))
+        return f"size 54 54\n{camera}\n{light}\n{more}material m {{ {words} }}\n{squares}"
+
+    def corners(self):
+        return np.array([self.RADII, self.RADII, self.DEPTHS], float).T
+
+    def frames(self, values):
+        """The picture in which each square has its value, or its spectrum [square, band]."""
+        x, y = pixel_grid(54, 54, 13.5)
+        return np.moveaxis(values[np.ceil(np.maximum(abs(x), abs(y))).astype(int) - 1], -1, 0)
+
+
+def spots(renderer):
+    target = Target(1, 1, 2, 2)
+    light = np.array([0, 0, 3.0])
+    path = light - target.corners()
+    distance = np.linalg.norm(path, axis=1)
+    cosine = path[:, 2] / distance
+    angles = np.round(np.degrees(np.arccos(cosine)), 6)
+
+    def holds(name, words, weights):
+        scene = target.scene(f"light d65 1 position {target.vector(*light)} {words}")
+        Picture("spot", renderer, scene).agrees(target.frames(weights[:, None] * D65 * RED),
+                                                f"{renderer}: {name}")
+
+    ahead, back = target.vector(0, 0, -1), target.vector(0, 0, 1)
+    inside = np.arange(len(angles)) <= 3
+    holds("a spot lights a corner just inside its cutoff",
+          f"spot {ahead} {angles[3] + 1e-3:.6f} 0", cosine * inside)
+    holds("a spot does not light a corner just outside its cutoff",
+          f"spot {ahead} {angles[4] - 1e-3:.6f} 0", cosine * inside)
+    holds("a spot weakens with the cosine's power", f"spot {ahead} 90 7.5", cosine * cosine ** 7.5)
+    holds("the cutoff ends this power", f"spot {ahead} {angles[2] + 1e-3:.6f} 2",
+          cosine ** 3 * (np.arange(len(angles)) <= 2))
+    holds("a light of cutoff 180 is no spot, for any exponent", f"spot {back} 180 9", cosine)
+    holds("a light weakens with distance by 1/(kc + kl d + kq d^2)", "attenuation 0.5 0.2 0.03",
+          cosine / (0.5 + 0.2 * distance + 0.03 * distance ** 2))
+    holds("attenuation may have a constant part alone", "attenuation 2 0 0", cosine / 2)
+    holds("attenuation may lack the constant part", "attenuation 0 0 0.1", cosine / (0.1 * distance ** 2))
+    holds("spot and distance multiply", f"attenuation 0.5 0 0.1 spot {ahead} 60 3",
+          cosine ** 4 * (angles < 60) / (0.5 + 0.1 * distance ** 2))
+    light[2] = target.DEPTHS[3] - 0.3  # the light is between the squares and lights those behind it
+    path = light - target.corners()
+    cosine = path[:, 2] / np.linalg.norm(path, axis=1)
+    holds("a spot of cutoff 90 lights squares in front of it", f"spot {ahead} 90 0", np.maximum(cosine, 0))
+    holds("a spot of cutoff 90 lights no square behind it", f"spot {back} 90 0\nambient d65 0.1", 0.1 + 0 * cosine)
+
+
+def highlights(renderer):
+    target = Target(-1, 2, -2, 1)
+    light = np.array([0, 0, 3.0])
+    path = light - target.corners()
+    towards = path / np.linalg.norm(path, axis=1)[:, None]
+    metal = np.array([(0.3, 0.9)[nm > 500] for nm in WAVELENGTHS.tolist()])
+    write("metal.csv", "".join(f"{nm},{r}\n" for nm, r in zip(WAVELENGTHS, metal)))
+    position = f"light d65 1 position {target.vector(*light)}\n"
+
+    def expected(viewer, gloss, specular):
+        half = towards + viewer
+        cosine = half[:, 2] / np.linalg.norm(half, axis=1)
+        return target.frames(towards[:, 2:] * D65 * RED + cosine[:, None] ** gloss * D65 * specular)
+
+    infinite = np.array([0, 0, 1.0])
+    local = -target.corners() / np.linalg.norm(target.corners(), axis=1)[:, None]
+    for name, words, more, values in (
+            ("a metal's highlight has its own spectrum", "specular metal.csv gloss 30", "",
+             expected(infinite, 30, metal)),
+            ("plastic's highlight has the light's spectrum", "gloss 12.5", "", expected(infinite, 12.5, 1)),
+            ("a local viewer sees the highlight elsewhere", "specular metal.csv gloss 128", "viewer local\n",
+             expected(local, 128, metal))):
+        Picture("highlight", renderer, target.scene(position, "diffuse RED " + words, more)).agrees(
+            values, f"{renderer}: {name}")
+
+
+def many_lights(renderer):
+    lights = [f"light {('d65', 'a', 'uv')[i % 3]} {0.1 + 0.05 * i:g} "
+              f"{('position', 'direction')[i % 2]} {i - 6} {i % 5 - 2} {4 + i % 3}\n" for i in range(12)]
+    surface = "material m { diffuse RED gloss 20 }\nobject disk 7 24 material m"
+    together = Picture("together", renderer, FLAT + "".join(lights) + surface, "--full-scale", "8")
+    alone = [Picture("alone", renderer, FLAT + light + surface, "--full-scale", "8") for light in lights]
+    error = np.abs(together.radiance - sum(p.radiance for p in alone)).max()
+    tolerance = sum(p.tolerance for p in (together, *alone))
+    check(error <= tolerance and together.radiance.max() > 1,
+          f"{renderer}: twelve lights equal the sum of each alone", f"error {error} of {tolerance}")
+
+
+# ---- surfaces ----
+
+def emission(renderer):
+    glow = 0.4 * np.exp(-4 * np.log(2) * ((WAVELENGTHS - 600) / 80) ** 2)
+    words = "emission gaussian:600,80*0.4"
+    Picture("glow", renderer, square(words)).agrees(per_band(glow), f"{renderer}: emission needs no light")
+    Picture("glow", renderer, square(words + " diffuse RED", "ambient a 0.3\n", FACING)).agrees(
+        per_band(glow + 0.3 * LAMP_A * RED + D65 * RED), f"{renderer}: emission adds to the reflected light")
+
+
+def sides(renderer):
+    light, turn = normalise(np.array([-1.0, 0.5, 1])), rotation(150, (0, 1, 0))
+    half = normalise(light + [0, 0, 1])
+    head = ("size 12 8\ncamera ortho 3\nambient a 0.3\nlight d65 1 direction -1 0.5 1\n"
+            "material m { diffuse RED gloss 3 }\nobject plane 8 8 material m ")
+
+    def holds(name, words, normal):
+        expected = 0.3 * LAMP_A * RED + 0 * D65
+        if normal is not None and normal @ light > 0:
+            expected = expected + normal @ light * D65 * RED + (normal @ half) ** 3 * D65
+        Picture("side", renderer, head + words).agrees(per_band(expected), f"{renderer}: {name}")
+
+    facing, turned = np.array([0, 0, 1.0]), turn @ [0, 0, 1]
+    holds("the back of a two-sided square is lit by its reversed normal", "rotate 150 0 1 0 two-sided",
+          -turned)
+    holds("the back of a one-sided square has ambient light only", "rotate 150 0 1 0", None)
+    holds("the front of a two-sided square is lit as usual", "rotate -30 0 1 0 two-sided",
+          rotation(-30, (0, 1, 0)) @ facing)
+    for words in ("", " two-sided"):
+        holds(f"a mirrored{words} square is seen from its front", "scale -1 1 1" + words, facing)
+        holds(f"a mirrored, turned{words} square keeps its normal",
+              "rotate 20 0 1 0 scale 1 -2 1 rotate 30 0 1 0" + words, rotation(50, (0, 1, 0)) @ facing)
+    holds("the back of a mirrored two-sided square has the reversed normal",
+          "scale -1 1 1 rotate 150 0 1 0 two-sided", -turned)
+
+
+def flat_shading(renderer):
+    normals = np.array([[1.0, 0, 1], [0, 1, 2], [-1, 1, 3], [2, -1, 5]])
+    write("flat.obj", "v -6 -6 0\nv 6 -6 0\nv 6 6 0\nv -6 6 0\n"
+          + "".join("vn %g %g %g\n" % tuple(n) for n in normals)
+          + "f 1//1 2//2 3//3\nf 1//1 3//3 4//4\n")
+    scene = ("size 12 12\ncamera ortho 12\nshading flat\n" + FACING
+             + "material m { diffuse RED gloss 5 }\nobject mesh flat.obj material m")
+    # the viewer is infinite and the light behind it: diffuse and highlight are n.z and n.z^5
+    last = np.array([normalise(n)[2] for n in normals])
+    picture = Picture("flat", renderer, scene)
+    x, y = pixel_grid(12, 12, 12)
+    for name, vertex, where in (("first", 2, y < x - 0.1), ("second", 3, y > x + 0.1)):
+        expected = last[vertex] * D65 * RED + last[vertex] ** 5 * D65
+        picture.agrees(expected[:, None], f"{renderer}: flat, the {name} triangle has its last vertex's colour",
+                       np.s_[:, where])
+
+
+# ---- metameric halves, several materials ----
+
+GREY, STEEP = 0.4, 0.8 * np.exp(-4 * np.log(2) * ((WAVELENGTHS - 560) / 120) ** 2)
+PAIR = ("ambient 1 1\nmaterial grey { diffuse 0.4 metamer steep }\n"
+        "material steep { diffuse gaussian:560,120*0.8 }\n")
+
+
+def is_steep(picture, name, inside):
+    """Mask of the pixels that show the partner, in ambient light; checks that every pixel `inside` shows one of
+    both."""
+    error = [np.abs(picture.radiance - per_band(spectrum)).max(axis=0)
+             for spectrum in (GREY + 0 * STEEP, STEEP)]
+    check(np.minimum(*error)[inside].max() <= picture.tolerance, name)
+    return error[1] <= picture.tolerance
+
+
+def halves(renderer):
+    x, y = pixel_grid(60, 40, 6)
+    head = "size 60 40\ncamera ortho 6\n" + PAIR
+    for name, shape, inside in (
+            ("sphere", "sphere 1.8 24 24", x ** 2 + y ** 2 < 1.7 ** 2),
+            ("box", "box 3 2.6 2", (abs(x) < 1.5) & (abs(y) < 1.3)),
+            ("plane", "plane 3 3", (abs(x) < 1.5) & (abs(y) < 1.5)),
+            ("disk", "disk 1.8 32", x ** 2 + y ** 2 < 1.75 ** 2),
+            ("torus", "torus 0.5 1.2 20 30", abs(np.hypot(x, y) - 1.2) < 0.45)):
+        picture = Picture("half", renderer, f"{head}object {shape} material grey")
+        steep = is_steep(picture, f"{renderer}: {name}: every pixel shows one of the two halves", inside)
+        check((steep[inside] == (x > 0)[inside]).all(), f"{renderer}: {name}: the partner is on the right")
+    turned = "object sphere 1.8 24 24 material grey rotate 40 0 0 1 rotate 50 1 2 0"
+    picture = Picture("turned", renderer, head + turned)
+    disk = x ** 2 + y ** 2 < 1.7 ** 2
+    steep = is_steep(picture, f"{renderer}: a turned sphere has no crack", disk)
+    front = np.array([x, y, np.sqrt(np.maximum(1.8 ** 2 - x ** 2 - y ** 2, 0))])
+    matrix = rotation(50, (1, 2, 0)) @ rotation(40, (0, 0, 1))
+    across = np.tensordot(matrix[:, 0], front, 1)  # x in the object's own coordinates
+    clear = disk & (abs(across) > 0.1)
+    check((steep == (across > 0))[clear].all() and 100 < (steep & clear).sum() < clear.sum() - 100,
+          f"{renderer}: the sphere is cut where its own x is 0")
+
+
+def halves_in_perspective(renderer):
+    size, tangent = 81, np.tan(np.radians(20))
+    matrix = rotation(-50, (0, 1, 0)) @ rotation(25, (0, 0, 1))
+    scene = (f"size {size} {size}\ncamera perspective 40 near 1 far 20\n{PAIR}"
+             "object plane 3 3 material grey rotate 25 0 0 1 rotate -50 0 1 0 translate 0 0 -6")
+    centre = ((np.arange(size) + 0.5) / size * 2 - 1) * tangent
+    ray = np.array([*np.meshgrid(centre, -centre), -np.ones((size, size))])
+    normal = matrix @ [0, 0, 1]
+    point = ray * (normal @ [0, 0, -6] / np.tensordot(normal, ray, 1))
+    point[2] += 6
+    across, up, _ = np.tensordot(matrix.T, point, 1)
+    inside = (abs(across) < 1.48) & (abs(up) < 1.48)
+    steep = is_steep(Picture("leaning", renderer, scene),
+                     f"{renderer}: a leaning square in perspective has no crack", inside)
+    clear = inside & (abs(across) > 1e-3)
+    check(clear.sum() > 500 and (steep == (across > 0))[clear].all(),
+          f"{renderer}: the square is cut at its own x = 0, to a pixel")
+
+
+def equal_halves(renderer):
+    head = "size 60 40\ncamera ortho 6\nambient d65 1\nmaterial same { diffuse RED }\nmaterial m { diffuse RED"
+    for shape in ("plane 7 5", "sphere 1.8 24 24", "box 3 2 2", "teapot 1.5 6"):
+        one, two = (Picture(name, renderer, f"{head} {partner} }}\nobject {shape} material m")
+                    for name, partner in (("one", ""), ("two", "metamer same")))
+        check((one.radiance == two.radiance).all(),
+              f"{renderer}: a {shape.split()[0]} of two equal halves looks as if it were not cut",
+              f"{(one.radiance != two.radiance).any(axis=0).sum()} pixels differ")
+
+
+def textured_halves(renderer):
+    """Edges cross x = 0, but never in their middle: texture and outline continue across the cut."""
+    write("askew.obj", "v -2.5 -1.5 0\nv 1.2 -1.9 0.3\nv 2.7 1.4 0\nv -0.6 1.8 -0.2\nvn 0 0 1\nvt 0.1 0.3\n"
+          "vt 0.9 0.1\nvt 0.8 0.7\nvt 0.2 0.9\nf 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n")
+    texture = "diffuse RED texture grey8.tif linear"
+    head = (f"size 60 40\ncamera ortho 6\nambient d65 1\nmaterial same {{ {texture} }}\n"
+            f"material m {{ {texture}")
+    one, two = (Picture(name, renderer, f"{head} {partner} }}\nobject mesh askew.obj material m")
+                for name, partner in (("one", ""), ("two", "metamer same")))
+    error = np.abs(one.radiance - two.radiance).max()
+    check(error <= one.tolerance + two.tolerance <= 8 * one.count and one.radiance.max() > 0.3,
+          f"{renderer}: a texture and an outline continue across the cut as without it",
+          f"error {error / one.count} counts")
+
+
+def several_materials(renderer):
+    names = ("pair", "paint", "other", "more")
+    corners = [f"v {x} {y} 0\n" for y in (-4, -2, 0, 2, 4) for x in (-6, 6)]
+    faces = [f"usemtl {name}\nf {i} {i + 1} {i + 3} {i + 2}\n" for i, name in zip((1, 3, 5, 7), names)]
+    write("strips.obj", "".join(corners + faces))
+    write("colours.mtl", "newmtl unused\nKd 2 2 2\nnewmtl paint\nKd 0.1 0.6 0.9\n")
+    write("strips.map", "pair material grey\n* material steep\npaint mtl colours.mtl\n")
+    picture = Picture("strips", renderer, FLAT + PAIR + "object mesh strips.obj materials strips.map")
+    # blue up to 480 nm, green from 500 to 570, red from 600 on
+    painted = np.interp(WAVELENGTHS, (480, 500, 570, 600), (0.9, 0.6, 0.6, 0.1))
+    expected = np.empty((len(WAVELENGTHS), 8, 12))
+    expected[:, :4] = per_band(STEEP)  # the strips named other and more
+    expected[:, 4:6] = per_band(painted)
+    expected[:, 6:, :6] = GREY
+    expected[:, 6:, 6:] = per_band(STEEP)
+    picture.agrees(expected, f"{renderer}: parts of a mesh: a pair, bands of RGB, and * for all others")
+
+
+# ---- the thesis's own formats ----
+
+def thesis_list(renderer):
+    tifffile.imwrite(path_of("ramp.tif"), np.arange(16, dtype=np.uint8).reshape(4, 4) * 15)
+    whole = ["300 0.5", "760 0.7", "g 20", "s 300 0.3", "s 760 0.9", "t ramp.tif", "f 300 1 0",
+             "f 450 0 0", "f 500 0 0.8", "f 760 0 0"]
+    partner = ["mr 300 0.2", "mr 760 0.6", "mg 5", "ms 300 0.5", "ms 760 0.1", "mf 300 0.5 0",
+               "mf 500 0 0.4", "mf 760 0 0"]
+    write("whole.txt", "\n".join(whole + partner) + "\n")
+    write("plain.txt", "300 0.5\n760 0.1\n")
+    picture = Picture("thesis", renderer, "whole.txt\nplain.txt\n", "--size", "90x60")
+    used = picture.report["effects"]
+    check(picture.report["check"]["unexplained_pixels"] == 0 and picture.radiance.max() > 0
+          and all(used[name] for name in ("diffuse", "specular", "fluorescence", "texture", "metamer")),
+          f"{renderer}: a list of files with every kind of line renders and agrees")
+
+
+for each in ("raster", "gl"):
+    for effect in (fluorescence, bispectral, textures, texel_borders, dark_texture, spectral_textures,
+                   spots, highlights, many_lights, emission, sides, flat_shading, halves,
+                   halves_in_perspective, equal_halves, textured_halves, several_materials, thesis_list):
+        effect(each)
+done()
