@@ -13,13 +13,15 @@
 #   bench effects          measures the seconds of each effect
 #   live                   makes build/spectral-live, whose pages hold the program, so that they draw a changed scene
 #   live install PREFIX    installs that one
+#   minimal                makes build/spectral-minimal, for small systems: render with its check, plan, info, list, show,
+#                          join and envi, by OSMesa, with -Os and packed built-in files
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program
 #   install PREFIX         copies program, manual, samples, ... below PREFIX (below DESTDIR, where that is set)
 #   uninstall PREFIX       removes what install wrote there, and nothing else
 #   clean                  deletes the folder build
-# From the environment: CC (gcc), CFLAGS (-O3), CPPFLAGS, LDFLAGS, GL (osmesa, or none: without OpenGL),
-# BUILD (build; the folder for all that is made). On Debian, root installs the packages that are missing.
+# From the environment: CC (gcc), CFLAGS (-O3), CPPFLAGS, LDFLAGS, GL (osmesa, or none: without OpenGL), TIER (full,
+# or minimal, also for static), BUILD (build; the folder for all that is made). On Debian, root installs the packages that are missing.
 
 # Other scripts have the libraries (data/libraries.sh), the files that are compiled in (data/builtin.sh),
 # install and uninstall (data/install.sh), the program in live pages (data/wasi/wasm.sh), the static program and
@@ -29,7 +31,10 @@ set -eu
 export LC_ALL=C
 called_from=$PWD
 cd "$(dirname "$0")"
-: "${CC:=gcc}" "${CFLAGS:=-O3}" "${CPPFLAGS=}" "${LDFLAGS=}" "${GL:=osmesa}" "${TIER:=full}" "${BUILD:=build}"
+: "${CC:=gcc}" "${CPPFLAGS=}" "${LDFLAGS=}" "${GL:=osmesa}" "${TIER:=full}" "${BUILD:=build}"
+[ "$*" != minimal ] || TIER=minimal
+[ "$TIER" = full ] || small='-Os -ffunction-sections -fdata-sections'
+: "${CFLAGS:=${small:--O3}}"
 # These come after $CFLAGS, which may ask for arithmetic that changes pictures. No floating-point traps
 # are taken and no errno is read after sqrt: both let loops be done several samples at once and change
 # no result.
@@ -44,13 +49,17 @@ hardened_link='-Wl,-z,relro,-z,now,-z,noexecstack'
 threads=-pthread
 mark=made-by-build.sh # a file in each folder that `clean` may delete
 parts=                # packages that become part of the program, with their versions
-live=                 # -live: the program with live pages
+kind=                 # -live: the program with live pages; -minimal: the minimal one
 
 usage() { sed -n '3,/^$/s/^# \{0,1\}//p' build.sh; }
 refuse() { echo "${1:-$(usage)}" >&2; exit 2; }
 . data/libraries.sh
 . data/builtin.sh
 . data/wasi/wasm.sh
+if [ "$TIER" != full ]; then
+    kind=-minimal LDFLAGS="$LDFLAGS -Wl,--gc-sections"
+    minimal_builtin
+fi
 
 # Makes and marks $BUILD. A folder that held other files before is not marked.
 make_folder() {
@@ -63,7 +72,7 @@ make_folder() {
 prepare() {
     make_folder
     need $(compiler_packages)
-    [ -z "$live" ] || add_module
+    [ "$kind" != -live ] || add_module
     make_builtin
 }
 
@@ -161,15 +170,14 @@ build() {
     find_sources
     find_libraries
     harden
-    compile obj "$CFLAGS" $sources "$BUILD/$builtin"
-    list_commands
-    link "spectral$live" $objects
+    compile "obj${small:+-minimal}" "$CFLAGS" $sources "$BUILD/$builtin"
+    [ -n "${small:-}" ] || list_commands
+    link "spectral$kind" $objects
 }
 
 # The first picture of a new user: a stack, what a person sees, and a page for the browser.
 first_minute() {
-    only=$([ "$GL" = osmesa ] || echo ' --renderer raster')
-    for command in "render colorchecker$only -o colorchecker.tif" 'develop colorchecker.tif -o colorchecker.png -q' \
+    for command in 'render colorchecker -o colorchecker.tif' 'develop colorchecker.tif -o colorchecker.png -q' \
         'view colorchecker --size 600x400 -o colorchecker.html -q'; do
         echo "\$ $BUILD/spectral $command"
         "$BUILD/spectral" $command
@@ -189,7 +197,7 @@ clean() {
     rm -rf "$BUILD"
 }
 
-case "$*" in live | 'live install '?*) live=-live && shift ;; esac
+case "$*" in live | 'live install '?*) kind=-live && shift ;; minimal) shift ;; esac
 case "${*:-build}" in
 build) build ;;
 run) build; first_minute ;;

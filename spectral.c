@@ -140,6 +140,8 @@ static bool run_command(int argc, char **argv, struct error *err)
     static const char *const version[] = {"--version", "-V", NULL};
     static const char *const help[] = {"--help", "-h", "help", NULL};
     const struct command *command;
+    if (!builtin_unpack(err))
+        return false;
     if (argc < 2)
         return greet(err);
     if (is_one_of(argv[1], version))

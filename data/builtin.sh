@@ -7,23 +7,44 @@ builtin_folders=data/builtin
 left_out='/viewer/live[^/]*$' # a pattern of files that are not compiled in
 builtin=builtin.c             # the name below $BUILD
 
+# bytes prints standard input as numbers with commas.
+bytes() { od -An -v -tu1 | sed 's/  */,/g; s/^,//; s/$/,/'; }
+
+# builtin_source LIST
 builtin_source() {
     echo '#include "data/files/files.h"'
+    [ "$TIER" = full ] && raw_files "$1" || packed_files "$1"
+    echo '};'
+    echo 'const struct builtin_file *const builtin_files = files;'
+    echo "const size_t builtin_file_count = $(grep -c '' "$1");"
+}
+
+raw_files() {
     number=0
     while read -r _ file; do
         number=$((number + 1))
         echo "static const unsigned char file_${number}[] = {"
-        od -An -v -tu1 "$file" | sed 's/  */,/g; s/^,//; s/$/,/'
+        bytes <"$file"
         echo '0};'
     done <"$1"
-    echo 'const struct builtin_file builtin_files[] = {'
+    echo 'const struct builtin_pack builtin_pack = {NULL, 0, NULL};'
+    echo 'static const struct builtin_file files[] = {'
     number=0
     while read -r name _; do
         number=$((number + 1))
         echo "{\"$name\", file_$number, sizeof file_$number - 1},"
     done <"$1"
+}
+
+# The minimal program has its files in one piece that gzip has packed (RFC 1952), each with a NUL behind it.
+packed_files() {
+    echo 'static const unsigned char packed[] = {'
+    while read -r _ file; do cat "$file" && printf '\0'; done <"$1" | gzip -9n | bytes
     echo '};'
-    echo "const size_t builtin_file_count = $number;"
+    echo "static struct builtin_file files[$(grep -c '' "$1")];"
+    echo 'const struct builtin_pack builtin_pack = {packed, sizeof packed, files};'
+    echo "static struct builtin_file files[$(grep -c '' "$1")] = {"
+    while read -r name file; do echo "{\"$name\", NULL, $(($(wc -c <"$file")))},"; done <"$1"
 }
 
 # list_builtin prints the name of each file, and its path, sorted by name.
@@ -35,10 +56,17 @@ list_builtin() {
     done | sort
 }
 
+# The minimal program has tables, materials, and the scenes that need no texture and no mesh.
+minimal_builtin() {
+    builtin=builtin-minimal.c
+    left_out='/(hard|viewer|textures)/|/models/[^/]*[.](obj|map)$'
+    left_out="$left_out|/($(cd data/builtin/scenes && grep -lE 'texture |mesh ' ./* | sed 's,^./,,' | tr '\n' '|')NONE)\$"
+}
+
 # Makes $BUILD/$builtin anew if a file, or a folder of them, has changed since the list was begun.
 make_builtin() {
     list=$BUILD/$builtin.list
-    if [ ! -f "$list" ] || [ ! -f "$BUILD/$builtin" ] || [ -n "$(find $builtin_folders -newer "$list")" ]; then
+    if [ ! -f "$list" ] || [ ! -f "$BUILD/$builtin" ] || [ -n "$(find $builtin_folders data/builtin.sh -newer "$list")" ]; then
         list_builtin >"$list.new"
         builtin_source "$list.new" >"$BUILD/$builtin.new"
         cmp -s "$BUILD/$builtin.new" "$BUILD/$builtin" || mv "$BUILD/$builtin.new" "$BUILD/$builtin"

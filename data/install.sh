@@ -49,7 +49,7 @@ install_program() {
     find_target "$1"
     mkdir -p "$root/"
     {
-        put 755 "$BUILD/spectral$live" bin/spectral
+        put 755 "$BUILD/spectral$kind" bin/spectral
         shipped | while read -r file place; do put 644 "$file" "$place"; done
         make_folder "$prefix/share/spectral"
         echo share/spectral/installed

@@ -134,7 +134,7 @@ make_for_tests() (
 build_preloaded() { $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS "$1" -o "$2" ${3:-} -ldl; }
 
 # The program whose pages hold the program.
-make_live() { (live=-live && build); }
+make_live() { (kind=-live && build); }
 
 # The fuzz targets (test/fuzz), which read files given to them.
 make_replay() {

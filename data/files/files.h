@@ -19,8 +19,16 @@ struct builtin_file {
     const unsigned char *bytes;
     size_t length;
 };
-extern const struct builtin_file builtin_files[]; /* made by build.sh; sorted by name */
+/* Made by build.sh; sorted by name. The program may hold them in one packed piece. */
+extern const struct builtin_file *const builtin_files;
 extern const size_t builtin_file_count;
+extern const struct builtin_pack {
+    const unsigned char *packed; /* by gzip, with a NUL behind each file; NULL: they are not packed */
+    size_t length;
+    struct builtin_file *files; /* get their bytes */
+} builtin_pack;
+/* Unpacks them, if they are packed. Call it once, before anything else of this room. */
+bool builtin_unpack(struct error *err);
 
 #define BUILTIN_PREFIX "builtin:"
 enum { BUILTIN_NAME = 256 };

@@ -119,9 +119,7 @@ static bool refuse_option(const struct reading *reading, const char *word, size_
                        suggestion_end(&suggestion, otherwise));
 }
 
-/* Adds "NAME=VALUE", or the name of a flag, to the words that the stack records. */
-static bool record_option(struct options *options, const char *name, const char *value,
-                          struct error *err)
+bool options_record(struct options *options, const char *name, const char *value, struct error *err)
 {
     size_t length = strlen(name) + (value ? strlen(value) : 0) + sizeof "=";
     if (options->n_recorded == MAX_RECORDED)
@@ -135,7 +133,7 @@ static bool record_option(struct options *options, const char *name, const char 
 }
 
 /* Checks a value, and stores it at its place in *options. `changes` has room, since each option
- * that changes the scene is RECORDED, and record_option refuses one too many. */
+ * that changes the scene is RECORDED, and options_record refuses one too many. */
 static bool store_value(struct options *options, const struct option *option, const char *name,
                         const char *value, struct error *err)
 {
@@ -184,7 +182,7 @@ static bool read_option(struct reading *reading, struct options *options, struct
         return error_usage(err, "%s needs a value: %s", name, option->usage);
     if (option->kind != OPTION_FLAG && !value)
         value = reading->words[++reading->at];
-    return (!option->recorded || record_option(options, first, value, err)) &&
+    return (!option->recorded || options_record(options, first, value, err)) &&
            store_value(options, option, name, value, err);
 }
 

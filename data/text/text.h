@@ -280,6 +280,9 @@ bool options_read(const struct command *command, char *const *words, int n_words
 bool options_read_recorded(const struct command *command, char *const *words, int n_words,
                            struct options *out, struct error *err);
 void options_free(struct options *options);
+/* Adds "NAME=VALUE", or the name of a flag (value NULL), to the words that the stack records. */
+bool options_record(struct options *options, const char *name, const char *value,
+                    struct error *err);
 
 /* Names the output after the file `path`, with another ending, where the command line gives none;
  * after "scene" where the path is "-". Refuses a name that the command line has, too. options_free

@@ -13,12 +13,12 @@ wasm_link='-Wl,--strip-all,--stack-first,-z,stack-size=4194304,--max-memory=2147
 # In a shell of its own, which keeps the settings. The module is $BUILD/wasm/spectral.wasm.
 wasm_build() (
     need $wasm_packages
-    CC='clang --target=wasm32-wasi --sysroot=/usr' CFLAGS='' LDFLAGS='' GL=none BUILD=$BUILD/wasm threads= live=
+    CC='clang --target=wasm32-wasi --sysroot=/usr' CFLAGS='' LDFLAGS='' GL=none BUILD=$BUILD/wasm threads= kind=
     CPPFLAGS="$wasm_emulated -isystem data/wasi -include data/wasi/missing.h"
     left_out='/(hard|viewer)/'
     prepare
     find_sources
-    sources="$(printf '%s\n' $sources | grep -Ev '^data/base/(loop|pipeline|guard|process|program)[.]c') $(echo data/base/no_*.c)"
+    sources="$(printf '%s\n' $sources | grep -Ev '^data/(base/(loop|pipeline|guard|process|program)|files/unpack)[.]c') $(echo data/*/no_*.c)"
     find_libraries
     libraries="$libraries $wasm_link"
     compile obj '-O2 -ffunction-sections -fdata-sections -Wno-missing-braces' $sources "$BUILD/$builtin"

@@ -30,10 +30,10 @@ static_program() (
     prepare
     find_static_libraries
     parts=$(versions $static_packages)
-    compile obj-static "$CFLAGS" $sources "$BUILD/$builtin"
-    link "spectral-static$live.symbols" $objects
-    strip -o "$BUILD/spectral-static.new" "$BUILD/spectral-static$live.symbols"
-    mv "$BUILD/spectral-static.new" "$BUILD/spectral-static$live"
+    compile "obj-static${small:+-minimal}" "$CFLAGS" $sources "$BUILD/$builtin"
+    link "spectral-static$kind.symbols" $objects
+    strip -o "$BUILD/spectral-static.new" "$BUILD/spectral-static$kind.symbols"
+    mv "$BUILD/spectral-static.new" "$BUILD/spectral-static$kind"
 )
 
 # licences FOLDER writes the versions and copyrights of all that the static program holds beside this
@@ -54,7 +54,7 @@ licences() {
 # The archive is the same bytes wherever it is made of the same versions: its date is the manual page's.
 # It has live pages.
 dist() {
-    live=-live
+    kind=-live
     static_program
     find_osmesa
     version=$(sed -n 's/^#define SPECTRAL_VERSION "\(.*\)"/\1/p' spectral.h)

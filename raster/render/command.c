@@ -253,6 +253,16 @@ static bool name_stack(struct options *options, const struct picture_part *part,
     return options_name_output(options, options_scene(options), ending, err);
 }
 
+/* A program without OpenGL draws by the reference where no renderer is given. */
+static bool choose_renderer(struct options *options, struct error *err)
+{
+    struct render_options *own = options->own;
+    if (gl_is_built() || own->renderer)
+        return true;
+    own->renderer = "raster";
+    return options_record(options, "--renderer", own->renderer, err);
+}
+
 /* Renders a scene, or a part of it, and reports the result. */
 static bool render_scene(struct options *options, struct error *err)
 {
@@ -260,7 +270,8 @@ static bool render_scene(struct options *options, struct error *err)
     struct picture_part part = {.count = 0};
     if (own->part && own->check_map)
         return error_usage(err, "--part takes no --check-map, which shows the whole picture");
-    if ((own->part && !part_read("--part", own->part, &part, err)) ||
+    if (!choose_renderer(options, err) ||
+        (own->part && !part_read("--part", own->part, &part, err)) ||
         !name_stack(options, &part, err))
         return false;
     if (stores_raster(own))
