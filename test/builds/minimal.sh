@@ -1,0 +1,59 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# level: full; packages: binutils
+# The minimal program (./build.sh minimal) is the core alone: none of the rooms in raster/beside/ is in it, it is small, and its
+# stacks are those of the full program, byte by byte. The same holds for a minimal program without OpenGL.
+. test/shared/tap.sh
+made=$tmp/build
+minimal=$made/spectral-minimal
+
+CC=gcc BUILD=$made exits 0 "./build.sh minimal builds it" ./build.sh minimal
+
+# ---- what is in it ----
+
+# functions FILE...: the names of functions that the objects or the program define for others
+functions() { nm "$@" | sed -n 's/^[0-9a-f]* T //p' | sort -u; }
+
+CC=gcc BUILD=$made/full exits 0 "./build.sh builds the full one" ./build.sh
+functions "$made"/full/obj/raster/beside/*/*.o >"$tmp/beside"
+functions "$minimal" >"$tmp/minimal"
+functions "$made/full/spectral" >"$tmp/full"
+[ "$(comm -12 "$tmp/beside" "$tmp/full" | wc -l)" -gt 100 ]
+ok $? "the full program has functions of the rooms beside the core"
+comm -12 "$tmp/beside" "$tmp/minimal" >"$tmp/out"
+[ ! -s "$tmp/out" ]
+ok $? "the minimal program has none of them"
+strip -o "$tmp/stripped" "$minimal"
+[ "$(wc -c <"$tmp/stripped")" -le 600000 ]
+ok $? "stripped it has at most 600,000 bytes"
+
+# ---- what it does ----
+
+run "$minimal" list scenes
+[ "$(sed -n 's/^  //p' "$tmp/out" | tr '\n' ' ')" = 'colorchecker fluorescence metamers patches ' ]
+ok $? "it has the scenes that need no texture and no mesh"
+for scene in colorchecker fluorescence metamers patches; do
+    for options in '' '--depth 32f --samples 2' '--renderer raster'; do
+        "$minimal" render "$scene" --size 120x80 $options -q -o "$tmp/small.tif" &&
+            "$made/full/spectral" render "$scene" --size 120x80 $options -q -o "$tmp/whole.tif" &&
+            cmp "$tmp/small.tif" "$tmp/whole.tif"
+        ok $? "$scene $options: the same bytes"
+    done
+done
+run "$minimal" show tables/d65
+"$made/full/spectral" show tables/d65 | cmp -s - "$tmp/out"
+ok $? "a packed file is what was packed"
+refuses 'unknown command .view.; known are render, plan, info' "a command that it lacks" "$minimal" view
+refuses 'draws without shaders' "shaders" "$minimal" render patches --renderer gl-shader -o "$tmp/x.tif"
+refuses "no option '--accuracy'" "an option of a room beside" "$minimal" plan patches --accuracy 1
+
+# ---- without OpenGL ----
+
+CC=gcc GL=none BUILD=$made/none exits 0 "it builds without OpenGL" ./build.sh minimal
+exits 0 "it then draws by the reference" "$made/none/spectral-minimal" render patches --size 120x80 -o "$tmp/small.tif"
+prints '^verdict +not checked: this program was built without OpenGL' "and says that nothing was checked"
+"$made/full/spectral" render patches --size 120x80 --renderer raster -q -o "$tmp/whole.tif"
+cmp "$tmp/small.tif" "$tmp/whole.tif"
+ok $? "the same bytes as of --renderer raster"
+refuses 'add --renderer raster' "OpenGL" "$made/none/spectral-minimal" render patches --renderer gl -o "$tmp/x.tif"
+done_testing
