@@ -182,7 +182,7 @@ static bool render_job(const struct options *options, struct render_job *job,
     struct progress_line line;
     struct render_result result;
     const bool shown = progress_start(&line, options->quiet);
-    if (!render(&job->plan, &job->limits, output, shown ? &line : NULL, &result, err))
+    if (!render(&job->plan, output, shown ? &line : NULL, &result, err))
         return false;
     result.seconds.read += job->seconds.read;
     result.seconds.plan = job->seconds.plan;
@@ -199,6 +199,7 @@ bool render_with_options(const struct options *options, const struct render_outp
     complete.recorded = options->recorded;
     complete.n_recorded = options->n_recorded;
     complete.detector = options->detector;
+    complete.limits = &job.limits;
     complete.notes = !options->quiet || options->json ? &job.notes : NULL;
     const bool done =
         check_asked(options, output, err) && check_again(own, output, err) &&

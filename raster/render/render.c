@@ -181,12 +181,13 @@ static bool render_all(struct state *state, const struct render_output *output, 
     return finish(state, output, err);
 }
 
-bool render(const struct plan *plan, const struct verdict_limits *limits,
-            const struct render_output *output, struct progress_line *progress,
-            struct render_result *out, struct error *err)
+bool render(const struct plan *plan, const struct render_output *output,
+            struct progress_line *progress, struct render_result *out, struct error *err)
 {
+    static const struct verdict_limits usual = {false, USUAL_UNCHECKED};
     const double start = clock_seconds();
-    struct state state = {.since = start, .limits = limits, .result = out};
+    struct state state = {
+        .since = start, .limits = output->limits ? output->limits : &usual, .result = out};
     state.stages = (struct stages){
         .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
     *out = (struct render_result){.notes = output->notes};

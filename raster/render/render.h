@@ -109,6 +109,7 @@ struct render_foreign {
     void *of;
 };
 struct render_output {
+    const struct verdict_limits *limits; /* NULL: the usual ones */
     const char *path;      /* of the stack; NULL: no stack is written */
     const char *check_map; /* the map of the check; NULL: none is wanted */
     const char *again;     /* the stack to compare the new one with, byte by byte; NULL: none */
@@ -129,9 +130,8 @@ struct render_output {
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
  * or a difference (without `keep`) no file has been created or changed. */
-bool render(const struct plan *plan, const struct verdict_limits *limits,
-            const struct render_output *output, struct progress_line *progress,
-            struct render_result *out, struct error *err);
+bool render(const struct plan *plan, const struct render_output *output,
+            struct progress_line *progress, struct render_result *out, struct error *err);
 
 /* ---- job.c: a scene on its way to a render ---- */
 

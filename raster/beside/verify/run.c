@@ -56,8 +56,8 @@ static bool judge(void *context, void *out, struct error *err)
 {
     const struct task *task = context;
     struct options options = *task->options;
-    const struct render_output nothing = {.path = NULL};
     struct render_job job = {.limits = {false, 0}};
+    const struct render_output nothing = {.limits = &job.limits};
     struct render_result result;
     const double start = clock_seconds();
     memset(out, 0, sizeof(struct verify_result));
@@ -67,7 +67,7 @@ static bool judge(void *context, void *out, struct error *err)
     options.own = &own;
     place_scene(&options, task->scene);
     const bool done = job_read(&options, false, &job, err) && job_plan(&options, &job, err) &&
-                      render(&job.plan, &job.limits, &nothing, NULL, &result, err);
+                      render(&job.plan, &nothing, NULL, &result, err);
     if (done)
         take(&job.plan, &result, out);
     job_free(&job);
