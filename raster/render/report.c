@@ -46,6 +46,28 @@ static void print_picture(const struct plan *plan, const struct render_result *r
               result->names.version, result->names.library);
 }
 
+/* Names the parts of pixels that the renderer does not have. */
+static void print_lacks(const struct renderer_lacks *lacks, struct printed *to)
+{
+    if (lacks->numbers || lacks->depths)
+        print(to, "not checked       %s%s%s: there are none\n", lacks->numbers ? "triangles" : "",
+              lacks->numbers && lacks->depths ? ", " : "",
+              lacks->depths ? "depths and fragments" : "");
+}
+
+static bool is_known(const struct driver *driver)
+{
+    return !driver->is_measured && strcmp(driver->name, driver_of(NULL)->name) != 0;
+}
+
+static void print_bounds(const struct driver *driver, struct printed *to)
+{
+    char words[DRIVER_WORDS];
+    driver_print(driver, words);
+    print(to, "bounds            %s%s\n", driver->is_measured ? "measured: " : "of ",
+          driver->is_measured ? words : driver->name);
+}
+
 /* Says what is lost above full scale. */
 static void print_clipped(const struct plan *plan, const struct render_result *result,
                           struct printed *to)
@@ -62,9 +84,12 @@ static void print_clipped(const struct plan *plan, const struct render_result *r
 void report_print(const struct plan *plan, const struct render_result *result, struct printed *to)
 {
     print_picture(plan, result, to);
+    if (plan->options.check && !is_known(&result->driver))
+        print_bounds(&result->driver, to);
     print_verdict(plan, &result->check, to);
     if (result->notes)
         notes_print_shading(result->notes, to);
+    print_lacks(&result->check.lacks, to);
     print_clipped(plan, result, to);
     if (result->notes)
         notes_print(result->notes, to);
@@ -288,14 +313,13 @@ static void put_figures(const struct plan *plan, const struct render_result *res
 
 void report_put(const struct plan *plan, const struct render_result *result, struct json *json)
 {
-    char bounds[DRIVER_WORDS];
-    driver_print(&result->driver, bounds);
     if (!json->words) {
         json_picture(json, plan, result);
         json_effects(json, plan);
-    } else if (plan->options.check) { /* the facts of the plan have the rest */
+    } else {
         json_number(json, "full_scale", result->full_scale);
-        json_string(json, "bounds", result->driver.is_measured ? bounds : result->driver.name);
+        if (plan->options.check && is_known(&result->driver))
+            print_bounds(&result->driver, &json->printed);
     }
     put_figures(plan, result, json);
 }

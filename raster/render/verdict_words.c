@@ -68,11 +68,9 @@ static void reason_text(const struct plan *plan, const struct check_verdict *ver
     switch (check_outcome(verdict)) {
     case OUTCOME_AGREED:
         snprintf(out, capacity,
-                 "OpenGL drew what the scene's triangles call for%s; %.3g %% of the object pixels "
+                 "every %s is what the scene's triangles call for; %.3g %% of the object pixels "
                  "could not be checked",
-                 verdict->lacks.numbers  ? " in every colour (it gives no triangles)"
-                 : verdict->lacks.depths ? " (it gives no depths)"
-                                         : ", at every pixel",
+                 verdict->lacks.numbers || verdict->lacks.depths ? "colour" : "pixel",
                  unchecked_percent(verdict));
         break;
     case OUTCOME_DIFFERS:

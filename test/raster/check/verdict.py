@@ -133,13 +133,11 @@ def check_words():
             absent="x.tif")
     refuses("a map that cannot be written", "/nowhere/map.tif", *drawn, "--check-map", "/nowhere/map.tif")
     empty = Render(path_of("empty.scene"))
-    check(empty.status == 0 and empty.verdict == "agreed" and "floor             none\n" in empty.table and
-          "worst error/bound none (one band none, depth none)\n" in empty.table and
+    check(empty.status == 0 and empty.verdict == "agreed" and
           empty.report["check"]["floor_median_counts"] is None,
-          "figures that do not exist are none, and null in JSON", empty)
+          "figures that do not exist are null in JSON", empty)
     dark = Render("patches", "--size", "60x40", fault=68)
-    check("root mean square none" in dark.table and "mean residual     none" in dark.table and
-          dark.report["check"]["rms_counts"] is None, "so are those of samples that are no numbers", dark)
+    check(dark.report["check"]["rms_counts"] is None, "so are those of samples that are no numbers", dark)
     for driver in DRIVERS:
         off = Render("colorchecker", "--size", "120x80", driver=driver)
         report = off.report["check"]

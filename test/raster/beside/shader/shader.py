@@ -92,15 +92,15 @@ def limits():
     words = ("render", "patches", "--size", "60x40", "-o", "/dev/null")
     result = run(*words, "--renderer", "es-shader", SPOIL="depths", LD_PRELOAD=SPOIL)
     check(result.returncode == 0 and "\nnot checked       depths and fragments: there are none\n" in result.stdout and
-          "every colour is explained" in result.stdout, "OpenGL ES without depths is not checked there, and the report says so", result.stdout)
+          "every colour is what" in result.stdout, "OpenGL ES without depths is not checked there, and the report says so", result.stdout)
     for name in ("gl-shader", "es-shader"):
         result = run("render", "room", "--size", "90x60", "-o", "/dev/null", "--renderer", name, SPOIL="unknown", LD_PRELOAD=SPOIL)
         check(result.returncode == 0 and re.search("^bounds +measured: edges to 0.00195 pixel", result.stdout, re.MULTILINE) and
-              "OpenGL            Foo 9000, " in result.stdout, f"{name}: an unknown driver is measured by shaders", result.stdout, result.stderr)
+              "drawn by          Foo 9000, " in result.stdout, f"{name}: an unknown driver is measured by shaders", result.stdout, result.stderr)
     refuses("an unknown OpenGL ES without depths", "this OpenGL ES cannot read depths, which measurements need", *words, "--renderer",
             "es-shader", status=3, SPOIL="unknown depths", LD_PRELOAD=SPOIL)
     result = run(*words, "--renderer", "gl-shader", "--no-check", SPOIL="unknown", LD_PRELOAD=SPOIL)
-    check(result.returncode == 0 and "OpenGL            Foo 9000, " in result.stdout, "without a check it draws", result.stderr)
+    check(result.returncode == 0 and "drawn by          Foo 9000, " in result.stdout, "without a check it draws", result.stderr)
     for options, status, pattern in ((("--renderer", "gl-shader", "--gl", "osmesa"), 3, "OSMesa draws without shaders here; add --gl egl"),
                                      (("--renderer", "gl-shader", "--buffer", "8"), 2, "shaders draw into floats"),
                                      (("--renderer", "gl-shader", "--shading", "phong"), 2, "cannot draw phong shading"),
