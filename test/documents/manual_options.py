@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: MIT
-"""usage: spectral --help | manual_options.py spectral.1
+"""usage: manual_options.py spectral spectral.1
 
-Prints the manual page with the list of options that --help prints. The page's own explanation of an option, from its
-.Pp on, is kept."""
+Prints the manual page with the list of options that spectral COMMAND --help prints for all commands: options that the
+same commands have stand together. The page's own explanation of an option, from its .Pp on, is kept."""
+import collections
 import re
+import subprocess
 import sys
 
-HEADING = re.compile(r"([a-z].*):$")
-OPTION = re.compile(r"  (-\S*(?: \S+)*)(?:  +(\S.*))?$")
-CONTINUED = re.compile(r" {34}(\S.*)$")
+COMMAND = re.compile(r"^  ([a-z]+) ", re.MULTILINE)
+OPTION = re.compile(r"^  (-\S*(?: \S+)*)((?:  +\S.*)?(?:\n {34}\S.*)*)$", re.MULTILINE)
+
+
+def help_of(*words):
+    return subprocess.run([sys.argv[1], *words, "--help"], capture_output=True, text=True, check=True).stdout
 
 
 def head(usage):
@@ -22,43 +27,52 @@ def head(usage):
 
 
 def explanations(lines):
-    """{(heading, head of the option): lines}"""
-    found, place, depth, explains = {}, ("", ""), 0, False
+    """{head of an option: [(heading, lines), ...]}"""
+    found, heading, option, depth = collections.defaultdict(list), "", "", 0
     for line in lines:
         depth += line.startswith(".Bl") - line.startswith(".El")
         if line.startswith(".Ss "):
-            place = (line, "")
-        if depth == 0 or line.startswith(".It Fl"):
-            place, explains = (place[0], line), False
-        explains = explains or line == ".Pp"
-        if explains:
-            found.setdefault(place, []).append(line)
+            heading = line
+        elif line.startswith(".It Fl") and depth == 1:
+            option, explains = line, False
+        elif depth > 0 and option:
+            explains = explains or line == ".Pp"
+            if explains and not found[option] or explains and found[option][-1][0] != heading:
+                found[option].append((heading, []))
+            if explains:
+                found[option][-1][1].append(line)
     return found
 
 
-def renewed(help_lines, explained):
-    heading = option = ""
-    for line in help_lines:
-        starts, text = HEADING.match(line), OPTION.match(line) or CONTINUED.match(line)
-        if starts or text and text.re is OPTION or not text:
-            yield from explained.get((heading, option), [])
-            option = ""
-        if heading and not text:
-            yield ".El"
-            heading = ""
-        if starts:
-            heading = f".Ss {starts[1]}"
-            yield from (heading, ".Bl -tag -width Ds")
-        elif heading:
-            if text.re is OPTION:
-                option = head(text[1])
-                yield option
-            if text.re is CONTINUED or text[2]:
-                line = re.sub(r"(?<!\S)-+", lambda dashes: r"\-" * len(dashes[0]), text[text.lastindex])
-                yield re.sub(r"^(?=[.'])", r"\\&", line)
+def listed():
+    """{commands: [(usage, lines of help), ...]}, by the first command that has an option"""
+    commands, users = COMMAND.findall(help_of()), collections.defaultdict(list)
+    for command in commands:
+        for usage, text in OPTION.findall(help_of(command)):
+            users[usage, tuple(text.split("\n"))].append(command)
+    groups = collections.defaultdict(list)
+    for (usage, lines), group in users.items():
+        groups["all" if group == commands else ", ".join(group)].append((usage, [line.strip() for line in lines if line.strip()]))
+    return groups
 
 
-with open(sys.argv[1], encoding="utf-8") as file:
+def shared(heading, group):
+    """how many commands an option's old heading shares with its new one"""
+    return len(set(re.findall(r"[a-z]+", heading)) & set(re.findall(r"[a-z]+", group)))
+
+
+def renewed(explained):
+    for group, options in listed().items():
+        heading = f".Ss {group}"
+        yield from (heading, ".Bl -tag -width Ds")
+        for usage, lines in options:
+            yield head(usage)
+            for line in lines:
+                yield re.sub(r"^(?=[.'])", r"\\&", re.sub(r"(?<!\S)-+", lambda dashes: r"\-" * len(dashes[0]), line))
+            yield from max(explained[head(usage)], key=lambda own: shared(own[0], group), default=("", []))[1]
+        yield ".El"
+
+
+with open(sys.argv[2], encoding="utf-8") as file:
     before, options, after = re.split(r"^(\.Ss .*)(?=\.Sh SCENES)", file.read(), flags=re.M | re.S)
-listed = renewed(sys.stdin.read().splitlines(), explanations(options.splitlines()))
-print(before + "\n".join(listed) + "\n" + after, end="")
+print(before + "\n".join(renewed(explanations(options.splitlines()))) + "\n" + after, end="")
