@@ -77,7 +77,7 @@ prepare() {
 }
 
 # Sets $sources for $GL and $TIER; spectral.c, which has main, is the first. The tables in raster/beside
-# say what a program has of the rooms in that folder, which the core does not know.
+# list what a program contains of the rooms in that folder, which the core does not know.
 find_sources() {
     rooms='data raster/reference raster/renderers raster/plan raster/bounds raster/candidates raster/counts raster/check raster/render'
     all='raster/beside/accuracy raster/beside/verify raster/beside/see raster/beside/cost raster/beside/view'

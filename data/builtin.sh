@@ -27,7 +27,9 @@ raw_files() {
         bytes <"$file"
         echo '0};'
     done <"$1"
-    echo 'const struct builtin_pack builtin_pack = {NULL, 0, NULL};'
+    echo 'const unsigned char *const builtin_packed = NULL;'
+    echo 'const size_t builtin_packed_length = 0;'
+    echo 'struct builtin_file *const builtin_to_unpack = NULL;'
     echo 'static const struct builtin_file files[] = {'
     number=0
     while read -r name _; do
@@ -42,7 +44,9 @@ packed_files() {
     while read -r _ file; do cat "$file" && printf '\0'; done <"$1" | gzip -9n | bytes
     echo '};'
     echo "static struct builtin_file files[$(grep -c '' "$1")];"
-    echo 'const struct builtin_pack builtin_pack = {packed, sizeof packed, files};'
+    echo 'const unsigned char *const builtin_packed = packed;'
+    echo 'const size_t builtin_packed_length = sizeof packed;'
+    echo 'struct builtin_file *const builtin_to_unpack = files;'
     echo "static struct builtin_file files[$(grep -c '' "$1")] = {"
     while read -r name file; do echo "{\"$name\", NULL, $(($(wc -c <"$file")))},"; done <"$1"
 }

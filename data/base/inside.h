@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "base" share. */
+/* Only the files of the room "base" include this. */
 #ifndef DATA_BASE_INSIDE_H
 #define DATA_BASE_INSIDE_H
 

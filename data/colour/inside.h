@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "colour" share. */
+/* Only the files of the room "colour" include this. */
 #ifndef DATA_COLOUR_INSIDE_H
 #define DATA_COLOUR_INSIDE_H
 

@@ -22,11 +22,10 @@ struct builtin_file {
 /* Made by build.sh; sorted by name. The program may hold them in one packed piece. */
 extern const struct builtin_file *const builtin_files;
 extern const size_t builtin_file_count;
-extern const struct builtin_pack {
-    const unsigned char *packed; /* by gzip, with a NUL behind each file; NULL: they are not packed */
-    size_t length;
-    struct builtin_file *files; /* get their bytes */
-} builtin_pack;
+/* All of them as gzip packs them, with a NUL behind each; NULL: they are not packed. */
+extern const unsigned char *const builtin_packed;
+extern const size_t builtin_packed_length;
+extern struct builtin_file *const builtin_to_unpack; /* these files; they get their bytes */
 /* Unpacks them, if they are packed. Call it once, before anything else of this room. */
 bool builtin_unpack(struct error *err);
 

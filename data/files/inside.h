@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "files" share. */
+/* Only the files of the room "files" include this. */
 #ifndef DATA_FILES_INSIDE_H
 #define DATA_FILES_INSIDE_H
 

@@ -11,9 +11,9 @@ static bool inflate_all(unsigned char *out, size_t length)
 {
     enum { GZIP_FORMAT = 16 + MAX_WBITS };
     z_stream stream = {
-        .avail_in = (uInt)builtin_pack.length, .next_out = out, .avail_out = (uInt)length};
+        .avail_in = (uInt)builtin_packed_length, .next_out = out, .avail_out = (uInt)length};
     /* zlib reads these bytes only; its type has no const */
-    memcpy(&stream.next_in, &builtin_pack.packed, sizeof stream.next_in);
+    memcpy(&stream.next_in, &builtin_packed, sizeof stream.next_in);
     bool done = inflateInit2(&stream, GZIP_FORMAT) == Z_OK;
     done = done && inflate(&stream, Z_FINISH) == Z_STREAM_END && stream.avail_out == 0;
     inflateEnd(&stream);
@@ -24,10 +24,10 @@ bool builtin_unpack(struct error *err)
 {
     size_t length = 0;
     unsigned char *bytes;
-    if (!builtin_pack.packed)
+    if (!builtin_packed)
         return true;
     for (size_t i = 0; i < builtin_file_count; i++)
-        length += builtin_pack.files[i].length + 1;
+        length += builtin_to_unpack[i].length + 1;
     if (!MAKE_ARRAY(bytes, length, err, "the built-in files"))
         return false;
     if (!inflate_all(bytes, length)) {
@@ -35,8 +35,8 @@ bool builtin_unpack(struct error *err)
         return memory_lacks(err, 0, "unpacking the built-in files");
     }
     for (size_t i = 0; i < builtin_file_count; i++) {
-        builtin_pack.files[i].bytes = bytes;
-        bytes += builtin_pack.files[i].length + 1;
+        builtin_to_unpack[i].bytes = bytes;
+        bytes += builtin_to_unpack[i].length + 1;
     }
     return true; /* the files stay until the process ends */
 }

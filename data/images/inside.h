@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "images" share. */
+/* Only the files of the room "images" include this. */
 #ifndef DATA_IMAGES_INSIDE_H
 #define DATA_IMAGES_INSIDE_H
 

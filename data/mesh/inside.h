@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "mesh" share. */
+/* Only the files of the room "mesh" include this. */
 #ifndef DATA_MESH_INSIDE_H
 #define DATA_MESH_INSIDE_H
 

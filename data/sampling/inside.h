@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "sampling" share. */
+/* Only the files of the room "sampling" include this. */
 #ifndef DATA_SAMPLING_INSIDE_H
 #define DATA_SAMPLING_INSIDE_H
 

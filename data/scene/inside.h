@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "scene" share. */
+/* Only the files of the room "scene" include this. */
 #ifndef DATA_SCENE_INSIDE_H
 #define DATA_SCENE_INSIDE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "spectra" share. */
+/* Only the files of the room "spectra" include this. */
 #ifndef DATA_SPECTRA_INSIDE_H
 #define DATA_SPECTRA_INSIDE_H
 

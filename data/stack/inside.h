@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "stack" share. */
+/* Only the files of the room "stack" include this. */
 #ifndef DATA_STACK_INSIDE_H
 #define DATA_STACK_INSIDE_H
 

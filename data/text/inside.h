@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "text" share. */
+/* Only the files of the room "text" include this. */
 #ifndef DATA_TEXT_INSIDE_H
 #define DATA_TEXT_INSIDE_H
 

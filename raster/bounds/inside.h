@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "bounds" share. */
+/* Only the files of the room "bounds" include this. */
 #ifndef RASTER_BOUNDS_INSIDE_H
 #define RASTER_BOUNDS_INSIDE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "candidates" share. */
+/* Only the files of the room "candidates" include this. */
 #ifndef RASTER_CANDIDATES_INSIDE_H
 #define RASTER_CANDIDATES_INSIDE_H
 

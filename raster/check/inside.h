@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "check" share. */
+/* Only the files of the room "check" include this. */
 #ifndef RASTER_CHECK_INSIDE_H
 #define RASTER_CHECK_INSIDE_H
 

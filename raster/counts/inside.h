@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "counts" share. */
+/* Only the files of the room "counts" include this. */
 #ifndef RASTER_COUNTS_INSIDE_H
 #define RASTER_COUNTS_INSIDE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "plan" share. */
+/* Only the files of the room "plan" include this. */
 #ifndef RASTER_PLAN_INSIDE_H
 #define RASTER_PLAN_INSIDE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "render" share. */
+/* Only the files of the room "render" include this. */
 #ifndef RASTER_RENDER_INSIDE_H
 #define RASTER_RENDER_INSIDE_H
 

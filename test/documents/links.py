@@ -32,6 +32,27 @@ def rooms_in(text):
     return set(re.findall(r"`(\w+)`", " ".join(row.split("|")[1] for row in table.splitlines())))
 
 
+def strangers(text, top):
+    """The functions that the figure of a map names and that are not where it says: ROOM: FUNCTION, or in some room."""
+    figure = re.search(r"^```\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)[1]
+    named = re.findall(r"(?:--|\(|^ +)([\w/]+): ([a-z]+_\w+)", figure, re.MULTILINE)
+    others = set(re.findall(r"(?<!struct )\b[a-z]+_[a-z_]+", figure)) - {name for _, name in named}
+    for room, name in [*named, *(("", name) for name in sorted(others))]:
+        folders = [folder for folder in (f"{top}/{room}", f"data/{room}", room) if os.path.isdir(folder)] if room else ["data", "raster"]
+        if not any(defines(folder, name) for folder in folders):
+            yield f"{room}: {name}"
+
+
+def defines(top, name):
+    for folder, _, files in os.walk(top):
+        for file in files:
+            if file.endswith(".c"):
+                with open(f"{folder}/{file}", encoding="utf-8") as source:
+                    if re.search(rf"^[a-z][\w *]*\b{name}\(", source.read(), re.MULTILINE):
+                        return True
+    return False
+
+
 def check_names():
     known = set.union(*map(names_of, ("data", "raster", "test", ".ci"))) | set(os.listdir("."))
     for path in "CONTRIBUTING.md", "data/README.md", "raster/README.md", "test/README.md":
@@ -43,8 +64,13 @@ def check_names():
         check(len(list(lost(path, planted, known))) == len(found) + 3, f"{path}: planted names are found, and others are not")
         top = os.path.dirname(path)
         if top in ("data", "raster"):
-            rooms = {name for name in os.listdir(top) if os.path.exists(f"{top}/{name}/{name}.h")}
+            rooms = {name for folder in (top, f"{top}/beside") if os.path.isdir(folder) for name in os.listdir(folder)
+                     if os.path.exists(f"{folder}/{name}/{name}.h")}
             check(rooms_in(text) == rooms, f"{path} lists each room", sorted(rooms_in(text) ^ rooms))
+            lost_functions = list(strangers(text, top))
+            check(not lost_functions, f"{path}: the rooms have the functions of the figure", *lost_functions)
+            planted = re.sub(r"(?<=: )(scene_read|gl_draw)\b", r"\1_planted", text)
+            check(len(list(strangers(planted, top))) == 1, f"{path}: a planted function is found")
 
 
 def anchors(path):

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "accuracy" share. */
+/* Only the files of the room "accuracy" include this. */
 #ifndef RASTER_BESIDE_ACCURACY_INSIDE_H
 #define RASTER_BESIDE_ACCURACY_INSIDE_H
 

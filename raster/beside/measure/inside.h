@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "measure" share. */
+/* Only the files of the room "measure" include this. */
 #ifndef RASTER_BESIDE_MEASURE_INSIDE_H
 #define RASTER_BESIDE_MEASURE_INSIDE_H
 

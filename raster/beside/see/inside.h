@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "see" share. */
+/* Only the files of the room "see" include this. */
 #ifndef RASTER_BESIDE_SEE_INSIDE_H
 #define RASTER_BESIDE_SEE_INSIDE_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "shader" share. */
+/* Only the files of the room "shader" include this. */
 #ifndef RASTER_BESIDE_SHADER_INSIDE_H
 #define RASTER_BESIDE_SHADER_INSIDE_H
 

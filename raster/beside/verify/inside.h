@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "verify" share. */
+/* Only the files of the room "verify" include this. */
 #ifndef RASTER_BESIDE_VERIFY_INSIDE_H
 #define RASTER_BESIDE_VERIFY_INSIDE_H
 

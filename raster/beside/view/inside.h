@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "view" share. */
+/* Only the files of the room "view" include this. */
 #ifndef RASTER_BESIDE_VIEW_INSIDE_H
 #define RASTER_BESIDE_VIEW_INSIDE_H
 
