@@ -237,7 +237,7 @@ struct command {
     int n_operands;                         /* the most; at most MAX_OPERANDS */
 };
 
-/* The commands of this program, then NULL: see raster/beside/rooms.c. */
+/* The commands of this program, then NULL: see raster/beside/commands.c. */
 extern const struct command *const commands[];
 
 /* Options that many commands take. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What this program has: its commands, and its judge of shading. build.sh takes one of these
+/* The commands of this program, and its judge of shading. build.sh takes one of these
  * tables, and one of the ways of drawing. */
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"

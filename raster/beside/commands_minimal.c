@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the minimal program has: none of the rooms in this folder. */
+/* The minimal program contains none of the rooms in this folder. */
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
 #include "raster/render/render.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a program without OpenGL has: all commands but those on drivers. */
+/* A program without OpenGL has all commands but those on drivers. */
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
 #include "raster/beside/accuracy/accuracy.h"

@@ -136,7 +136,7 @@ void verdict_add(struct check_verdict *to, const struct check_verdict *from);
 
 /* ---- outcome.c: the verdict on the picture ---- */
 
-/* What a picture that agrees may lack. */
+/* The most that a picture that agrees may leave unchecked. */
 struct verdict_limits {
     bool strict;      /* fragments that are lost or doubled where triangles meet are differences */
     double unchecked; /* the largest share of object pixels that may stay unchecked */

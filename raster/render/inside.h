@@ -95,7 +95,7 @@ void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
 
 /* ---- report.c: results as a table and as JSON ---- */
 
-/* Prints the picture, the verdict, what is not right, and the seconds. */
+/* Prints the picture, the verdict, each defect of the picture, and the seconds. */
 void report_print(const struct plan *plan, const struct render_result *result, struct printed *to);
 /* Puts all figures. */
 void report_put(const struct plan *plan, const struct render_result *result, struct json *json);

@@ -125,7 +125,7 @@ struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
 
 /* ---- the ways of drawing that this program has ---- */
 
-/* What this program has for OpenGL: see raster/beside/rooms.c. */
+/* How this program draws through OpenGL: see raster/beside/ways.c. */
 struct drawing_ways {
     /* Opens a renderer of a plan, which must outlive *out, with so many buffers. Fails with
      * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. The
