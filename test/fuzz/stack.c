@@ -71,10 +71,9 @@ static void probe_pixel(const char *path)
 
 static void compare_with_itself(const char *path)
 {
-    const struct compare_options options = {"cie1931", .threads = 1};
     struct error err = {.status = EXIT_AGREED};
-    struct comparison comparison = {0};
-    if (fuzz_ends(compare(path, path, &options, &comparison, &err), &err))
+    struct comparison comparison = {.observer = "cie1931", .threads = 1};
+    if (fuzz_ends(compare(path, path, &comparison, &err), &err))
         fuzz_holds(comparison.all.largest == 0, "a stack does not differ from itself");
     comparison_free(&comparison);
 }

@@ -43,24 +43,22 @@ static bool read_options(struct options *options, struct sampling_method *method
                          struct develop_options *out, struct error *err)
 {
     const struct develop_own *own = options->own;
-    *out =
-        (struct develop_options){.detector = options_detector(options),
-                                 .white = options->white,
-                                 .exposure = 1,
-                                 .values = own->xyz   ? DEVELOP_XYZ
-                                           : own->lab ? DEVELOP_LAB
-                                                          : DEVELOP_RGB,
-                                 .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
-                                 .threads = options->threads,
-                                 .outputs = &options->outputs,
-                                 .sampling = options->sampling ? method : NULL};
+    *out = (struct develop_options){.detector = options_detector(options),
+                                    .white = options->white,
+                                    .exposure = 1,
+                                    .values = own->xyz   ? DEVELOP_XYZ
+                                              : own->lab ? DEVELOP_LAB
+                                                         : DEVELOP_RGB,
+                                    .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
+                                    .threads = options->threads,
+                                    .outputs = &options->outputs,
+                                    .sampling = options->sampling ? method : NULL};
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
     return (!own->adaptation ||
             adaptation_read("--adaptation", own->adaptation, &out->adaptation, err)) &&
            (!own->display || display_read("--display", own->display, &out->display, err)) &&
-           (!own->exposure ||
-            exposure_read("--exposure", own->exposure, &out->exposure, err)) &&
+           (!own->exposure || exposure_read("--exposure", own->exposure, &out->exposure, err)) &&
            (!options->sampling || sampling_read("--sampling", options->sampling, method, err));
 }
 
@@ -127,8 +125,8 @@ static const struct option develop_rows[] = {
      SHARED(TEXT, sampling)},
 };
 static const struct option_list develop_list = OPTION_LIST(develop_rows);
-static const struct option_list *const lists[] = {&develop_list,  &seeing_options, &threads_option,
-                                                  &json_option,   &quiet_option,   &common_options,
+static const struct option_list *const lists[] = {&develop_list, &seeing_options, &threads_option,
+                                                  &json_option,  &quiet_option,   &common_options,
                                                   NULL};
 const struct command develop_command = {
     .name = "develop",

@@ -96,40 +96,61 @@ bool develop_weights(struct development *of, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
+/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
+ * differences. A is the standard of CIE94. */
+enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
 /* A measure over all pixels. */
 struct pixel_difference {
     double mean, largest;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
     int x, y;           /* the pixel of the largest */
+    struct bin *bins;   /* owned */
+};
+struct band_difference {
+    double largest; /* |A - B|, in radiance */
+    int x, y;       /* the first pixel with this difference */
+    double rms;
 };
 /* A map shows all three numbers of each pixel (in a TIFF), or one of them in colours. */
 enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
-    int n, width, height;
-    bool components;               /* in both stacks: wavelengths_nm is 1, 2, ... */
-    double *wavelengths_nm;        /* owned */
-    struct band_difference *bands; /* of each; owned */
+    /* The caller sets these, and zeroes all others. */
+    const char *observer, *white; /* white NULL: what A records */
+    const char *map;              /* PNG or TIFF to write; NULL: none */
+    struct tolerance tolerance;
+    int threads;
+    struct outputs *outputs; /* get the map; NULL: it appears at once */
+    /* Two stacks, and how they differ. */
+    struct stack_rows a, b;
+    struct sight sight; /* of A; it holds for B too; without a white there are no colours */
+    struct band_difference *bands; /* of each page; owned */
     struct band_difference all;
     int largest_band;        /* the band that has all.largest */
     double largest_radiance; /* of A */
     struct pixel_difference pixels[PIXEL_MEASURES];
-    bool has_white; /* without, there are no colours */
-    char *observer; /* owned */
-    enum map_measure map;
+    enum map_measure shown; /* by the map */
+    /* The rows at hand; all are owned. */
+    double *spectra;                    /* [row][a, b][band]: the pixel at hand */
+    struct band_difference *row_bands;  /* [row][band]; rms: sum of squares so far */
+    double *largest_a;                  /* [row] */
+    double (*measures)[PIXEL_MEASURES]; /* [row][x] */
+    float (*samples)[3]; /* [row][x]: of the map; room for floats, also where it has bytes */
+    struct picture_writer picture;
 };
 /* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
  * components of different samplings, and a tolerance of colours without a white. The weights of A's
  * sampling give the colours. A TIFF map has three float samples a pixel: the largest |A - B| of all
  * pages, the angle between the spectra or components in degrees, CIEDE2000 (0 without a white). A
  * PNG map has the colours of scale_colour: for CIEDE2000 from 1/64 on, or without a white for the
- * largest |A - B| from 1/16384 on. The map is written even if the stacks differ. */
-bool compare(const char *a, const char *b, const struct compare_options *options,
-             struct comparison *out, struct error *err);
-bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
-void comparison_print(const struct comparison *comparison, struct printed *to);
-/* json.c: begins a text with one JSON object. */
-void comparison_json(const struct comparison *comparison, bool within, struct json *json);
-void comparison_free(struct comparison *comparison);
+ * largest |A - B| from 1/16384 on. The map is written even if the stacks differ. The caller frees
+ * *of, also after a failure. */
+bool compare(const char *a, const char *b, struct comparison *of, struct error *err);
+bool comparison_is_within(const struct comparison *of); /* the tolerance */
+/* Prints the meaning of the colours of a map that has some, in a line without its end. */
+void comparison_print_colours(const struct comparison *of, struct printed *to);
+void comparison_free(struct comparison *of);
+
+/* ---- probe.c: the spectrum of a region ---- */
 
 /* A spectrum that explains the one of the pixel, e.g. the spectrum of a light. */
 struct probe_curve {

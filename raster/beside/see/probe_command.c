@@ -101,8 +101,9 @@ static const struct option probe_rows[] = {
 };
 static const struct option_list probe_list = OPTION_LIST(probe_rows);
 static const struct option_list *const lists[] = {
-    &probe_list,     &seeing_options, &scene_options,  &shading_options, &accuracy_options,
-    &threads_option, &json_option,    &common_options, NULL};
+    &probe_list,      &seeing_options,   &scene_options,
+    &shading_options, &accuracy_options, &threads_option,
+    &json_option,     &common_options,   NULL};
 const struct command probe_command = {
     .name = "probe",
     .operands = "STACK|SCENE X Y [W H]",

@@ -84,11 +84,8 @@ void axis_draw_y(const struct chart_area *area, const struct axis *axis, const c
 /* Writes the picture of a stack that a detector sees. */
 extern const struct command develop_command;
 
-/* ---- compare.c: the differences of two stacks ---- */
+/* ---- compare.c: what counts as equal ---- */
 
-/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
- * differences. A is the standard of CIE94. */
-enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
 enum tolerance_unit { /* the last three in the order of colour differences */
                       TOLERANCE_RADIANCE,
                       TOLERANCE_PERCENT,
@@ -102,18 +99,6 @@ struct tolerance {
 };
 /* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
-struct compare_options {
-    const char *observer, *white; /* white NULL: what A records */
-    const char *map;              /* PNG or TIFF to write; NULL: none */
-    struct tolerance tolerance;
-    int threads;
-    struct outputs *outputs; /* get the map; NULL: it appears at once */
-};
-struct band_difference {
-    double largest; /* |A - B|, in radiance */
-    int x, y;       /* the first pixel with this difference */
-    double rms;
-};
 
 /* ---- rows.c: a stack in chunks of rows ---- */
 
