@@ -58,10 +58,9 @@ static void develop_stack(const char *path, const struct develop_options *option
 
 static void probe_pixel(const char *path)
 {
-    const struct probe_options options = {0, 0, 1, 1, "cie1931", NULL};
     struct error err = {.status = EXIT_AGREED};
-    struct probe probe = {.source = NULL};
-    if (fuzz_ends(probe_stack(path, &options, &probe, &err), &err)) {
+    struct probe probe = {.width = 1, .height = 1, .observer = "cie1931"};
+    if (fuzz_ends(probe_stack(&probe, path, &err), &err)) {
         struct printed printed = {.text = NULL};
         probe_print(&probe, &printed);
         free(printed_end(&printed));

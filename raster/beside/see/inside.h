@@ -160,32 +160,28 @@ struct probe_curve {
 };
 enum { MAX_PROBE_CURVES = 64 };
 struct probe {
-    char *source; /* stack or scene; owned */
-    int x, y, width, height;
+    /* The caller sets these, and zeroes all others. */
+    int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
+    const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
+    /* What is found. */
+    char *source;           /* stack or scene; owned */
     int n;                  /* wavelengths */
     double *wavelengths_nm; /* owned, as mean and spread */
     double *mean, *spread;  /* radiance, and its standard deviation over the region */
-    char *object;   /* name of the only object in the region; owned; NULL: unknown, or several */
-    char *observer; /* owned */
+    char *object; /* name of the only object in the region; owned; NULL: unknown, or several */
     bool has_white;
-    double xyz[3], white[3];                     /* of the mean, and of the white */
+    double xyz[3], of_white[3];                  /* of the mean, and of the white */
     struct probe_curve curves[MAX_PROBE_CURVES]; /* of a scene; a stack has none */
     int n_curves;
 };
-struct probe_options {
-    int x, y, width, height; /* the region in pixels */
-    const char *observer, *white;
-};
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
- * frees *out, also after a failure. */
-bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
+ * frees *probe, here and below, also after a failure. */
+bool probe_stack(struct probe *probe, const char *path, struct error *err);
+/* Begins a probe of a stack or scene, whose path is `source`: copies the wavelengths, and makes
+ * room for means and deviations. The image gives these and the size. Refuses a region that is not
+ * within it. */
+bool probe_begin(struct probe *probe, const char *source, const struct image *image,
                  struct error *err);
-/* Begins a probe of a stack or scene, whose path is `source`. Refuses a region that is not within a
- * picture of this size. */
-bool probe_open(struct probe *out, const char *source, const struct probe_options *options,
-                int width, int height, struct error *err);
-/* Copies n wavelengths, and makes room for as many means and deviations. */
-bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err);
 /* Mean and standard deviation of samples that come in runs. Zero it before use. The sums are of
  * differences from the first sample, so that the mean of equal samples is exact and their deviation
  * is 0. */
@@ -195,10 +191,9 @@ struct moments {
 };
 void moments_add(struct moments *moments, const float *values, size_t n);
 void moments_end(const struct moments *moments, double *mean, double *spread);
-/* Computes XYZ of the mean and of the white. has_white is false if neither the options name a white
- * nor the cube records one. Refuses a white that the options name if it cannot be used. */
-bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
-                  struct error *err);
+/* Computes XYZ of the mean and of the white. has_white is false if neither the probe names a white
+ * nor the cube records one. Refuses a white that the probe names if it cannot be used. */
+bool probe_colour(struct probe *probe, const struct cube *cube, struct error *err);
 /* Print a probe as lines of text, as CSV (RFC 4180) and as a chart. */
 void probe_print(const struct probe *probe, struct printed *to);
 void probe_print_csv(const struct probe *probe, struct printed *to);
@@ -211,10 +206,8 @@ void probe_free(struct probe *probe);
 
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the
  * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
- * excitation, emission and own light. The options give the region in pixels of the plan's picture.
- * Refuses a region that is not within the picture. The caller frees *out, also after a failure. */
-bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
-                 struct error *err);
+ * excitation, emission and own light. The region is one of the plan's picture. */
+bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
 
 void chart_exponent(struct printed *to, int exponent);
 

@@ -166,19 +166,16 @@ static bool add_curves(const struct region *region, struct error *err)
 /* ---- the whole ---- */
 
 /* Computes the colour with the white that a stack of this scene records. */
-static bool add_colour(struct probe *probe, const struct scene *scene,
-                       const struct probe_options *options, struct error *err)
+static bool add_colour(struct probe *probe, const struct scene *scene, struct cube *cube,
+                       struct error *err)
 {
     const struct spectral_pages pages = scene_pages(scene);
-    struct cube cube = {.image = {.path = scene->path,
-                                  .n_pages = scene->n_wavelengths,
-                                  .wavelengths_nm = scene->wavelengths_nm}};
     double *white;
     if (!MAKE_ARRAY(white, (size_t)probe->n, err, "a white of %d bands", probe->n))
         return false;
-    cube.record.white =
+    cube->record.white =
         (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
-    bool done = probe_colour(probe, &cube, options, err);
+    bool done = probe_colour(probe, cube, err);
     free(white);
     return done;
 }
@@ -189,6 +186,7 @@ static bool inspect(struct region *region, struct error *err)
     const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
     struct light_work work;
     bool clips;
+    region->plan.options.bits = 32;
     if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
         region->plan.options.full_scale = 1;
     return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the region") &&
@@ -198,15 +196,17 @@ static bool inspect(struct region *region, struct error *err)
            inspect_pixels(region, err) && add_curves(region, err);
 }
 
-bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
-                 struct error *err)
+bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)
 {
     const struct scene *scene = plan->scene;
-    struct region region = {.plan = *plan, .probe = out};
-    region.plan.options.bits = 32;
-    bool done = probe_open(out, scene->path, options, scene->width, scene->height, err) &&
-                probe_allocate(out, scene->wavelengths_nm, scene->n_wavelengths, err) &&
-                inspect(&region, err) && add_colour(out, scene, options, err);
+    struct region region = {.plan = *plan, .probe = probe};
+    struct cube cube = {.image = {.path = scene->path,
+                                  .width = scene->width,
+                                  .height = scene->height,
+                                  .n_pages = scene->n_wavelengths,
+                                  .wavelengths_nm = scene->wavelengths_nm}};
+    bool done = probe_begin(probe, scene->path, &cube.image, err) && inspect(&region, err) &&
+                add_colour(probe, scene, &cube, err);
     lit_free(&region.lit);
     FREE_ALL(region.samples, region.moments);
     return done;

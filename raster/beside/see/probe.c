@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads the spectrum of a pixel or a region of a stack, computes its colour, and prints both. For a
- * scene raster/beside/see/inspect.c finds the spectrum. */
+ * scene inspect.c finds the spectrum. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,51 +8,40 @@
 #include "data/images/images.h"
 #include "raster/beside/see/inside.h"
 
-/* ---- colour ---- */
+/* ---- any probe ---- */
 
-bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
-                  struct error *err)
+bool probe_begin(struct probe *probe, const char *source, const struct image *image,
+                 struct error *err)
 {
-    const struct white_request white = {options->white, false};
-    struct sight sight = {.weights = NULL};
-    const bool done = string_copy(options->observer, &probe->observer, err) &&
-                      sight_make(cube, probe->observer, &white, &sight, err);
-    if (done) {
-        detector_response(sight.weights, probe->mean, probe->n, probe->xyz);
-        memcpy(probe->white, sight.white, sizeof probe->white);
-        probe->has_white = sight.has_white;
-    }
-    sight_free(&sight);
-    return done;
-}
-
-/* ---- a region ---- */
-
-bool probe_open(struct probe *out, const char *source, const struct probe_options *options,
-                int width, int height, struct error *err)
-{
-    *out = (struct probe){
-        .x = options->x, .y = options->y, .width = options->width, .height = options->height};
-    if (!string_copy(source, &out->source, err))
+    const int n = probe->n = image->n_pages;
+    if (!string_copy(source, &probe->source, err))
         return false;
-    return (out->width >= 1 && out->height >= 1 && out->x >= 0 && out->y >= 0 &&
-            out->x <= width - out->width && out->y <= height - out->height) ||
-           error_usage(
-               err,
-               "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
-               "reaches beyond it",
-               source, width, height, out->width, out->height, out->x, out->y);
-}
-
-bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err)
-{
-    probe->n = n;
+    if (probe->x > image->width - probe->width || probe->y > image->height - probe->height)
+        return error_usage(
+            err,
+            "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
+            "reaches beyond it",
+            source, image->width, image->height, probe->width, probe->height, probe->x, probe->y);
     if (!MAKE_ARRAY(probe->wavelengths_nm, n, err, "a spectrum of %d bands", n) ||
         !MAKE_ARRAY(probe->mean, n, err, "a spectrum of %d bands", n) ||
         !MAKE_ARRAY(probe->spread, n, err, "a spectrum of %d bands", n))
         return false;
-    memcpy(probe->wavelengths_nm, wavelengths_nm, (size_t)n * sizeof *wavelengths_nm);
+    memcpy(probe->wavelengths_nm, image->wavelengths_nm, (size_t)n * sizeof(double));
     return true;
+}
+
+bool probe_colour(struct probe *probe, const struct cube *cube, struct error *err)
+{
+    const struct white_request white = {probe->white, false};
+    struct sight sight = {.weights = NULL};
+    const bool done = sight_make(cube, probe->observer, &white, &sight, err);
+    if (done) {
+        detector_response(sight.weights, probe->mean, probe->n, probe->xyz);
+        memcpy(probe->of_white, sight.white, sizeof probe->of_white);
+        probe->has_white = sight.has_white;
+    }
+    sight_free(&sight);
+    return done;
 }
 
 void moments_add(struct moments *moments, const float *values, size_t n)
@@ -136,18 +125,14 @@ static bool find_object(const struct cube *cube, struct probe *probe, struct err
                        &probe->object, err);
 }
 
-bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
-                 struct error *err)
+bool probe_stack(struct probe *probe, const char *path, struct error *err)
 {
     struct cube cube;
-    *out = (struct probe){.source = NULL};
     if (!cube_open(path, &cube, err))
         return false;
     const bool done = cube_needs_radiance(&cube, "a probe", err) &&
-                      probe_open(out, path, options, cube.image.width, cube.image.height, err) &&
-                      probe_allocate(out, cube.image.wavelengths_nm, cube.image.n_pages, err) &&
-                      read_bands(&cube, out, err) && find_object(&cube, out, err) &&
-                      probe_colour(out, &cube, options, err);
+                      probe_begin(probe, path, &cube.image, err) && read_bands(&cube, probe, err) &&
+                      find_object(&cube, probe, err) && probe_colour(probe, &cube, err);
     cube_close(&cube);
     return done;
 }
@@ -159,7 +144,7 @@ static const char unit[] = "W sr-1 m-2 nm-1, relative";
 static void print_colour(const struct probe *probe, struct printed *to)
 {
     double xy[2], lab[3], luv[3];
-    const double *xyz = probe->xyz, *white = probe->white;
+    const double *xyz = probe->xyz, *white = probe->of_white;
     chromaticity(xyz, xy);
     print_fact(to, "observer", probe->observer);
     print(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
@@ -254,9 +239,9 @@ void probe_json(const struct probe *probe, struct json *json)
     json_string(json, "object", probe->object);
     json_string(json, "observer", probe->observer);
     json_numbers(json, "XYZ", probe->xyz, 3);
-    json_numbers(json, "white_XYZ", probe->has_white ? probe->white : NULL, 3);
+    json_numbers(json, "white_XYZ", probe->has_white ? probe->of_white : NULL, 3);
     if (probe->has_white)
-        cielab(probe->xyz, probe->white, lab);
+        cielab(probe->xyz, probe->of_white, lab);
     json_numbers(json, "Lab", probe->has_white ? lab : NULL, 3);
     json_numbers(json, "wavelengths_nm", probe->wavelengths_nm, probe->n);
     json_numbers(json, "radiance", probe->mean, probe->n);
@@ -307,7 +292,5 @@ void probe_free(struct probe *probe)
 {
     for (int c = 0; c < probe->n_curves; c++)
         free(probe->curves[c].values);
-    FREE_ALL(probe->source, probe->wavelengths_nm, probe->mean, probe->spread, probe->object,
-             probe->observer);
-    *probe = (struct probe){.source = NULL};
+    FREE_ALL(probe->source, probe->wavelengths_nm, probe->mean, probe->spread, probe->object);
 }

@@ -16,12 +16,10 @@ struct probe_own {
 
 /* ---- operands ---- */
 
-static bool region_read(const struct options *options, struct probe_options *out, struct error *err)
+static bool region_read(const struct options *options, struct probe *out, struct error *err)
 {
     static const char *const names[] = {"X", "Y", "W", "H"};
     int *numbers[] = {&out->x, &out->y, &out->width, &out->height};
-    *out = (struct probe_options){
-        .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
     if (options->n_operands != 3 && options->n_operands != 5)
         return error_usage(err,
                            "probe takes a STACK or SCENE, X and Y, and optionally W and H; see "
@@ -35,8 +33,7 @@ static bool region_read(const struct options *options, struct probe_options *out
 
 /* ---- the command ---- */
 
-static bool probe_picture(const struct options *options, const struct probe_options *region,
-                          struct probe *out, struct error *err)
+static bool probe_picture(const struct options *options, struct probe *probe, struct error *err)
 {
     const struct plan_options plan_options = {.store_raster = true, .threads = options->threads};
     struct scene scene = {.path = NULL};
@@ -44,26 +41,24 @@ static bool probe_picture(const struct options *options, const struct probe_opti
     struct refine_result refined = {.levels = 0};
     bool done = scene_read_options(options, &scene, err) &&
                 plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                refine_options(options, &plan, &refined, err) &&
-                probe_scene(&plan, region, out, err);
+                refine_options(options, &plan, &refined, err) && probe_scene(probe, &plan, err);
     refine_result_free(&refined);
     plan_free(&plan);
     scene_free(&scene);
     return done;
 }
 
-static bool probe_operand(const struct options *options, const struct probe_options *region,
-                          struct probe *out, struct error *err)
+static bool probe_operand(const struct options *options, struct probe *probe, struct error *err)
 {
     bool is_stack;
     if (!image_is(options->operand, &is_stack, err))
         return false;
     if (!is_stack)
-        return probe_picture(options, region, out, err);
+        return probe_picture(options, probe, err);
     if (options->n_recorded > 0)
         return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
                            options->recorded[0]);
-    return probe_stack(options->operand, region, out, err);
+    return probe_stack(probe, options->operand, err);
 }
 
 static bool probe_write(struct options *options, const struct probe *probe, struct error *err)
@@ -82,13 +77,13 @@ static bool probe_write(struct options *options, const struct probe *probe, stru
 static bool run_probe(struct options *options, struct error *err)
 {
     const struct probe_own *own = options->own;
-    struct probe_options region;
-    struct probe probe = {.source = NULL};
-    if (!region_read(options, &region, err))
+    struct probe probe = {
+        .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
+    if (!region_read(options, &probe, err))
         return false;
     if (own->csv + own->svg + (options->json != NULL) > 1)
         return error_usage(err, "--csv, --svg and --json exclude each other; give one of them");
-    bool done = probe_operand(options, &region, &probe, err) && probe_write(options, &probe, err);
+    bool done = probe_operand(options, &probe, err) && probe_write(options, &probe, err);
     probe_free(&probe);
     return done;
 }
