@@ -46,14 +46,13 @@ static bool read_rows(struct cube *cube, struct error *err)
     return done;
 }
 
-static void develop_stack(const char *path, const struct develop_options *options,
-                          const char *ending)
+static void develop_stack(const char *path, struct development *of, const char *ending)
 {
     struct error err = {.status = EXIT_AGREED};
-    struct develop_result result;
     char picture[FUZZ_PATH];
     fuzz_write(ending, "", 0, picture);
-    fuzz_ends(develop(path, picture, options, &result, &err), &err);
+    fuzz_ends(develop(of, path, picture, &err), &err);
+    develop_free(of);
 }
 
 static void probe_pixel(const char *path)
@@ -93,17 +92,21 @@ static void join_part(const char *path)
 
 static void develop_colour(const char *path)
 {
-    const struct develop_options options = {"cie1931", .bits = 16, .threads = 1};
-    develop_stack(path, &options, ".png");
+    struct development of = {"cie1931", .bits = 16, .threads = 1, .automatic = true};
+    develop_stack(path, &of, ".png");
 }
 
 static void develop_sampled(const char *path)
 {
     const struct sampling_method gauss = {.kind = SAMPLING_GAUSS, .count = 5};
-    const struct develop_options options = {
-        "cie1964",    {ADAPTATION_CAT16, 0}, .white = "d65", .exposure = 1, .values = DEVELOP_LAB,
-        .threads = 1, .sampling = &gauss};
-    develop_stack(path, &options, ".developed.tif");
+    struct development of = {"cie1964",
+                             .adaptation = {ADAPTATION_CAT16, 0},
+                             .white = "d65",
+                             .exposure = 1,
+                             .values = DEVELOP_LAB,
+                             .threads = 1,
+                             .sampling = &gauss};
+    develop_stack(path, &of, ".developed.tif");
 }
 
 /* Reads everything, and then does what one of the commands does, which the last byte chooses: all

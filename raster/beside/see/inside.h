@@ -33,65 +33,55 @@ struct axis axis_linear(double low, double high, int steps);
 struct axis axis_from_zero(double low, double high, int steps);
 
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
-struct develop_options {
-    const char *detector; /* name or file */
+/* A stack that is being developed. */
+struct development {
+    /* The caller sets these, and zeroes all others. */
+    const char *detector_name; /* or file */
+    const char *white;         /* SPECTRUM; NULL: what the stack records */
     struct adaptation adaptation;
     enum display_kind display;
-    const char *white; /* SPECTRUM; NULL: what the stack records */
-    double exposure;   /* factor of all radiances; 0: the one that brings the largest displayed
-                          value (or Y) of the picture to just 1 (or 100) */
     enum develop_values values;
-    struct outputs *outputs;                /* get the picture; NULL: it appears at once */
-    int bits;                               /* of RGB: 8 or 16 */
-    int threads;                            /* 0: one a processor */
+    int bits;        /* of RGB: 8 or 16 */
+    int threads;     /* 0: one a processor */
+    double exposure; /* factor of all radiances; 0: the one that brings the largest displayed value
+                        (or Y) of the picture to just 1 (or 100), which then stands here */
+    bool automatic;  /* the exposure was 0 */
     const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,
                                                before they are developed; NULL: no. Refused for
                                                stacks that were sampled, and for basis, rgb and
                                                xyz, which need lights and reflectances apart */
-};
-struct develop_result {
-    int width, height, n_pages;
-    double first_nm, last_nm; /* of pages, or of the range of components */
-    char sampling[512];       /* of the stack, or by options.sampling, in a line; "": none */
-    bool components, observer;
-    struct adaptation adaptation; /* as used: with its luminance */
-    double lost[3];               /* detector_lost */
-    bool has_white;
-    double white[3];       /* the white in the detector's channels, before adaptation */
-    double exposure;       /* as used */
-    uint64_t out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
-};
-/* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
- * has no XYZ and no Lab. The channels of cameras and films are balanced: each is
- * divided by the white's. Refuses adaptation, XYZ and Lab for them. */
-bool develop(const char *stack, const char *output, const struct develop_options *options,
-             struct develop_result *out, struct error *err);
-void develop_print(const struct develop_options *options, const struct develop_result *result,
-                   struct printed *to);
-/* Begins a text with one JSON object. output: the name of the picture. */
-void develop_json(const struct develop_options *options, const struct develop_result *result,
-                  const char *output, struct json *json);
-
-/* A stack that is being developed. */
-struct development {
-    const struct develop_options *options;
-    struct develop_result *result;
+    struct outputs *outputs;                /* get the picture; NULL: it appears at once */
+    /* What is found. */
     struct cube cube;
     struct detector detector;
-    double *weights;  /* of the stack's pages: [channel * n_pages + page]; owned */
-    double *of_white; /* of the white's pages, if they differ from those; owned */
-    double equal[3];  /* the detector's response to a radiance of 1 everywhere */
-    double white[3];  /* to which an observer has adapted */
-    int rows;         /* of a chunk */
-    int threads;
+    double first_nm, last_nm; /* of pages, or of the range of components */
+    char sampled[512];        /* how the spectra were sampled, in a line; "": not at all */
+    double lost[3];           /* detector_lost */
+    bool has_white;
+    double seen_white[3];    /* in the detector's channels, before adaptation */
+    double adapted_white[3]; /* to which an observer has adapted */
+    double equal[3];         /* the detector's response to a radiance of 1 everywhere */
+    double *weights;         /* of the stack's pages: [channel * n_pages + page]; owned */
+    double *of_white;        /* of the white's pages, if they differ from those; owned */
+    uint64_t out_of_gamut;   /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
+    /* The rows at hand. */
+    int rows;        /* of a chunk */
     size_t n_pixels; /* of a chunk */
     float *radiance; /* [page of the batch][pixel]; owned */
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them; owned */
 };
-/* Finds the weights that take the pages of the cube to linear display channels, or to XYZ (also for
- * CIELAB), at exposure 1. Fills in the white, and all members of the result that pixels do
- * not decide. Refuses a detector that sees none of the wavelengths. In weights.c. */
+/* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
+ * has no XYZ and no Lab. The channels of cameras and films are balanced: each is
+ * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
+ * after a failure. */
+bool develop(struct development *of, const char *stack, const char *output, struct error *err);
+/* Prints all that decides a developed picture, except the stack. */
+void develop_print_settings(const struct development *of, struct printed *to);
+void develop_free(struct development *of);
+/* weights.c: finds the weights that take the pages of the cube to linear display channels, or to
+ * XYZ (also for CIELAB), at exposure 1. Fills in all that is found but what pixels decide. Refuses
+ * a detector that sees none of the wavelengths. */
 bool develop_weights(struct development *of, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
