@@ -95,8 +95,8 @@ static bool write_files(const struct cost *cost, struct options *options, struct
         if (!printed_write(&table, own->csv, &options->outputs, err))
             return false;
     }
-    if (own->svg && (!cost_svg(cost, &chart, err) ||
-                              !printed_write(&chart, own->svg, &options->outputs, err)))
+    if (own->svg &&
+        (!cost_svg(cost, &chart, err) || !printed_write(&chart, own->svg, &options->outputs, err)))
         return false;
     if (options->json)
         cost_json(cost, &json);
@@ -153,11 +153,10 @@ static bool report(struct options *options, const struct cost *cost, double tole
         return false;
     snprintf(what, sizeof what, "95 %% within %.10g CIEDE2000", tolerance);
     bool done = !own->tolerance || recommend(options, what, cost_within(cost, tolerance, false),
-                                                 cost_within(cost, tolerance, true), &advice, err);
+                                             cost_within(cost, tolerance, true), &advice, err);
     snprintf(what, sizeof what, "seconds within %.10g", budget);
-    done =
-        done && (!own->budget || recommend(options, what, cost_affordable(cost, budget, false),
-                                               cost_affordable(cost, budget, true), &advice, err));
+    done = done && (!own->budget || recommend(options, what, cost_affordable(cost, budget, false),
+                                              cost_affordable(cost, budget, true), &advice, err));
     return printed_show(&advice, to, err) && done;
 }
 
@@ -202,11 +201,10 @@ static bool run_cost(struct options *options, struct error *err)
     const struct cost_options *own = options->own;
     struct cost cost = {.scene = NULL};
     double tolerance = 0, budget = 0;
-    bool done =
-        (!own->tolerance || tolerance_of("--tolerance", own->tolerance, &tolerance, err)) &&
-        (!own->budget || option_number("--budget", own->budget, 0, 1e9, &budget, err)) &&
-        check_scene(options, err) && check_files(options, err) &&
-        cost_measure(options, &cost, err) && report(options, &cost, tolerance, budget, err);
+    bool done = (!own->tolerance || tolerance_of("--tolerance", own->tolerance, &tolerance, err)) &&
+                (!own->budget || option_number("--budget", own->budget, 0, 1e9, &budget, err)) &&
+                check_scene(options, err) && check_files(options, err) &&
+                cost_measure(options, &cost, err) && report(options, &cost, tolerance, budget, err);
     cost_free(&cost);
     return done;
 }
@@ -229,8 +227,8 @@ static const struct option cost_rows[] = {
      OWN(TEXT, cost_options, budget)},
 };
 static const struct option_list cost_list = OPTION_LIST(cost_rows);
-static const struct option_list *const lists[] = {&cost_list,    &scene_options,  &threads_option,
-                                                  &json_option,  &quiet_option,   &common_options,
+static const struct option_list *const lists[] = {&cost_list,   &scene_options, &threads_option,
+                                                  &json_option, &quiet_option,  &common_options,
                                                   NULL};
 const struct command cost_command = {
     .name = "cost",

@@ -248,30 +248,3 @@ void cost_json(const struct cost *cost, struct json *json)
         json_string(json, NULL, cost->notes[i]);
     json_close(json, ']');
 }
-
-/* ---- the chart ---- */
-
-bool cost_svg(const struct cost *cost, struct printed *to, struct error *err)
-{
-    char title[512];
-    struct frontier_point *points;
-    if (!MAKE_ARRAY(points, (size_t)cost->n, err, "the points of a chart"))
-        return false;
-    for (int i = 0; i < cost->n; i++) {
-        const struct cost_entry *entry = &cost->entries[i];
-        points[i] = (struct frontier_point){.name = entry->name,
-                                            .cost = entry->seconds,
-                                            .cost_low = entry->fastest,
-                                            .cost_high = entry->slowest,
-                                            .error = entry->accuracy.quantile_95,
-                                            .best = entry->best,
-                                            .uncertain = entry->uncertain};
-    }
-    snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->survey.width,
-             cost->survey.height, cost->survey.observer);
-    const struct frontier frontier = {title, "seconds", "CIEDE2000, 95 % of the pixels", points,
-                                      cost->n};
-    const bool done = frontier_svg(&frontier, to, err);
-    free(points);
-    return done;
-}

@@ -13,25 +13,6 @@ struct cost_options {
     int runs;
 };
 
-/* ---- frontier.c: what accuracy costs ---- */
-
-struct frontier_point {
-    const char *name;
-    double cost, cost_low, cost_high; /* above 0 */
-    double error;                     /* 0 or more */
-    bool best;                        /* on the frontier */
-    bool uncertain;                   /* noise might move it onto the frontier, or off it */
-};
-struct frontier {
-    const char *title, *cost_label, *error_label;
-    const struct frontier_point *points;
-    int n;
-};
-/* Prints a whole SVG 1.1 file. Fails without memory. Both axes are logarithmic. Errors below
- * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
- * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
-bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err);
-
 enum { COST_WORDS = 10, MAX_CONFIGURATIONS = 80 };
 /* The properties of a scene that decide which configurations make sense, and the observer. */
 struct survey {
@@ -115,10 +96,15 @@ struct advice {
 struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
 struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
 void cost_print(const struct cost *cost, struct printed *to);
-/* Print the table as CSV, and the chart. */
-void cost_csv(const struct cost *cost, struct printed *to);
-bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
+void cost_csv(const struct cost *cost, struct printed *to); /* the table */
 void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */
+
+/* ---- frontier.c: the chart ---- */
+
+/* Prints a whole SVG 1.1 file. Fails without memory. Both axes are logarithmic. Errors below
+ * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
+ * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
+bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
 
 /* ---- command.c: configurations as command lines ---- */
 

@@ -27,6 +27,11 @@ struct chart {
 };
 void chart_svg(const struct chart *chart, struct printed *to); /* prints a whole SVG 1.1 file */
 
+/* Writes a decimal exponent: ×10 and raised digits. */
+void chart_exponent(struct printed *to, int exponent);
+
+/* ---- axis.c: scales ---- */
+
 /* Makes a linear axis from low to high with about so many steps; from 0 to 1 if low > high. */
 struct axis axis_linear(double low, double high, int steps);
 /* Makes a linear axis that contains 0 and ends at whole steps. */
@@ -198,7 +203,5 @@ void probe_free(struct probe *probe);
  * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
  * excitation, emission and own light. The region is one of the plan's picture. */
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
-
-void chart_exponent(struct printed *to, int exponent);
 
 #endif
