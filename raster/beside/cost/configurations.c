@@ -359,12 +359,10 @@ static bool add_renderers(struct cost *cost, struct error *err)
     return true;
 }
 
-/* Adds the shadings of the finest tessellation, or the others. */
-static bool add_shadings(struct cost *cost, bool are_finest, struct error *err)
+static bool add_shadings(struct cost *cost, struct error *err)
 {
     for (int i = 0; i < N_SHADINGS; i++)
         if (is_on_axis(&cost->survey, &shadings[i]) &&
-            (shadings[i].tessellation == every_nm.tessellation) == are_finest &&
             !add(cost, shadings[i], cost->chosen[GOOD], err))
             return false;
     return true;
@@ -396,21 +394,18 @@ static bool add_positions(struct cost *cost, struct configuration configuration,
 
 bool configurations_pictures(struct cost *cost, struct error *err)
 {
-    if (!add_positions(cost, smooth, err) || (gl_is_built() && !add_positions(cost, opengl, err)))
-        return false;
-    return add_shadings(cost, false, err) && add_accuracies(cost, err) && add_renderers(cost, err);
-}
-
-bool configurations_finest(struct cost *cost, struct error *err)
-{
+    const char *good = cost->chosen[GOOD];
     struct configuration bytes = finest(cost), floats = finest(cost);
     bytes.bits = 8;
     floats.bits = 32;
     for (int i = 0; i < N_CHOSEN; i++)
         if (!add(cost, finest(cost), cost->chosen[i], err))
             return false;
-    return add_positions(cost, finest(cost), err) && add_shadings(cost, true, err) &&
-           add(cost, bytes, cost->chosen[GOOD], err) && add(cost, floats, cost->chosen[GOOD], err);
+    return add_positions(cost, smooth, err) &&
+           (!gl_is_built() || add_positions(cost, opengl, err)) && add_shadings(cost, err) &&
+           add_accuracies(cost, err) && add_renderers(cost, err) &&
+           add_positions(cost, finest(cost), err) && add(cost, bytes, good, err) &&
+           add(cost, floats, good, err);
 }
 
 /* ---- combinations ---- */

@@ -49,6 +49,8 @@ struct standard_pixel {
 };
 /* The colours of the standard: see standard.c. */
 struct standard {
+    const char *observer; /* this and the threads are the caller's */
+    int threads;
     int width, height;
     bool lit;        /* the observer sees some light */
     double white[3]; /* XYZ of the lights, or of a radiance of 1 where the observer sees none */
@@ -126,16 +128,10 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
 
 /* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
 
-struct standard_request {
-    const char *stack, *observer;
-    const struct sampling *sampling; /* of a stack that is compared; zeroed: none */
-    int threads;
-};
-/* Summarize the stack of the standard; measure a stack of the standard's size. The caller always
- * frees the standard. */
-bool standard_summarize(const struct standard_request *request, struct standard *out,
-                        struct error *err);
-bool standard_compare(const struct standard_request *request, struct standard *standard,
+/* Summarize the stack of the standard; measure a stack of the standard's size, with its sampling
+ * (zeroed: none). The caller always frees the standard. */
+bool standard_summarize(const char *stack, struct standard *out, struct error *err);
+bool standard_compare(const char *stack, const struct sampling *sampling, struct standard *standard,
                       struct accuracy *out, struct error *err);
 void standard_free(struct standard *standard);
 
@@ -149,13 +145,12 @@ bool configuration_entry(const struct configuration *configuration, const char *
                          struct cost_entry *out, struct error *err);
 /* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
 bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err);
-/* Add every sampling, with the finest shading; choose samplings; add coarser shadings and renderers
- * with a good one; add the finest ones and depths; add the best samplings with the best shadings.
- * Choices depend on errors, not on seconds: they are the same in every run. */
+/* Add every sampling, with the finest shading; choose samplings; add shadings, renderers, positions
+ * and depths with a good one; add the best samplings with the best shadings. Choices depend on
+ * errors, not on seconds: they are the same in every run. */
 bool configurations_samplings(struct cost *cost, struct error *err);
 void configurations_choose(struct cost *cost);
 bool configurations_pictures(struct cost *cost, struct error *err);
-bool configurations_finest(struct cost *cost, struct error *err);
 bool configurations_combined(struct cost *cost, struct error *err);
 
 #endif

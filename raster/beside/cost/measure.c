@@ -19,6 +19,7 @@ struct measurement {
     char stack[sizeof(struct folder) + 16]; /* a file in it */
     struct standard standard;
     long steps, all_steps;
+    const struct cost_entry *entry; /* at hand */
     struct cost *cost;
 };
 
@@ -49,34 +50,21 @@ static void close_folder(struct measurement *measurement)
 
 /* ---- jobs for processes of their own ---- */
 
-struct task {
-    struct measurement *measurement;
-    const struct cost_entry *entry;
-};
-
 static bool render_job(void *context, void *out, struct error *err)
 {
-    const struct task *task = context;
+    const struct measurement *measurement = context;
     (void)out;
-    return cost_render(task->measurement->options, task->entry, task->measurement->stack, err);
-}
-
-static struct standard_request request_of(const struct measurement *measurement)
-{
-    return (struct standard_request){.stack = measurement->stack,
-                                     .observer = measurement->cost->survey.observer,
-                                     .threads = measurement->options->threads};
+    return cost_render(measurement->options, measurement->entry, measurement->stack, err);
 }
 
 static bool compare_job(void *context, void *out, struct error *err)
 {
-    const struct task *task = context;
+    struct measurement *measurement = context;
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
-    struct standard_request request = request_of(task->measurement);
-    request.sampling = &sampling;
-    const bool done = cost_read(task->measurement->options, task->entry, &scene, &sampling, err) &&
-                      standard_compare(&request, &task->measurement->standard, out, err);
+    const bool done =
+        cost_read(measurement->options, measurement->entry, &scene, &sampling, err) &&
+        standard_compare(measurement->stack, &sampling, &measurement->standard, out, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;
@@ -87,11 +75,11 @@ static bool compare_job(void *context, void *out, struct error *err)
 static bool render_entry(struct measurement *measurement, const struct cost_entry *entry,
                          struct run_seconds *seconds, struct error *err)
 {
-    struct task task = {measurement, entry};
     struct error again = {.status = EXIT_AGREED};
+    measurement->entry = entry;
     if (cost_run(measurement->options, entry, measurement->stack, seconds, err))
         return true;
-    if (err->status == EXIT_SYSTEM && !process_run(render_job, &task, NULL, 0, &again) &&
+    if (err->status == EXIT_SYSTEM && !process_run(render_job, measurement, NULL, 0, &again) &&
         again.unsupported)
         *err = again;
     return false;
@@ -104,12 +92,11 @@ static bool render_entry(struct measurement *measurement, const struct cost_entr
 static bool make_standard(struct measurement *measurement, struct error *err)
 {
     struct cost_entry entry = {.n_words = 0};
-    struct standard_request request = request_of(measurement);
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds = {.wall = 0};
     const bool done = configuration_standard(measurement->cost, &entry, &own) &&
                       render_entry(measurement, &entry, &seconds, &own) &&
-                      standard_summarize(&request, &measurement->standard, &own);
+                      standard_summarize(measurement->stack, &measurement->standard, &own);
     measurement->cost->standard_seconds = seconds.wall;
     unlink(measurement->stack);
     cost_entry_free(&entry);
@@ -124,12 +111,11 @@ static bool make_standard(struct measurement *measurement, struct error *err)
  * system does not support, becomes a note. */
 static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
 {
-    struct task task = {measurement, entry};
     struct accuracy accuracy = {.n_pages = 0};
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds = {.wall = 0};
     const bool done = render_entry(measurement, entry, &seconds, &own) &&
-                      process_run(compare_job, &task, &accuracy, sizeof accuracy, &own);
+                      process_run(compare_job, measurement, &accuracy, sizeof accuracy, &own);
     unlink(measurement->stack);
     step(measurement, done ? 2 : 2 + measurement->cost->runs);
     if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
@@ -257,7 +243,6 @@ static bool measure_all(struct measurement *measurement, struct error *err)
         return false;
     configurations_choose(cost);
     if (!warm_up_more(measurement, configurations_pictures, err) ||
-        !warm_up_more(measurement, configurations_finest, err) ||
         !warm_up_more(measurement, configurations_combined, err))
         return false;
     measurement->all_steps = steps_of(measurement, cost->n);
@@ -319,7 +304,10 @@ static bool measure(struct measurement *measurement, struct error *err)
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {.options = options, .cost = out};
+    struct measurement measurement = {
+        .options = options,
+        .standard = {.observer = options_detector(options), .threads = options->threads},
+        .cost = out};
     measurement.shown = progress_start(&measurement.line, options->quiet);
     *out = (struct cost){.scene = NULL};
     const bool done = measure(&measurement, err);

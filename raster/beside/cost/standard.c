@@ -29,7 +29,6 @@ static const size_t chunk_samples = (size_t)1 << 21;
 
 /* Reads a stack, and makes the summary or compares with it. */
 struct walk {
-    const struct standard_request *request;
     struct standard *standard;
     struct stack_rows rows;
     struct sight sight;
@@ -46,14 +45,13 @@ struct walk {
     size_t n_differences;
 };
 
-static bool open_walk(struct walk *walk, struct error *err)
+static bool open_walk(struct walk *walk, const char *stack, struct error *err)
 {
-    const struct standard_request *request = walk->request;
     const struct white_request white = {NULL, false};
-    walk->threads = threads_count(request->threads);
-    return cube_open(request->stack, &walk->rows.cube, err) &&
+    walk->threads = threads_count(walk->standard->threads);
+    return cube_open(stack, &walk->rows.cube, err) &&
            rows_allocate(&walk->rows, chunk_samples, err) &&
-           sight_make(&walk->rows.cube, request->observer, &white, &walk->sight, err);
+           sight_make(&walk->rows.cube, walk->standard->observer, &white, &walk->sight, err);
 }
 
 static size_t chunk_pixels(const struct walk *walk)
@@ -70,10 +68,7 @@ static void close_walk(struct walk *walk)
 {
     rows_close(&walk->rows);
     sight_free(&walk->sight);
-    free(walk->pages);
-    free(walk->linear);
-    free(walk->squares);
-    free(walk->differences);
+    FREE_ALL(walk->pages, walk->linear, walk->squares, walk->differences);
 }
 
 /* Calls a function for each chunk of rows, and then one for each row of the lattice. */
@@ -166,14 +161,13 @@ static bool describe(struct walk *walk, struct error *err)
     const int step = (int)ceil(sqrt((double)n_pixels / lattice_pixels));
     const double *white = walk->sight.white;
     struct standard *out = walk->standard;
-    *out = (struct standard){.width = image->width,
-                             .height = image->height,
-                             .lit = walk->sight.has_white &&
-                                    (white[0] > 0 || white[1] > 0 || white[2] > 0),
-                             .first_nm = image->wavelengths_nm[0],
-                             .n_nm = image->n_pages,
-                             .step = step,
-                             .columns = (image->width + step - 1) / step};
+    out->width = image->width;
+    out->height = image->height;
+    out->lit = walk->sight.has_white && (white[0] > 0 || white[1] > 0 || white[2] > 0);
+    out->first_nm = image->wavelengths_nm[0];
+    out->n_nm = image->n_pages;
+    out->step = step;
+    out->columns = (image->width + step - 1) / step;
     detector_response(walk->sight.weights, NULL, image->n_pages, out->white);
     if (out->lit)
         memcpy(out->white, white, sizeof out->white);
@@ -183,11 +177,10 @@ static bool describe(struct walk *walk, struct error *err)
                       "the radiances of the standard");
 }
 
-bool standard_summarize(const struct standard_request *request, struct standard *out,
-                        struct error *err)
+bool standard_summarize(const char *stack, struct standard *out, struct error *err)
 {
-    struct walk walk = {.request = request, .standard = out};
-    const bool done = open_walk(&walk, err) && describe(&walk, err) &&
+    struct walk walk = {.standard = out};
+    const bool done = open_walk(&walk, stack, err) && describe(&walk, err) &&
                       walk_rows(&walk, summarize_chunk, summarize_lattice, err);
     close_walk(&walk);
     return done;
@@ -195,9 +188,7 @@ bool standard_summarize(const struct standard_request *request, struct standard 
 
 void standard_free(struct standard *standard)
 {
-    free(standard->pixels);
-    free(standard->lattice);
-    *standard = (struct standard){.width = 0};
+    FREE_ALL(standard->pixels, standard->lattice);
 }
 
 /* ---- the difference of a stack ---- */
@@ -269,10 +260,9 @@ static void compare_lattice(struct walk *walk)
 }
 
 /* Without a sampling, radiances are linear between the wavelengths of the stack. */
-static bool find_synthesis(struct walk *walk, struct error *err)
+static bool find_synthesis(struct walk *walk, const struct sampling *sampling, struct error *err)
 {
     const struct image *image = &walk->rows.cube.image;
-    const struct sampling *sampling = sampling_or_none(walk->request->sampling);
     if (!sampling)
         walk->linear = linear_synthesis(image->wavelengths_nm, image->n_pages,
                                         walk->standard->first_nm, walk->standard->n_nm, err);
@@ -317,11 +307,12 @@ static bool allocate(struct walk *walk, struct error *err)
            MAKE_ARRAY(walk->differences, n_pixels, err, "differences from the standard");
 }
 
-bool standard_compare(const struct standard_request *request, struct standard *standard,
+bool standard_compare(const char *stack, const struct sampling *sampling, struct standard *standard,
                       struct accuracy *out, struct error *err)
 {
-    struct walk walk = {.request = request, .standard = standard};
-    const bool done = open_walk(&walk, err) && allocate(&walk, err) && find_synthesis(&walk, err) &&
+    struct walk walk = {.standard = standard};
+    const bool done = open_walk(&walk, stack, err) && allocate(&walk, err) &&
+                      find_synthesis(&walk, sampling_or_none(sampling), err) &&
                       walk_rows(&walk, compare_chunk, compare_lattice, err);
     if (done)
         conclude(&walk, out);
