@@ -6,87 +6,43 @@
 
 #include "raster/beside/view/inside.h"
 
-/* Planes, and their shape as JSON. */
-struct drawn {
-    struct planes planes;
-    double *scale; /* the value of count 1 in each plane; owned */
-    char *shape;   /* owned */
-};
-
-/* Describes the shape of planes. */
-static char *shape_json(const struct plan *plan, const struct drawn *of, struct error *err)
-{
-    const struct scene *scene = plan->scene;
-    const struct planes *planes = &of->planes;
-    struct json json;
-    json_begin(&json);
-    json_count(&json, "width", (uint64_t)scene->width);
-    json_count(&json, "height", (uint64_t)scene->height);
-    json_count(&json, "positions", (uint64_t)scene->positions); /* a side of each pixel */
-    json_numbers(&json, "weight_scales", of->scale, planes->n_weights);
-    json_numbers(&json, "texture_scales", of->scale + planes->n_weights, planes->n_pages);
-    return json_take(&json, err);
-}
-
-/* Draws the planes of a plan. counts: as counts of 16 bits; otherwise as floats. notes NULL: makes
- * none. The caller frees *out, also after a failure. */
-static bool draw(const struct plan *plan, bool counts, struct drawn *out, struct notes *notes,
-                 struct error *err)
-{
-    if (!planes_rasterize(plan, &out->planes, notes, err))
-        return false;
-    const int n = out->planes.n_weights + out->planes.n_pages;
-    if (!MAKE_ARRAY(out->scale, (size_t)n, err, "the scales of a page"))
-        return false;
-    for (int i = 0; i < n; i++)
-        out->scale[i] = counts ? plane_scale(&out->planes, i) : 1;
-    return (out->shape = shape_json(plan, out, err)) != NULL;
-}
-
-static void drawn_free(struct drawn *drawn)
-{
-    planes_free(&drawn->planes);
-    free(drawn->scale);
-    free(drawn->shape);
-}
-
 /* ---- in a page ---- */
 
-static bool put_planes(const struct drawn *drawn, struct printed *to, struct error *err)
+static bool put_planes(const struct planes *planes, struct printed *to, struct error *err)
 {
     size_t length;
-    unsigned char *bytes = planes_bytes(&drawn->planes, drawn->scale, &length, err);
-    put_json(to, "shape", drawn->shape);
+    unsigned char *bytes = planes_bytes(planes, &length, err);
+    put_json(to, "shape", planes->shape);
     const bool done = bytes && put_packed(to, "planes", bytes, length, err);
     free(bytes);
     return done;
 }
 
-bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
-                  struct notes *notes, struct outputs *outputs, struct error *err)
+bool viewer_write(struct viewing *view, struct error *err)
 {
-    struct drawn drawn = {.shape = NULL};
+    struct planes planes = {.shape = NULL};
     struct printed data = {.text = NULL};
-    *out = (struct viewer_result){.bytes = 0};
-    char *scene = draw(plan, true, &drawn, notes, err) ? description_make(plan, out, err) : NULL;
+    char *scene = planes_make(view->plan, true, &planes, &view->notes, err)
+                      ? description_make(view, err)
+                      : NULL;
     if (scene)
         put_json(&data, "scene", scene);
-    const bool done = scene && put_planes(&drawn, &data, err) &&
-                      page_write(PAGE_STILL, &data, path, &out->bytes, outputs, err);
+    const bool done = scene && put_planes(&planes, &data, err) &&
+                      page_write(PAGE_STILL, &data, view->options->output, &view->bytes,
+                                 &view->options->outputs, err);
     free(scene);
     free(printed_end(&data));
-    drawn_free(&drawn);
+    planes_free(&planes);
     return done;
 }
 
 /* ---- in files, for a live page ---- */
 
-bool description_write(const struct plan *plan, const char *path, struct outputs *outputs,
-                       struct error *err)
+bool description_write(struct viewing *view, struct error *err)
 {
-    struct viewer_result result;
-    char *json = description_make(plan, &result, err);
-    const bool done = json && file_write(path, json, strlen(json), outputs, err);
+    char *json = description_make(view, err);
+    const bool done =
+        json && file_write(view->options->output, json, strlen(json), &view->options->outputs, err);
     free(json);
     return done;
 }
@@ -98,12 +54,11 @@ void put_head(struct printed *to, const char *json)
     print_bytes(to, "   ", filled - length);
 }
 
-static bool write_parts(const struct drawn *drawn, const struct output *out, struct error *err)
+static bool write_parts(const struct planes *planes, const struct output *out, struct error *err)
 {
-    const struct planes *planes = &drawn->planes;
     const size_t n_values = (size_t)(planes->n_weights + planes->n_pages) * planes->n_positions;
     struct printed printed = {.text = NULL};
-    put_head(&printed, drawn->shape);
+    put_head(&printed, planes->shape);
     char *head = printed_take(&printed, err);
     const bool done =
         head && ((write_all(out->descriptor, head, printed.length) &&
@@ -115,17 +70,15 @@ static bool write_parts(const struct drawn *drawn, const struct output *out, str
     return done;
 }
 
-bool weights_write(const struct plan *plan, const char *path, struct outputs *outputs,
-                   struct error *err)
+bool weights_write(struct viewing *view, struct error *err)
 {
-    struct drawn drawn = {.shape = NULL};
-    struct output out;
-    const bool opened = draw(plan, false, &drawn, NULL, err) && output_open(&out, path, err);
-    const bool written = opened && write_parts(&drawn, &out, err) && output_sync(&out, err);
-    drawn_free(&drawn);
-    if (written)
-        return output_pass(&out, outputs, err);
-    if (opened)
-        output_discard(&out);
-    return false;
+    struct planes planes = {.shape = NULL};
+    struct output out = {.path = NULL};
+    const bool done = planes_make(view->plan, false, &planes, NULL, err) &&
+                      output_open(&out, view->options->output, err) &&
+                      write_parts(&planes, &out, err) && output_sync(&out, err) &&
+                      output_pass(&out, &view->options->outputs, err);
+    planes_free(&planes);
+    output_discard(&out);
+    return done;
 }

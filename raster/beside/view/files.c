@@ -84,15 +84,12 @@ void page_files_free(struct page_files *files)
     *files = (struct page_files){.list = NULL};
 }
 
-char *marked_name(const char *scene)
+char *marked_name(const char *scene, struct error *err)
 {
     const char *base = path_name(scene);
-    const size_t length = strlen(scene) + sizeof "./";
-    char *name = malloc(length);
-    if (name)
-        snprintf(name, length, "%.*s%s%s", (int)(base - scene), scene, scene[0] == '/' ? "./" : "",
-                 base);
-    return name;
+    struct printed name = {.text = NULL};
+    print(&name, "%.*s%s%s", (int)(base - scene), scene, scene[0] == '/' ? "./" : "", base);
+    return printed_take(&name, err);
 }
 
 bool page_files_make(const struct scene *scene, struct page_files *out, struct error *err)

@@ -145,17 +145,17 @@ static bool put_files(const struct options *options, const struct scene *scene,
 
 /* ---- the page ---- */
 
-bool live_write(const struct plan *plan, struct options *options, struct viewer_result *out,
-                struct notes *notes, struct error *err)
+bool live_write(struct viewing *view, struct error *err)
 {
+    struct options *options = view->options;
     struct printed data = {.text = NULL};
-    *out = (struct viewer_result){.bytes = 0};
-    bool done = page_allows(plan, err) && notes_of_plan(plan, SOME_PIXELS, notes, err) &&
-                put_files(options, plan->scene, &data, err);
+    bool done = page_allows(view->plan, err) &&
+                notes_of_plan(view->plan, SOME_PIXELS, &view->notes, err) &&
+                put_files(options, view->plan->scene, &data, err);
     if (done)
         put_module(&data);
     done =
-        done && page_write(PAGE_LIVE, &data, options->output, &out->bytes, &options->outputs, err);
+        done && page_write(PAGE_LIVE, &data, options->output, &view->bytes, &options->outputs, err);
     free(printed_end(&data));
     return done;
 }

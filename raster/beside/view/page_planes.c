@@ -16,11 +16,8 @@
 
 void planes_free(struct planes *planes)
 {
-    free(planes->surface);
-    free(planes->values);
-    free(planes->place[0]);
-    free(planes->place[1]);
-    *planes = (struct planes){0};
+    FREE_ALL(planes->surface, planes->values, planes->place[0], planes->place[1], planes->scale,
+             planes->shape);
 }
 
 static bool planes_allocate(const struct plan *plan, struct planes *out, struct error *err)
@@ -136,23 +133,10 @@ bool page_allows(const struct plan *plan, struct error *err)
     return true;
 }
 
-bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes *notes,
-                      struct error *err)
-{
-    struct lit_scene lit = {.plan = plan};
-    struct light_work work;
-    if (!page_allows(plan, err))
-        return false;
-    const bool done =
-        planes_allocate(plan, out, err) && lit_make(plan, driver_of(NULL), &lit, &work, err) &&
-        (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) && put_picture(&lit, out, err);
-    lit_free(&lit);
-    return done;
-}
-
 /* ---- planes as counts ---- */
 
-double plane_scale(const struct planes *planes, int plane)
+/* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
+static double plane_scale(const struct planes *planes, int plane)
 {
     const float *values = planes->values + (size_t)plane * planes->n_positions;
     double largest = 0;
@@ -160,6 +144,39 @@ double plane_scale(const struct planes *planes, int plane)
         if ((double)values[i] > largest)
             largest = (double)values[i];
     return largest / LARGEST_SAMPLE;
+}
+
+/* Finds the scales, and describes the shape. */
+static bool describe(const struct scene *scene, bool counts, struct planes *of, struct error *err)
+{
+    const int n = of->n_weights + of->n_pages;
+    struct json json;
+    if (!MAKE_ARRAY(of->scale, (size_t)n, err, "the scales of a page"))
+        return false;
+    for (int i = 0; i < n; i++)
+        of->scale[i] = counts ? plane_scale(of, i) : 1;
+    json_begin(&json);
+    json_count(&json, "width", (uint64_t)scene->width);
+    json_count(&json, "height", (uint64_t)scene->height);
+    json_count(&json, "positions", (uint64_t)scene->positions); /* a side of each pixel */
+    json_numbers(&json, "weight_scales", of->scale, of->n_weights);
+    json_numbers(&json, "texture_scales", of->scale + of->n_weights, of->n_pages);
+    return (of->shape = json_take(&json, err)) != NULL;
+}
+
+bool planes_make(const struct plan *plan, bool counts, struct planes *out, struct notes *notes,
+                 struct error *err)
+{
+    struct lit_scene lit = {.plan = plan};
+    struct light_work work;
+    if (!page_allows(plan, err))
+        return false;
+    const bool done = planes_allocate(plan, out, err) &&
+                      lit_make(plan, driver_of(NULL), &lit, &work, err) &&
+                      (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
+                      put_picture(&lit, out, err) && describe(plan->scene, counts, out, err);
+    lit_free(&lit);
+    return done;
 }
 
 void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
@@ -171,8 +188,7 @@ void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
     }
 }
 
-unsigned char *planes_bytes(const struct planes *planes, const double *scale, size_t *length,
-                            struct error *err)
+unsigned char *planes_bytes(const struct planes *planes, size_t *length, struct error *err)
 {
     const size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages);
     unsigned char *bytes;
@@ -186,10 +202,10 @@ unsigned char *planes_bytes(const struct planes *planes, const double *scale, si
     put_differences(planes->surface, n, bytes);
     for (size_t plane = 0; plane < n_values; plane++) {
         const float *values = planes->values + plane * n;
+        const double scale = planes->scale[plane];
         for (size_t i = 0; i < n; i++)
             samples[i] =
-                (uint16_t)(scale[plane] > 0 ? fmax(0, floor((double)values[i] / scale[plane] + 0.5))
-                                            : 0);
+                (uint16_t)(scale > 0 ? fmax(0, floor((double)values[i] / scale + 0.5)) : 0);
         put_differences(samples, n, bytes + 2 * n * (1 + plane));
     }
     free(samples);
