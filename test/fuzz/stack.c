@@ -55,16 +55,25 @@ static void develop_stack(const char *path, struct development *of, const char *
     develop_free(of);
 }
 
-static void probe_pixel(const char *path)
+/* Runs a command, whose output nobody reads. */
+static void run_command(const struct command *command, char *const *words, int n)
 {
     struct error err = {.status = EXIT_AGREED};
-    struct probe probe = {.width = 1, .height = 1, .observer = "cie1931"};
-    if (fuzz_ends(probe_stack(&probe, path, &err), &err)) {
-        struct printed printed = {.text = NULL};
-        probe_print(&probe, &printed);
-        free(printed_end(&printed));
-    }
-    probe_free(&probe);
+    struct options options = {.operand = NULL};
+    const bool done =
+        options_read(command, words, n, &options, &err) && command->run(&options, &err);
+    if (err.status != EXIT_DIFFERENT)
+        fuzz_ends(done, &err);
+    options_free(&options);
+}
+
+static void probe_pixel(const char *path)
+{
+    char output[] = "-o/dev/null", x[] = "0", y[] = "0", *stack = strdup(path);
+    char *const words[] = {output, stack, x, y};
+    if (stack)
+        run_command(&probe_command, words, 4);
+    free(stack);
 }
 
 static void compare_with_itself(const char *path)
@@ -78,15 +87,10 @@ static void compare_with_itself(const char *path)
 
 static void join_part(const char *path)
 {
-    struct error err = {.status = EXIT_AGREED};
     char quiet[] = "-q", output[] = "-o/dev/null", *part = strdup(path);
     char *const words[] = {quiet, output, part};
-    struct options options = {.operand = NULL};
-    const bool done = part && options_read(&join_command, words, 3, &options, &err) &&
-                      join_command.run(&options, &err);
-    if (err.status != EXIT_DIFFERENT)
-        fuzz_ends(done, &err);
-    options_free(&options);
+    if (part)
+        run_command(&join_command, words, 3);
     free(part);
 }
 
@@ -114,7 +118,7 @@ static void develop_sampled(const char *path)
 static void read_stack(const char *path, const struct fuzz_input *input)
 {
     void (*const readers[])(const char *) = {develop_colour, develop_sampled, probe_pixel,
-                                              compare_with_itself, join_part};
+                                             compare_with_itself, join_part};
     const unsigned char last =
         (unsigned char)input->bytes[input->length > 0 ? input->length - 1 : 0];
     struct error err = {.status = EXIT_AGREED};

@@ -6,81 +6,9 @@
 #include <unistd.h>
 
 #include "data/files/files.h"
-#include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"
 #include "raster/beside/see/see.h"
-#include "raster/render/render.h"
-
-/* ---- configurations ---- */
-
-/* Reads a command line of render: the changes of the scene that cost was given, then the words of
- * the entry (NULL: none). */
-static bool read_words(const struct options *options, const struct cost_entry *entry,
-                       struct options *out, struct error *err)
-{
-    char *line[MAX_RECORDED + COST_WORDS];
-    int n = 0;
-    for (int i = 0; i < options->n_recorded; i++)
-        line[n++] = options->recorded[i];
-    for (int i = 0; entry && i < entry->n_words; i++)
-        line[n++] = entry->words[i];
-    if (!options_read(&render_command, line, n, out, err))
-        return false;
-    out->operand = options->operand;
-    out->threads = options->threads;
-    out->quiet = true;
-    return true;
-}
-
-bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
-                 struct error *err)
-{
-    struct options own = {.operand = NULL};
-    bool done = read_words(options, entry, &own, err);
-    own.output = output;
-    done = done && render_command.run(&own, err) && outputs_commit(&own.outputs, err);
-    options_free(&own);
-    return done;
-}
-
-enum { FIXED_WORDS = 12 };
-
-/* Adds "NAME=NUMBER" to a command line, in `text`; 0: the user gave none. */
-static void add_count(const char *line[], int *n, const char *name, int count, char text[32])
-{
-    if (count == 0)
-        return;
-    snprintf(text, 32, "%s=%d", name, count);
-    line[(*n)++] = text;
-}
-
-/* The scene comes last: its name may begin with a dash. */
-bool cost_run(const struct options *options, const struct cost_entry *entry, const char *output,
-              struct run_seconds *out, struct error *err)
-{
-    const char *line[MAX_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
-    char threads[32], memory[32];
-    int n = 2;
-    for (int i = 0; i < options->n_recorded; i++)
-        line[n++] = options->recorded[i];
-    for (int i = 0; i < entry->n_words; i++)
-        line[n++] = entry->words[i];
-    add_count(line, &n, "--threads", options->threads, threads);
-    add_count(line, &n, "--memory", options->memory_mib, memory);
-    const char *const last[] = {"--quiet", "--output", output, "--", options_scene(options), NULL};
-    memcpy(line + n, last, sizeof last);
-    return process_program(line, out, err);
-}
-
-bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
-               struct sampling *sampling, struct error *err)
-{
-    struct options own = {.operand = NULL};
-    bool done =
-        read_words(options, entry, &own, err) && scene_read_sampled(&own, scene, sampling, err);
-    options_free(&own);
-    return done;
-}
+#include "raster/renderers/renderers.h"
 
 /* ---- report ---- */
 

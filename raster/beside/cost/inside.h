@@ -108,21 +108,12 @@ void cost_json(const struct cost *cost, struct json *json); /* begins a text wit
  * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
 bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
 
-/* ---- command.c: configurations as command lines ---- */
-
-/* Render the scene of the options, with the words of the entry, to a stack: in this process; and by
- * running the program. */
-bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
-                 struct error *err);
-bool cost_run(const struct options *options, const struct cost_entry *entry, const char *output,
-              struct run_seconds *out, struct error *err);
-/* Reads and samples the scene as cost_render would; without a sampling, *sampling stays zeroed. The
- * caller always frees both. entry NULL: no words. */
-bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
-               struct sampling *sampling, struct error *err);
-
 /* ---- measure.c ---- */
 
+/* Reads and samples the scene as render does with the words of the entry (NULL: none); without a
+ * sampling, *sampling stays zeroed. The caller always frees both. */
+bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
+               struct sampling *sampling, struct error *err);
 /* Measures all configurations that make sense for the scene. The caller always frees *out. */
 bool cost_measure(const struct options *options, struct cost *out, struct error *err);
 

@@ -7,9 +7,72 @@
 #include <unistd.h>
 
 #include "data/files/files.h"
+#include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"
+#include "raster/render/render.h"
 
 enum { DEFAULT_RUNS = 5 };
+
+/* ---- a configuration as a command line of render ---- */
+
+/* Reads a command line of render: the changes of the scene that cost was given, then the words of
+ * the entry (NULL: none). */
+static bool read_words(const struct options *options, const struct cost_entry *entry,
+                       struct options *out, struct error *err)
+{
+    char *line[MAX_RECORDED + COST_WORDS];
+    int n = 0;
+    for (int i = 0; i < options->n_recorded; i++)
+        line[n++] = options->recorded[i];
+    for (int i = 0; entry && i < entry->n_words; i++)
+        line[n++] = entry->words[i];
+    if (!options_read(&render_command, line, n, out, err))
+        return false;
+    out->operand = options->operand;
+    out->threads = options->threads;
+    out->quiet = true;
+    return true;
+}
+
+enum { FIXED_WORDS = 12 };
+
+/* Adds "NAME=NUMBER" to a command line, in `text`; 0: the user gave none. */
+static void add_count(const char *line[], int *n, const char *name, int count, char text[32])
+{
+    if (count == 0)
+        return;
+    snprintf(text, 32, "%s=%d", name, count);
+    line[(*n)++] = text;
+}
+
+/* Runs the program on the scene of the options, with the words of the entry. The scene comes last:
+ * its name may begin with a dash. */
+static bool run_program(const struct options *options, const struct cost_entry *entry,
+                        const char *output, struct run_seconds *out, struct error *err)
+{
+    const char *line[MAX_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
+    char threads[32], memory[32];
+    int n = 2;
+    for (int i = 0; i < options->n_recorded; i++)
+        line[n++] = options->recorded[i];
+    for (int i = 0; i < entry->n_words; i++)
+        line[n++] = entry->words[i];
+    add_count(line, &n, "--threads", options->threads, threads);
+    add_count(line, &n, "--memory", options->memory_mib, memory);
+    const char *const last[] = {"--quiet", "--output", output, "--", options_scene(options), NULL};
+    memcpy(line + n, last, sizeof last);
+    return process_program(line, out, err);
+}
+
+bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
+               struct sampling *sampling, struct error *err)
+{
+    struct options own = {.operand = NULL};
+    bool done =
+        read_words(options, entry, &own, err) && scene_read_sampled(&own, scene, sampling, err);
+    options_free(&own);
+    return done;
+}
 
 struct measurement {
     const struct options *options;
@@ -53,8 +116,13 @@ static void close_folder(struct measurement *measurement)
 static bool render_job(void *context, void *out, struct error *err)
 {
     const struct measurement *measurement = context;
+    struct options own = {.operand = NULL};
     (void)out;
-    return cost_render(measurement->options, measurement->entry, measurement->stack, err);
+    bool done = read_words(measurement->options, measurement->entry, &own, err);
+    own.output = measurement->stack;
+    done = done && render_command.run(&own, err) && outputs_commit(&own.outputs, err);
+    options_free(&own);
+    return done;
 }
 
 static bool compare_job(void *context, void *out, struct error *err)
@@ -77,7 +145,7 @@ static bool render_entry(struct measurement *measurement, const struct cost_entr
 {
     struct error again = {.status = EXIT_AGREED};
     measurement->entry = entry;
-    if (cost_run(measurement->options, entry, measurement->stack, seconds, err))
+    if (run_program(measurement->options, entry, measurement->stack, seconds, err))
         return true;
     if (err->status == EXIT_SYSTEM && !process_run(render_job, measurement, NULL, 0, &again) &&
         again.unsupported)

@@ -71,23 +71,21 @@ static void close_walk(struct walk *walk)
     FREE_ALL(walk->pages, walk->linear, walk->squares, walk->differences);
 }
 
-/* Calls a function for each chunk of rows, and then one for each row of the lattice. */
+/* Calls a function for each chunk of rows, and another for each of its rows in the lattice. */
 static bool walk_rows(struct walk *walk, bool (*chunk)(struct walk *walk, struct error *err),
-                      void (*lattice_row)(struct walk *walk), struct error *err)
+                      void (*lattice_row)(struct walk *walk, int row), struct error *err)
 {
     walk->pixels = walk->standard->pixels;
+    walk->lattice = walk->standard->lattice;
     for (int y = 0; y < walk->standard->height; y += walk->rows.most) {
         if (!rows_read(&walk->rows, y, err) || !chunk(walk, err))
             return false;
         walk->pixels += chunk_pixels(walk);
-    }
-    walk->rows.most = 1;
-    walk->lattice = walk->standard->lattice;
-    for (int y = 0; y < walk->standard->height; y += walk->standard->step) {
-        if (!rows_read(&walk->rows, y, err))
-            return false;
-        lattice_row(walk);
-        walk->lattice += lattice_samples(walk);
+        for (int row = 0; row < walk->rows.n; row++)
+            if ((y + row) % walk->standard->step == 0) {
+                lattice_row(walk, row);
+                walk->lattice += lattice_samples(walk);
+            }
     }
     return true;
 }
@@ -104,12 +102,15 @@ static bool find_xyz(const struct walk *walk, size_t pixel, double xyz[3])
     return fabs(xyz[0]) > 0 || fabs(xyz[1]) > 0 || fabs(xyz[2]) > 0;
 }
 
-/* Copies the samples of the lattice's pixels in the current row: out[column * n_pages + page]. */
-static void copy_lattice(const struct walk *walk, float *out)
+/* Copies the samples of the lattice's pixels in a row of the chunk: out[column * n_pages + page].
+ */
+static void copy_lattice(const struct walk *walk, int row, float *out)
 {
-    for (int x = 0; x < walk->standard->width; x += walk->standard->step)
+    const int width = walk->standard->width;
+    const float *samples = walk->rows.samples + (size_t)row * (size_t)width;
+    for (int x = 0; x < width; x += walk->standard->step)
         for (int page = 0; page < walk->rows.cube.image.n_pages; page++)
-            *out++ = walk->rows.samples[(size_t)page * walk->rows.stride + (size_t)x];
+            *out++ = samples[(size_t)page * walk->rows.stride + (size_t)x];
 }
 
 /* ---- the summary ---- */
@@ -148,9 +149,9 @@ static bool summarize_chunk(struct walk *walk, struct error *err)
     return true;
 }
 
-static void summarize_lattice(struct walk *walk)
+static void summarize_lattice(struct walk *walk, int row)
 {
-    copy_lattice(walk, walk->lattice);
+    copy_lattice(walk, row, walk->lattice);
 }
 
 /* Describes the standard, and makes room for it. */
@@ -246,12 +247,12 @@ static void square(void *context, int column)
 }
 
 /* Adds the sums in the order of the columns, so that the number of threads does not matter. */
-static void compare_lattice(struct walk *walk)
+static void compare_lattice(struct walk *walk, int row)
 {
     const int columns = walk->standard->columns;
     if (!walk->synthesis)
         return;
-    copy_lattice(walk, walk->pages);
+    copy_lattice(walk, row, walk->pages);
     threads_each(walk->threads, columns, square, walk);
     for (int column = 0; column < columns; column++) {
         walk->error += walk->squares[column][0];

@@ -144,16 +144,9 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
             stored(of->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 
-/* Where pixels of a chunk are stored. */
-struct storing {
-    const struct development *of;
-    struct counter out_of_gamut;
-};
-
 static void store_pixels(void *context, size_t first, size_t end)
 {
-    struct storing *storing = context;
-    const struct development *of = storing->of;
+    struct development *of = context;
     const double exposure = of->exposure;
     const bool rgb = of->values == DEVELOP_RGB;
     uint64_t clipped = 0;
@@ -167,7 +160,7 @@ static void store_pixels(void *context, size_t first, size_t end)
         else
             store_floats(of, i, values);
     }
-    counter_add(&storing->out_of_gamut, clipped);
+    counter_add(&of->out_of_gamut, clipped);
 }
 
 /* ---- the picture ---- */
@@ -235,7 +228,6 @@ static bool write_picture(struct development *of, const char *path, struct error
 {
     const struct image *image = &of->cube.image;
     struct picture_writer writer;
-    struct storing storing = {.of = of, .out_of_gamut = COUNTER};
     bool done = open_picture(of, path, &writer, err);
     if (!done)
         return false;
@@ -243,10 +235,9 @@ static bool write_picture(struct development *of, const char *path, struct error
         const int rows = rows_at(of, y);
         done = sum_chunk(of, y, rows, err);
         threads_blocks(of->threads, (size_t)rows * (size_t)image->width, BLOCK_PIXELS, store_pixels,
-                       &storing);
+                       of);
         done = done && picture_write(&writer, of->samples, rows, err);
     }
-    of->out_of_gamut = storing.out_of_gamut.n;
     done = done && picture_commit(&writer, of->outputs, err);
     picture_discard(&writer);
     return done;
@@ -254,6 +245,7 @@ static bool write_picture(struct development *of, const char *path, struct error
 
 bool develop(struct development *of, const char *stack, const char *output, struct error *err)
 {
+    of->out_of_gamut = (struct counter)COUNTER;
     return cube_open(stack, &of->cube, err) && develop_weights(of, err) && prepare_chunk(of, err) &&
            (!of->automatic || find_exposure(of, err)) && write_picture(of, output, err);
 }

@@ -79,8 +79,8 @@ static void print_development(const struct development *of, const char *output, 
           100 * lost[0], 100 * lost[1], 100 * lost[2]);
     if (of->values == DEVELOP_RGB)
         print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
-              (unsigned long long)of->out_of_gamut, pixels,
-              100 * (double)of->out_of_gamut / pixels);
+              (unsigned long long)of->out_of_gamut.n, pixels,
+              100 * (double)of->out_of_gamut.n / pixels);
     print_fact(to, "picture", output);
 }
 
@@ -101,7 +101,7 @@ static bool write_json(struct options *options, const struct development *of, st
     json_number(&json, "first_nm", of->first_nm);
     json_number(&json, "last_nm", of->last_nm);
     json_numbers(&json, "unseen", of->lost, 3);
-    json_count(&json, "out_of_gamut_pixels", of->out_of_gamut);
+    json_count(&json, "out_of_gamut_pixels", of->out_of_gamut.n);
     json_string(&json, "output", options->output);
     return json_write(&json, options->json, &options->outputs, err);
 }

@@ -68,7 +68,8 @@ struct development {
     double equal[3];         /* the detector's response to a radiance of 1 everywhere */
     double *weights;         /* of the stack's pages: [channel * n_pages + page]; owned */
     double *of_white;        /* of the white's pages, if they differ from those; owned */
-    uint64_t out_of_gamut;   /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
+    struct counter
+        out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
     /* The rows at hand. */
     int rows;        /* of a chunk */
     size_t n_pixels; /* of a chunk */
@@ -172,36 +173,11 @@ struct probe {
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
  * frees *probe, here and below, also after a failure. */
 bool probe_stack(struct probe *probe, const char *path, struct error *err);
-/* Begins a probe of a stack or scene, whose path is `source`: copies the wavelengths, and makes
- * room for means and deviations. The image gives these and the size. Refuses a region that is not
- * within it. */
-bool probe_begin(struct probe *probe, const char *source, const struct image *image,
-                 struct error *err);
-/* Mean and standard deviation of samples that come in runs. Zero it before use. The sums are of
- * differences from the first sample, so that the mean of equal samples is exact and their deviation
- * is 0. */
-struct moments {
-    uint64_t n;
-    double first, sum, sum_of_squares;
-};
-void moments_add(struct moments *moments, const float *values, size_t n);
-void moments_end(const struct moments *moments, double *mean, double *spread);
-/* Computes XYZ of the mean and of the white. has_white is false if neither the probe names a white
- * nor the cube records one. Refuses a white that the probe names if it cannot be used. */
-bool probe_colour(struct probe *probe, const struct cube *cube, struct error *err);
-/* Print a probe as lines of text, as CSV (RFC 4180) and as a chart. */
-void probe_print(const struct probe *probe, struct printed *to);
-void probe_print_csv(const struct probe *probe, struct printed *to);
-void probe_svg(const struct probe *probe, struct printed *to);
-/* Begins a text with one JSON object. */
-void probe_json(const struct probe *probe, struct json *json);
-void probe_free(struct probe *probe);
-
-/* ---- inspect.c: the spectrum of a region of a scene ---- */
 
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the
  * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
  * excitation, emission and own light. The region is one of the plan's picture. */
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
+void probe_free(struct probe *probe);
 
 #endif

@@ -31,7 +31,7 @@ static bool region_read(const struct options *options, struct probe *out, struct
     return true;
 }
 
-/* ---- the command ---- */
+/* ---- a probe ---- */
 
 static bool probe_picture(const struct options *options, struct probe *probe, struct error *err)
 {
@@ -60,6 +60,159 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
                            options->recorded[0]);
     return probe_stack(probe, options->operand, err);
 }
+
+/* ---- out ---- */
+
+static const char unit[] = "W sr-1 m-2 nm-1, relative";
+
+static void print_colour(const struct probe *probe, struct printed *to)
+{
+    double xy[2], lab[3], luv[3];
+    const double *xyz = probe->xyz, *white = probe->of_white;
+    chromaticity(xyz, xy);
+    print_fact(to, "observer", probe->observer);
+    print(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
+    print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
+    if (!probe->has_white) {
+        print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
+        return;
+    }
+    cielab(xyz, white, lab);
+    cieluv(xyz, white, luv);
+    print(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
+    print(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
+    print(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
+}
+
+/* Writes the pixel or region in words, e.g. "pixel 3,4". */
+static void region_text(const struct probe *probe, char *out, size_t capacity)
+{
+    if (probe->width == 1 && probe->height == 1)
+        snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
+    else
+        snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->width, probe->height, probe->x,
+                 probe->y);
+}
+
+/* The first columns of the table. Those of the curves follow. */
+enum { WAVELENGTH, MEAN, SPREAD, CURVES };
+
+static double column_value(const struct probe *probe, int column, int i)
+{
+    return column == WAVELENGTH ? probe->wavelengths_nm[i]
+           : column == MEAN     ? probe->mean[i]
+           : column == SPREAD   ? probe->spread[i]
+                                : probe->curves[column - CURVES].values[i];
+}
+
+static void column_name(const struct probe *probe, int column, char *out, size_t capacity)
+{
+    static const char *const names[] = {"wavelength", "radiance", "standard deviation of radiance"};
+    const struct probe_curve *curve = column < CURVES ? NULL : &probe->curves[column - CURVES];
+    const char *of = column == WAVELENGTH ? "nm" : curve && curve->relative ? "1" : unit;
+    snprintf(out, capacity, "%s (%s)", curve ? curve->name : names[column], of);
+}
+
+static void probe_print(const struct probe *probe, struct printed *to)
+{
+    char text[160], number[32];
+    print_fact(to, "source", probe->source);
+    region_text(probe, text, sizeof text);
+    print(to, "region            %s\n", text);
+    print_fact(to, "object", probe->object ? probe->object : "unknown, or several");
+    print_colour(probe, to);
+    for (int column = 0; column < CURVES + probe->n_curves; column++) {
+        column_name(probe, column, text, sizeof text);
+        snprintf(number, sizeof number, "column %d", column + 1);
+        print_fact(to, number, text);
+    }
+    for (int i = 0; i < probe->n; i++) {
+        print(to, "%-17.10g", probe->wavelengths_nm[i]);
+        for (int column = MEAN; column < CURVES + probe->n_curves; column++)
+            print(to, " %-12.6g", column_value(probe, column, i));
+        print_text(to, "\n");
+    }
+}
+
+static void probe_print_csv(const struct probe *probe, struct printed *to)
+{
+    char name[160];
+    const int last = CURVES + probe->n_curves - 1;
+    for (int column = 0; column <= last; column++) {
+        column_name(probe, column, name, sizeof name);
+        print_text(to, "\"");
+        csv_text(name, to);
+        print_text(to, column < last ? "\"," : "\"\n");
+    }
+    for (int i = 0; i < probe->n; i++)
+        for (int column = 0; column <= last; column++) {
+            const double value = column_value(probe, column, i);
+            print(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
+        }
+}
+
+static void probe_json(const struct probe *probe, struct json *json)
+{
+    double lab[3];
+    json_begin(json);
+    json_string(json, "source", probe->source);
+    json_count(json, "x", (uint64_t)probe->x);
+    json_count(json, "y", (uint64_t)probe->y);
+    json_count(json, "width", (uint64_t)probe->width);
+    json_count(json, "height", (uint64_t)probe->height);
+    json_string(json, "object", probe->object);
+    json_string(json, "observer", probe->observer);
+    json_numbers(json, "XYZ", probe->xyz, 3);
+    json_numbers(json, "white_XYZ", probe->has_white ? probe->of_white : NULL, 3);
+    if (probe->has_white)
+        cielab(probe->xyz, probe->of_white, lab);
+    json_numbers(json, "Lab", probe->has_white ? lab : NULL, 3);
+    json_numbers(json, "wavelengths_nm", probe->wavelengths_nm, probe->n);
+    json_numbers(json, "radiance", probe->mean, probe->n);
+    json_numbers(json, "standard_deviation", probe->spread, probe->n);
+    json_open(json, "curves", '[');
+    for (int i = 0; i < probe->n_curves; i++) {
+        json_open(json, NULL, '{');
+        json_string(json, "name", probe->curves[i].name);
+        json_numbers(json, "values", probe->curves[i].values, probe->n);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+static void probe_svg(const struct probe *probe, struct printed *to)
+{
+    struct chart_line lines[1 + MAX_PROBE_CURVES];
+    char region[96], title[512];
+    const bool single = probe->width == 1 && probe->height == 1;
+    bool relative = false;
+    lines[0] = (struct chart_line){single ? "radiance" : "radiance ± standard deviation",
+                                   probe->n,
+                                   probe->wavelengths_nm,
+                                   probe->mean,
+                                   single ? NULL : probe->spread,
+                                   false};
+    for (int c = 0; c < probe->n_curves; c++) {
+        const struct probe_curve *curve = &probe->curves[c];
+        relative = relative || curve->relative;
+        lines[1 + c] = (struct chart_line){curve->name,   probe->n, probe->wavelengths_nm,
+                                           curve->values, NULL,     curve->relative};
+    }
+    region_text(probe, region, sizeof region);
+    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
+             probe->object ? ", " : "", region, probe->source);
+    const struct chart chart = {.title = title,
+                                .x_label = "wavelength (nm)",
+                                .y_label = "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
+                                .right_label =
+                                    relative ? "reflectance, excitation, emission" : NULL,
+                                .lines = lines,
+                                .n_lines = 1 + probe->n_curves,
+                                .wavelengths = true};
+    chart_svg(&chart, to);
+}
+
+/* ---- the command ---- */
 
 static bool probe_write(struct options *options, const struct probe *probe, struct error *err)
 {

@@ -28,6 +28,7 @@ struct viewing {
 };
 /* All functions that take a view and end in _write write its output. On failure no file has been
  * created or changed. */
+
 /* ---- live.c: a page that draws the scene itself ---- */
 
 /* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
@@ -36,6 +37,11 @@ bool has_live_pages(void);
 /* Writes a page that holds this program and all files of the scene. The scene was read under
  * marked_name. Makes the notes on the scene. */
 bool live_write(struct viewing *view, struct error *err);
+
+/* Returns the scene's name with a mark, so that the paths of all files that the scene names by
+ * relative names begin in another way than a path from / on. Read the scene under this name.
+ * Allocated; NULL: no memory. */
+char *marked_name(const char *scene, struct error *err);
 
 /* ---- drawing.c: a drawn scene, whose light and detector can be changed ---- */
 
@@ -78,63 +84,16 @@ bool stack_page_write(struct stack_page *of, struct options *options, bool alone
                       struct error *err);
 void stack_page_free(struct stack_page *of);
 
-/* ---- page_planes.c: a drawn scene in numbers ---- */
-
 /* The largest sample of a plane, and the most pixels: browsers refuse longer texts and larger
  * canvases. */
 enum { LARGEST_SAMPLE = 65535, LARGEST_PAGE = 1 << 24 };
 
-/* Planes of one value a position, and a pixel may have several: the weight of the constant
- * term, then the diffuse and the specular weight of each light, then the values of spectral
- * textures at their own wavelengths. Materials share the planes: a position shows one material. */
-struct planes {
-    size_t n_positions;
-    int n_weights, n_pages; /* planes of weights, and of textures */
-    uint16_t *surface;      /* from 1; 0: background */
-    float *values;          /* [plane][position] */
-    double *place[2]; /* of each position in its spectral texture, in texels; NULL: there is none */
-    double *scale;    /* the value of count 1 in each plane */
-    char *shape;      /* of the planes, as JSON; this and all arrays are owned */
-};
 /* Refuses pictures and scenes that are too large for a page: more than LARGEST_PAGE pixels, or
  * LARGEST_SAMPLE instances. */
 bool page_allows(const struct plan *plan, struct error *err);
-/* Draws the planes by the reference. counts: each plane has a scale by which its largest value is
- * LARGEST_SAMPLE; otherwise all scales are 1. notes NULL: makes none. Refuses what page_allows
- * refuses. The caller frees *out and *notes, also after a failure. */
-bool planes_make(const struct plan *plan, bool counts, struct planes *out, struct notes *notes,
-                 struct error *err);
 /* Writes the differences between neighbours, all low bytes before all high bytes: 2 n bytes. Small
  * and similar numbers compress well. */
 void put_differences(const uint16_t *samples, size_t n, unsigned char *out);
-/* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: see
- * put_differences. Allocated; NULL: no memory. */
-unsigned char *planes_bytes(const struct planes *planes, size_t *length, struct error *err);
-void planes_free(struct planes *planes);
-
-/* ---- files.c: the files of a scene, as seen from its folder ---- */
-
-/* A file that is not built in. */
-struct page_file {
-    char *name; /* relative to the scene's folder, without "." and ".."; owned */
-    const char *path;
-};
-struct page_files {
-    struct page_file *list; /* the first one is the scene's; owned */
-    int n;
-    struct index places;  /* in the list, by name */
-    struct inputs inputs; /* own the paths of files that are no texts of the scene */
-    char *above;          /* how the paths of files in that folder begin: "" or "scenes/"; owned */
-};
-/* Returns the scene's name with a mark, so that the paths of all files that the scene names by
- * relative names begin in another way than a path from / on. Read the scene under this name.
- * Allocated; NULL: no memory. */
-char *marked_name(const char *scene, struct error *err);
-/* Lists the texts of a scene and the files that it names. The scene must outlive *out. Refuses a
- * file outside of the scene's folder. The caller frees *out, also after a failure. */
-bool page_files_make(const struct scene *scene, struct page_files *out, struct error *err);
-void page_files_free(struct page_files *files);
-
 /* ---- description.c: what a page knows beside its pixels ---- */
 
 /* Describes a scene as JSON, allocated: its spectra, lights, objects, detectors, ... Counts the
