@@ -323,31 +323,9 @@ static bool put_detector(const struct cube *cube, bool is_stack, const char *nam
     return seen;
 }
 
-bool put_detectors(const struct cube *cube, bool is_stack, struct json *json, int *n,
-                   struct error *err)
-{
-    char name[BUILTIN_NAME];
-    double *row;
-    bool done = MAKE_ARRAY(row, 3 * (size_t)cube->image.n_pages, err, "the weights of a detector");
-    *n = 0;
-    json_open(json, "detectors", '[');
-    for (size_t i = 0; done && next_table(&i, true, name); i++) {
-        struct error refused = {.status = EXIT_AGREED};
-        if (put_detector(cube, is_stack, name, row, json, &refused))
-            ++*n;
-        else if (refused.status == EXIT_SYSTEM) {
-            *err = refused;
-            done = false;
-        }
-    }
-    json_close(json, ']');
-    free(row);
-    return done;
-}
-
 /* Puts the matrix from XYZ to the cone responses in which each kind adapts, and the matrix from
  * adapted responses, which are 1 to the white, to XYZ under the display's white. */
-void put_adaptations(struct json *json)
+static void put_adaptations(struct json *json)
 {
     json_open(json, "adaptations", '[');
     for (int i = ADAPTATION_NONE; i <= ADAPTATION_CAT16; i++) {
@@ -383,7 +361,7 @@ static double code_step(enum display_kind kind, int channel, int code)
 }
 
 /* Puts the displays. A tone curve is a list of its 255 steps. */
-void put_displays(struct json *json)
+static void put_displays(struct json *json)
 {
     json_open(json, "displays", '[');
     for (int i = DISPLAY_SRGB; i <= DISPLAY_MONITOR; i++) {
@@ -403,6 +381,29 @@ void put_displays(struct json *json)
         json_close(json, '}');
     }
     json_close(json, ']');
+}
+
+bool put_eyes(const struct cube *cube, bool is_stack, struct json *json, int *n, struct error *err)
+{
+    char name[BUILTIN_NAME];
+    double *row;
+    bool done = MAKE_ARRAY(row, 3 * (size_t)cube->image.n_pages, err, "the weights of a detector");
+    *n = 0;
+    json_open(json, "detectors", '[');
+    for (size_t i = 0; done && next_table(&i, true, name); i++) {
+        struct error refused = {.status = EXIT_AGREED};
+        if (put_detector(cube, is_stack, name, row, json, &refused))
+            ++*n;
+        else if (refused.status == EXIT_SYSTEM) {
+            *err = refused;
+            done = false;
+        }
+    }
+    json_close(json, ']');
+    free(row);
+    put_adaptations(json);
+    put_displays(json);
+    return done;
 }
 
 /* ---- all of it ---- */
@@ -432,13 +433,9 @@ static bool put_all(struct describer *describer, struct error *err)
     json_string(json, "scene", scene->path);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
     put_camera(json, &scene->camera);
-    if (!add_builtins(describer, err) || !put_lights(describer, err) ||
-        !put_illuminants(describer, err) || !put_surfaces(describer, err) ||
-        !put_detectors(&cube, false, json, &describer->view->n_detectors, err))
-        return false;
-    put_adaptations(json);
-    put_displays(json);
-    return true;
+    return add_builtins(describer, err) && put_lights(describer, err) &&
+           put_illuminants(describer, err) && put_surfaces(describer, err) &&
+           put_eyes(&cube, false, json, &describer->view->n_detectors, err);
 }
 
 char *description_make(struct viewing *view, struct error *err)

@@ -253,8 +253,7 @@ bool viewer_write(struct viewing *view, struct error *err)
     if (scene)
         put_json(&data, "scene", scene);
     const bool done = scene && put_planes(&planes, &data, err) &&
-                      page_write(PAGE_STILL, &data, view->options->output, &view->bytes,
-                                 &view->options->outputs, err);
+                      page_write(PAGE_STILL, &data, view->options, &view->bytes, err);
     free(scene);
     free(printed_end(&data));
     planes_free(&planes);

@@ -31,9 +31,6 @@ struct viewing {
 
 /* ---- live.c: a page that draws the scene itself ---- */
 
-/* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
- * writes live pages. */
-bool has_live_pages(void);
 /* Writes a page that holds this program and all files of the scene. The scene was read under
  * marked_name. Makes the notes on the scene. */
 bool live_write(struct viewing *view, struct error *err);
@@ -99,27 +96,29 @@ void put_differences(const uint16_t *samples, size_t n, unsigned char *out);
 /* Describes a scene as JSON, allocated: its spectra, lights, objects, detectors, ... Counts the
  * view's illuminants and detectors. NULL: see err. */
 char *description_make(struct viewing *view, struct error *err);
-/* Put all detectors that can see the pages of a cube, and count them in *n; that of a stack: also
- * their responses to the white and to a radiance of 1; all adaptations; all displays. */
-bool put_detectors(const struct cube *cube, bool is_stack, struct json *json, int *n,
-                   struct error *err);
-void put_adaptations(struct json *json);
-void put_displays(struct json *json);
+/* Puts all detectors that can see the pages of a cube, and counts them in *n; for a stack also
+ * their responses to the white and to a radiance of 1. Then come all adaptations and all displays.
+ */
+bool put_eyes(const struct cube *cube, bool is_stack, struct json *json, int *n, struct error *err);
 
 /* drawing.c. Puts the head of data: the length of a description in 11 digits, a line's end, and the
  * description, filled up with blanks so that numbers can follow. */
 void put_head(struct printed *to, const char *json);
 
-/* viewer.c: a page from its parts. Put an element of its data: a text in JSON, or bytes in base64
- * (RFC 4648); put_packed deflates them before (RFC 1950). */
+/* ---- viewer.c: a page from its parts ---- */
+
+/* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
+ * writes live pages. */
+bool has_live_pages(void);
+/* Put an element of a page's data: a text in JSON; bytes, deflated (RFC 1950), in base64 (RFC
+ * 4648).
+ */
 void put_json(struct printed *to, const char *id, const char *json);
-void put_base64(struct printed *to, const char *id, const unsigned char *bytes, size_t length);
 bool put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
                 struct error *err);
-void put_module(struct printed *to); /* live.c: if this has_live_pages */
 enum page_kind { PAGE_STILL, PAGE_STACK, PAGE_LIVE };
-/* Writes a page with these data, which it ends. outputs get it: see output_pass. */
-bool page_write(enum page_kind kind, struct printed *data, const char *path, size_t *bytes,
-                struct outputs *outputs, struct error *err);
+/* Writes a page with these data, which it ends, to the options' output. */
+bool page_write(enum page_kind kind, struct printed *data, struct options *options, size_t *bytes,
+                struct error *err);
 
 #endif

@@ -8,29 +8,6 @@
 
 #include "raster/beside/view/inside.h"
 
-/* ---- the program ---- */
-
-static const struct builtin_file *find_module(void)
-{
-    const struct builtin_file *file;
-    struct error missing = {.status = EXIT_AGREED};
-    int descriptor;
-    file_open(BUILTIN_PREFIX "viewer/spectral.wasm.gz", (struct place){NULL, 0, 0}, &descriptor,
-              &file, &missing);
-    return file;
-}
-
-bool has_live_pages(void)
-{
-    return find_module() != NULL;
-}
-
-void put_module(struct printed *to)
-{
-    const struct builtin_file *file = find_module();
-    put_base64(to, "module", file->bytes, file->length);
-}
-
 /* ---- the files of the scene, with names as seen from its folder ---- */
 
 /* A file that is not built in. */
@@ -268,13 +245,10 @@ bool live_write(struct viewing *view, struct error *err)
 {
     struct options *options = view->options;
     struct printed data = {.text = NULL};
-    bool done = page_allows(view->plan, err) &&
-                notes_of_plan(view->plan, SOME_PIXELS, &view->notes, err) &&
-                put_files(options, view->plan->scene, &data, err);
-    if (done)
-        put_module(&data);
-    done =
-        done && page_write(PAGE_LIVE, &data, options->output, &view->bytes, &options->outputs, err);
+    const bool done = page_allows(view->plan, err) &&
+                      notes_of_plan(view->plan, SOME_PIXELS, &view->notes, err) &&
+                      put_files(options, view->plan->scene, &data, err) &&
+                      page_write(PAGE_LIVE, &data, options, &view->bytes, err);
     free(printed_end(&data));
     return done;
 }

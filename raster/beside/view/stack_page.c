@@ -173,10 +173,7 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     for (int i = 0; i < objects->n; i++)
         json_string(&json, NULL, objects->text[i]);
     json_close(&json, ']');
-    const bool done =
-        put_white(cube, &json, err) && put_detectors(cube, true, &json, &n_detectors, err);
-    put_adaptations(&json);
-    put_displays(&json);
+    const bool done = put_white(cube, &json, err) && put_eyes(cube, true, &json, &n_detectors, err);
     if (done)
         return json_take(&json, err);
     free(printed_end(&json.printed));
@@ -203,15 +200,12 @@ static bool put_stack(const struct stack_page *stack, const char *name, struct p
 static bool write_page(struct stack_page *of, struct printed *stack, struct options *options,
                        struct error *err)
 {
-    const bool live = has_live_pages();
     struct printed data = {.text = NULL};
     char *bytes = printed_take(stack, err);
-    bool done = bytes && put_packed(&data, "stack", bytes, stack->length, err);
+    const bool packed = bytes && put_packed(&data, "stack", bytes, stack->length, err);
     free(bytes);
-    if (done && live)
-        put_module(&data);
-    done = done && page_write(live ? PAGE_LIVE : PAGE_STACK, &data, options->output, &of->bytes,
-                              &options->outputs, err);
+    const bool done = packed && page_write(has_live_pages() ? PAGE_LIVE : PAGE_STACK, &data,
+                                           options, &of->bytes, err);
     free(printed_end(&data));
     return done;
 }
