@@ -131,17 +131,17 @@ void standard_free(struct standard *standard);
 /* Survey the scene in a process of its own, and add notes on what it suggests. */
 bool survey_scene(const struct options *options, struct survey *out, struct error *err);
 bool survey_notes(struct cost *cost, struct error *err);
-/* Fills in a zeroed entry, which the caller always frees. */
+/* Fills in the name and the words of a zeroed entry, which the caller always frees. */
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err);
 /* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
 bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err);
 /* Add every sampling, with the finest shading; choose samplings; add shadings, renderers, positions
  * and depths with a good one; add the best samplings with the best shadings. Choices depend on
- * errors, not on seconds: they are the same in every run. */
-bool configurations_samplings(struct cost *cost, struct error *err);
+ * errors, not on seconds: they are the same in every run. Entries have no words yet. */
+void configurations_samplings(struct cost *cost);
 void configurations_choose(struct cost *cost);
-bool configurations_pictures(struct cost *cost, struct error *err);
-bool configurations_combined(struct cost *cost, struct error *err);
+void configurations_pictures(struct cost *cost);
+void configurations_combined(struct cost *cost);
 
 #endif

@@ -182,6 +182,8 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
     struct accuracy accuracy = {.n_pages = 0};
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds = {.wall = 0};
+    if (!configuration_entry(&entry->configuration, measurement->cost->survey.observer, entry, err))
+        return false;
     const bool done = render_entry(measurement, entry, &seconds, &own) &&
                       process_run(compare_job, measurement, &accuracy, sizeof accuracy, &own);
     unlink(measurement->stack);
@@ -199,13 +201,12 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
 }
 
 /* Adds configurations and warms them up. `add` may choose by the errors measured before. */
-static bool warm_up_more(struct measurement *measurement,
-                         bool (*add)(struct cost *cost, struct error *err), struct error *err)
+static bool warm_up_more(struct measurement *measurement, void (*add)(struct cost *cost),
+                         struct error *err)
 {
     struct cost *cost = measurement->cost;
     const int first = cost->n;
-    if (!add(cost, err))
-        return false;
+    add(cost);
     for (int i = first; i < cost->n; i++)
         if (!warm_up(measurement, &cost->entries[i], err))
             return false;

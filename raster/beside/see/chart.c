@@ -195,48 +195,49 @@ static void put_stroke(struct printed *to, int line)
         print(to, " stroke-dasharray=\"%s\"", dashes[line % N_DASHES]);
 }
 
-/* Draws the spread around a run of points: from its first to its last point and back. */
-static void draw_spread(const struct plot *plot, int index, int first, int end)
+/* Writes the path through points from first to end - 1; upper: through the upper ends of their
+ * spread. */
+static void put_path(const struct plot *plot, const struct chart_line *line, int first, int end,
+                     bool upper)
 {
-    const struct chart_line *line = &plot->chart->lines[index];
-    const struct axis *axis = axis_of(plot, line);
-    print(plot->area.to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"",
-          colours[index % N_COLOURS]);
     for (int i = first; i < end; i++)
         print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L',
               chart_x(&plot->area, line->x[i]),
-              chart_y(&plot->area, axis, line->y[i] + spread_at(line, i)));
-    for (int i = end - 1; i >= first; i--)
-        print(plot->area.to, "L%.2f,%.2f", chart_x(&plot->area, line->x[i]),
-              chart_y(&plot->area, axis, band_low(line, i)));
-    print_text(plot->area.to, "Z\"/>\n");
+              chart_y(&plot->area, axis_of(plot, line),
+                      line->y[i] + (upper ? spread_at(line, i) : 0)));
 }
 
-/* Draws neighbouring points from first to end - 1. A single point is a dot, and its spread a bar.
- */
+/* Draws neighbouring points from first to end - 1, and their spread, from the first to the last
+ * point and back. A single point is a dot, and its spread a bar. */
 static void draw_run(const struct plot *plot, int index, int first, int end)
 {
     const struct chart_line *line = &plot->chart->lines[index];
     const struct axis *axis = axis_of(plot, line);
-    const double x = chart_x(&plot->area, line->x[first]), spread = spread_at(line, first);
+    const char *colour = colours[index % N_COLOURS];
+    struct printed *to = plot->area.to;
     if (end - first == 1) {
-        print(plot->area.to,
+        const double x = chart_x(&plot->area, line->x[first]), y = line->y[first];
+        print(to,
               "<path stroke=\"%s\" d=\"M%.2f,%.2fV%.2f\"/><circle fill=\"%s\" cx=\"%.2f\" "
               "cy=\"%.2f\" r=\"4\"/>\n",
-              colours[index % N_COLOURS], x, chart_y(&plot->area, axis, band_low(line, first)),
-              chart_y(&plot->area, axis, line->y[first] + spread), colours[index % N_COLOURS], x,
-              chart_y(&plot->area, axis, line->y[first]));
+              colour, x, chart_y(&plot->area, axis, band_low(line, first)),
+              chart_y(&plot->area, axis, y + spread_at(line, first)), colour, x,
+              chart_y(&plot->area, axis, y));
         return;
     }
-    if (line->spread)
-        draw_spread(plot, index, first, end);
-    print_text(plot->area.to, "<path ");
-    put_stroke(plot->area.to, index);
-    print_text(plot->area.to, " d=\"");
-    for (int i = first; i < end; i++)
-        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L',
-              chart_x(&plot->area, line->x[i]), chart_y(&plot->area, axis, line->y[i]));
-    print_text(plot->area.to, "\"/>\n");
+    if (line->spread) {
+        print(to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"", colour);
+        put_path(plot, line, first, end, true);
+        for (int i = end - 1; i >= first; i--)
+            print(to, "L%.2f,%.2f", chart_x(&plot->area, line->x[i]),
+                  chart_y(&plot->area, axis, band_low(line, i)));
+        print_text(to, "Z\"/>\n");
+    }
+    print_text(to, "<path ");
+    put_stroke(to, index);
+    print_text(to, " d=\"");
+    put_path(plot, line, first, end, false);
+    print_text(to, "\"/>\n");
 }
 
 /* Draws a line. Values that are not finite interrupt it. */
