@@ -148,27 +148,26 @@ void comparison_free(struct comparison *of);
 
 /* ---- probe.c: the spectrum of a region ---- */
 
-/* A spectrum that explains the one of the pixel, e.g. the spectrum of a light. */
-struct probe_curve {
+/* A column of a table: the wavelengths; the radiance, and its standard deviation over the region;
+ * then, of a scene, spectra that explain the radiance, e.g. that of a light. */
+enum { WAVELENGTH, MEAN, SPREAD, CURVES, MAX_PROBE_COLUMNS = CURVES + 64 };
+struct probe_column {
     char name[96];  /* e.g. "light 1 (d65)", "reflectance" */
     bool relative;  /* a reflectance, excitation or emission; otherwise a radiance */
     double *values; /* one for each wavelength; owned */
 };
-enum { MAX_PROBE_CURVES = 64 };
 struct probe {
     /* The caller sets these, and zeroes all others. */
     int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
     const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
     /* What is found. */
-    char *source;           /* stack or scene; owned */
-    int n;                  /* wavelengths */
-    double *wavelengths_nm; /* owned, as mean and spread */
-    double *mean, *spread;  /* radiance, and its standard deviation over the region */
+    char *source; /* stack or scene; owned */
+    int n;        /* wavelengths */
     char *object; /* name of the only object in the region; owned; NULL: unknown, or several */
     bool has_white;
-    double xyz[3], of_white[3];                  /* of the mean, and of the white */
-    struct probe_curve curves[MAX_PROBE_CURVES]; /* of a scene; a stack has none */
-    int n_curves;
+    double xyz[3], of_white[3]; /* of the mean, and of the white */
+    struct probe_column columns[MAX_PROBE_COLUMNS];
+    int n_columns;
 };
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
  * frees *probe, here and below, also after a failure. */

@@ -17,13 +17,24 @@
 
 /* ---- any probe ---- */
 
+/* Adds a column of zeros. Returns it; NULL: no memory. */
+static struct probe_column *add_column(struct probe *probe, const char *name, struct error *err)
+{
+    struct probe_column *out = &probe->columns[probe->n_columns];
+    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a spectrum of %d bands", probe->n))
+        return NULL;
+    snprintf(out->name, sizeof out->name, "%s", name);
+    probe->n_columns++;
+    return out;
+}
+
 /* Begins a probe of a stack or scene, whose path is `source`: copies the wavelengths, and makes
  * room for means and deviations. The image gives these and the size. Refuses a region that is not
  * within it. */
 static bool probe_begin(struct probe *probe, const char *source, const struct image *image,
                         struct error *err)
 {
-    const int n = probe->n = image->n_pages;
+    probe->n = image->n_pages;
     if (!string_copy(source, &probe->source, err))
         return false;
     if (probe->x > image->width - probe->width || probe->y > image->height - probe->height)
@@ -32,11 +43,11 @@ static bool probe_begin(struct probe *probe, const char *source, const struct im
             "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
             "reaches beyond it",
             source, image->width, image->height, probe->width, probe->height, probe->x, probe->y);
-    if (!MAKE_ARRAY(probe->wavelengths_nm, n, err, "a spectrum of %d bands", n) ||
-        !MAKE_ARRAY(probe->mean, n, err, "a spectrum of %d bands", n) ||
-        !MAKE_ARRAY(probe->spread, n, err, "a spectrum of %d bands", n))
+    if (!add_column(probe, "wavelength", err) || !add_column(probe, "radiance", err) ||
+        !add_column(probe, "standard deviation of radiance", err))
         return false;
-    memcpy(probe->wavelengths_nm, image->wavelengths_nm, (size_t)n * sizeof(double));
+    memcpy(probe->columns[WAVELENGTH].values, image->wavelengths_nm,
+           (size_t)probe->n * sizeof(double));
     return true;
 }
 
@@ -48,7 +59,7 @@ static bool probe_colour(struct probe *probe, const struct cube *cube, struct er
     struct sight sight = {.weights = NULL};
     const bool done = sight_make(cube, probe->observer, &white, &sight, err);
     if (done) {
-        detector_response(sight.weights, probe->mean, probe->n, probe->xyz);
+        detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
         memcpy(probe->of_white, sight.white, sizeof probe->of_white);
         probe->has_white = sight.has_white;
     }
@@ -76,11 +87,11 @@ static void moments_add(struct moments *moments, const float *values, size_t n)
     moments->n += n;
 }
 
-static void moments_end(const struct moments *moments, double *mean, double *spread)
+static void moments_end(const struct moments *moments, struct probe *probe, int band)
 {
     const double n = (double)moments->n, off = moments->sum / n;
-    *mean = moments->first + off;
-    *spread = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
+    probe->columns[MEAN].values[band] = moments->first + off;
+    probe->columns[SPREAD].values[band] = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
 }
 
 /* ---- a stack ---- */
@@ -102,7 +113,7 @@ static bool read_band(struct cube *cube, int page, int rows, float *samples, str
             moments_add(&moments, samples + (size_t)row * (size_t)width + probe->x,
                         (size_t)probe->width);
     }
-    moments_end(&moments, &probe->mean[page], &probe->spread[page]);
+    moments_end(&moments, probe, page);
     return true;
 }
 
@@ -215,54 +226,49 @@ static bool inspect_tile(void *context, const struct tile *tile, struct error *e
 
 static bool inspect_pixels(struct region *region, struct error *err)
 {
-    const struct probe *probe = region->probe;
+    struct probe *probe = region->probe;
     const int side = region->plan.scene->positions;
     const struct rectangle whole = {side * probe->x, side * probe->y, side * probe->width,
                                     side * probe->height};
     if (!tiles_each(&region->lit, &whole, inspect_tile, region, err))
         return false;
     for (int band = 0; band < probe->n; band++)
-        moments_end(&region->moments[band], &probe->mean[band], &probe->spread[band]);
+        moments_end(&region->moments[band], probe, band);
     return true;
 }
 
 /* ---- curves of a scene ---- */
 
-/* A name, and the values factor x spectrum; spectrum NULL: 1 at every wavelength. */
-struct curve {
-    const char *name;
-    bool relative; /* a reflectance, excitation or emission; otherwise a radiance */
-    double factor;
-    const struct spectrum *spectrum;
-    enum spectrum_ends ends;
-};
+/* What a curve shows. A reflectance continues beyond the ends of its spectrum, as data/terms has
+ * it.
+ */
+enum curve_kind { LIGHT, REFLECTANCE, LUMINESCENCE };
 
-/* Leaves out a curve beyond MAX_PROBE_CURVES. */
-static bool add_curve(struct probe *probe, const struct curve *curve, struct error *err)
+/* Adds the curve factor x spectrum; spectrum NULL: 1 at every wavelength. Leaves out a curve beyond
+ * MAX_PROBE_COLUMNS. */
+static bool add_curve(struct probe *probe, const char *name, enum curve_kind kind, double factor,
+                      const struct spectrum *spectrum, struct error *err)
 {
-    struct probe_curve *out = &probe->curves[probe->n_curves];
-    if (probe->n_curves == MAX_PROBE_CURVES)
+    if (probe->n_columns == MAX_PROBE_COLUMNS)
         return true;
-    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a curve of %d bands", probe->n))
+    struct probe_column *out = add_column(probe, name, err);
+    if (!out)
         return false;
-    snprintf(out->name, sizeof out->name, "%s", curve->name);
-    out->relative = curve->relative;
+    const enum spectrum_ends ends = kind == REFLECTANCE ? SPECTRUM_HOLD : SPECTRUM_ZERO;
+    out->relative = kind != LIGHT;
     for (int i = 0; i < probe->n; i++)
         out->values[i] =
-            curve->factor *
-            (curve->spectrum ? spectrum_at(curve->spectrum, probe->wavelengths_nm[i], curve->ends)
-                             : 1);
-    probe->n_curves++;
+            factor *
+            (spectrum ? spectrum_at(spectrum, probe->columns[WAVELENGTH].values[i], ends) : 1);
     return true;
 }
 
 static bool add_light(struct probe *probe, const char *kind, int index, double intensity,
                       const struct spectrum *spectrum, struct error *err)
 {
-    char name[sizeof probe->curves[0].name];
+    char name[sizeof probe->columns[0].name];
     snprintf(name, sizeof name, "%s %d (%s)", kind, index + 1, spectrum->name);
-    const struct curve curve = {name, false, intensity, spectrum, SPECTRUM_ZERO};
-    return add_curve(probe, &curve, err);
+    return add_curve(probe, name, LIGHT, intensity, spectrum, err);
 }
 
 static bool add_lights(struct probe *probe, const struct scene *scene, struct error *err)
@@ -278,23 +284,26 @@ static bool add_lights(struct probe *probe, const struct scene *scene, struct er
     return true;
 }
 
-/* Continues spectra beyond their ends as data/terms does. */
 static bool add_material(struct probe *probe, const struct material *material, struct error *err)
 {
-    const struct spectrum *specular =
-        material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL;
-    const struct curve curves[] = {{"reflectance", true, 1, &material->diffuse, SPECTRUM_HOLD},
-                                   {"specular reflectance", true, 1, specular, SPECTRUM_HOLD},
-                                   {"excitation", true, 1, &material->excitation, SPECTRUM_ZERO},
-                                   {"emission", true, 1, &material->emission, SPECTRUM_ZERO},
-                                   {"own light", false, 1, &material->glow, SPECTRUM_ZERO}};
-    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE;
-    const bool has[] = {true, material->gloss > 0, fluoresces, fluoresces,
-                        material->glow.kind != SPECTRUM_NONE};
+    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE,
+               tinted = material->specular.kind != SPECTRUM_NONE;
+    const struct {
+        bool there;
+        const char *name;
+        enum curve_kind kind;
+        const struct spectrum *spectrum;
+    } curves[] = {{true, "reflectance", REFLECTANCE, &material->diffuse},
+                  {material->gloss > 0, "specular reflectance", REFLECTANCE,
+                   tinted ? &material->specular : NULL},
+                  {fluoresces, "excitation", LUMINESCENCE, &material->excitation},
+                  {fluoresces, "emission", LUMINESCENCE, &material->emission},
+                  {material->glow.kind != SPECTRUM_NONE, "own light", LIGHT, &material->glow}};
+    bool done = true;
     for (size_t i = 0; i < sizeof curves / sizeof curves[0]; i++)
-        if (has[i] && !add_curve(probe, &curves[i], err))
-            return false;
-    return true;
+        done = done && (!curves[i].there || add_curve(probe, curves[i].name, curves[i].kind, 1,
+                                                      curves[i].spectrum, err));
+    return done;
 }
 
 /* Adds the curves of the object first, since there may not be room for all lights. */
@@ -362,7 +371,7 @@ bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err
 
 void probe_free(struct probe *probe)
 {
-    for (int c = 0; c < probe->n_curves; c++)
-        free(probe->curves[c].values);
-    FREE_ALL(probe->source, probe->wavelengths_nm, probe->mean, probe->spread, probe->object);
+    for (int column = 0; column < probe->n_columns; column++)
+        free(probe->columns[column].values);
+    FREE_ALL(probe->source, probe->object);
 }

@@ -63,8 +63,6 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
 
 /* ---- out ---- */
 
-static const char unit[] = "W sr-1 m-2 nm-1, relative";
-
 static void print_colour(const struct probe *probe, struct printed *to)
 {
     double xy[2], lab[3], luv[3];
@@ -94,23 +92,13 @@ static void region_text(const struct probe *probe, char *out, size_t capacity)
                  probe->y);
 }
 
-/* The first columns of the table. Those of the curves follow. */
-enum { WAVELENGTH, MEAN, SPREAD, CURVES };
-
-static double column_value(const struct probe *probe, int column, int i)
-{
-    return column == WAVELENGTH ? probe->wavelengths_nm[i]
-           : column == MEAN     ? probe->mean[i]
-           : column == SPREAD   ? probe->spread[i]
-                                : probe->curves[column - CURVES].values[i];
-}
-
 static void column_name(const struct probe *probe, int column, char *out, size_t capacity)
 {
-    static const char *const names[] = {"wavelength", "radiance", "standard deviation of radiance"};
-    const struct probe_curve *curve = column < CURVES ? NULL : &probe->curves[column - CURVES];
-    const char *of = column == WAVELENGTH ? "nm" : curve && curve->relative ? "1" : unit;
-    snprintf(out, capacity, "%s (%s)", curve ? curve->name : names[column], of);
+    const struct probe_column *of = &probe->columns[column];
+    snprintf(out, capacity, "%s (%s)", of->name,
+             column == WAVELENGTH ? "nm"
+             : of->relative       ? "1"
+                                  : "W sr-1 m-2 nm-1, relative");
 }
 
 static void probe_print(const struct probe *probe, struct printed *to)
@@ -121,15 +109,15 @@ static void probe_print(const struct probe *probe, struct printed *to)
     print(to, "region            %s\n", text);
     print_fact(to, "object", probe->object ? probe->object : "unknown, or several");
     print_colour(probe, to);
-    for (int column = 0; column < CURVES + probe->n_curves; column++) {
+    for (int column = 0; column < probe->n_columns; column++) {
         column_name(probe, column, text, sizeof text);
         snprintf(number, sizeof number, "column %d", column + 1);
         print_fact(to, number, text);
     }
     for (int i = 0; i < probe->n; i++) {
-        print(to, "%-17.10g", probe->wavelengths_nm[i]);
-        for (int column = MEAN; column < CURVES + probe->n_curves; column++)
-            print(to, " %-12.6g", column_value(probe, column, i));
+        print(to, "%-17.10g", probe->columns[WAVELENGTH].values[i]);
+        for (int column = MEAN; column < probe->n_columns; column++)
+            print(to, " %-12.6g", probe->columns[column].values[i]);
         print_text(to, "\n");
     }
 }
@@ -137,7 +125,7 @@ static void probe_print(const struct probe *probe, struct printed *to)
 static void probe_print_csv(const struct probe *probe, struct printed *to)
 {
     char name[160];
-    const int last = CURVES + probe->n_curves - 1;
+    const int last = probe->n_columns - 1;
     for (int column = 0; column <= last; column++) {
         column_name(probe, column, name, sizeof name);
         print_text(to, "\"");
@@ -146,13 +134,14 @@ static void probe_print_csv(const struct probe *probe, struct printed *to)
     }
     for (int i = 0; i < probe->n; i++)
         for (int column = 0; column <= last; column++) {
-            const double value = column_value(probe, column, i);
+            const double value = probe->columns[column].values[i];
             print(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
         }
 }
 
 static void probe_json(const struct probe *probe, struct json *json)
 {
+    static const char *const names[] = {"wavelengths_nm", "radiance", "standard_deviation"};
     double lab[3];
     json_begin(json);
     json_string(json, "source", probe->source);
@@ -167,14 +156,13 @@ static void probe_json(const struct probe *probe, struct json *json)
     if (probe->has_white)
         cielab(probe->xyz, probe->of_white, lab);
     json_numbers(json, "Lab", probe->has_white ? lab : NULL, 3);
-    json_numbers(json, "wavelengths_nm", probe->wavelengths_nm, probe->n);
-    json_numbers(json, "radiance", probe->mean, probe->n);
-    json_numbers(json, "standard_deviation", probe->spread, probe->n);
+    for (int column = 0; column < CURVES; column++)
+        json_numbers(json, names[column], probe->columns[column].values, probe->n);
     json_open(json, "curves", '[');
-    for (int i = 0; i < probe->n_curves; i++) {
+    for (int column = CURVES; column < probe->n_columns; column++) {
         json_open(json, NULL, '{');
-        json_string(json, "name", probe->curves[i].name);
-        json_numbers(json, "values", probe->curves[i].values, probe->n);
+        json_string(json, "name", probe->columns[column].name);
+        json_numbers(json, "values", probe->columns[column].values, probe->n);
         json_close(json, '}');
     }
     json_close(json, ']');
@@ -182,21 +170,23 @@ static void probe_json(const struct probe *probe, struct json *json)
 
 static void probe_svg(const struct probe *probe, struct printed *to)
 {
-    struct chart_line lines[1 + MAX_PROBE_CURVES];
+    struct chart_line lines[MAX_PROBE_COLUMNS];
     char region[96], title[512];
-    const bool single = probe->width == 1 && probe->height == 1;
     bool relative = false;
-    lines[0] = (struct chart_line){single ? "radiance" : "radiance ± standard deviation",
-                                   probe->n,
-                                   probe->wavelengths_nm,
-                                   probe->mean,
-                                   single ? NULL : probe->spread,
-                                   false};
-    for (int c = 0; c < probe->n_curves; c++) {
-        const struct probe_curve *curve = &probe->curves[c];
-        relative = relative || curve->relative;
-        lines[1 + c] = (struct chart_line){curve->name,   probe->n, probe->wavelengths_nm,
-                                           curve->values, NULL,     curve->relative};
+    int n = 0;
+    for (int c = MEAN; c < probe->n_columns; c++) {
+        const struct probe_column *of = &probe->columns[c];
+        relative = relative || of->relative;
+        if (c != SPREAD)
+            lines[n++] = (struct chart_line){.name = of->name,
+                                             .n = probe->n,
+                                             .x = probe->columns[WAVELENGTH].values,
+                                             .y = of->values,
+                                             .right = of->relative};
+    }
+    if (probe->width > 1 || probe->height > 1) {
+        lines[0].name = "radiance ± standard deviation";
+        lines[0].spread = probe->columns[SPREAD].values;
     }
     region_text(probe, region, sizeof region);
     snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
@@ -207,7 +197,7 @@ static void probe_svg(const struct probe *probe, struct printed *to)
                                 .right_label =
                                     relative ? "reflectance, excitation, emission" : NULL,
                                 .lines = lines,
-                                .n_lines = 1 + probe->n_curves,
+                                .n_lines = n,
                                 .wavelengths = true};
     chart_svg(&chart, to);
 }
