@@ -49,19 +49,6 @@ static void print_pixels(const struct comparison *of, struct printed *to)
     }
 }
 
-static void print_sight(const struct comparison *of, struct printed *to)
-{
-    const double *white = of->sight.white;
-    if (of->sight.has_white)
-        print(to,
-              "observer          %s\n"
-              "white             XYZ %.6g %.6g %.6g (%s)\n",
-              of->observer, white[0], white[1], white[2],
-              of->white ? of->white : "recorded by the first stack");
-    else
-        print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
-}
-
 static void print_map(const struct comparison *of, struct printed *to)
 {
     if (!of->map)
@@ -96,7 +83,12 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
     print(to, "RMS               %.6g%s\n", all->rms, unit);
     print(to, "largest of A      %.6g%s\n", of->largest_radiance, unit);
     print_pixels(of, to);
-    print_sight(of, to);
+    if (of->sight.has_white) {
+        print_fact(to, "observer", of->observer);
+        print_white(to, of->sight.white, true,
+                    of->white ? of->white : "recorded by the first stack");
+    } else
+        print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
     print_map(of, to);
 }
 

@@ -165,20 +165,15 @@ static void store_pixels(void *context, size_t first, size_t end)
 
 /* ---- the picture ---- */
 
-static void print_white(const struct development *of, struct printed *to)
+void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source)
 {
-    const double *white = of->seen_white;
     double xy[2];
-    if (!of->has_white) {
-        print_fact(to, "white", "not recorded");
-        return;
-    }
-    print(to, "white             %s%.6g %.6g %.6g", of->detector.observer ? "XYZ " : "", white[0],
-          white[1], white[2]);
     chromaticity(white, xy);
-    if (of->detector.observer)
+    print(to, "white             %s%.6g %.6g %.6g", is_xyz ? "XYZ " : "", white[0], white[1],
+          white[2]);
+    if (is_xyz)
         print(to, ", xy %.5f %.5f", xy[0], xy[1]);
-    print(to, " (%s)\n", of->white != NULL ? of->white : "recorded");
+    print(to, " (%s)\n", source);
 }
 
 void develop_print_settings(const struct development *of, struct printed *to)
@@ -189,7 +184,10 @@ void develop_print_settings(const struct development *of, struct printed *to)
           of->detector.observer ? "observer" : "camera or film, balanced to the white");
     if (of->sampled[0] != '\0')
         print_fact(to, "sampling", of->sampled);
-    print_white(of, to);
+    if (of->has_white)
+        print_white(to, of->seen_white, of->detector.observer, of->white ? of->white : "recorded");
+    else
+        print_fact(to, "white", "not recorded");
     print(to, "adaptation        %s", adaptation_name(of->adaptation.kind));
     if (of->adaptation.kind == ADAPTATION_FAIRCHILD)
         print(to, " to %.6g cd/m2", of->adaptation.luminance);

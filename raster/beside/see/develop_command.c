@@ -13,29 +13,22 @@ struct develop_own {
     bool xyz, lab;
 };
 
-static bool accepts_adaptation(const char *option, const char *value, struct error *err)
+/* Reads the value of one of the options below. */
+static bool read_value(const char *option, const char *value, struct development *out,
+                       struct error *err)
 {
-    struct adaptation adaptation;
-    return adaptation_read(option, value, &adaptation, err);
+    if (strcmp(option, "--adaptation") == 0)
+        return adaptation_read(option, value, &out->adaptation, err);
+    if (strcmp(option, "--display") == 0)
+        return display_read(option, value, &out->display, err);
+    out->automatic = strcmp(value, "auto") == 0;
+    return out->automatic || option_number(option, value, 1e-12, 1e12, &out->exposure, err);
 }
 
-static bool accepts_display(const char *option, const char *value, struct error *err)
+static bool accepts(const char *option, const char *value, struct error *err)
 {
-    enum display_kind display;
-    return display_read(option, value, &display, err);
-}
-
-/* Reads the exposure; 0 for auto. */
-static bool exposure_read(const char *option, const char *value, double *out, struct error *err)
-{
-    *out = 0;
-    return strcmp(value, "auto") == 0 || option_number(option, value, 1e-12, 1e12, out, err);
-}
-
-static bool accepts_exposure(const char *option, const char *value, struct error *err)
-{
-    double exposure;
-    return exposure_read(option, value, &exposure, err);
+    struct development ignored;
+    return read_value(option, value, &ignored, err);
 }
 
 /* Stores the sampling method in *method; out->sampling points to it. */
@@ -55,14 +48,10 @@ static bool read_options(struct options *options, struct sampling_method *method
                                 .sampling = options->sampling ? method : NULL};
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
-    const bool done =
-        (!own->adaptation ||
-         adaptation_read("--adaptation", own->adaptation, &out->adaptation, err)) &&
-        (!own->display || display_read("--display", own->display, &out->display, err)) &&
-        (!own->exposure || exposure_read("--exposure", own->exposure, &out->exposure, err)) &&
-        (!options->sampling || sampling_read("--sampling", options->sampling, method, err));
-    out->automatic = out->exposure == 0;
-    return done;
+    return (!own->adaptation || read_value("--adaptation", own->adaptation, out, err)) &&
+           (!own->display || read_value("--display", own->display, out, err)) &&
+           (!own->exposure || read_value("--exposure", own->exposure, out, err)) &&
+           (!options->sampling || sampling_read("--sampling", options->sampling, method, err));
 }
 
 /* ---- in words, and as JSON ---- */
@@ -147,12 +136,12 @@ static const struct option develop_rows[] = {
      SHARED(TEXT, output), .writes = true},
     {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
      "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",
-     OWN(TEXT, develop_own, adaptation), .accepts = accepts_adaptation},
+     OWN(TEXT, develop_own, adaptation), .accepts = accepts},
     {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis",
-     OWN(TEXT, develop_own, display), .accepts = accepts_display},
+     OWN(TEXT, develop_own, display), .accepts = accepts},
     {"--exposure FACTOR|auto",
      "a factor, or auto: nothing is brighter than the display (default: 1)",
-     OWN(TEXT, develop_own, exposure), .accepts = accepts_exposure},
+     OWN(TEXT, develop_own, exposure), .accepts = accepts},
     {"--bits 8|16", "bits of each channel (default: 8)", OWN(TEXT, develop_own, bits),
      .choices = picture_bits},
     {"--xyz", "writes float tristimulus values instead of RGB", OWN(FLAG, develop_own, xyz)},

@@ -48,9 +48,9 @@ struct development {
     enum develop_values values;
     int bits;        /* of RGB: 8 or 16 */
     int threads;     /* 0: one a processor */
-    double exposure; /* factor of all radiances; 0: the one that brings the largest displayed value
-                        (or Y) of the picture to just 1 (or 100), which then stands here */
-    bool automatic;  /* the exposure was 0 */
+    double exposure; /* factor of all radiances */
+    bool automatic;  /* the exposure becomes the one that brings the largest displayed value (or Y)
+                        of the picture to just 1 (or 100) */
     const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,
                                                before they are developed; NULL: no. Refused for
                                                stacks that were sampled, and for basis, rgb and
@@ -82,6 +82,8 @@ struct development {
  * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
  * after a failure. */
 bool develop(struct development *of, const char *stack, const char *output, struct error *err);
+/* Prints a white in a detector's channels, and where it comes from. */
+void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source);
 /* Prints all that decides a developed picture, except the stack. */
 void develop_print_settings(const struct development *of, struct printed *to);
 void develop_free(struct development *of);

@@ -72,32 +72,26 @@ static bool check_sampling(const struct cube *cube, const struct sampling_method
                        image->path, image->wavelengths_nm[image->n_pages - 1], longest_nm);
 }
 
-/* Makes the white at every nm the only light and the only product. Only adaptive sampling needs
- * one.
+/* Makes the white at every nm the only light and the only product, as adaptive sampling needs it.
  */
 static bool white_finely(const struct development *of, struct fine_spectra *out, struct error *err)
 {
     const struct image *image = &of->cube.image;
-    struct error ignored = {0};
     double *white;
-    const bool needed = of->sampling->kind == SAMPLING_ADAPTIVE;
     const bool done = MAKE_ARRAY(white, image->n_pages, err, "a white") &&
                       MAKE_ARRAY(out->lights, out->n_nm, err, "a white") &&
-                      MAKE_ARRAY(out->products, out->n_nm, err, "a white");
-    const bool found = done && cube_white(&of->cube, of->white, white, needed ? err : &ignored);
-    if (found) {
-        out->n_lights = out->n_products = 1;
-        for (int j = 0; j < out->n_nm; j++) {
-            double part;
-            const int page =
-                wavelength_before(image->wavelengths_nm, image->n_pages, out->first_nm + j, &part);
-            out->lights[j] =
-                part > 0 ? (1 - part) * white[page] + part * white[page + 1] : white[page];
-        }
-        memcpy(out->products, out->lights, (size_t)out->n_nm * sizeof *out->products);
+                      MAKE_ARRAY(out->products, out->n_nm, err, "a white") &&
+                      cube_white(&of->cube, of->white, white, err);
+    for (int j = 0; done && j < out->n_nm; j++) {
+        double part;
+        const int page =
+            wavelength_before(image->wavelengths_nm, image->n_pages, out->first_nm + j, &part);
+        out->lights[j] = out->products[j] =
+            part > 0 ? (1 - part) * white[page] + part * white[page + 1] : white[page];
     }
+    out->n_lights = out->n_products = 1;
     free(white);
-    return done && (found || !needed);
+    return done;
 }
 
 /* Describes the sampling in one line. */
@@ -125,10 +119,11 @@ static bool sampled_weights(struct development *of, struct error *err)
     if (!check_sampling(&of->cube, of->sampling, err))
         return false;
     spectra.n_nm = (int)floor(last - first + 1e-9) + 1;
-    const bool done = white_finely(of, &spectra, err) &&
-                      sampling_make(of->sampling, of->detector_name, &spectra, &sampling, err) &&
-                      (!sampling.fixed || fold_detector(of, &sampling.fine, err)) &&
-                      describe_sampling(&sampling, of, err);
+    const bool done =
+        (of->sampling->kind != SAMPLING_ADAPTIVE || white_finely(of, &spectra, err)) &&
+        sampling_make(of->sampling, of->detector_name, &spectra, &sampling, err) &&
+        (!sampling.fixed || fold_detector(of, &sampling.fine, err)) &&
+        describe_sampling(&sampling, of, err);
     if (done) {
         fold_sampling(image, &sampling, of->weights);
         if (sampling.segment_nm == NULL && !sampling.fixed)
