@@ -120,11 +120,10 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
 /* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
 
 /* Summarize the stack of the standard; measure a stack of the standard's size, with its sampling
- * (zeroed: none). The caller always frees the standard. */
+ * (zeroed: none). */
 bool standard_summarize(const char *stack, struct standard *out, struct error *err);
 bool standard_compare(const char *stack, const struct sampling *sampling, struct standard *standard,
                       struct accuracy *out, struct error *err);
-void standard_free(struct standard *standard);
 
 /* ---- configurations.c ---- */
 

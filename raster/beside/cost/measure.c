@@ -93,24 +93,6 @@ static void step(struct measurement *measurement, long steps)
         progress_show(&measurement->line, measurement->steps, measurement->all_steps);
 }
 
-/* ---- the temporary folder ---- */
-
-static bool open_folder(struct measurement *measurement, struct error *err)
-{
-    if (!folder_open(&measurement->folder, err))
-        return false;
-    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
-             measurement->folder.path);
-    guard_remove(measurement->stack);
-    return true;
-}
-
-static void close_folder(struct measurement *measurement)
-{
-    guard_forget(measurement->stack);
-    folder_close(&measurement->folder);
-}
-
 /* ---- jobs for processes of their own ---- */
 
 static bool render_job(void *context, void *out, struct error *err)
@@ -365,10 +347,14 @@ static bool describe(struct measurement *measurement, struct error *err)
 static bool measure(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    return survey_scene(measurement->options, &cost->survey, err) &&
-           open_folder(measurement, err) && make_standard(measurement, err) &&
-           describe(measurement, err) && announce(measurement, err) &&
-           measure_all(measurement, err) && conclude(cost, err);
+    if (!survey_scene(measurement->options, &cost->survey, err) ||
+        !folder_open(&measurement->folder, err))
+        return false;
+    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
+             measurement->folder.path);
+    guard_remove(measurement->stack);
+    return make_standard(measurement, err) && describe(measurement, err) &&
+           announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
 }
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)
@@ -380,7 +366,8 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
     measurement.shown = progress_start(&measurement.line, options->quiet);
     *out = (struct cost){.scene = NULL};
     const bool done = measure(&measurement, err);
-    close_folder(&measurement);
-    standard_free(&measurement.standard);
+    guard_forget(measurement.stack);
+    folder_close(&measurement.folder);
+    FREE_ALL(measurement.standard.pixels, measurement.standard.lattice);
     return done;
 }

@@ -187,11 +187,6 @@ bool standard_summarize(const char *stack, struct standard *out, struct error *e
     return done;
 }
 
-void standard_free(struct standard *standard)
-{
-    FREE_ALL(standard->pixels, standard->lattice);
-}
-
 /* ---- the difference of a stack ---- */
 
 /* Returns CIEDE2000 at a pixel of the chunk; -1: neither picture shows an object. */

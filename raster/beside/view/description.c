@@ -22,12 +22,11 @@
 /* ---- spectra and rows of numbers as JSON ---- */
 
 struct describer {
-    const struct plan *plan;
+    struct viewing *view;
     struct json json;
     struct spectrum *illuminants; /* that the page offers; the first n_owned are owned */
     int n_illuminants, n_owned;
     double *row; /* room for a number a band; owned */
-    struct viewing *view;
 };
 
 /* Puts three rows of n numbers each. */
@@ -43,7 +42,7 @@ static void json_rows(struct json *json, const char *key, const double *rows, in
 static void put_spectrum(struct describer *describer, const char *key,
                          const struct spectrum *spectrum, enum spectrum_ends ends)
 {
-    const struct plan *plan = describer->plan;
+    const struct plan *plan = describer->view->plan;
     if (spectrum->kind == SPECTRUM_NONE)
         return;
     for (int i = 0; i < plan->n_bands; i++)
@@ -174,7 +173,7 @@ static bool put_light(struct describer *describer, const struct spectrum *spectr
 /* Puts the lights of the scene. A scene without ambient light gets one of intensity 0. */
 static bool put_lights(struct describer *describer, struct error *err)
 {
-    const struct scene *scene = describer->plan->scene;
+    const struct scene *scene = describer->view->plan->scene;
     bool done = true;
     json_open(&describer->json, "ambients", '[');
     for (int i = 0; done && i < scene->n_ambients; i++) {
@@ -201,10 +200,10 @@ static bool put_luminescence(struct describer *describer, const struct material 
 {
     json_open(&describer->json, "luminescence", '[');
     for (int i = 0; i < describer->n_illuminants; i++) {
-        if (!material_luminescence(&describer->plan->illumination.pages, material,
+        if (!material_luminescence(&describer->view->plan->illumination.pages, material,
                                    &describer->illuminants[i], describer->row, err))
             return false;
-        json_numbers(&describer->json, NULL, describer->row, describer->plan->n_bands);
+        json_numbers(&describer->json, NULL, describer->row, describer->view->plan->n_bands);
     }
     json_close(&describer->json, ']');
     return true;
@@ -263,7 +262,7 @@ static struct vector origin_of(const struct object *object)
 
 static bool put_surfaces(struct describer *describer, struct error *err)
 {
-    const struct plan *plan = describer->plan;
+    const struct plan *plan = describer->view->plan;
     struct json *json = &describer->json;
     json_open(json, "shaded_materials", '[');
     for (int i = 0; i < plan->n_materials; i++)
@@ -423,7 +422,7 @@ static void put_camera(struct json *json, const struct camera *camera)
 
 static bool put_all(struct describer *describer, struct error *err)
 {
-    const struct scene *scene = describer->plan->scene;
+    const struct scene *scene = describer->view->plan->scene;
     const struct cube cube = {.image = {.path = scene->path,
                                         .n_pages = scene->n_wavelengths,
                                         .wavelengths_nm = scene->wavelengths_nm}};
@@ -440,10 +439,9 @@ static bool put_all(struct describer *describer, struct error *err)
 
 char *description_make(struct viewing *view, struct error *err)
 {
-    const struct plan *plan = view->plan;
-    struct describer describer = {.plan = plan, .view = view};
+    struct describer describer = {.view = view};
     char *text = NULL;
-    if (MAKE_ARRAY(describer.row, (size_t)plan->n_bands, err, "the spectra of a page") &&
+    if (MAKE_ARRAY(describer.row, (size_t)view->plan->n_bands, err, "the spectra of a page") &&
         put_all(&describer, err))
         text = json_take(&describer.json, err);
     free(printed_end(&describer.json.printed));
