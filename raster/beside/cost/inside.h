@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "cost" share. */
+/* Only the files of the room "cost" include this. */
 #ifndef RASTER_BESIDE_COST_INSIDE_H
 #define RASTER_BESIDE_COST_INSIDE_H
 

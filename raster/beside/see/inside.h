@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "see" share. */
+/* Only the files of the room "see" include this. */
 #ifndef RASTER_BESIDE_SEE_INSIDE_H
 #define RASTER_BESIDE_SEE_INSIDE_H
 
@@ -56,7 +56,7 @@ struct development {
                                                stacks that were sampled, and for basis, rgb and
                                                xyz, which need lights and reflectances apart */
     struct outputs *outputs;                /* get the picture; NULL: it appears at once */
-    /* What is found. */
+    /* The findings. */
     struct cube cube;
     struct detector detector;
     double first_nm, last_nm; /* of pages, or of the range of components */
@@ -162,7 +162,7 @@ struct probe {
     /* The caller sets these, and zeroes all others. */
     int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
     const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
-    /* What is found. */
+    /* The findings. */
     char *source; /* stack or scene; owned */
     int n;        /* wavelengths */
     char *object; /* name of the only object in the region; owned; NULL: unknown, or several */

@@ -239,8 +239,8 @@ static bool inspect_pixels(struct region *region, struct error *err)
 
 /* ---- curves of a scene ---- */
 
-/* What a curve shows. A reflectance continues beyond the ends of its spectrum, as data/terms has
- * it.
+/* The subjects of curves. A reflectance continues beyond the ends of its spectrum, as data/terms
+ * has it.
  */
 enum curve_kind { LIGHT, REFLECTANCE, LUMINESCENCE };
 

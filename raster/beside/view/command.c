@@ -9,7 +9,7 @@
 #include "data/images/images.h"
 #include "raster/beside/view/inside.h"
 
-/* What the ending of the output's name stands for: a page; the picture that it shows first; the
+/* Kinds of outputs, by the endings of their names: a page; the picture that it shows first; the
  * data of a page alone, in two files. */
 enum output_kind { HTML_PAGE, HTM_PAGE, PICTURE, PLANES, DESCRIPTION };
 static const char *const endings[] = {".html", ".htm", ".png", ".planes", ".json", NULL};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "view" share. */
+/* Only the files of the room "view" include this. */
 #ifndef RASTER_BESIDE_VIEW_INSIDE_H
 #define RASTER_BESIDE_VIEW_INSIDE_H
 
@@ -64,7 +64,7 @@ bool still_write(struct viewing *view, struct error *err);
 /* A stack as a page shows it: means of factor x factor pixels. */
 struct stack_page {
     double budget_bytes; /* of samples, as text of the page, before they are compressed */
-    /* What is found: */
+    /* The findings. */
     struct stack_rows rows; /* those of one row of the page at a time */
     int factor, width, height;
     bool counts; /* samples are 16-bit counts; otherwise floats */
