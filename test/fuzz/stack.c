@@ -46,66 +46,71 @@ static bool read_rows(struct cube *cube, struct error *err)
     return done;
 }
 
-static void develop_stack(const char *path, const struct develop_options *options,
-                          const char *ending)
+static void develop_stack(const char *path, struct development *of, const char *ending)
 {
     struct error err = {.status = EXIT_AGREED};
-    struct develop_result result;
     char picture[FUZZ_PATH];
     fuzz_write(ending, "", 0, picture);
-    fuzz_ends(develop(path, picture, options, &result, &err), &err);
+    fuzz_ends(develop(of, path, picture, &err), &err);
+    develop_free(of);
+}
+
+/* Runs a command, whose output nobody reads. */
+static void run_command(const struct command *command, char *const *words, int n)
+{
+    struct error err = {.status = EXIT_AGREED};
+    struct options options = {.operand = NULL};
+    const bool done =
+        options_read(command, words, n, &options, &err) && command->run(&options, &err);
+    if (err.status != EXIT_DIFFERENT)
+        fuzz_ends(done, &err);
+    options_free(&options);
 }
 
 static void probe_pixel(const char *path)
 {
-    const struct probe_options options = {0, 0, 1, 1, "cie1931", NULL};
-    struct error err = {.status = EXIT_AGREED};
-    struct probe probe = {.source = NULL};
-    if (fuzz_ends(probe_stack(path, &options, &probe, &err), &err)) {
-        struct printed printed = {.text = NULL};
-        probe_print(&probe, &printed);
-        free(printed_end(&printed));
-    }
-    probe_free(&probe);
+    char output[] = "-o/dev/null", x[] = "0", y[] = "0", *stack = strdup(path);
+    char *const words[] = {output, stack, x, y};
+    if (stack)
+        run_command(&probe_command, words, 4);
+    free(stack);
 }
 
 static void compare_with_itself(const char *path)
 {
-    const struct compare_options options = {"cie1931", .threads = 1};
     struct error err = {.status = EXIT_AGREED};
-    struct comparison comparison = {0};
-    if (fuzz_ends(compare(path, path, &options, &comparison, &err), &err))
+    struct comparison comparison = {.observer = "cie1931", .threads = 1};
+    if (fuzz_ends(compare(path, path, &comparison, &err), &err))
         fuzz_holds(comparison.all.largest == 0, "a stack does not differ from itself");
     comparison_free(&comparison);
 }
 
 static void join_part(const char *path)
 {
-    struct error err = {.status = EXIT_AGREED};
     char quiet[] = "-q", output[] = "-o/dev/null", *part = strdup(path);
     char *const words[] = {quiet, output, part};
-    struct options options = {.operand = NULL};
-    const bool done = part && options_read(&join_command, words, 3, &options, &err) &&
-                      join_command.run(&options, &err);
-    if (err.status != EXIT_DIFFERENT)
-        fuzz_ends(done, &err);
-    options_free(&options);
+    if (part)
+        run_command(&join_command, words, 3);
     free(part);
 }
 
 static void develop_colour(const char *path)
 {
-    const struct develop_options options = {"cie1931", .bits = 16, .threads = 1};
-    develop_stack(path, &options, ".png");
+    struct development of = {"cie1931", .bits = 16, .threads = 1, .automatic = true};
+    develop_stack(path, &of, ".png");
 }
 
 static void develop_sampled(const char *path)
 {
     const struct sampling_method gauss = {.kind = SAMPLING_GAUSS, .count = 5};
-    const struct develop_options options = {
-        "cie1964",    {ADAPTATION_CAT16, 0}, .white = "d65", .exposure = 1, .values = DEVELOP_LAB,
-        .threads = 1, .sampling = &gauss};
-    develop_stack(path, &options, ".developed.tif");
+    struct development of = {"cie1964",
+                             .adaptation = {ADAPTATION_CAT16, 0},
+                             .white = "d65",
+                             .exposure = 1,
+                             .values = DEVELOP_LAB,
+                             .threads = 1,
+                             .sampling = &gauss};
+    develop_stack(path, &of, ".developed.tif");
 }
 
 /* Reads everything, and then does what one of the commands does, which the last byte chooses: all
@@ -113,7 +118,7 @@ static void develop_sampled(const char *path)
 static void read_stack(const char *path, const struct fuzz_input *input)
 {
     void (*const readers[])(const char *) = {develop_colour, develop_sampled, probe_pixel,
-                                              compare_with_itself, join_part};
+                                             compare_with_itself, join_part};
     const unsigned char last =
         (unsigned char)input->bytes[input->length > 0 ? input->length - 1 : 0];
     struct error err = {.status = EXIT_AGREED};

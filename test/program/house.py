@@ -68,7 +68,6 @@ FUNCTION_PARAMETERS = 6
 FOR_TESTS = {
     "files_read_forget": "a test writes and reads the same file several times",
     "program_file": "a system without a link to the running program is simulated",
-    "configuration_entry": "the name and the words of a configuration are compared with their text",
 }
 
 Finding = collections.namedtuple("Finding", "path line says")

@@ -6,81 +6,9 @@
 #include <unistd.h>
 
 #include "data/files/files.h"
-#include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"
 #include "raster/beside/see/see.h"
-#include "raster/render/render.h"
-
-/* ---- configurations ---- */
-
-/* Reads a command line of render: the changes of the scene that cost was given, then the words of
- * the entry (NULL: none). */
-static bool read_words(const struct options *options, const struct cost_entry *entry,
-                       struct options *out, struct error *err)
-{
-    char *line[MAX_RECORDED + COST_WORDS];
-    int n = 0;
-    for (int i = 0; i < options->n_recorded; i++)
-        line[n++] = options->recorded[i];
-    for (int i = 0; entry && i < entry->n_words; i++)
-        line[n++] = entry->words[i];
-    if (!options_read(&render_command, line, n, out, err))
-        return false;
-    out->operand = options->operand;
-    out->threads = options->threads;
-    out->quiet = true;
-    return true;
-}
-
-bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
-                 struct error *err)
-{
-    struct options own = {.operand = NULL};
-    bool done = read_words(options, entry, &own, err);
-    own.output = output;
-    done = done && render_command.run(&own, err) && outputs_commit(&own.outputs, err);
-    options_free(&own);
-    return done;
-}
-
-enum { FIXED_WORDS = 12 };
-
-/* Adds "NAME=NUMBER" to a command line, in `text`; 0: the user gave none. */
-static void add_count(const char *line[], int *n, const char *name, int count, char text[32])
-{
-    if (count == 0)
-        return;
-    snprintf(text, 32, "%s=%d", name, count);
-    line[(*n)++] = text;
-}
-
-/* The scene comes last: its name may begin with a dash. */
-bool cost_run(const struct options *options, const struct cost_entry *entry, const char *output,
-              struct run_seconds *out, struct error *err)
-{
-    const char *line[MAX_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
-    char threads[32], memory[32];
-    int n = 2;
-    for (int i = 0; i < options->n_recorded; i++)
-        line[n++] = options->recorded[i];
-    for (int i = 0; i < entry->n_words; i++)
-        line[n++] = entry->words[i];
-    add_count(line, &n, "--threads", options->threads, threads);
-    add_count(line, &n, "--memory", options->memory_mib, memory);
-    const char *const last[] = {"--quiet", "--output", output, "--", options_scene(options), NULL};
-    memcpy(line + n, last, sizeof last);
-    return process_program(line, out, err);
-}
-
-bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
-               struct sampling *sampling, struct error *err)
-{
-    struct options own = {.operand = NULL};
-    bool done =
-        read_words(options, entry, &own, err) && scene_read_sampled(&own, scene, sampling, err);
-    options_free(&own);
-    return done;
-}
+#include "raster/renderers/renderers.h"
 
 /* ---- report ---- */
 
@@ -95,8 +23,8 @@ static bool write_files(const struct cost *cost, struct options *options, struct
         if (!printed_write(&table, own->csv, &options->outputs, err))
             return false;
     }
-    if (own->svg && (!cost_svg(cost, &chart, err) ||
-                              !printed_write(&chart, own->svg, &options->outputs, err)))
+    if (own->svg &&
+        (!cost_svg(cost, &chart, err) || !printed_write(&chart, own->svg, &options->outputs, err)))
         return false;
     if (options->json)
         cost_json(cost, &json);
@@ -153,11 +81,10 @@ static bool report(struct options *options, const struct cost *cost, double tole
         return false;
     snprintf(what, sizeof what, "95 %% within %.10g CIEDE2000", tolerance);
     bool done = !own->tolerance || recommend(options, what, cost_within(cost, tolerance, false),
-                                                 cost_within(cost, tolerance, true), &advice, err);
+                                             cost_within(cost, tolerance, true), &advice, err);
     snprintf(what, sizeof what, "seconds within %.10g", budget);
-    done =
-        done && (!own->budget || recommend(options, what, cost_affordable(cost, budget, false),
-                                               cost_affordable(cost, budget, true), &advice, err));
+    done = done && (!own->budget || recommend(options, what, cost_affordable(cost, budget, false),
+                                              cost_affordable(cost, budget, true), &advice, err));
     return printed_show(&advice, to, err) && done;
 }
 
@@ -202,11 +129,10 @@ static bool run_cost(struct options *options, struct error *err)
     const struct cost_options *own = options->own;
     struct cost cost = {.scene = NULL};
     double tolerance = 0, budget = 0;
-    bool done =
-        (!own->tolerance || tolerance_of("--tolerance", own->tolerance, &tolerance, err)) &&
-        (!own->budget || option_number("--budget", own->budget, 0, 1e9, &budget, err)) &&
-        check_scene(options, err) && check_files(options, err) &&
-        cost_measure(options, &cost, err) && report(options, &cost, tolerance, budget, err);
+    bool done = (!own->tolerance || tolerance_of("--tolerance", own->tolerance, &tolerance, err)) &&
+                (!own->budget || option_number("--budget", own->budget, 0, 1e9, &budget, err)) &&
+                check_scene(options, err) && check_files(options, err) &&
+                cost_measure(options, &cost, err) && report(options, &cost, tolerance, budget, err);
     cost_free(&cost);
     return done;
 }
@@ -229,8 +155,8 @@ static const struct option cost_rows[] = {
      OWN(TEXT, cost_options, budget)},
 };
 static const struct option_list cost_list = OPTION_LIST(cost_rows);
-static const struct option_list *const lists[] = {&cost_list,    &scene_options,  &threads_option,
-                                                  &json_option,  &quiet_option,   &common_options,
+static const struct option_list *const lists[] = {&cost_list,   &scene_options, &threads_option,
+                                                  &json_option, &quiet_option,  &common_options,
                                                   NULL};
 const struct command cost_command = {
     .name = "cost",

@@ -210,14 +210,12 @@ find(const struct cost *cost, const struct configuration *configuration, const c
 }
 
 /* Adds a configuration with a sampling, unless it is there already, or there is no room. */
-static bool add(struct cost *cost, struct configuration configuration, const char *sampling,
-                struct error *err)
+static void add(struct cost *cost, struct configuration configuration, const char *sampling)
 {
     if (find(cost, &configuration, sampling) || cost->n == MAX_CONFIGURATIONS)
-        return true;
+        return;
     snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
-    return configuration_entry(&configuration, cost->survey.observer, &cost->entries[cost->n++],
-                               err);
+    cost->entries[cost->n++].configuration = configuration;
 }
 
 /* Returns the configuration that samplings, and then shadings, are tried with. */
@@ -229,17 +227,15 @@ static struct configuration finest(const struct cost *cost)
 }
 
 /* Adds bases of the first few components, and of all. */
-static bool add_bases(struct cost *cost, struct error *err)
+static void add_bases(struct cost *cost)
 {
     static const int counts[] = {1, 2, 4, 8, INT_MAX};
     const int rank = cost->survey.rank;
     char name[SAMPLING_NAME];
     for (int i = 0; i < 5 && (i == 0 || counts[i - 1] < rank); i++) {
         snprintf(name, sizeof name, "basis:%d", counts[i] < rank ? counts[i] : rank);
-        if (!add(cost, finest(cost), name, err))
-            return false;
+        add(cost, finest(cost), name);
     }
-    return true;
 }
 
 /* Samplings to measure. Smooth light needs more numbers of gauss, emission lines more tolerances of
@@ -266,15 +262,18 @@ static const struct {
                  {"adaptive:0.01", ANY_LIGHT},
                  {"adaptive:0.001", LINES}};
 
-bool configurations_samplings(struct cost *cost, struct error *err)
+void configurations_samplings(struct cost *cost)
 {
     const enum lights other = cost->survey.peaks ? SMOOTH_LIGHT : LINES;
     for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++)
-        if (samplings[i].under != other && !add(cost, finest(cost), samplings[i].name, err))
-            return false;
-    return cost->survey.spectral_texture ||
-           (add(cost, finest(cost), "rgb", err) && add(cost, finest(cost), "xyz", err) &&
-            (cost->survey.rank == 0 || add_bases(cost, err)));
+        if (samplings[i].under != other)
+            add(cost, finest(cost), samplings[i].name);
+    if (cost->survey.spectral_texture)
+        return;
+    add(cost, finest(cost), "rgb");
+    add(cost, finest(cost), "xyz");
+    if (cost->survey.rank > 0)
+        add_bases(cost);
 }
 
 /* ---- shadings, renderers and depths, with a sampling whose own error is small ---- */
@@ -324,116 +323,94 @@ void configurations_choose(struct cost *cost)
                  leanest(cost, wanted[i].tolerance, wanted[i].content));
 }
 
-/* Roughly in the order of their time, the fastest first. */
-static const struct configuration shadings[] = {
-    {.shading = SHADING_FLAT, .tessellation = 1},   {.shading = SHADING_SMOOTH, .tessellation = 1},
-    {.shading = SHADING_PHONG, .tessellation = 1},  {.shading = SHADING_FLAT, .tessellation = 2},
-    {.shading = SHADING_SMOOTH, .tessellation = 2}, {.shading = SHADING_PHONG, .tessellation = 2},
-    {.shading = SHADING_FLAT, .tessellation = 4},   {.shading = SHADING_SMOOTH, .tessellation = 4},
-    {.shading = SHADING_PHONG, .tessellation = 4}};
-enum { N_SHADINGS = sizeof shadings / sizeof shadings[0] };
-
-static bool is_on_axis(const struct survey *survey, const struct configuration *shading)
-{
-    return (survey->tessellated || shading->tessellation == 1) &&
-           (survey->shaded || shading->shading == SHADING_SMOOTH);
-}
-
-static const struct configuration smooth = {.tessellation = 1, .renderer = BY_RASTER},
-                                  opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
-
-/* OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
-static const struct configuration renderers[] = {
+/* The reference's pictures, roughly in the order of their time, the fastest first; then OpenGL's,
+ * with smooth shading: OpenGL lights vertices only. */
+static const struct configuration pictures[] = {
+    {.shading = SHADING_FLAT, .tessellation = 1},
+    {.shading = SHADING_SMOOTH, .tessellation = 1},
+    {.shading = SHADING_PHONG, .tessellation = 1},
+    {.shading = SHADING_FLAT, .tessellation = 2},
+    {.shading = SHADING_SMOOTH, .tessellation = 2},
+    {.shading = SHADING_PHONG, .tessellation = 2},
+    {.shading = SHADING_FLAT, .tessellation = 4},
+    {.shading = SHADING_SMOOTH, .tessellation = 4},
+    {.shading = SHADING_PHONG, .tessellation = 4},
     {.tessellation = 1, .renderer = BY_LLVMPIPE},
     {.tessellation = 1, .renderer = BY_LLVMPIPE, .buffer_bits = 16},
     {.tessellation = 1, .renderer = BY_LLVMPIPE, .buffer_bits = 8},
     {.tessellation = 1, .renderer = BY_CHECKED_LLVMPIPE},
     {.tessellation = 1, .renderer = BY_SOFTPIPE},
     {.tessellation = 1, .renderer = BY_SHADERS}};
+enum { N_PICTURES = sizeof pictures / sizeof pictures[0] };
 
-static bool add_renderers(struct cost *cost, struct error *err)
+static bool makes_sense(const struct survey *survey, const struct configuration *picture)
 {
-    for (size_t i = 0; i < sizeof renderers / sizeof *renderers && gl_is_built(); i++)
-        if (!add(cost, renderers[i], cost->chosen[GOOD], err))
-            return false;
-    return true;
+    if (picture->renderer != BY_RASTER)
+        return gl_is_built();
+    return (survey->tessellated || picture->tessellation == 1) &&
+           (survey->shaded || picture->shading == SHADING_SMOOTH);
 }
 
-/* Adds the shadings of the finest tessellation, or the others. */
-static bool add_shadings(struct cost *cost, bool are_finest, struct error *err)
+/* Adds a sampling, or an accuracy, with the plainest picture of each renderer, with so many
+ * positions; 0: as the command line says. */
+static void add_plain(struct cost *cost, const char *sampling, int positions)
 {
-    for (int i = 0; i < N_SHADINGS; i++)
-        if (is_on_axis(&cost->survey, &shadings[i]) &&
-            (shadings[i].tessellation == every_nm.tessellation) == are_finest &&
-            !add(cost, shadings[i], cost->chosen[GOOD], err))
-            return false;
-    return true;
+    struct configuration plain = {.tessellation = 1, .positions = positions};
+    add(cost, plain, sampling);
+    plain.renderer = BY_LLVMPIPE;
+    if (gl_is_built())
+        add(cost, plain, sampling);
 }
 
-/* Adds pictures as accurate as the user asks for, by both renderers. */
-static bool add_accuracies(struct cost *cost, struct error *err)
+void configurations_pictures(struct cost *cost)
 {
     static const char *const errors[] = {"2", "1", "0.5", "0.2", "0.1"};
-    char name[SAMPLING_NAME];
-    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
-        snprintf(name, sizeof name, "%s%s", accuracy_prefix, errors[i]);
-        if (!add(cost, smooth, name, err) || (gl_is_built() && !add(cost, opengl, name, err)))
-            return false;
-    }
-    return true;
-}
-
-/* Adds fewer positions than the command line asks for, with the sampling that is good enough. */
-static bool add_positions(struct cost *cost, struct configuration configuration, struct error *err)
-{
-    for (int side = 1; side < cost->survey.positions; side *= 2) {
-        configuration.positions = side;
-        if (!add(cost, configuration, cost->chosen[GOOD], err))
-            return false;
-    }
-    return true;
-}
-
-bool configurations_pictures(struct cost *cost, struct error *err)
-{
-    if (!add_positions(cost, smooth, err) || (gl_is_built() && !add_positions(cost, opengl, err)))
-        return false;
-    return add_shadings(cost, false, err) && add_accuracies(cost, err) && add_renderers(cost, err);
-}
-
-bool configurations_finest(struct cost *cost, struct error *err)
-{
-    struct configuration bytes = finest(cost), floats = finest(cost);
-    bytes.bits = 8;
-    floats.bits = 32;
+    const char *good = cost->chosen[GOOD];
+    struct configuration fine = finest(cost);
+    char accuracy[SAMPLING_NAME];
     for (int i = 0; i < N_CHOSEN; i++)
-        if (!add(cost, finest(cost), cost->chosen[i], err))
-            return false;
-    return add_positions(cost, finest(cost), err) && add_shadings(cost, true, err) &&
-           add(cost, bytes, cost->chosen[GOOD], err) && add(cost, floats, cost->chosen[GOOD], err);
+        add(cost, fine, cost->chosen[i]);
+    for (int i = 0; i < N_PICTURES; i++)
+        if (makes_sense(&cost->survey, &pictures[i]))
+            add(cost, pictures[i], good);
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+        snprintf(accuracy, sizeof accuracy, "%s%s", accuracy_prefix, errors[i]);
+        add_plain(cost, accuracy, 0);
+    }
+    fine.bits = 8;
+    add(cost, fine, good);
+    fine.bits = 32;
+    add(cost, fine, good);
+    fine.bits = 0;
+    for (int side = 1; side < cost->survey.positions; side *= 2) {
+        fine.positions = side;
+        add(cost, fine, good);
+        add_plain(cost, good, side);
+    }
 }
 
 /* ---- combinations ---- */
 
 /* Adds a sampling with each shading that is more accurate than all faster ones in the list. */
-static bool combine(struct cost *cost, const char *sampling, struct error *err)
+static void combine(struct cost *cost, const char *sampling)
 {
     const char *good = cost->chosen[GOOD];
     double best = HUGE_VAL;
-    for (int i = 0; i < N_SHADINGS; i++) {
-        const struct cost_entry *entry = find(cost, &shadings[i], good);
+    for (int i = 0; i < N_PICTURES && pictures[i].renderer == BY_RASTER; i++) {
+        const struct cost_entry *entry = find(cost, &pictures[i], good);
         if (!entry || entry->accuracy.n_pages == 0 || entry->accuracy.quantile_95 >= best)
             continue;
         best = entry->accuracy.quantile_95;
-        if (!add(cost, shadings[i], sampling, err))
-            return false;
+        add(cost, pictures[i], sampling);
     }
-    return !gl_is_built() || add(cost, opengl, sampling, err);
+    if (gl_is_built())
+        add(cost, (struct configuration){.tessellation = 1, .renderer = BY_LLVMPIPE}, sampling);
 }
 
-bool configurations_combined(struct cost *cost, struct error *err)
+void configurations_combined(struct cost *cost)
 {
-    return combine(cost, cost->chosen[COLOURS], err) && combine(cost, cost->chosen[SPECTRA], err);
+    combine(cost, cost->chosen[COLOURS]);
+    combine(cost, cost->chosen[SPECTRA]);
 }
 
 /* ---- notes ---- */

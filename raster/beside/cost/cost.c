@@ -41,14 +41,6 @@ bool cost_note(struct cost *cost, struct error *err, const char *format, ...)
 
 /* ---- the frontier ---- */
 
-/* Returns whether one configuration is better than another in seconds or error, and not worse in
- * the other. */
-static bool dominates(double seconds, double error, double other_seconds, double other_error)
-{
-    return seconds <= other_seconds && error <= other_error &&
-           (seconds < other_seconds || error < other_error);
-}
-
 /* Chooses one of an entry's times: the median, the fastest, or the slowest. */
 enum luck { NO_LUCK, GOOD_LUCK, BAD_LUCK };
 
@@ -57,14 +49,19 @@ static double seconds_with(const struct cost_entry *entry, enum luck luck)
     return luck == GOOD_LUCK ? entry->fastest : luck == BAD_LUCK ? entry->slowest : entry->seconds;
 }
 
+/* Returns whether another entry is better than this one in seconds or error, and not worse in the
+ * other. */
 static bool is_dominated(const struct cost *cost, int index, enum luck own, enum luck others)
 {
-    const struct cost_entry *entry = &cost->entries[index];
-    for (int i = 0; i < cost->n; i++)
-        if (i != index && dominates(seconds_with(&cost->entries[i], others),
-                                    cost->entries[i].accuracy.quantile_95, seconds_with(entry, own),
-                                    entry->accuracy.quantile_95))
+    const double error = cost->entries[index].accuracy.quantile_95,
+                 seconds = seconds_with(&cost->entries[index], own);
+    for (int i = 0; i < cost->n; i++) {
+        const double other_error = cost->entries[i].accuracy.quantile_95,
+                     other_seconds = seconds_with(&cost->entries[i], others);
+        if (i != index && other_seconds <= seconds && other_error <= error &&
+            (other_seconds < seconds || other_error < error))
             return true;
+    }
     return false;
 }
 
@@ -79,12 +76,6 @@ void cost_mark(struct cost *cost)
         entry->uncertain = entry->best ? is_dominated(cost, i, BAD_LUCK, GOOD_LUCK)
                                        : !is_dominated(cost, i, GOOD_LUCK, BAD_LUCK);
     }
-}
-
-/* Returns whether the range of one entry's times has a part in that of another. */
-static bool overlap(const struct cost_entry *a, const struct cost_entry *b)
-{
-    return a->fastest <= b->slowest && b->fastest <= a->slowest;
 }
 
 /* Limits of the entries that a recommendation may name. */
@@ -107,7 +98,8 @@ static struct advice advise(const struct cost *cost, const struct cost_entry *be
     struct advice advice = {best, 0};
     for (int i = 0; best && i < cost->n; i++) {
         const struct cost_entry *rival = &cost->entries[i];
-        if (rival == best || !is_within(rival, limits) || !overlap(rival, best))
+        const bool overlap = rival->fastest <= best->slowest && best->fastest <= rival->slowest;
+        if (rival == best || !is_within(rival, limits) || !overlap)
             continue;
         advice.n_rivals++;
         if (rival->processor < advice.entry->processor)
@@ -247,31 +239,4 @@ void cost_json(const struct cost *cost, struct json *json)
     for (int i = 0; i < cost->n_notes; i++)
         json_string(json, NULL, cost->notes[i]);
     json_close(json, ']');
-}
-
-/* ---- the chart ---- */
-
-bool cost_svg(const struct cost *cost, struct printed *to, struct error *err)
-{
-    char title[512];
-    struct frontier_point *points;
-    if (!MAKE_ARRAY(points, (size_t)cost->n, err, "the points of a chart"))
-        return false;
-    for (int i = 0; i < cost->n; i++) {
-        const struct cost_entry *entry = &cost->entries[i];
-        points[i] = (struct frontier_point){.name = entry->name,
-                                            .cost = entry->seconds,
-                                            .cost_low = entry->fastest,
-                                            .cost_high = entry->slowest,
-                                            .error = entry->accuracy.quantile_95,
-                                            .best = entry->best,
-                                            .uncertain = entry->uncertain};
-    }
-    snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->survey.width,
-             cost->survey.height, cost->survey.observer);
-    const struct frontier frontier = {title, "seconds", "CIEDE2000, 95 % of the pixels", points,
-                                      cost->n};
-    const bool done = frontier_svg(&frontier, to, err);
-    free(points);
-    return done;
 }

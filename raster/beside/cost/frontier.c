@@ -19,35 +19,33 @@ enum {
 static const char strong[] = "#0072b2", pale[] = "#8a8a8a";
 
 struct plot {
-    const struct frontier *frontier;
     struct chart_area area;
-    struct axis cost, error;
-    const struct frontier_point **points; /* in the order of their numbers; owned */
-    int n_best;                           /* the first ones, on the frontier */
+    const struct cost_entry **points; /* in the order of their numbers; owned */
+    int n, n_best;                    /* n_best: the first ones, on the frontier */
 };
 
 /* ---- axes ---- */
 
-static struct axis cost_axis(const struct frontier *frontier)
+static struct axis seconds_axis(const struct cost *cost)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;
-    for (int i = 0; i < frontier->n; i++) {
-        const struct frontier_point *point = &frontier->points[i];
-        low = fmin(low, decimal_logarithm(fmin(point->cost, point->cost_low)));
-        high = fmax(high, decimal_logarithm(fmax(point->cost, point->cost_high)));
+    for (int i = 0; i < cost->n; i++) {
+        const struct cost_entry *entry = &cost->entries[i];
+        low = fmin(low, decimal_logarithm(fmin(entry->seconds, entry->fastest)));
+        high = fmax(high, decimal_logarithm(fmax(entry->seconds, entry->slowest)));
     }
     return axis_logarithmic(low, high);
 }
 
-static struct axis error_axis(const struct frontier *frontier)
+static struct axis error_axis(const struct cost *cost)
 {
     double largest = 0, least = HUGE_VAL;
-    for (int i = 0; i < frontier->n; i++)
-        largest = fmax(largest, frontier->points[i].error);
+    for (int i = 0; i < cost->n; i++)
+        largest = fmax(largest, cost->entries[i].accuracy.quantile_95);
     const double high = largest > 0 ? decimal_logarithm(largest) : -HUGE_VAL;
     bool clipped = false;
-    for (int i = 0; i < frontier->n; i++) {
-        const double error = frontier->points[i].error;
+    for (int i = 0; i < cost->n; i++) {
+        const double error = cost->entries[i].accuracy.quantile_95;
         const bool below = !(error > 0) || decimal_logarithm(error) < high - PAST_DECADES;
         clipped = clipped || below;
         least = below ? least : fmin(least, decimal_logarithm(error));
@@ -62,46 +60,46 @@ static struct axis error_axis(const struct frontier *frontier)
 
 /* ---- the frontier ---- */
 
-static int compare_cost(const struct frontier_point *a, const struct frontier_point *b)
+/* Orders points by their numbers: first those of the frontier, by seconds and then from the largest
+ * error on; then the others, as they stand in the table. */
+static int by_number(const void *a, const void *b)
 {
-    return a->cost != b->cost ? (a->cost > b->cost) - (a->cost < b->cost)
-                              : (a->error < b->error) - (a->error > b->error);
+    const struct cost_entry *one = *(const struct cost_entry *const *)a,
+                            *two = *(const struct cost_entry *const *)b;
+    const double more = one->seconds - two->seconds,
+                 better = two->accuracy.quantile_95 - one->accuracy.quantile_95;
+    if (one->best != two->best)
+        return two->best - one->best;
+    if (one->best && more != 0)
+        return more > 0 ? 1 : -1;
+    if (one->best && better != 0)
+        return better > 0 ? 1 : -1;
+    return (one > two) - (one < two);
 }
 
-/* Gives numbers to points: first to those of the frontier, by cost, then to the others. */
-static void number_points(struct plot *plot)
+static bool number_points(struct plot *plot, const struct cost *cost, struct error *err)
 {
-    const struct frontier_point *points = plot->frontier->points;
-    int n = 0;
-    for (int i = 0; i < plot->frontier->n; i++) {
-        int at = plot->n_best;
-        if (!points[i].best)
-            continue;
-        for (; at > 0 && compare_cost(plot->points[at - 1], &points[i]) > 0; at--)
-            plot->points[at] = plot->points[at - 1];
-        plot->points[at] = &points[i];
-        plot->n_best++;
+    if (!MAKE_ARRAY(plot->points, (size_t)cost->n + 1, err, "the points of a chart"))
+        return false;
+    for (; plot->n < cost->n; plot->n++) {
+        plot->points[plot->n] = &cost->entries[plot->n];
+        plot->n_best += cost->entries[plot->n].best;
     }
-    for (int i = 0; i < plot->frontier->n; i++)
-        if (!points[i].best)
-            plot->points[plot->n_best + n++] = &points[i];
+    qsort(plot->points, (size_t)plot->n, sizeof(*plot->points), by_number);
+    return true;
 }
 
-static double x_of(const struct plot *plot, double cost)
+static double y_of(const struct plot *plot, const struct cost_entry *point)
 {
-    return chart_x(&plot->area, &plot->cost, cost);
-}
-
-static double y_of(const struct plot *plot, const struct frontier_point *point)
-{
-    return chart_y(&plot->area, &plot->error, point->error);
+    return chart_y(&plot->area, &plot->area.y, point->accuracy.quantile_95);
 }
 
 /* Draws the steps: from each point along the cost, then down to the error of the next one. */
 static void draw_steps(const struct plot *plot)
 {
     for (int i = 0; i < plot->n_best; i++) {
-        const double x = x_of(plot, plot->points[i]->cost), y = y_of(plot, plot->points[i]);
+        const double x = chart_x(&plot->area, plot->points[i]->seconds),
+                     y = y_of(plot, plot->points[i]);
         if (i == 0)
             print(plot->area.to,
                   "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f", strong, x,
@@ -141,13 +139,13 @@ static void draw_number(const struct plot *plot, int index, double x, double y)
 
 static void draw_point(const struct plot *plot, int index)
 {
-    const struct frontier_point *point = plot->points[index];
-    const double x = x_of(plot, point->cost), y = y_of(plot, point);
+    const struct cost_entry *point = plot->points[index];
+    const double x = chart_x(&plot->area, point->seconds), y = y_of(plot, point);
     print_text(plot->area.to, "<g><title>");
     chart_text(plot->area.to, point->name, 200);
     print(plot->area.to, "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
-          point->best ? strong : pale, x_of(plot, point->cost_low), y,
-          x_of(plot, point->cost_high));
+          point->best ? strong : pale, chart_x(&plot->area, point->fastest), y,
+          chart_x(&plot->area, point->slowest));
     draw_marker(plot->area.to, x, y, point->best, point->uncertain);
     draw_number(plot, index, x, y);
     print_text(plot->area.to, "</g>\n");
@@ -155,14 +153,14 @@ static void draw_point(const struct plot *plot, int index)
 
 /* ---- the legend ---- */
 
-static struct chart_grid legend_grid(const struct plot *plot)
+static struct chart_legend legend_of(const struct plot *plot)
 {
     int longest = 1;
-    for (int i = 0; i < plot->frontier->n; i++) {
-        const int length = chart_text_length(plot->frontier->points[i].name);
+    for (int i = 0; i < plot->n; i++) {
+        const int length = chart_text_length(plot->points[i]->name);
         longest = length > longest ? length : longest;
     }
-    return chart_grid(plot->frontier->n, longest < NAME_LENGTH ? longest : NAME_LENGTH, SAMPLE);
+    return chart_legend(plot->n, longest < NAME_LENGTH ? longest : NAME_LENGTH, SAMPLE);
 }
 
 /* Draws the legend of the markers, in one row. */
@@ -179,11 +177,11 @@ static void draw_markers(const struct plot *plot, int y)
 
 static void draw_legend(const struct plot *plot, int top)
 {
-    const struct chart_grid grid = legend_grid(plot);
-    const int fitting = chart_fitting(grid.column - SAMPLE - 8, CHART_TEXT_SIZE);
-    for (int i = 0; i < plot->frontier->n; i++) {
-        const double x = CHART_LEFT + grid.column * (i / grid.rows);
-        const double y = top + CHART_LEGEND_ROW * (i % grid.rows) + 0.35 * CHART_TEXT_SIZE;
+    const struct chart_legend legend = legend_of(plot);
+    const int fitting = chart_fitting(legend.column - SAMPLE - 8, CHART_TEXT_SIZE);
+    for (int i = 0; i < plot->n; i++) {
+        const double x = legend_x(&legend, i);
+        const double y = legend_y(&legend, top, i) + 0.35 * CHART_TEXT_SIZE;
         print(plot->area.to,
               "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>"
               "<text x=\"%.2f\" y=\"%.2f\">",
@@ -196,33 +194,34 @@ static void draw_legend(const struct plot *plot, int top)
 
 /* ---- the file ---- */
 
-static void draw(const struct plot *plot)
+static void draw(const struct plot *plot, const struct cost *cost)
 {
+    static const char *const labels[3] = {"seconds", "CIEDE2000, 95 % of the pixels", NULL};
     const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;
     const int legend = markers + CHART_LEGEND_ROW + 6;
-    chart_head(plot->area.to, plot->frontier->title,
-               legend + CHART_LEGEND_ROW * legend_grid(plot).rows);
-    axis_draw_x(&plot->area, &plot->cost, plot->frontier->cost_label, 0);
-    axis_draw_y(&plot->area, &plot->error, plot->frontier->error_label, false);
-    chart_frame(&plot->area);
+    char title[512];
+    snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->survey.width,
+             cost->survey.height, cost->survey.observer);
+    chart_head(plot->area.to, title, legend + CHART_LEGEND_ROW * legend_of(plot).rows);
+    chart_axes(&plot->area, labels, 0);
     draw_steps(plot);
-    for (int i = plot->frontier->n - 1; i >= 0; i--) /* the frontier on top */
+    for (int i = plot->n - 1; i >= 0; i--) /* the frontier on top */
         draw_point(plot, i);
     draw_markers(plot, markers);
     draw_legend(plot, legend);
     print_text(plot->area.to, "</svg>\n");
 }
 
-bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err)
+bool cost_svg(const struct cost *cost, struct printed *to, struct error *err)
 {
-    struct plot plot = {.frontier = frontier,
-                        .area = {.to = to, .width = WIDTH, .height = HEIGHT},
-                        .cost = cost_axis(frontier),
-                        .error = error_axis(frontier)};
-    if (!MAKE_ARRAY(plot.points, (size_t)frontier->n + 1, err, "the points of a chart"))
-        return false;
-    number_points(&plot);
-    draw(&plot);
+    struct plot plot = {.area = {.to = to,
+                                 .width = WIDTH,
+                                 .height = HEIGHT,
+                                 .x = seconds_axis(cost),
+                                 .y = error_axis(cost)}};
+    const bool done = number_points(&plot, cost, err);
+    if (done)
+        draw(&plot, cost);
     free(plot.points);
-    return true;
+    return done;
 }

@@ -13,25 +13,6 @@ struct cost_options {
     int runs;
 };
 
-/* ---- frontier.c: what accuracy costs ---- */
-
-struct frontier_point {
-    const char *name;
-    double cost, cost_low, cost_high; /* above 0 */
-    double error;                     /* 0 or more */
-    bool best;                        /* on the frontier */
-    bool uncertain;                   /* noise might move it onto the frontier, or off it */
-};
-struct frontier {
-    const char *title, *cost_label, *error_label;
-    const struct frontier_point *points;
-    int n;
-};
-/* Prints a whole SVG 1.1 file. Fails without memory. Both axes are logarithmic. Errors below
- * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
- * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
-bool frontier_svg(const struct frontier *frontier, struct printed *to, struct error *err);
-
 enum { COST_WORDS = 10, MAX_CONFIGURATIONS = 80 };
 /* The properties of a scene that decide which configurations make sense, and the observer. */
 struct survey {
@@ -68,6 +49,8 @@ struct standard_pixel {
 };
 /* The colours of the standard: see standard.c. */
 struct standard {
+    const char *observer; /* this and the threads are the caller's */
+    int threads;
     int width, height;
     bool lit;        /* the observer sees some light */
     double white[3]; /* XYZ of the lights, or of a radiance of 1 where the observer sees none */
@@ -115,61 +98,49 @@ struct advice {
 struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
 struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
 void cost_print(const struct cost *cost, struct printed *to);
-/* Print the table as CSV, and the chart. */
-void cost_csv(const struct cost *cost, struct printed *to);
-bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
+void cost_csv(const struct cost *cost, struct printed *to); /* the table */
 void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */
 
-/* ---- command.c: configurations as command lines ---- */
+/* ---- frontier.c: the chart ---- */
 
-/* Render the scene of the options, with the words of the entry, to a stack: in this process; and by
- * running the program. */
-bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
-                 struct error *err);
-bool cost_run(const struct options *options, const struct cost_entry *entry, const char *output,
-              struct run_seconds *out, struct error *err);
-/* Reads and samples the scene as cost_render would; without a sampling, *sampling stays zeroed. The
- * caller always frees both. entry NULL: no words. */
-bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
-               struct sampling *sampling, struct error *err);
+/* Prints a whole SVG 1.1 file. Fails without memory. Both axes are logarithmic. Errors below
+ * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
+ * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
+bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
 
 /* ---- measure.c ---- */
 
+/* Reads and samples the scene as render does with the words of the entry (NULL: none); without a
+ * sampling, *sampling stays zeroed. The caller always frees both. */
+bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
+               struct sampling *sampling, struct error *err);
 /* Measures all configurations that make sense for the scene. The caller always frees *out. */
 bool cost_measure(const struct options *options, struct cost *out, struct error *err);
 
 /* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
 
-struct standard_request {
-    const char *stack, *observer;
-    const struct sampling *sampling; /* of a stack that is compared; zeroed: none */
-    int threads;
-};
-/* Summarize the stack of the standard; measure a stack of the standard's size. The caller always
- * frees the standard. */
-bool standard_summarize(const struct standard_request *request, struct standard *out,
-                        struct error *err);
-bool standard_compare(const struct standard_request *request, struct standard *standard,
+/* Summarize the stack of the standard; measure a stack of the standard's size, with its sampling
+ * (zeroed: none). */
+bool standard_summarize(const char *stack, struct standard *out, struct error *err);
+bool standard_compare(const char *stack, const struct sampling *sampling, struct standard *standard,
                       struct accuracy *out, struct error *err);
-void standard_free(struct standard *standard);
 
 /* ---- configurations.c ---- */
 
 /* Survey the scene in a process of its own, and add notes on what it suggests. */
 bool survey_scene(const struct options *options, struct survey *out, struct error *err);
 bool survey_notes(struct cost *cost, struct error *err);
-/* Fills in a zeroed entry, which the caller always frees. */
+/* Fills in the name and the words of a zeroed entry, which the caller always frees. */
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err);
 /* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
 bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err);
-/* Add every sampling, with the finest shading; choose samplings; add coarser shadings and renderers
- * with a good one; add the finest ones and depths; add the best samplings with the best shadings.
- * Choices depend on errors, not on seconds: they are the same in every run. */
-bool configurations_samplings(struct cost *cost, struct error *err);
+/* Add every sampling, with the finest shading; choose samplings; add shadings, renderers, positions
+ * and depths with a good one; add the best samplings with the best shadings. Choices depend on
+ * errors, not on seconds: they are the same in every run. Entries have no words yet. */
+void configurations_samplings(struct cost *cost);
 void configurations_choose(struct cost *cost);
-bool configurations_pictures(struct cost *cost, struct error *err);
-bool configurations_finest(struct cost *cost, struct error *err);
-bool configurations_combined(struct cost *cost, struct error *err);
+void configurations_pictures(struct cost *cost);
+void configurations_combined(struct cost *cost);
 
 #endif

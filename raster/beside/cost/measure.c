@@ -7,9 +7,72 @@
 #include <unistd.h>
 
 #include "data/files/files.h"
+#include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"
+#include "raster/render/render.h"
 
 enum { DEFAULT_RUNS = 5 };
+
+/* ---- a configuration as a command line of render ---- */
+
+/* Reads a command line of render: the changes of the scene that cost was given, then the words of
+ * the entry (NULL: none). */
+static bool read_words(const struct options *options, const struct cost_entry *entry,
+                       struct options *out, struct error *err)
+{
+    char *line[MAX_RECORDED + COST_WORDS];
+    int n = 0;
+    for (int i = 0; i < options->n_recorded; i++)
+        line[n++] = options->recorded[i];
+    for (int i = 0; entry && i < entry->n_words; i++)
+        line[n++] = entry->words[i];
+    if (!options_read(&render_command, line, n, out, err))
+        return false;
+    out->operand = options->operand;
+    out->threads = options->threads;
+    out->quiet = true;
+    return true;
+}
+
+enum { FIXED_WORDS = 12 };
+
+/* Adds "NAME=NUMBER" to a command line, in `text`; 0: the user gave none. */
+static void add_count(const char *line[], int *n, const char *name, int count, char text[32])
+{
+    if (count == 0)
+        return;
+    snprintf(text, 32, "%s=%d", name, count);
+    line[(*n)++] = text;
+}
+
+/* Runs the program on the scene of the options, with the words of the entry. The scene comes last:
+ * its name may begin with a dash. */
+static bool run_program(const struct options *options, const struct cost_entry *entry,
+                        const char *output, struct run_seconds *out, struct error *err)
+{
+    const char *line[MAX_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
+    char threads[32], memory[32];
+    int n = 2;
+    for (int i = 0; i < options->n_recorded; i++)
+        line[n++] = options->recorded[i];
+    for (int i = 0; i < entry->n_words; i++)
+        line[n++] = entry->words[i];
+    add_count(line, &n, "--threads", options->threads, threads);
+    add_count(line, &n, "--memory", options->memory_mib, memory);
+    const char *const last[] = {"--quiet", "--output", output, "--", options_scene(options), NULL};
+    memcpy(line + n, last, sizeof last);
+    return process_program(line, out, err);
+}
+
+bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
+               struct sampling *sampling, struct error *err)
+{
+    struct options own = {.operand = NULL};
+    bool done =
+        read_words(options, entry, &own, err) && scene_read_sampled(&own, scene, sampling, err);
+    options_free(&own);
+    return done;
+}
 
 struct measurement {
     const struct options *options;
@@ -19,6 +82,7 @@ struct measurement {
     char stack[sizeof(struct folder) + 16]; /* a file in it */
     struct standard standard;
     long steps, all_steps;
+    const struct cost_entry *entry; /* at hand */
     struct cost *cost;
 };
 
@@ -29,54 +93,28 @@ static void step(struct measurement *measurement, long steps)
         progress_show(&measurement->line, measurement->steps, measurement->all_steps);
 }
 
-/* ---- the temporary folder ---- */
-
-static bool open_folder(struct measurement *measurement, struct error *err)
-{
-    if (!folder_open(&measurement->folder, err))
-        return false;
-    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
-             measurement->folder.path);
-    guard_remove(measurement->stack);
-    return true;
-}
-
-static void close_folder(struct measurement *measurement)
-{
-    guard_forget(measurement->stack);
-    folder_close(&measurement->folder);
-}
-
 /* ---- jobs for processes of their own ---- */
-
-struct task {
-    struct measurement *measurement;
-    const struct cost_entry *entry;
-};
 
 static bool render_job(void *context, void *out, struct error *err)
 {
-    const struct task *task = context;
+    const struct measurement *measurement = context;
+    struct options own = {.operand = NULL};
     (void)out;
-    return cost_render(task->measurement->options, task->entry, task->measurement->stack, err);
-}
-
-static struct standard_request request_of(const struct measurement *measurement)
-{
-    return (struct standard_request){.stack = measurement->stack,
-                                     .observer = measurement->cost->survey.observer,
-                                     .threads = measurement->options->threads};
+    bool done = read_words(measurement->options, measurement->entry, &own, err);
+    own.output = measurement->stack;
+    done = done && render_command.run(&own, err) && outputs_commit(&own.outputs, err);
+    options_free(&own);
+    return done;
 }
 
 static bool compare_job(void *context, void *out, struct error *err)
 {
-    const struct task *task = context;
+    struct measurement *measurement = context;
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
-    struct standard_request request = request_of(task->measurement);
-    request.sampling = &sampling;
-    const bool done = cost_read(task->measurement->options, task->entry, &scene, &sampling, err) &&
-                      standard_compare(&request, &task->measurement->standard, out, err);
+    const bool done =
+        cost_read(measurement->options, measurement->entry, &scene, &sampling, err) &&
+        standard_compare(measurement->stack, &sampling, &measurement->standard, out, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;
@@ -87,11 +125,11 @@ static bool compare_job(void *context, void *out, struct error *err)
 static bool render_entry(struct measurement *measurement, const struct cost_entry *entry,
                          struct run_seconds *seconds, struct error *err)
 {
-    struct task task = {measurement, entry};
     struct error again = {.status = EXIT_AGREED};
-    if (cost_run(measurement->options, entry, measurement->stack, seconds, err))
+    measurement->entry = entry;
+    if (run_program(measurement->options, entry, measurement->stack, seconds, err))
         return true;
-    if (err->status == EXIT_SYSTEM && !process_run(render_job, &task, NULL, 0, &again) &&
+    if (err->status == EXIT_SYSTEM && !process_run(render_job, measurement, NULL, 0, &again) &&
         again.unsupported)
         *err = again;
     return false;
@@ -104,12 +142,11 @@ static bool render_entry(struct measurement *measurement, const struct cost_entr
 static bool make_standard(struct measurement *measurement, struct error *err)
 {
     struct cost_entry entry = {.n_words = 0};
-    struct standard_request request = request_of(measurement);
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds = {.wall = 0};
     const bool done = configuration_standard(measurement->cost, &entry, &own) &&
                       render_entry(measurement, &entry, &seconds, &own) &&
-                      standard_summarize(&request, &measurement->standard, &own);
+                      standard_summarize(measurement->stack, &measurement->standard, &own);
     measurement->cost->standard_seconds = seconds.wall;
     unlink(measurement->stack);
     cost_entry_free(&entry);
@@ -124,12 +161,13 @@ static bool make_standard(struct measurement *measurement, struct error *err)
  * system does not support, becomes a note. */
 static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
 {
-    struct task task = {measurement, entry};
     struct accuracy accuracy = {.n_pages = 0};
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds = {.wall = 0};
+    if (!configuration_entry(&entry->configuration, measurement->cost->survey.observer, entry, err))
+        return false;
     const bool done = render_entry(measurement, entry, &seconds, &own) &&
-                      process_run(compare_job, &task, &accuracy, sizeof accuracy, &own);
+                      process_run(compare_job, measurement, &accuracy, sizeof accuracy, &own);
     unlink(measurement->stack);
     step(measurement, done ? 2 : 2 + measurement->cost->runs);
     if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
@@ -145,13 +183,12 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
 }
 
 /* Adds configurations and warms them up. `add` may choose by the errors measured before. */
-static bool warm_up_more(struct measurement *measurement,
-                         bool (*add)(struct cost *cost, struct error *err), struct error *err)
+static bool warm_up_more(struct measurement *measurement, void (*add)(struct cost *cost),
+                         struct error *err)
 {
     struct cost *cost = measurement->cost;
     const int first = cost->n;
-    if (!add(cost, err))
-        return false;
+    add(cost);
     for (int i = first; i < cost->n; i++)
         if (!warm_up(measurement, &cost->entries[i], err))
             return false;
@@ -257,7 +294,6 @@ static bool measure_all(struct measurement *measurement, struct error *err)
         return false;
     configurations_choose(cost);
     if (!warm_up_more(measurement, configurations_pictures, err) ||
-        !warm_up_more(measurement, configurations_finest, err) ||
         !warm_up_more(measurement, configurations_combined, err))
         return false;
     measurement->all_steps = steps_of(measurement, cost->n);
@@ -311,19 +347,27 @@ static bool describe(struct measurement *measurement, struct error *err)
 static bool measure(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    return survey_scene(measurement->options, &cost->survey, err) &&
-           open_folder(measurement, err) && make_standard(measurement, err) &&
-           describe(measurement, err) && announce(measurement, err) &&
-           measure_all(measurement, err) && conclude(cost, err);
+    if (!survey_scene(measurement->options, &cost->survey, err) ||
+        !folder_open(&measurement->folder, err))
+        return false;
+    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
+             measurement->folder.path);
+    guard_remove(measurement->stack);
+    return make_standard(measurement, err) && describe(measurement, err) &&
+           announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
 }
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {.options = options, .cost = out};
+    struct measurement measurement = {
+        .options = options,
+        .standard = {.observer = options_detector(options), .threads = options->threads},
+        .cost = out};
     measurement.shown = progress_start(&measurement.line, options->quiet);
     *out = (struct cost){.scene = NULL};
     const bool done = measure(&measurement, err);
-    close_folder(&measurement);
-    standard_free(&measurement.standard);
+    guard_forget(measurement.stack);
+    folder_close(&measurement.folder);
+    FREE_ALL(measurement.standard.pixels, measurement.standard.lattice);
     return done;
 }

@@ -29,7 +29,6 @@ static const size_t chunk_samples = (size_t)1 << 21;
 
 /* Reads a stack, and makes the summary or compares with it. */
 struct walk {
-    const struct standard_request *request;
     struct standard *standard;
     struct stack_rows rows;
     struct sight sight;
@@ -46,14 +45,13 @@ struct walk {
     size_t n_differences;
 };
 
-static bool open_walk(struct walk *walk, struct error *err)
+static bool open_walk(struct walk *walk, const char *stack, struct error *err)
 {
-    const struct standard_request *request = walk->request;
     const struct white_request white = {NULL, false};
-    walk->threads = threads_count(request->threads);
-    return cube_open(request->stack, &walk->rows.cube, err) &&
+    walk->threads = threads_count(walk->standard->threads);
+    return cube_open(stack, &walk->rows.cube, err) &&
            rows_allocate(&walk->rows, chunk_samples, err) &&
-           sight_make(&walk->rows.cube, request->observer, &white, &walk->sight, err);
+           sight_make(&walk->rows.cube, walk->standard->observer, &white, &walk->sight, err);
 }
 
 static size_t chunk_pixels(const struct walk *walk)
@@ -70,29 +68,24 @@ static void close_walk(struct walk *walk)
 {
     rows_close(&walk->rows);
     sight_free(&walk->sight);
-    free(walk->pages);
-    free(walk->linear);
-    free(walk->squares);
-    free(walk->differences);
+    FREE_ALL(walk->pages, walk->linear, walk->squares, walk->differences);
 }
 
-/* Calls a function for each chunk of rows, and then one for each row of the lattice. */
+/* Calls a function for each chunk of rows, and another for each of its rows in the lattice. */
 static bool walk_rows(struct walk *walk, bool (*chunk)(struct walk *walk, struct error *err),
-                      void (*lattice_row)(struct walk *walk), struct error *err)
+                      void (*lattice_row)(struct walk *walk, int row), struct error *err)
 {
     walk->pixels = walk->standard->pixels;
+    walk->lattice = walk->standard->lattice;
     for (int y = 0; y < walk->standard->height; y += walk->rows.most) {
         if (!rows_read(&walk->rows, y, err) || !chunk(walk, err))
             return false;
         walk->pixels += chunk_pixels(walk);
-    }
-    walk->rows.most = 1;
-    walk->lattice = walk->standard->lattice;
-    for (int y = 0; y < walk->standard->height; y += walk->standard->step) {
-        if (!rows_read(&walk->rows, y, err))
-            return false;
-        lattice_row(walk);
-        walk->lattice += lattice_samples(walk);
+        for (int row = 0; row < walk->rows.n; row++)
+            if ((y + row) % walk->standard->step == 0) {
+                lattice_row(walk, row);
+                walk->lattice += lattice_samples(walk);
+            }
     }
     return true;
 }
@@ -109,12 +102,15 @@ static bool find_xyz(const struct walk *walk, size_t pixel, double xyz[3])
     return fabs(xyz[0]) > 0 || fabs(xyz[1]) > 0 || fabs(xyz[2]) > 0;
 }
 
-/* Copies the samples of the lattice's pixels in the current row: out[column * n_pages + page]. */
-static void copy_lattice(const struct walk *walk, float *out)
+/* Copies the samples of the lattice's pixels in a row of the chunk: out[column * n_pages + page].
+ */
+static void copy_lattice(const struct walk *walk, int row, float *out)
 {
-    for (int x = 0; x < walk->standard->width; x += walk->standard->step)
+    const int width = walk->standard->width;
+    const float *samples = walk->rows.samples + (size_t)row * (size_t)width;
+    for (int x = 0; x < width; x += walk->standard->step)
         for (int page = 0; page < walk->rows.cube.image.n_pages; page++)
-            *out++ = walk->rows.samples[(size_t)page * walk->rows.stride + (size_t)x];
+            *out++ = samples[(size_t)page * walk->rows.stride + (size_t)x];
 }
 
 /* ---- the summary ---- */
@@ -153,9 +149,9 @@ static bool summarize_chunk(struct walk *walk, struct error *err)
     return true;
 }
 
-static void summarize_lattice(struct walk *walk)
+static void summarize_lattice(struct walk *walk, int row)
 {
-    copy_lattice(walk, walk->lattice);
+    copy_lattice(walk, row, walk->lattice);
 }
 
 /* Describes the standard, and makes room for it. */
@@ -166,14 +162,13 @@ static bool describe(struct walk *walk, struct error *err)
     const int step = (int)ceil(sqrt((double)n_pixels / lattice_pixels));
     const double *white = walk->sight.white;
     struct standard *out = walk->standard;
-    *out = (struct standard){.width = image->width,
-                             .height = image->height,
-                             .lit = walk->sight.has_white &&
-                                    (white[0] > 0 || white[1] > 0 || white[2] > 0),
-                             .first_nm = image->wavelengths_nm[0],
-                             .n_nm = image->n_pages,
-                             .step = step,
-                             .columns = (image->width + step - 1) / step};
+    out->width = image->width;
+    out->height = image->height;
+    out->lit = walk->sight.has_white && (white[0] > 0 || white[1] > 0 || white[2] > 0);
+    out->first_nm = image->wavelengths_nm[0];
+    out->n_nm = image->n_pages;
+    out->step = step;
+    out->columns = (image->width + step - 1) / step;
     detector_response(walk->sight.weights, NULL, image->n_pages, out->white);
     if (out->lit)
         memcpy(out->white, white, sizeof out->white);
@@ -183,21 +178,13 @@ static bool describe(struct walk *walk, struct error *err)
                       "the radiances of the standard");
 }
 
-bool standard_summarize(const struct standard_request *request, struct standard *out,
-                        struct error *err)
+bool standard_summarize(const char *stack, struct standard *out, struct error *err)
 {
-    struct walk walk = {.request = request, .standard = out};
-    const bool done = open_walk(&walk, err) && describe(&walk, err) &&
+    struct walk walk = {.standard = out};
+    const bool done = open_walk(&walk, stack, err) && describe(&walk, err) &&
                       walk_rows(&walk, summarize_chunk, summarize_lattice, err);
     close_walk(&walk);
     return done;
-}
-
-void standard_free(struct standard *standard)
-{
-    free(standard->pixels);
-    free(standard->lattice);
-    *standard = (struct standard){.width = 0};
 }
 
 /* ---- the difference of a stack ---- */
@@ -255,12 +242,12 @@ static void square(void *context, int column)
 }
 
 /* Adds the sums in the order of the columns, so that the number of threads does not matter. */
-static void compare_lattice(struct walk *walk)
+static void compare_lattice(struct walk *walk, int row)
 {
     const int columns = walk->standard->columns;
     if (!walk->synthesis)
         return;
-    copy_lattice(walk, walk->pages);
+    copy_lattice(walk, row, walk->pages);
     threads_each(walk->threads, columns, square, walk);
     for (int column = 0; column < columns; column++) {
         walk->error += walk->squares[column][0];
@@ -269,10 +256,9 @@ static void compare_lattice(struct walk *walk)
 }
 
 /* Without a sampling, radiances are linear between the wavelengths of the stack. */
-static bool find_synthesis(struct walk *walk, struct error *err)
+static bool find_synthesis(struct walk *walk, const struct sampling *sampling, struct error *err)
 {
     const struct image *image = &walk->rows.cube.image;
-    const struct sampling *sampling = sampling_or_none(walk->request->sampling);
     if (!sampling)
         walk->linear = linear_synthesis(image->wavelengths_nm, image->n_pages,
                                         walk->standard->first_nm, walk->standard->n_nm, err);
@@ -317,11 +303,12 @@ static bool allocate(struct walk *walk, struct error *err)
            MAKE_ARRAY(walk->differences, n_pixels, err, "differences from the standard");
 }
 
-bool standard_compare(const struct standard_request *request, struct standard *standard,
+bool standard_compare(const char *stack, const struct sampling *sampling, struct standard *standard,
                       struct accuracy *out, struct error *err)
 {
-    struct walk walk = {.request = request, .standard = standard};
-    const bool done = open_walk(&walk, err) && allocate(&walk, err) && find_synthesis(&walk, err) &&
+    struct walk walk = {.standard = standard};
+    const bool done = open_walk(&walk, stack, err) && allocate(&walk, err) &&
+                      find_synthesis(&walk, sampling_or_none(sampling), err) &&
                       walk_rows(&walk, compare_chunk, compare_lattice, err);
     if (done)
         conclude(&walk, out);

@@ -136,9 +136,9 @@ static double part_of(const struct axis *axis, double value)
     return value > 0 ? fmax(part_below(axis, decimal_logarithm(value)), 0) : 0;
 }
 
-double chart_x(const struct chart_area *area, const struct axis *axis, double value)
+double chart_x(const struct chart_area *area, double value)
 {
-    return CHART_LEFT + area->width * part_of(axis, value);
+    return CHART_LEFT + area->width * part_of(&area->x, value);
 }
 
 double chart_y(const struct chart_area *area, const struct axis *axis, double value)
@@ -206,9 +206,9 @@ static void put_value(struct printed *to, const struct axis *axis, long tick)
     print_text(to, "</text>");
 }
 
-void axis_draw_x(const struct chart_area *area, const struct axis *axis, const char *label,
-                 int strip)
+static void draw_x(const struct chart_area *area, const char *label, int strip)
 {
+    const struct axis *axis = &area->x;
     const int bottom = CHART_TOP + area->height, below = bottom + strip + CHART_TICK;
     struct printed *to = area->to;
     print_text(to, "<g text-anchor=\"middle\">\n");
@@ -261,9 +261,9 @@ static void draw_y_ticks(const struct chart_area *area, const struct axis *axis,
               bottom + 0.35 * CHART_TEXT_SIZE, axis->least);
 }
 
-void axis_draw_y(const struct chart_area *area, const struct axis *axis, const char *label,
-                 bool right)
+static void draw_y(const struct chart_area *area, const char *label, bool right)
 {
+    const struct axis *axis = right ? &area->right : &area->y;
     const int side = right ? 1 : -1;
     const double x = right ? CHART_LEFT + area->width : CHART_LEFT;
     const double label_x = x + side * (CHART_TICK + 4);
@@ -281,4 +281,16 @@ void axis_draw_y(const struct chart_area *area, const struct axis *axis, const c
           CHART_LABEL_SIZE, right ? x + CHART_RIGHT_AXIS - 14 : 20, CHART_TOP + area->height / 2);
     chart_text(to, label, chart_fitting(area->height + CHART_TOP, CHART_LABEL_SIZE));
     print_text(to, "</text>\n</g>\n");
+}
+
+void chart_axes(const struct chart_area *area, const char *const labels[3], int strip)
+{
+    draw_x(area, labels[0], strip);
+    draw_y(area, labels[1], false);
+    if (labels[2])
+        draw_y(area, labels[2], true);
+    print(area->to,
+          "<rect x=\"%d\" y=\"%d\" width=\"%.2f\" height=\"%d\" fill=\"none\" "
+          "stroke=\"#333\"/>\n",
+          CHART_LEFT, CHART_TOP, area->width, area->height);
 }

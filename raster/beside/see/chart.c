@@ -75,21 +75,23 @@ void chart_head(struct printed *to, const char *title, int height)
     print_text(to, "</text>\n");
 }
 
-void chart_frame(const struct chart_area *area)
-{
-    print(area->to,
-          "<rect x=\"%d\" y=\"%d\" width=\"%.2f\" height=\"%d\" fill=\"none\" "
-          "stroke=\"#333\"/>\n",
-          CHART_LEFT, CHART_TOP, area->width, area->height);
-}
-
-struct chart_grid chart_grid(int n, int longest, double sample)
+struct chart_legend chart_legend(int n, int longest, double sample)
 {
     const int room = chart_fitting(CHART_WIDTH - CHART_LEFT, CHART_TEXT_SIZE);
     const int fitting = room / (longest + chart_fitting(sample + 24, CHART_TEXT_SIZE));
     const int columns = fitting < 1 ? 1 : fitting > 3 ? 3 : fitting;
-    return (struct chart_grid){(n + columns - 1) / columns,
-                               (CHART_WIDTH - CHART_LEFT) / (double)columns};
+    return (struct chart_legend){(n + columns - 1) / columns,
+                                 (CHART_WIDTH - CHART_LEFT) / (double)columns};
+}
+
+double legend_x(const struct chart_legend *legend, int cell)
+{
+    return CHART_LEFT + legend->column * (cell / legend->rows);
+}
+
+double legend_y(const struct chart_legend *legend, int top, int cell)
+{
+    return top + CHART_LEGEND_ROW * (cell % legend->rows);
 }
 
 /* ---- the plot ---- */
@@ -97,17 +99,11 @@ struct chart_grid chart_grid(int n, int longest, double sample)
 struct plot {
     const struct chart *chart;
     struct chart_area area;
-    struct axis x, left, right;
 };
-
-static double plot_x(const struct plot *plot, double x)
-{
-    return chart_x(&plot->area, &plot->x, x);
-}
 
 static const struct axis *axis_of(const struct plot *plot, const struct chart_line *line)
 {
-    return line->right && plot->chart->right_label ? &plot->right : &plot->left;
+    return line->right && plot->chart->right_label ? &plot->area.right : &plot->area.y;
 }
 
 static bool is_drawn(const struct chart_line *line, int i)
@@ -134,7 +130,7 @@ static void fit_axes(struct plot *plot)
     double x[2] = {HUGE_VAL, -HUGE_VAL}, left[2] = {HUGE_VAL, -HUGE_VAL}, right[2] = {0, 1};
     for (int l = 0; l < chart->n_lines; l++) {
         const struct chart_line *line = &chart->lines[l];
-        double *y = axis_of(plot, line) == &plot->right ? right : left;
+        double *y = axis_of(plot, line) == &plot->area.right ? right : left;
         for (int i = 0; i < line->n; i++)
             if (is_drawn(line, i)) {
                 x[0] = fmin(x[0], line->x[i]);
@@ -143,9 +139,9 @@ static void fit_axes(struct plot *plot)
                 y[1] = fmax(y[1], line->y[i] + spread_at(line, i));
             }
     }
-    plot->x = axis_linear(x[0], x[1], 10);
-    plot->left = axis_from_zero(left[0], left[1], 6);
-    plot->right = axis_from_zero(right[0], right[1], 6);
+    plot->area.x = axis_linear(x[0], x[1], 10);
+    plot->area.y = axis_from_zero(left[0], left[1], 6);
+    plot->area.right = axis_from_zero(right[0], right[1], 6);
 }
 
 /* ---- colours of wavelengths ---- */
@@ -164,14 +160,14 @@ static const unsigned visible[N_VISIBLE] = {
 static void draw_visible(const struct plot *plot)
 {
     const double end = VISIBLE_FIRST + VISIBLE_STEP * (N_VISIBLE - 1);
-    const double left = fmax(plot_x(plot, VISIBLE_FIRST), CHART_LEFT);
-    const double right = fmin(plot_x(plot, end), CHART_LEFT + plot->area.width);
+    const double left = fmax(chart_x(&plot->area, VISIBLE_FIRST), CHART_LEFT);
+    const double right = fmin(chart_x(&plot->area, end), CHART_LEFT + plot->area.width);
     if (right <= left)
         return;
     print(plot->area.to,
           "<defs><linearGradient id=\"visible\" gradientUnits=\"userSpaceOnUse\" x1=\"%.2f\" "
           "y1=\"0\" x2=\"%.2f\" y2=\"0\">\n",
-          plot_x(plot, VISIBLE_FIRST), plot_x(plot, end));
+          chart_x(&plot->area, VISIBLE_FIRST), chart_x(&plot->area, end));
     for (int i = 0; i < N_VISIBLE; i++)
         print(plot->area.to, "<stop offset=\"%.4f\" stop-color=\"#%06x\"/>\n",
               i / (N_VISIBLE - 1.0), visible[i]);
@@ -199,47 +195,49 @@ static void put_stroke(struct printed *to, int line)
         print(to, " stroke-dasharray=\"%s\"", dashes[line % N_DASHES]);
 }
 
-/* Draws the spread around a run of points: from its first to its last point and back. */
-static void draw_spread(const struct plot *plot, int index, int first, int end)
+/* Writes the path through points from first to end - 1; upper: through the upper ends of their
+ * spread. */
+static void put_path(const struct plot *plot, const struct chart_line *line, int first, int end,
+                     bool upper)
 {
-    const struct chart_line *line = &plot->chart->lines[index];
-    const struct axis *axis = axis_of(plot, line);
-    print(plot->area.to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"",
-          colours[index % N_COLOURS]);
     for (int i = first; i < end; i++)
-        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
-              chart_y(&plot->area, axis, line->y[i] + spread_at(line, i)));
-    for (int i = end - 1; i >= first; i--)
-        print(plot->area.to, "L%.2f,%.2f", plot_x(plot, line->x[i]),
-              chart_y(&plot->area, axis, band_low(line, i)));
-    print_text(plot->area.to, "Z\"/>\n");
+        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L',
+              chart_x(&plot->area, line->x[i]),
+              chart_y(&plot->area, axis_of(plot, line),
+                      line->y[i] + (upper ? spread_at(line, i) : 0)));
 }
 
-/* Draws neighbouring points from first to end - 1. A single point is a dot, and its spread a bar.
- */
+/* Draws neighbouring points from first to end - 1, and their spread, from the first to the last
+ * point and back. A single point is a dot, and its spread a bar. */
 static void draw_run(const struct plot *plot, int index, int first, int end)
 {
     const struct chart_line *line = &plot->chart->lines[index];
     const struct axis *axis = axis_of(plot, line);
-    const double x = plot_x(plot, line->x[first]), spread = spread_at(line, first);
+    const char *colour = colours[index % N_COLOURS];
+    struct printed *to = plot->area.to;
     if (end - first == 1) {
-        print(plot->area.to,
+        const double x = chart_x(&plot->area, line->x[first]), y = line->y[first];
+        print(to,
               "<path stroke=\"%s\" d=\"M%.2f,%.2fV%.2f\"/><circle fill=\"%s\" cx=\"%.2f\" "
               "cy=\"%.2f\" r=\"4\"/>\n",
-              colours[index % N_COLOURS], x, chart_y(&plot->area, axis, band_low(line, first)),
-              chart_y(&plot->area, axis, line->y[first] + spread), colours[index % N_COLOURS], x,
-              chart_y(&plot->area, axis, line->y[first]));
+              colour, x, chart_y(&plot->area, axis, band_low(line, first)),
+              chart_y(&plot->area, axis, y + spread_at(line, first)), colour, x,
+              chart_y(&plot->area, axis, y));
         return;
     }
-    if (line->spread)
-        draw_spread(plot, index, first, end);
-    print_text(plot->area.to, "<path ");
-    put_stroke(plot->area.to, index);
-    print_text(plot->area.to, " d=\"");
-    for (int i = first; i < end; i++)
-        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
-              chart_y(&plot->area, axis, line->y[i]));
-    print_text(plot->area.to, "\"/>\n");
+    if (line->spread) {
+        print(to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"", colour);
+        put_path(plot, line, first, end, true);
+        for (int i = end - 1; i >= first; i--)
+            print(to, "L%.2f,%.2f", chart_x(&plot->area, line->x[i]),
+                  chart_y(&plot->area, axis, band_low(line, i)));
+        print_text(to, "Z\"/>\n");
+    }
+    print_text(to, "<path ");
+    put_stroke(to, index);
+    print_text(to, " d=\"");
+    put_path(plot, line, first, end, false);
+    print_text(to, "\"/>\n");
 }
 
 /* Draws a line. Values that are not finite interrupt it. */
@@ -264,10 +262,10 @@ static void draw_line(const struct plot *plot, int index)
 
 static const char *legend_note(const struct plot *plot, int line)
 {
-    return axis_of(plot, &plot->chart->lines[line]) == &plot->right ? " (right axis)" : "";
+    return axis_of(plot, &plot->chart->lines[line]) == &plot->area.right ? " (right axis)" : "";
 }
 
-static struct chart_grid legend_grid(const struct plot *plot)
+static struct chart_legend legend_of(const struct plot *plot)
 {
     int longest = 1;
     for (int l = 0; l < plot->chart->n_lines; l++) {
@@ -275,22 +273,21 @@ static struct chart_grid legend_grid(const struct plot *plot)
             chart_text_length(plot->chart->lines[l].name) + chart_text_length(legend_note(plot, l));
         longest = length > longest ? length : longest;
     }
-    return chart_grid(plot->chart->n_lines, longest, SAMPLE);
+    return chart_legend(plot->chart->n_lines, longest, SAMPLE);
 }
 
 static void draw_legend(const struct plot *plot, int top)
 {
-    const struct chart_grid grid = legend_grid(plot);
+    const struct chart_legend legend = legend_of(plot);
     for (int l = 0; l < plot->chart->n_lines; l++) {
         const char *note = legend_note(plot, l);
-        const double x = CHART_LEFT + grid.column * (l / grid.rows);
-        const double y = top + CHART_LEGEND_ROW * (l % grid.rows);
+        const double x = legend_x(&legend, l), y = legend_y(&legend, top, l);
         print(plot->area.to, "<path ");
         put_stroke(plot->area.to, l);
         print(plot->area.to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
               x + SAMPLE + 8, y + 0.35 * CHART_TEXT_SIZE);
         chart_text(plot->area.to, plot->chart->lines[l].name,
-                   chart_fitting(grid.column - SAMPLE - 16, CHART_TEXT_SIZE) -
+                   chart_fitting(legend.column - SAMPLE - 16, CHART_TEXT_SIZE) -
                        chart_text_length(note));
         print(plot->area.to, "%s</text>\n", note);
     }
@@ -306,14 +303,12 @@ void chart_svg(const struct chart *chart, struct printed *to)
     fit_axes(&plot);
     const int legend =
         CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
-    chart_head(to, chart->title, legend + CHART_LEGEND_ROW * legend_grid(&plot).rows);
+    chart_head(to, chart->title, legend + CHART_LEGEND_ROW * legend_of(&plot).rows);
     if (chart->wavelengths)
         draw_visible(&plot);
-    axis_draw_x(&plot.area, &plot.x, chart->x_label, chart->wavelengths ? STRIP : 0);
-    axis_draw_y(&plot.area, &plot.left, chart->y_label, false);
-    if (chart->right_label)
-        axis_draw_y(&plot.area, &plot.right, chart->right_label, true);
-    chart_frame(&plot.area);
+    chart_axes(&plot.area,
+               (const char *const[]){chart->x_label, chart->y_label, chart->right_label},
+               chart->wavelengths ? STRIP : 0);
     for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
         draw_line(&plot, l);
     draw_legend(&plot, legend);

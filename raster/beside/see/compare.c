@@ -44,51 +44,37 @@ bool tolerance_read(const char *option, const char *text, struct tolerance *out,
 /* A measure of all pixels, in bins that share the first 10 binary digits of a float's mantissa. A
  * quantile is the largest value of its bin, which is too high by less than 1/1024. */
 enum { MANTISSA_LEFT_OUT = 13, N_BINS = 1 << 18 };
-struct distribution {
-    uint64_t *count;
-    double *largest; /* of each bin */
-    double sum;
+struct bin {
+    uint64_t count;
+    double largest;
 };
 
-static bool distribution_open(struct distribution *out, struct error *err)
-{
-    return MAKE_ARRAY(out->count, N_BINS, err, "a distribution of differences") &&
-           MAKE_ARRAY(out->largest, N_BINS, err, "a distribution of differences");
-}
-
-static void distribution_add(struct distribution *to, struct pixel_difference *difference,
-                             double value, int x, int y)
+static void measure_add(struct pixel_difference *to, double value, int x, int y)
 {
     const float rounded = (float)fmin(value, (double)FLT_MAX);
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof bits); /* below 2^31: the value is not negative */
-    const uint32_t bin = bits >> MANTISSA_LEFT_OUT;
-    to->count[bin]++;
-    to->largest[bin] = fmax(to->largest[bin], value);
-    to->sum += value;
-    if (value > difference->largest) {
-        difference->largest = value;
-        difference->x = x;
-        difference->y = y;
+    struct bin *bin = &to->bins[bits >> MANTISSA_LEFT_OUT];
+    bin->count++;
+    bin->largest = fmax(bin->largest, value);
+    to->mean += value;
+    if (value > to->largest) {
+        to->largest = value;
+        to->x = x;
+        to->y = y;
     }
 }
 
 /* Finds the mean, and the least value that at least 95 % of the pixels do not exceed. */
-static void distribution_end(const struct distribution *of, uint64_t n_pixels,
-                             struct pixel_difference *out)
+static void measure_end(struct pixel_difference *of, uint64_t n_pixels)
 {
     const uint64_t wanted = n_pixels - n_pixels / 20;
-    uint64_t so_far = of->count[0];
-    int bin = 0;
+    const struct bin *bin = of->bins;
+    uint64_t so_far = bin->count;
     while (so_far < wanted)
-        so_far += of->count[++bin];
-    out->quantile_95 = of->largest[bin];
-    out->mean = of->sum / (double)n_pixels;
-}
-
-static void distribution_free(struct distribution *distribution)
-{
-    FREE_ALL(distribution->count, distribution->largest);
+        so_far += (++bin)->count;
+    of->quantile_95 = bin->largest;
+    of->mean /= (double)n_pixels;
 }
 
 /* ---- a pixel ---- */
@@ -113,50 +99,15 @@ static double spectral_angle(const double *a, const double *b, int n)
     return angle_of(fmin(sqrt(rest / bb), 1), fmin(ab / sqrt(aa) / sqrt(bb), 1)) * (180 / PI);
 }
 
-/* ---- the map in colours ---- */
-
-/* A CIEDE2000 of 1 is about the least difference that a person sees, in the middle of the scale. A
- * white surface under a light of 1 has radiance 1, and 16 bits hold steps of 1/65536 of that. */
-static const struct {
-    double least;
-    const char *name;
-} map_scales[] = {[MAP_CIEDE2000] = {1.0 / 64, "CIEDE2000"},
-                  [MAP_RADIANCE] = {1.0 / 16384, "largest difference of radiance"},
-                  [MAP_COMPONENT] = {1.0 / 16384, "largest difference of components"}};
-
-static void print_colours(enum map_measure measure, struct printed *to)
-{
-    print(to, "%s: 0 black, ", map_scales[measure].name);
-    scale_print(map_scales[measure].least, to);
-}
-
-/* ---- a row ---- */
-
-struct comparer {
-    const struct compare_options *options;
-    struct comparison *out;
-    struct stack_rows a, b;
-    struct sight sight; /* of A; it holds for B too */
-    int threads;
-    double *spectra;                    /* [row][a, b][band]: the pixel at hand */
-    struct band_difference *bands;      /* [row][band]; rms: sum of squares so far */
-    double *largest_a;                  /* [row] */
-    double (*measures)[PIXEL_MEASURES]; /* [row][x] */
-    float (*map)[3];                    /* [row][x]: values of a TIFF */
-    uint8_t (*colours)[3];              /* [row][x]: those of a PNG */
-    struct distribution distributions[PIXEL_MEASURES];
-    struct picture_writer picture;
-};
-
-static void compare_colours(const struct comparer *comparer, const double *a, const double *b,
+static void compare_colours(const struct comparison *of, const double *a, const double *b,
                             double out[PIXEL_MEASURES])
 {
-    const int n = comparer->out->n;
+    const int n = of->a.cube.image.n_pages;
     double xyz[3], lab_a[3], lab_b[3];
-    detector_response(comparer->sight.weights, a, n, xyz);
-    cielab(xyz, comparer->sight.white, lab_a);
-    detector_response(comparer->sight.weights, b, n, xyz);
-    cielab(xyz, comparer->sight.white, lab_b);
+    detector_response(of->sight.weights, a, n, xyz);
+    cielab(xyz, of->sight.white, lab_a);
+    detector_response(of->sight.weights, b, n, xyz);
+    cielab(xyz, of->sight.white, lab_b);
     out[CIE76] = cie76_difference(lab_a, lab_b);
     out[CIE94] = cie94_difference(lab_a, lab_b);
     out[CIEDE2000] = ciede2000_difference(lab_a, lab_b);
@@ -180,107 +131,109 @@ static double compare_bands(const double *a, const double *b, int n, int x, int 
     return largest;
 }
 
-/* Stores the differences of a pixel in the map. */
-static void map_pixel(struct comparer *comparer, size_t at, double largest)
+/* A CIEDE2000 of 1 is about the least difference that a person sees, in the middle of the scale. A
+ * white surface under a light of 1 has radiance 1, and 16 bits hold steps of 1/65536 of that. */
+static const struct {
+    double least;
+    const char *name;
+} map_scales[] = {[MAP_CIEDE2000] = {1.0 / 64, "CIEDE2000"},
+                  [MAP_RADIANCE] = {1.0 / 16384, "largest difference of radiance"},
+                  [MAP_COMPONENT] = {1.0 / 16384, "largest difference of components"}};
+
+void comparison_print_colours(const struct comparison *of, struct printed *to)
 {
-    const double *measures = comparer->measures[at];
-    const enum map_measure shown = comparer->out->map;
-    comparer->map[at][0] = (float)largest;
-    comparer->map[at][1] = (float)measures[SPECTRAL_ANGLE];
-    comparer->map[at][2] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
-    if (shown != MAP_NUMBERS)
-        scale_colour(shown == MAP_CIEDE2000 ? measures[CIEDE2000] : largest,
-                     map_scales[shown].least, comparer->colours[at]);
+    print(to, "%s: 0 black, ", map_scales[of->shown].name);
+    scale_print(map_scales[of->shown].least, to);
 }
+
+/* Stores the differences of a pixel in the map: three floats, or three bytes of a colour. */
+static void map_pixel(struct comparison *of, size_t at, double largest)
+{
+    const double *measures = of->measures[at];
+    if (of->shown == MAP_NUMBERS) {
+        of->samples[at][0] = (float)largest;
+        of->samples[at][1] = (float)measures[SPECTRAL_ANGLE];
+        of->samples[at][2] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
+    } else
+        scale_colour(of->shown == MAP_CIEDE2000 ? measures[CIEDE2000] : largest,
+                     map_scales[of->shown].least, (uint8_t *)of->samples + 3 * at);
+}
+
+/* ---- rows ---- */
 
 static void compare_row(void *context, int row)
 {
-    struct comparer *comparer = context;
-    const int n = comparer->out->n, width = comparer->out->width;
-    const size_t stride = comparer->a.stride;
-    struct band_difference *bands = comparer->bands + (size_t)row * (size_t)n;
-    double *a = comparer->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
+    struct comparison *of = context;
+    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
+    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
+    double *a = of->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
     memset(bands, 0, (size_t)n * sizeof *bands);
-    comparer->largest_a[row] = 0;
+    of->largest_a[row] = 0;
     for (int x = 0; x < width; x++) {
         const size_t at = (size_t)row * (size_t)width + (size_t)x;
         for (int band = 0; band < n; band++) {
-            a[band] = (double)comparer->a.samples[(size_t)band * stride + at];
-            b[band] = (double)comparer->b.samples[(size_t)band * stride + at];
-            comparer->largest_a[row] = fmax(comparer->largest_a[row], a[band]);
+            a[band] = (double)of->a.samples[(size_t)band * of->a.stride + at];
+            b[band] = (double)of->b.samples[(size_t)band * of->a.stride + at];
+            of->largest_a[row] = fmax(of->largest_a[row], a[band]);
         }
-        const double largest = compare_bands(a, b, n, x, comparer->a.first + row, bands);
-        double *measures = comparer->measures[at];
-        memset(measures, 0, sizeof comparer->measures[at]);
+        const double largest = compare_bands(a, b, n, x, of->a.first + row, bands);
+        memset(of->measures[at], 0, sizeof of->measures[at]);
         if (largest > 0)
-            measures[SPECTRAL_ANGLE] = spectral_angle(a, b, n);
-        if (largest > 0 && comparer->out->has_white)
-            compare_colours(comparer, a, b, measures);
-        map_pixel(comparer, at, largest);
+            of->measures[at][SPECTRAL_ANGLE] = spectral_angle(a, b, n);
+        if (largest > 0 && of->sight.has_white)
+            compare_colours(of, a, b, of->measures[at]);
+        map_pixel(of, at, largest);
     }
 }
 
-/* ---- all rows ---- */
-
-static void add_row(struct comparer *comparer, int row)
+static void add_row(struct comparison *of, int row)
 {
-    const int y = comparer->a.first + row;
-    struct comparison *out = comparer->out;
-    const struct band_difference *bands = comparer->bands + (size_t)row * (size_t)out->n;
-    for (int band = 0; band < out->n; band++) {
-        const double sum = out->bands[band].rms + bands[band].rms;
-        if (bands[band].largest > out->bands[band].largest)
-            out->bands[band] = bands[band];
-        out->bands[band].rms = sum;
+    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
+    const struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
+    for (int band = 0; band < n; band++) {
+        const double sum = of->bands[band].rms + bands[band].rms;
+        if (bands[band].largest > of->bands[band].largest)
+            of->bands[band] = bands[band];
+        of->bands[band].rms = sum;
     }
-    out->largest_radiance = fmax(out->largest_radiance, comparer->largest_a[row]);
-    for (int x = 0; x < out->width; x++) {
-        const size_t at = (size_t)row * (size_t)out->width + (size_t)x;
+    of->largest_radiance = fmax(of->largest_radiance, of->largest_a[row]);
+    for (int x = 0; x < width; x++)
         for (int i = 0; i < PIXEL_MEASURES; i++)
-            distribution_add(&comparer->distributions[i], &out->pixels[i],
-                             comparer->measures[at][i], x, y);
-    }
-}
-
-static bool compare_chunk(struct comparer *comparer, int first, struct error *err)
-{
-    if (!rows_read(&comparer->a, first, err) || !rows_read(&comparer->b, first, err))
-        return false;
-    threads_each(comparer->threads, comparer->a.n, compare_row, comparer);
-    for (int row = 0; row < comparer->a.n; row++)
-        add_row(comparer, row);
-    return !comparer->options->map ||
-           picture_write(&comparer->picture,
-                         comparer->out->map == MAP_NUMBERS ? (const void *)comparer->map
-                                                           : (const void *)comparer->colours,
-                         comparer->a.n, err);
+            measure_add(&of->pixels[i], of->measures[(size_t)row * (size_t)width + (size_t)x][i], x,
+                        of->a.first + row);
 }
 
 /* Turns sums into means and root mean squares. */
-static void conclude(struct comparer *comparer)
+static void conclude(struct comparison *of)
 {
-    struct comparison *out = comparer->out;
-    const uint64_t n_pixels = (uint64_t)out->width * (uint64_t)out->height;
+    const struct image *image = &of->a.cube.image;
+    const uint64_t n_pixels = (uint64_t)image->width * (uint64_t)image->height;
     double sum = 0;
-    for (int band = 0; band < out->n; band++) {
-        if (out->bands[band].largest > out->all.largest) {
-            out->all = out->bands[band];
-            out->largest_band = band;
+    for (int band = 0; band < image->n_pages; band++) {
+        if (of->bands[band].largest > of->all.largest) {
+            of->all = of->bands[band];
+            of->largest_band = band;
         }
-        sum += out->bands[band].rms;
-        out->bands[band].rms = sqrt(out->bands[band].rms / (double)n_pixels);
+        sum += of->bands[band].rms;
+        of->bands[band].rms = sqrt(of->bands[band].rms / (double)n_pixels);
     }
-    out->all.rms = sqrt(sum / (double)n_pixels / out->n);
+    of->all.rms = sqrt(sum / (double)n_pixels / image->n_pages);
     for (int i = 0; i < PIXEL_MEASURES; i++)
-        distribution_end(&comparer->distributions[i], n_pixels, &out->pixels[i]);
+        measure_end(&of->pixels[i], n_pixels);
 }
 
-static bool compare_chunks(struct comparer *comparer, struct error *err)
+static bool compare_rows(struct comparison *of, struct error *err)
 {
-    for (int y = 0; y < comparer->out->height; y += comparer->a.most)
-        if (!compare_chunk(comparer, y, err))
+    for (int y = 0; y < of->a.cube.image.height; y += of->a.most) {
+        if (!rows_read(&of->a, y, err) || !rows_read(&of->b, y, err))
             return false;
-    conclude(comparer);
+        threads_each(threads_count(of->threads), of->a.n, compare_row, of);
+        for (int row = 0; row < of->a.n; row++)
+            add_row(of, row);
+        if (of->map && !picture_write(&of->picture, of->samples, of->a.n, err))
+            return false;
+    }
+    conclude(of);
     return true;
 }
 
@@ -328,206 +281,85 @@ static bool check_samplings(const struct cube *a, const struct cube *b, struct e
                of_b->sampling, of_b->sampling_detector, alike ? " of other spectra" : "");
 }
 
-static bool prepare_colour(struct comparer *comparer, struct error *err)
-{
-    const struct compare_options *options = comparer->options;
-    const struct white_request white = {options->white, options->tolerance.unit >= TOLERANCE_CIE76};
-    struct comparison *out = comparer->out;
-    const bool done = string_copy(options->observer, &out->observer, err) &&
-                      sight_make(&comparer->a.cube, out->observer, &white, &comparer->sight, err);
-    out->has_white = comparer->sight.has_white;
-    return done;
-}
-
 /* Samples of a chunk of each stack: 64 MiB at most, but for a row. */
 static const size_t chunk_samples = (size_t)16 << 20;
 
-static bool prepare_chunk(struct comparer *comparer, struct error *err)
+static bool allocate(struct comparison *of, struct error *err)
 {
-    if (!rows_allocate(&comparer->a, chunk_samples, err) ||
-        !rows_allocate(&comparer->b, chunk_samples, err))
+    if (!rows_allocate(&of->a, chunk_samples, err) || !rows_allocate(&of->b, chunk_samples, err))
         return false;
-    const size_t n = (size_t)comparer->out->n, rows = (size_t)comparer->a.most,
-                 pixels = comparer->a.stride;
-    comparer->threads = threads_count(comparer->options->threads);
+    const size_t n = (size_t)of->a.cube.image.n_pages, rows = (size_t)of->a.most;
     for (int i = 0; i < PIXEL_MEASURES; i++)
-        if (!distribution_open(&comparer->distributions[i], err))
+        if (!MAKE_ARRAY(of->pixels[i].bins, N_BINS, err, "a distribution of differences"))
             return false;
-    return MAKE_ARRAY(comparer->spectra, 2 * n * rows, err, "rows of two stacks") &&
-           MAKE_ARRAY(comparer->bands, n * rows, err, "sums of rows") &&
-           MAKE_ARRAY(comparer->largest_a, rows, err, "sums of rows") &&
-           MAKE_ARRAY(comparer->measures, pixels, err, "differences of rows") &&
-           MAKE_ARRAY(comparer->map, pixels, err, "rows of the map") &&
-           MAKE_ARRAY(comparer->colours, pixels, err, "colours of rows");
+    return MAKE_ARRAY(of->bands, n, err, "the bands of %s", of->a.cube.image.path) &&
+           MAKE_ARRAY(of->spectra, 2 * n * rows, err, "rows of two stacks") &&
+           MAKE_ARRAY(of->row_bands, n * rows, err, "sums of rows") &&
+           MAKE_ARRAY(of->largest_a, rows, err, "sums of rows") &&
+           MAKE_ARRAY(of->measures, of->a.stride, err, "differences of rows") &&
+           MAKE_ARRAY(of->samples, of->a.stride, err, "rows of the map");
 }
 
-static bool prepare(struct comparer *comparer, struct error *err)
+static bool prepare(struct comparison *of, struct error *err)
 {
-    const struct image *image = &comparer->a.cube.image;
-    struct comparison *out = comparer->out;
-    const size_t n = (size_t)image->n_pages;
-    *out = (struct comparison){.n = image->n_pages,
-                               .width = image->width,
-                               .height = image->height,
-                               .components = comparer->a.cube.components};
-    if (!MAKE_ARRAY(out->wavelengths_nm, n, err, "the bands of %s", image->path) ||
-        !MAKE_ARRAY(out->bands, n, err, "the bands of %s", image->path))
-        return false;
-    memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
-    return check_samplings(&comparer->a.cube, &comparer->b.cube, err) &&
-           check_sizes(image, &comparer->b.cube.image, err) && prepare_colour(comparer, err) &&
-           prepare_chunk(comparer, err);
+    const struct white_request white = {of->white, of->tolerance.unit >= TOLERANCE_CIE76};
+    return check_samplings(&of->a.cube, &of->b.cube, err) &&
+           check_sizes(&of->a.cube.image, &of->b.cube.image, err) &&
+           sight_make(&of->a.cube, of->observer, &white, &of->sight, err) && allocate(of, err);
 }
 
-/* Returns what the map shows: a PNG has one number in colours. */
-static enum map_measure map_measure(const struct comparer *comparer)
+static bool open_map(struct comparison *of, struct error *err)
 {
-    const char *map = comparer->options->map;
-    return !map || !picture_is_png(map) ? MAP_NUMBERS
-           : comparer->out->has_white   ? MAP_CIEDE2000
-           : comparer->out->components  ? MAP_COMPONENT
-                                        : MAP_RADIANCE;
-}
-
-/* Returns the description of the map, allocated. NULL: no memory. */
-static char *map_description(const struct comparison *comparison, struct error *err)
-{
+    const bool components = of->a.cube.components;
     struct printed printed = {.text = NULL};
     print_text(&printed, "How two spectral stacks differ");
-    if (comparison->map != MAP_NUMBERS) {
+    if (picture_is_png(of->map)) { /* which has one number, in colours */
+        of->shown = of->sight.has_white ? MAP_CIEDE2000 : components ? MAP_COMPONENT : MAP_RADIANCE;
         print_text(&printed, ". ");
-        print_colours(comparison->map, &printed);
+        comparison_print_colours(of, &printed);
     }
-    return printed_take(&printed, err);
-}
-
-static bool open_map(struct comparer *comparer, struct error *err)
-{
-    struct comparison *out = comparer->out;
-    out->map = map_measure(comparer);
-    if (!comparer->options->map)
-        return true;
-    char *description = map_description(out, err);
-    if (!description)
-        return false;
+    char *description = printed_take(&printed, err);
     const struct picture_options options = {
-        .width = out->width,
-        .height = out->height,
-        .samples = out->map == MAP_NUMBERS ? PICTURE_FLOAT : PICTURE_8,
-        .srgb = out->map != MAP_NUMBERS,
-        .channels = {out->components ? "largest difference of components"
-                                     : "largest difference of radiance",
-                     out->components ? "component angle in degrees" : "spectral angle in degrees",
+        .width = of->a.cube.image.width,
+        .height = of->a.cube.image.height,
+        .samples = of->shown == MAP_NUMBERS ? PICTURE_FLOAT : PICTURE_8,
+        .srgb = of->shown != MAP_NUMBERS,
+        .channels = {components ? "largest difference of components"
+                                : "largest difference of radiance",
+                     components ? "component angle in degrees" : "spectral angle in degrees",
                      "CIEDE2000"},
         .description = description};
-    const bool done = picture_open(&comparer->picture, comparer->options->map, &options, err);
+    const bool done = description && picture_open(&of->picture, of->map, &options, err);
     free(description);
     return done;
 }
 
 /* ---- the comparison ---- */
 
-static void comparer_free(struct comparer *comparer)
+bool compare(const char *a, const char *b, struct comparison *of, struct error *err)
 {
-    rows_close(&comparer->a);
-    rows_close(&comparer->b);
-    sight_free(&comparer->sight);
-    for (int i = 0; i < PIXEL_MEASURES; i++)
-        distribution_free(&comparer->distributions[i]);
-    FREE_ALL(comparer->spectra, comparer->bands, comparer->largest_a, comparer->measures,
-             comparer->map, comparer->colours);
+    return cube_open(a, &of->a.cube, err) && cube_open(b, &of->b.cube, err) && prepare(of, err) &&
+           (!of->map || open_map(of, err)) && compare_rows(of, err) &&
+           (!of->map || picture_commit(&of->picture, of->outputs, err));
 }
 
-bool compare(const char *a, const char *b, const struct compare_options *options,
-             struct comparison *out, struct error *err)
+bool comparison_is_within(const struct comparison *of)
 {
-    struct comparer comparer = {.options = options, .out = out};
-    *out = (struct comparison){.n = 0};
-    bool done = cube_open(a, &comparer.a.cube, err) && cube_open(b, &comparer.b.cube, err) &&
-                prepare(&comparer, err);
-    const bool opened = done && open_map(&comparer, err);
-    done = opened && compare_chunks(&comparer, err) &&
-           (!options->map || picture_commit(&comparer.picture, options->outputs, err));
-    if (opened && options->map)
-        picture_discard(&comparer.picture); /* a committed picture stays */
-    comparer_free(&comparer);
-    return done;
-}
-
-bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance)
-{
+    const struct tolerance *tolerance = &of->tolerance;
     if (tolerance->unit >= TOLERANCE_CIE76)
-        return comparison->pixels[CIE76 + (int)tolerance->unit - TOLERANCE_CIE76].largest <=
+        return of->pixels[CIE76 + (int)tolerance->unit - TOLERANCE_CIE76].largest <=
                tolerance->value;
-    const double unit =
-        tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1;
-    return comparison->all.largest <= tolerance->value * unit;
+    const double unit = tolerance->unit == TOLERANCE_PERCENT ? of->largest_radiance / 100 : 1;
+    return of->all.largest <= tolerance->value * unit;
 }
 
-/* Writes the pixel of the largest difference, or "none". */
-static void pixel_text(double largest, int x, int y, char out[32])
+void comparison_free(struct comparison *of)
 {
-    if (largest > 0)
-        snprintf(out, 32, "%d,%d", x, y);
-    else
-        snprintf(out, 32, "none");
-}
-
-static void print_bands(const struct comparison *comparison, struct printed *to)
-{
-    print(to, "%-17s %-12s %-11s %s\n", comparison->components ? "component" : "wavelength (nm)",
-          "largest", "at pixel", "RMS");
-    for (int i = 0; i < comparison->n; i++) {
-        const struct band_difference *band = &comparison->bands[i];
-        char pixel[32];
-        pixel_text(band->largest, band->x, band->y, pixel);
-        print(to, "%-17.10g %-12.6g %-11s %.6g\n", comparison->wavelengths_nm[i], band->largest,
-              pixel, band->rms);
-    }
-}
-
-static void print_pixels(const struct comparison *comparison, struct printed *to)
-{
-    const char *const names[] = {comparison->components ? "component angle" : "spectral angle",
-                                 "CIE76", "CIE94", "CIEDE2000"};
-    for (int i = 0; i < (comparison->has_white ? PIXEL_MEASURES : 1); i++) {
-        const struct pixel_difference *difference = &comparison->pixels[i];
-        char pixel[32];
-        pixel_text(difference->largest, difference->x, difference->y, pixel);
-        print(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
-              names[i], difference->mean, difference->quantile_95, difference->largest, pixel);
-    }
-}
-
-void comparison_print(const struct comparison *comparison, struct printed *to)
-{
-    const bool components = comparison->components;
-    const char *unit = components ? "" : " W sr-1 m-2 nm-1 (relative)";
-    const struct band_difference *all = &comparison->all;
-    char pixel[32];
-    pixel_text(all->largest, all->x, all->y, pixel);
-    print_bands(comparison, to);
-    print(to, "stacks            %d x %d pixels, %d %s\n", comparison->width, comparison->height,
-          comparison->n, components ? "components" : "wavelengths");
-    print(to, "largest           %.6g%s at %s%.10g%s, at pixel %s\n", all->largest, unit,
-          components ? "component " : "", comparison->wavelengths_nm[comparison->largest_band],
-          components ? "" : " nm", pixel);
-    print(to, "RMS               %.6g%s\n", all->rms, unit);
-    print(to, "largest of A      %.6g%s\n", comparison->largest_radiance, unit);
-    print_pixels(comparison, to);
-    if (comparison->has_white)
-        print(to, "observer          %s\n", comparison->observer);
-    else
-        print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
-    if (comparison->map != MAP_NUMBERS) {
-        print_text(to, "map colours       ");
-        print_colours(comparison->map, to);
-        print(to, "%c", '\n');
-    }
-}
-
-void comparison_free(struct comparison *comparison)
-{
-    FREE_ALL(comparison->wavelengths_nm, comparison->bands, comparison->observer);
-    *comparison = (struct comparison){.n = 0};
+    rows_close(&of->a);
+    rows_close(&of->b);
+    sight_free(&of->sight);
+    picture_discard(&of->picture); /* a committed picture stays */
+    for (int i = 0; i < PIXEL_MEASURES; i++)
+        free(of->pixels[i].bins);
+    FREE_ALL(of->bands, of->spectra, of->row_bands, of->largest_a, of->measures, of->samples);
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral compare: prints where and by how much two stacks differ. */
+/* spectral compare: prints where and by how much two stacks differ, in words and as JSON. */
 #include <stdio.h>
 
 #include "data/images/images.h"
@@ -15,53 +15,165 @@ static bool accepts_tolerance(const char *option, const char *value, struct erro
     return tolerance_read(option, value, &tolerance, err);
 }
 
-/* Refuses operands that are no stacks, and outputs that cannot be written. */
-static bool check_files(const struct options *options, const char *a, const char *b,
-                        struct error *err)
+/* ---- in words ---- */
+
+static const char *name_of_pixel(double largest, int x, int y, char out[32])
 {
-    const struct compare_own *own = options->own;
-    return (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
-           scene_refuse(b, err) && output_can_open(options->json, err);
+    snprintf(out, 32, "%d,%d", x, y);
+    return largest > 0 ? out : "none";
 }
 
+static void print_bands(const struct comparison *of, struct printed *to)
+{
+    char pixel[32];
+    print(to, "%-17s %-12s %-11s %s\n", of->a.cube.components ? "component" : "wavelength (nm)",
+          "largest", "at pixel", "RMS");
+    for (int i = 0; i < of->a.cube.image.n_pages; i++) {
+        const struct band_difference *band = &of->bands[i];
+        print(to, "%-17.10g %-12.6g %-11s %.6g\n", of->a.cube.image.wavelengths_nm[i],
+              band->largest, name_of_pixel(band->largest, band->x, band->y, pixel), band->rms);
+    }
+}
+
+/* Prints the measures of pixels; without a white only the first. */
+static void print_pixels(const struct comparison *of, struct printed *to)
+{
+    const char *const names[] = {of->a.cube.components ? "component angle" : "spectral angle",
+                                 "CIE76", "CIE94", "CIEDE2000"};
+    char pixel[32];
+    for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++) {
+        const struct pixel_difference *found = &of->pixels[i];
+        print(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
+              names[i], found->mean, found->quantile_95, found->largest,
+              name_of_pixel(found->largest, found->x, found->y, pixel));
+    }
+}
+
+static void print_map(const struct comparison *of, struct printed *to)
+{
+    if (!of->map)
+        return;
+    print_fact(to, "map", of->map);
+    if (of->shown == MAP_NUMBERS)
+        return;
+    print_text(to, "map colours       ");
+    comparison_print_colours(of, to);
+    print_text(to, "\n");
+}
+
+/* Prints whether the stacks differ by more than the tolerance, which is given as the user wrote it,
+ * and then by how much. */
+static void print_comparison(const struct comparison *of, const char *tolerance, struct printed *to)
+{
+    const struct image *image = &of->a.cube.image;
+    const bool components = of->a.cube.components;
+    const char *unit = components ? "" : " W sr-1 m-2 nm-1 (relative)";
+    const struct band_difference *all = &of->all;
+    char pixel[32];
+    if (all->largest > 0)
+        print(to, "result            differ %s the tolerance of %s\n",
+              comparison_is_within(of) ? "within" : "by more than", tolerance);
+    else
+        print_fact(to, "result", "equal");
+    print(to, "stacks            %d x %d pixels, %d %s\n", image->width, image->height,
+          image->n_pages, components ? "components" : "wavelengths");
+    print(to, "largest           %.6g%s at %s%.10g%s, at pixel %s\n", all->largest, unit,
+          components ? "component " : "", image->wavelengths_nm[of->largest_band],
+          components ? "" : " nm", name_of_pixel(all->largest, all->x, all->y, pixel));
+    print(to, "RMS               %.6g%s\n", all->rms, unit);
+    print(to, "largest of A      %.6g%s\n", of->largest_radiance, unit);
+    print_pixels(of, to);
+    if (of->sight.has_white) {
+        print_fact(to, "observer", of->observer);
+        print_white(to, of->sight.white, true,
+                    of->white ? of->white : "recorded by the first stack");
+    } else
+        print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
+    print_map(of, to);
+}
+
+/* ---- as JSON ---- */
+
+static void json_band(struct json *json, const struct band_difference *band)
+{
+    json_number(json, "largest", band->largest);
+    json_count(json, "x", (uint64_t)band->x);
+    json_count(json, "y", (uint64_t)band->y);
+    json_number(json, "rms", band->rms);
+}
+
+static void json_pixels(struct json *json, const char *name, const struct pixel_difference *found)
+{
+    json_open(json, name, '{');
+    json_number(json, "mean", found->mean);
+    json_number(json, "quantile_95", found->quantile_95);
+    json_number(json, "largest", found->largest);
+    json_count(json, "x", (uint64_t)found->x);
+    json_count(json, "y", (uint64_t)found->y);
+    json_close(json, '}');
+}
+
+static bool write_json(struct options *options, const struct comparison *of, struct error *err)
+{
+    static const char *const measures[] = {"angle_deg", "dE76", "dE94", "dE00"};
+    const struct image *image = &of->a.cube.image;
+    struct json json;
+    json_begin(&json);
+    json_truth(&json, "within_tolerance", comparison_is_within(of));
+    json_count(&json, "width", (uint64_t)image->width);
+    json_count(&json, "height", (uint64_t)image->height);
+    json_numbers(&json, "wavelengths_nm", of->a.cube.components ? NULL : image->wavelengths_nm,
+                 image->n_pages);
+    json_band(&json, &of->all);
+    json_number(&json, "largest_of_A", of->largest_radiance);
+    json_string(&json, "observer", of->sight.has_white ? of->observer : NULL);
+    for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++)
+        json_pixels(&json, measures[i], &of->pixels[i]);
+    json_open(&json, "bands", '[');
+    for (int i = 0; i < image->n_pages; i++) {
+        json_open(&json, NULL, '{');
+        json_band(&json, &of->bands[i]);
+        json_close(&json, '}');
+    }
+    json_close(&json, ']');
+    return json_write(&json, options->json, &options->outputs, err);
+}
+
+/* ---- the command ---- */
+
 /* Writes the differences as JSON, if that is wanted, and prints them. */
-static bool report(struct options *options, const struct comparison *comparison, bool within,
-                   struct error *err)
+static bool report(struct options *options, const struct comparison *of, struct error *err)
 {
     const struct compare_own *own = options->own;
-    struct json json;
-    if (options->json) {
-        comparison_json(comparison, within, &json);
-        if (!json_write(&json, options->json, &options->outputs, err))
-            return false;
-    }
-    if (options->quiet)
-        return true;
     struct printed printed = {.text = NULL};
-    comparison_print(comparison, &printed);
+    if (options->json && !write_json(options, of, err))
+        return false;
+    if (!options->quiet) {
+        print_comparison(of, own->tolerance ? own->tolerance : "0", &printed);
+        if (options->verbose)
+            print_bands(of, &printed);
+    }
     return printed_show(&printed, options_table(options, own->map), err);
 }
 
 static bool run_compare(struct options *options, struct error *err)
 {
     const struct compare_own *own = options->own;
-    struct comparison comparison = {.n = 0};
-    struct compare_options compare_options = {.observer = options_detector(options),
-                                              .white = options->white,
-                                              .map = own->map,
-                                              .threads = options->threads,
-                                              .outputs = &options->outputs};
     const char *a = options->operands[0], *b = options->operands[1];
+    struct comparison comparison = {.observer = options_detector(options),
+                                    .white = options->white,
+                                    .map = own->map,
+                                    .threads = options->threads,
+                                    .outputs = &options->outputs};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    if (own->tolerance &&
-        !tolerance_read("--tolerance", own->tolerance, &compare_options.tolerance, err))
-        return false;
-    bool done =
-        check_files(options, a, b, err) && compare(a, b, &compare_options, &comparison, err);
-    const bool within = done && comparison_is_within(&comparison, &compare_options.tolerance);
-    done = done && report(options, &comparison, within, err) &&
-           (within || error_different(err, "%s and %s differ by more than the tolerance", a, b));
+    const bool done = (!own->tolerance ||
+                       tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
+                      (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
+                      scene_refuse(b, err) && output_can_open(options->json, err) &&
+                      compare(a, b, &comparison, err) && report(options, &comparison, err) &&
+                      (comparison_is_within(&comparison) ||
+                       error_different(err, "%s and %s differ by more than the tolerance", a, b));
     comparison_free(&comparison);
     return done;
 }
@@ -73,6 +185,7 @@ static const struct option compare_rows[] = {
     {"--map FILE",
      "writes each pixel's largest difference, spectral angle and CIEDE2000 (.tif, .png)",
      OWN(TEXT, compare_own, map), .writes = true},
+    {"-v, --verbose", "prints the differences of each wavelength, too", SHARED(FLAG, verbose)},
 };
 static const struct option_list compare_list = OPTION_LIST(compare_rows);
 static const struct option_list *const lists[] = {&compare_list, &seeing_options, &threads_option,

@@ -18,9 +18,9 @@ enum {
     BLOCK_PIXELS = 1 << 13  /* that a thread takes at a time */
 };
 
-static size_t sample_bytes(const struct develop_options *options)
+static size_t sample_bytes(const struct development *of)
 {
-    return options->values != DEVELOP_RGB ? sizeof(float) : (size_t)options->bits / 8;
+    return of->values != DEVELOP_RGB ? sizeof(float) : (size_t)of->bits / 8;
 }
 
 static bool prepare_chunk(struct development *of, struct error *err)
@@ -29,10 +29,10 @@ static bool prepare_chunk(struct development *of, struct error *err)
     const int rows = CHUNK_PIXELS / image->width;
     of->rows = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->n_pixels = (size_t)of->rows * (size_t)image->width;
-    of->threads = threads_count(of->options->threads);
+    of->threads = threads_count(of->threads);
     return MAKE_ARRAY(of->radiance, BATCH * of->n_pixels, err, "rows of %s", image->path) &&
            MAKE_ARRAY(of->sums, 3 * of->n_pixels, err, "rows of the picture") &&
-           (memory_make(&of->samples, 3 * of->n_pixels, sample_bytes(of->options)) ||
+           (memory_make(&of->samples, 3 * of->n_pixels, sample_bytes(of)) ||
             memory_lacks(err, 12 * (double)of->n_pixels, "rows of the picture"));
 }
 
@@ -110,7 +110,7 @@ static double largest_sum(const struct development *of, int channel, size_t n)
 static bool find_exposure(struct development *of, struct error *err)
 {
     const struct image *image = &of->cube.image;
-    const bool rgb = of->options->values == DEVELOP_RGB;
+    const bool rgb = of->values == DEVELOP_RGB;
     double brightest = 0; /* in parts of the largest */
     for (int y = 0; y < image->height; y += rows_at(of, y)) {
         const int rows = rows_at(of, y);
@@ -119,9 +119,9 @@ static bool find_exposure(struct development *of, struct error *err)
         for (int channel = rgb ? 0 : 1; channel < (rgb ? 3 : 2); channel++)
             brightest =
                 fmax(brightest, largest_sum(of, channel, (size_t)rows * (size_t)image->width) /
-                                    (rgb ? display_largest(of->options->display, channel) : 100));
+                                    (rgb ? display_largest(of->display, channel) : 100));
     }
-    of->result->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
+    of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
     return true;
 }
 
@@ -137,138 +137,85 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
 {
     float *samples = of->samples;
     double lab[3];
-    if (of->options->values == DEVELOP_LAB)
-        cielab(values, of->white, lab);
+    if (of->values == DEVELOP_LAB)
+        cielab(values, of->adapted_white, lab);
     for (int channel = 0; channel < 3; channel++)
         samples[3 * pixel + (size_t)channel] =
-            stored(of->options->values == DEVELOP_LAB ? lab[channel] : values[channel]);
+            stored(of->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
-
-/* Where pixels of a chunk are stored. */
-struct storing {
-    const struct development *of;
-    struct counter out_of_gamut;
-};
 
 static void store_pixels(void *context, size_t first, size_t end)
 {
-    struct storing *storing = context;
-    const struct development *of = storing->of;
-    const double exposure = of->result->exposure;
-    const bool rgb = of->options->values == DEVELOP_RGB;
+    struct development *of = context;
+    const double exposure = of->exposure;
+    const bool rgb = of->values == DEVELOP_RGB;
     uint64_t clipped = 0;
     for (size_t i = first; i < end; i++) {
         double values[3];
         for (size_t channel = 0; channel < 3; channel++)
             values[channel] = exposure * of->sums[channel * of->n_pixels + i];
         if (rgb)
-            clipped += display_store(of->options->display, of->options->bits, values,
-                                     (char *)of->samples + 3 * i * sample_bytes(of->options));
+            clipped += display_store(of->display, of->bits, values,
+                                     (char *)of->samples + 3 * i * sample_bytes(of));
         else
             store_floats(of, i, values);
     }
-    counter_add(&storing->out_of_gamut, clipped);
-}
-
-/* ---- in words ---- */
-
-static void print_white(const struct develop_options *options, const struct develop_result *result,
-                        struct printed *to)
-{
-    const double *white = result->white;
-    double xy[2];
-    if (!result->has_white)
-        print_text(to, "white             not recorded\n");
-    else {
-        print(to, "white             %s%.6g %.6g %.6g", result->observer ? "XYZ " : "", white[0],
-              white[1], white[2]);
-        chromaticity(white, xy);
-        if (result->observer)
-            print(to, ", xy %.5f %.5f", xy[0], xy[1]);
-        print(to, " (%s)\n", options->white != NULL ? options->white : "recorded");
-    }
-}
-
-/* Prints all that decides a developed picture, except the stack. */
-static void print_settings(const struct develop_options *options,
-                           const struct develop_result *result, struct printed *to)
-{
-    static const char *const values[] = {
-        [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
-    print(to, "detector          %s (%s)\n", options->detector,
-          result->observer ? "observer" : "camera or film, balanced to the white");
-    if (result->sampling[0] != '\0')
-        print(to, "sampling          %s\n", result->sampling);
-    print_white(options, result, to);
-    print(to, "adaptation        %s", adaptation_name(result->adaptation.kind));
-    if (result->adaptation.kind == ADAPTATION_FAIRCHILD)
-        print(to, " to %.6g cd/m2", result->adaptation.luminance);
-    print(to, "\nvalues            %s", values[options->values]);
-    if (options->values == DEVELOP_RGB)
-        print(to, " of %d bits\ndisplay           %s", options->bits,
-              display_name(options->display));
-    print(to, "\nexposure          %.10g%s\n", result->exposure,
-          options->exposure > 0 ? "" : " (auto)");
-}
-
-void develop_print(const struct develop_options *options, const struct develop_result *result,
-                   struct printed *to)
-{
-    const double pixels = (double)result->width * result->height, *lost = result->lost;
-    print_settings(options, result, to);
-    print(to, "%s       %d, %s %.10g to %.10g nm\n",
-          result->components ? "components " : "wavelengths", result->n_pages,
-          result->components ? "of" : "from", result->first_nm, result->last_nm);
-    print(to, "unseen            %.4g %%, %.4g %%, %.4g %% of the sensitivities lie outside\n",
-          100 * lost[0], 100 * lost[1], 100 * lost[2]);
-    if (options->values == DEVELOP_RGB)
-        print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
-              (unsigned long long)result->out_of_gamut, pixels,
-              100 * (double)result->out_of_gamut / pixels);
-}
-
-void develop_json(const struct develop_options *options, const struct develop_result *result,
-                  const char *output, struct json *json)
-{
-    static const char *const values[] = {"RGB", "XYZ", "Lab"};
-    json_begin(json);
-    json_string(json, "detector", options->detector);
-    json_truth(json, "observer", result->observer);
-    json_numbers(json, "white", result->has_white ? result->white : NULL, 3);
-    json_string(json, "adaptation", adaptation_name(result->adaptation.kind));
-    json_string(json, "values", values[options->values]);
-    json_number(json, "exposure", result->exposure);
-    json_count(json, "width", (uint64_t)result->width);
-    json_count(json, "height", (uint64_t)result->height);
-    json_count(json, "pages", (uint64_t)result->n_pages);
-    json_number(json, "first_nm", result->first_nm);
-    json_number(json, "last_nm", result->last_nm);
-    json_numbers(json, "unseen", result->lost, 3);
-    json_count(json, "out_of_gamut_pixels", result->out_of_gamut);
-    json_string(json, "output", output);
+    counter_add(&of->out_of_gamut, clipped);
 }
 
 /* ---- the picture ---- */
 
+void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source)
+{
+    double xy[2];
+    chromaticity(white, xy);
+    print(to, "white             %s%.6g %.6g %.6g", is_xyz ? "XYZ " : "", white[0], white[1],
+          white[2]);
+    if (is_xyz)
+        print(to, ", xy %.5f %.5f", xy[0], xy[1]);
+    print(to, " (%s)\n", source);
+}
+
+void develop_print_settings(const struct development *of, struct printed *to)
+{
+    static const char *const values[] = {
+        [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
+    print(to, "detector          %s (%s)\n", of->detector_name,
+          of->detector.observer ? "observer" : "camera or film, balanced to the white");
+    if (of->sampled[0] != '\0')
+        print_fact(to, "sampling", of->sampled);
+    if (of->has_white)
+        print_white(to, of->seen_white, of->detector.observer, of->white ? of->white : "recorded");
+    else
+        print_fact(to, "white", "not recorded");
+    print(to, "adaptation        %s", adaptation_name(of->adaptation.kind));
+    if (of->adaptation.kind == ADAPTATION_FAIRCHILD)
+        print(to, " to %.6g cd/m2", of->adaptation.luminance);
+    print(to, "\nvalues            %s", values[of->values]);
+    if (of->values == DEVELOP_RGB)
+        print(to, " of %d bits\ndisplay           %s", of->bits, display_name(of->display));
+    print(to, "\nexposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
+}
+
 static bool open_picture(const struct development *of, const char *path, struct picture_writer *out,
                          struct error *err)
 {
-    const bool lab = of->options->values == DEVELOP_LAB, rgb = of->options->values == DEVELOP_RGB;
+    const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
     unsigned char profile[LARGEST_PROFILE];
     struct printed printed = {.text = NULL};
     print(&printed, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
-    print_settings(of->options, of->result, &printed);
+    develop_print_settings(of, &printed);
     char *text = picture_text(printed_take(&printed, err));
     const struct picture_options options = {
-        .width = of->result->width,
-        .height = of->result->height,
-        .samples = !rgb                      ? PICTURE_FLOAT
-                   : of->options->bits == 16 ? PICTURE_16
-                                             : PICTURE_8,
+        .width = of->cube.image.width,
+        .height = of->cube.image.height,
+        .samples = !rgb             ? PICTURE_FLOAT
+                   : of->bits == 16 ? PICTURE_16
+                                    : PICTURE_8,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
-        .srgb = rgb && of->options->display == DISPLAY_SRGB,
+        .srgb = rgb && of->display == DISPLAY_SRGB,
         .profile = rgb ? profile : NULL,
-        .profile_length = rgb ? profile_write(of->options->display, profile) : 0,
+        .profile_length = rgb ? profile_write(of->display, profile) : 0,
         .description = text};
     const bool done = text && picture_open(out, path, &options, err);
     free(text);
@@ -279,7 +226,6 @@ static bool write_picture(struct development *of, const char *path, struct error
 {
     const struct image *image = &of->cube.image;
     struct picture_writer writer;
-    struct storing storing = {.of = of, .out_of_gamut = COUNTER};
     bool done = open_picture(of, path, &writer, err);
     if (!done)
         return false;
@@ -287,24 +233,24 @@ static bool write_picture(struct development *of, const char *path, struct error
         const int rows = rows_at(of, y);
         done = sum_chunk(of, y, rows, err);
         threads_blocks(of->threads, (size_t)rows * (size_t)image->width, BLOCK_PIXELS, store_pixels,
-                       &storing);
+                       of);
         done = done && picture_write(&writer, of->samples, rows, err);
     }
-    of->result->out_of_gamut = storing.out_of_gamut.n;
-    done = done && picture_commit(&writer, of->options->outputs, err);
+    done = done && picture_commit(&writer, of->outputs, err);
     picture_discard(&writer);
     return done;
 }
 
-bool develop(const char *stack, const char *output, const struct develop_options *options,
-             struct develop_result *out, struct error *err)
+bool develop(struct development *of, const char *stack, const char *output, struct error *err)
 {
-    struct development of = {.options = options, .result = out};
-    bool done = cube_open(stack, &of.cube, err) && develop_weights(&of, err) &&
-                prepare_chunk(&of, err) && (options->exposure > 0 || find_exposure(&of, err)) &&
-                write_picture(&of, output, err);
-    cube_close(&of.cube);
-    detector_free(&of.detector);
-    FREE_ALL(of.weights, of.of_white, of.radiance, of.sums, of.samples);
-    return done;
+    of->out_of_gamut = (struct counter)COUNTER;
+    return cube_open(stack, &of->cube, err) && develop_weights(of, err) && prepare_chunk(of, err) &&
+           (!of->automatic || find_exposure(of, err)) && write_picture(of, output, err);
+}
+
+void develop_free(struct development *of)
+{
+    cube_close(&of->cube);
+    detector_free(&of->detector);
+    FREE_ALL(of->weights, of->of_white, of->radiance, of->sums, of->samples);
 }

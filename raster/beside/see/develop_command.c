@@ -13,55 +13,86 @@ struct develop_own {
     bool xyz, lab;
 };
 
-static bool accepts_adaptation(const char *option, const char *value, struct error *err)
+/* Reads the value of one of the options below. */
+static bool read_value(const char *option, const char *value, struct development *out,
+                       struct error *err)
 {
-    struct adaptation adaptation;
-    return adaptation_read(option, value, &adaptation, err);
+    if (strcmp(option, "--adaptation") == 0)
+        return adaptation_read(option, value, &out->adaptation, err);
+    if (strcmp(option, "--display") == 0)
+        return display_read(option, value, &out->display, err);
+    out->automatic = strcmp(value, "auto") == 0;
+    return out->automatic || option_number(option, value, 1e-12, 1e12, &out->exposure, err);
 }
 
-static bool accepts_display(const char *option, const char *value, struct error *err)
+static bool accepts(const char *option, const char *value, struct error *err)
 {
-    enum display_kind display;
-    return display_read(option, value, &display, err);
-}
-
-/* Returns the exposure, or 0 for auto. */
-static bool exposure_read(const char *option, const char *value, double *out, struct error *err)
-{
-    *out = 0;
-    return strcmp(value, "auto") == 0 || option_number(option, value, 1e-12, 1e12, out, err);
-}
-
-static bool accepts_exposure(const char *option, const char *value, struct error *err)
-{
-    double exposure;
-    return exposure_read(option, value, &exposure, err);
+    struct development ignored;
+    return read_value(option, value, &ignored, err);
 }
 
 /* Stores the sampling method in *method; out->sampling points to it. */
 static bool read_options(struct options *options, struct sampling_method *method,
-                         struct develop_options *out, struct error *err)
+                         struct development *out, struct error *err)
 {
     const struct develop_own *own = options->own;
-    *out =
-        (struct develop_options){.detector = options_detector(options),
-                                 .white = options->white,
-                                 .exposure = 1,
-                                 .values = own->xyz   ? DEVELOP_XYZ
-                                           : own->lab ? DEVELOP_LAB
-                                                          : DEVELOP_RGB,
-                                 .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
-                                 .threads = options->threads,
-                                 .outputs = &options->outputs,
-                                 .sampling = options->sampling ? method : NULL};
+    *out = (struct development){.detector_name = options_detector(options),
+                                .white = options->white,
+                                .exposure = 1,
+                                .values = own->xyz   ? DEVELOP_XYZ
+                                          : own->lab ? DEVELOP_LAB
+                                                     : DEVELOP_RGB,
+                                .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
+                                .threads = options->threads,
+                                .outputs = &options->outputs,
+                                .sampling = options->sampling ? method : NULL};
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
-    return (!own->adaptation ||
-            adaptation_read("--adaptation", own->adaptation, &out->adaptation, err)) &&
-           (!own->display || display_read("--display", own->display, &out->display, err)) &&
-           (!own->exposure ||
-            exposure_read("--exposure", own->exposure, &out->exposure, err)) &&
+    return (!own->adaptation || read_value("--adaptation", own->adaptation, out, err)) &&
+           (!own->display || read_value("--display", own->display, out, err)) &&
+           (!own->exposure || read_value("--exposure", own->exposure, out, err)) &&
            (!options->sampling || sampling_read("--sampling", options->sampling, method, err));
+}
+
+/* ---- in words, and as JSON ---- */
+
+static void print_development(const struct development *of, const char *output, struct printed *to)
+{
+    const struct image *image = &of->cube.image;
+    const double pixels = (double)image->width * image->height, *lost = of->lost;
+    develop_print_settings(of, to);
+    print(to, "%s       %d, %s %.10g to %.10g nm\n",
+          of->cube.components ? "components " : "wavelengths", image->n_pages,
+          of->cube.components ? "of" : "from", of->first_nm, of->last_nm);
+    print(to, "unseen            %.4g %%, %.4g %%, %.4g %% of the sensitivities lie outside\n",
+          100 * lost[0], 100 * lost[1], 100 * lost[2]);
+    if (of->values == DEVELOP_RGB)
+        print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
+              (unsigned long long)of->out_of_gamut.n, pixels,
+              100 * (double)of->out_of_gamut.n / pixels);
+    print_fact(to, "picture", output);
+}
+
+static bool write_json(struct options *options, const struct development *of, struct error *err)
+{
+    static const char *const values[] = {"RGB", "XYZ", "Lab"};
+    struct json json;
+    json_begin(&json);
+    json_string(&json, "detector", of->detector_name);
+    json_truth(&json, "observer", of->detector.observer);
+    json_numbers(&json, "white", of->has_white ? of->seen_white : NULL, 3);
+    json_string(&json, "adaptation", adaptation_name(of->adaptation.kind));
+    json_string(&json, "values", values[of->values]);
+    json_number(&json, "exposure", of->exposure);
+    json_count(&json, "width", (uint64_t)of->cube.image.width);
+    json_count(&json, "height", (uint64_t)of->cube.image.height);
+    json_count(&json, "pages", (uint64_t)of->cube.image.n_pages);
+    json_number(&json, "first_nm", of->first_nm);
+    json_number(&json, "last_nm", of->last_nm);
+    json_numbers(&json, "unseen", of->lost, 3);
+    json_count(&json, "out_of_gamut_pixels", of->out_of_gamut.n);
+    json_string(&json, "output", options->output);
+    return json_write(&json, options->json, &options->outputs, err);
 }
 
 /* ---- the command ---- */
@@ -82,28 +113,20 @@ static bool name_picture(struct options *options, const char *stack, struct erro
 static bool run_develop(struct options *options, struct error *err)
 {
     struct sampling_method method;
-    struct develop_options develop_options;
-    struct develop_result result;
+    struct development of;
+    struct printed printed = {.text = NULL};
     const char *stack = options->operand;
     if (!stack)
         return error_usage(err, "develop takes a STACK; see spectral develop --help");
-    if (!name_picture(options, stack, err) ||
-        !read_options(options, &method, &develop_options, err) || !scene_refuse(stack, err) ||
-        !output_can_open(options->json, err) ||
-        !develop(stack, options->output, &develop_options, &result, err))
+    if (!name_picture(options, stack, err) || !read_options(options, &method, &of, err))
         return false;
-    if (options->json) {
-        struct json json;
-        develop_json(&develop_options, &result, options->output, &json);
-        if (!json_write(&json, options->json, &options->outputs, err))
-            return false;
-    }
-    if (options->quiet)
-        return true;
-    struct printed printed = {.text = NULL};
-    develop_print(&develop_options, &result, &printed);
-    print(&printed, "picture           %s\n", options->output);
-    return printed_show(&printed, options_table(options, options->output), err);
+    const bool done = scene_refuse(stack, err) && output_can_open(options->json, err) &&
+                      develop(&of, stack, options->output, err) &&
+                      (!options->json || write_json(options, &of, err));
+    if (done && !options->quiet)
+        print_development(&of, options->output, &printed);
+    develop_free(&of);
+    return printed_show(&printed, options_table(options, options->output), err) && done;
 }
 
 static const char *const picture_bits[] = {"8", "16", NULL};
@@ -113,12 +136,12 @@ static const struct option develop_rows[] = {
      SHARED(TEXT, output), .writes = true},
     {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
      "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",
-     OWN(TEXT, develop_own, adaptation), .accepts = accepts_adaptation},
+     OWN(TEXT, develop_own, adaptation), .accepts = accepts},
     {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis",
-     OWN(TEXT, develop_own, display), .accepts = accepts_display},
+     OWN(TEXT, develop_own, display), .accepts = accepts},
     {"--exposure FACTOR|auto",
      "a factor, or auto: nothing is brighter than the display (default: 1)",
-     OWN(TEXT, develop_own, exposure), .accepts = accepts_exposure},
+     OWN(TEXT, develop_own, exposure), .accepts = accepts},
     {"--bits 8|16", "bits of each channel (default: 8)", OWN(TEXT, develop_own, bits),
      .choices = picture_bits},
     {"--xyz", "writes float tristimulus values instead of RGB", OWN(FLAG, develop_own, xyz)},
@@ -127,8 +150,8 @@ static const struct option develop_rows[] = {
      SHARED(TEXT, sampling)},
 };
 static const struct option_list develop_list = OPTION_LIST(develop_rows);
-static const struct option_list *const lists[] = {&develop_list,  &seeing_options, &threads_option,
-                                                  &json_option,   &quiet_option,   &common_options,
+static const struct option_list *const lists[] = {&develop_list, &seeing_options, &threads_option,
+                                                  &json_option,  &quiet_option,   &common_options,
                                                   NULL};
 const struct command develop_command = {
     .name = "develop",

@@ -27,174 +27,158 @@ struct chart {
 };
 void chart_svg(const struct chart *chart, struct printed *to); /* prints a whole SVG 1.1 file */
 
+/* Writes a decimal exponent: ×10 and raised digits. */
+void chart_exponent(struct printed *to, int exponent);
+
+/* ---- axis.c: scales ---- */
+
 /* Makes a linear axis from low to high with about so many steps; from 0 to 1 if low > high. */
 struct axis axis_linear(double low, double high, int steps);
 /* Makes a linear axis that contains 0 and ends at whole steps. */
 struct axis axis_from_zero(double low, double high, int steps);
 
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
-struct develop_options {
-    const char *detector; /* name or file */
+/* A stack that is being developed. */
+struct development {
+    /* The caller sets these, and zeroes all others. */
+    const char *detector_name; /* or file */
+    const char *white;         /* SPECTRUM; NULL: what the stack records */
     struct adaptation adaptation;
     enum display_kind display;
-    const char *white; /* SPECTRUM; NULL: what the stack records */
-    double exposure;   /* factor of all radiances; 0: the one that brings the largest displayed
-                          value (or Y) of the picture to just 1 (or 100) */
     enum develop_values values;
-    struct outputs *outputs;                /* get the picture; NULL: it appears at once */
-    int bits;                               /* of RGB: 8 or 16 */
-    int threads;                            /* 0: one a processor */
+    int bits;        /* of RGB: 8 or 16 */
+    int threads;     /* 0: one a processor */
+    double exposure; /* factor of all radiances */
+    bool automatic;  /* the exposure becomes the one that brings the largest displayed value (or Y)
+                        of the picture to just 1 (or 100) */
     const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,
                                                before they are developed; NULL: no. Refused for
                                                stacks that were sampled, and for basis, rgb and
                                                xyz, which need lights and reflectances apart */
-};
-struct develop_result {
-    int width, height, n_pages;
-    double first_nm, last_nm; /* of pages, or of the range of components */
-    char sampling[512];       /* of the stack, or by options.sampling, in a line; "": none */
-    bool components, observer;
-    struct adaptation adaptation; /* as used: with its luminance */
-    double lost[3];               /* detector_lost */
-    bool has_white;
-    double white[3];       /* the white in the detector's channels, before adaptation */
-    double exposure;       /* as used */
-    uint64_t out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
-};
-/* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
- * has no XYZ and no Lab. The channels of cameras and films are balanced: each is
- * divided by the white's. Refuses adaptation, XYZ and Lab for them. */
-bool develop(const char *stack, const char *output, const struct develop_options *options,
-             struct develop_result *out, struct error *err);
-void develop_print(const struct develop_options *options, const struct develop_result *result,
-                   struct printed *to);
-/* Begins a text with one JSON object. output: the name of the picture. */
-void develop_json(const struct develop_options *options, const struct develop_result *result,
-                  const char *output, struct json *json);
-
-/* A stack that is being developed. */
-struct development {
-    const struct develop_options *options;
-    struct develop_result *result;
+    struct outputs *outputs;                /* get the picture; NULL: it appears at once */
+    /* The findings. */
     struct cube cube;
     struct detector detector;
-    double *weights;  /* of the stack's pages: [channel * n_pages + page]; owned */
-    double *of_white; /* of the white's pages, if they differ from those; owned */
-    double equal[3];  /* the detector's response to a radiance of 1 everywhere */
-    double white[3];  /* to which an observer has adapted */
-    int rows;         /* of a chunk */
-    int threads;
+    double first_nm, last_nm; /* of pages, or of the range of components */
+    char sampled[512];        /* how the spectra were sampled, in a line; "": not at all */
+    double lost[3];           /* detector_lost */
+    bool has_white;
+    double seen_white[3];    /* in the detector's channels, before adaptation */
+    double adapted_white[3]; /* to which an observer has adapted */
+    double equal[3];         /* the detector's response to a radiance of 1 everywhere */
+    double *weights;         /* of the stack's pages: [channel * n_pages + page]; owned */
+    double *of_white;        /* of the white's pages, if they differ from those; owned */
+    struct counter
+        out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
+    /* The rows at hand. */
+    int rows;        /* of a chunk */
     size_t n_pixels; /* of a chunk */
     float *radiance; /* [page of the batch][pixel]; owned */
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them; owned */
 };
-/* Finds the weights that take the pages of the cube to linear display channels, or to XYZ (also for
- * CIELAB), at exposure 1. Fills in the white, and all members of the result that pixels do
- * not decide. Refuses a detector that sees none of the wavelengths. In weights.c. */
+/* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
+ * has no XYZ and no Lab. The channels of cameras and films are balanced: each is
+ * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
+ * after a failure. */
+bool develop(struct development *of, const char *stack, const char *output, struct error *err);
+/* Prints a white in a detector's channels, and where it comes from. */
+void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source);
+/* Prints all that decides a developed picture, except the stack. */
+void develop_print_settings(const struct development *of, struct printed *to);
+void develop_free(struct development *of);
+/* weights.c: finds the weights that take the pages of the cube to linear display channels, or to
+ * XYZ (also for CIELAB), at exposure 1. Fills in all that is found but what pixels decide. Refuses
+ * a detector that sees none of the wavelengths. */
 bool develop_weights(struct development *of, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
+/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
+ * differences. A is the standard of CIE94. */
+enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
 /* A measure over all pixels. */
 struct pixel_difference {
     double mean, largest;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
     int x, y;           /* the pixel of the largest */
+    struct bin *bins;   /* owned */
+};
+struct band_difference {
+    double largest; /* |A - B|, in radiance */
+    int x, y;       /* the first pixel with this difference */
+    double rms;
 };
 /* A map shows all three numbers of each pixel (in a TIFF), or one of them in colours. */
 enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
-    int n, width, height;
-    bool components;               /* in both stacks: wavelengths_nm is 1, 2, ... */
-    double *wavelengths_nm;        /* owned */
-    struct band_difference *bands; /* of each; owned */
+    /* The caller sets these, and zeroes all others. */
+    const char *observer, *white; /* white NULL: what A records */
+    const char *map;              /* PNG or TIFF to write; NULL: none */
+    struct tolerance tolerance;
+    int threads;
+    struct outputs *outputs; /* get the map; NULL: it appears at once */
+    /* Two stacks, and how they differ. */
+    struct stack_rows a, b;
+    struct sight sight; /* of A; it holds for B too; without a white there are no colours */
+    struct band_difference *bands; /* of each page; owned */
     struct band_difference all;
     int largest_band;        /* the band that has all.largest */
     double largest_radiance; /* of A */
     struct pixel_difference pixels[PIXEL_MEASURES];
-    bool has_white; /* without, there are no colours */
-    char *observer; /* owned */
-    enum map_measure map;
+    enum map_measure shown; /* by the map */
+    /* The rows at hand; all are owned. */
+    double *spectra;                    /* [row][a, b][band]: the pixel at hand */
+    struct band_difference *row_bands;  /* [row][band]; rms: sum of squares so far */
+    double *largest_a;                  /* [row] */
+    double (*measures)[PIXEL_MEASURES]; /* [row][x] */
+    float (*samples)[3]; /* [row][x]: of the map; room for floats, also where it has bytes */
+    struct picture_writer picture;
 };
 /* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
  * components of different samplings, and a tolerance of colours without a white. The weights of A's
  * sampling give the colours. A TIFF map has three float samples a pixel: the largest |A - B| of all
  * pages, the angle between the spectra or components in degrees, CIEDE2000 (0 without a white). A
  * PNG map has the colours of scale_colour: for CIEDE2000 from 1/64 on, or without a white for the
- * largest |A - B| from 1/16384 on. The map is written even if the stacks differ. */
-bool compare(const char *a, const char *b, const struct compare_options *options,
-             struct comparison *out, struct error *err);
-bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
-void comparison_print(const struct comparison *comparison, struct printed *to);
-/* json.c: begins a text with one JSON object. */
-void comparison_json(const struct comparison *comparison, bool within, struct json *json);
-void comparison_free(struct comparison *comparison);
+ * largest |A - B| from 1/16384 on. The map is written even if the stacks differ. The caller frees
+ * *of, also after a failure. */
+bool compare(const char *a, const char *b, struct comparison *of, struct error *err);
+bool comparison_is_within(const struct comparison *of); /* the tolerance */
+/* Prints the meaning of the colours of a map that has some, in a line without its end. */
+void comparison_print_colours(const struct comparison *of, struct printed *to);
+void comparison_free(struct comparison *of);
 
-/* A spectrum that explains the one of the pixel, e.g. the spectrum of a light. */
-struct probe_curve {
+/* ---- probe.c: the spectrum of a region ---- */
+
+/* A column of a table: the wavelengths; the radiance, and its standard deviation over the region;
+ * then, of a scene, spectra that explain the radiance, e.g. that of a light. */
+enum { WAVELENGTH, MEAN, SPREAD, CURVES, MAX_PROBE_COLUMNS = CURVES + 64 };
+struct probe_column {
     char name[96];  /* e.g. "light 1 (d65)", "reflectance" */
     bool relative;  /* a reflectance, excitation or emission; otherwise a radiance */
     double *values; /* one for each wavelength; owned */
 };
-enum { MAX_PROBE_CURVES = 64 };
 struct probe {
+    /* The caller sets these, and zeroes all others. */
+    int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
+    const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
+    /* The findings. */
     char *source; /* stack or scene; owned */
-    int x, y, width, height;
-    int n;                  /* wavelengths */
-    double *wavelengths_nm; /* owned, as mean and spread */
-    double *mean, *spread;  /* radiance, and its standard deviation over the region */
-    char *object;   /* name of the only object in the region; owned; NULL: unknown, or several */
-    char *observer; /* owned */
+    int n;        /* wavelengths */
+    char *object; /* name of the only object in the region; owned; NULL: unknown, or several */
     bool has_white;
-    double xyz[3], white[3];                     /* of the mean, and of the white */
-    struct probe_curve curves[MAX_PROBE_CURVES]; /* of a scene; a stack has none */
-    int n_curves;
-};
-struct probe_options {
-    int x, y, width, height; /* the region in pixels */
-    const char *observer, *white;
+    double xyz[3], of_white[3]; /* of the mean, and of the white */
+    struct probe_column columns[MAX_PROBE_COLUMNS];
+    int n_columns;
 };
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
- * frees *out, also after a failure. */
-bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
-                 struct error *err);
-/* Begins a probe of a stack or scene, whose path is `source`. Refuses a region that is not within a
- * picture of this size. */
-bool probe_open(struct probe *out, const char *source, const struct probe_options *options,
-                int width, int height, struct error *err);
-/* Copies n wavelengths, and makes room for as many means and deviations. */
-bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err);
-/* Mean and standard deviation of samples that come in runs. Zero it before use. The sums are of
- * differences from the first sample, so that the mean of equal samples is exact and their deviation
- * is 0. */
-struct moments {
-    uint64_t n;
-    double first, sum, sum_of_squares;
-};
-void moments_add(struct moments *moments, const float *values, size_t n);
-void moments_end(const struct moments *moments, double *mean, double *spread);
-/* Computes XYZ of the mean and of the white. has_white is false if neither the options name a white
- * nor the cube records one. Refuses a white that the options name if it cannot be used. */
-bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
-                  struct error *err);
-/* Print a probe as lines of text, as CSV (RFC 4180) and as a chart. */
-void probe_print(const struct probe *probe, struct printed *to);
-void probe_print_csv(const struct probe *probe, struct printed *to);
-void probe_svg(const struct probe *probe, struct printed *to);
-/* Begins a text with one JSON object. */
-void probe_json(const struct probe *probe, struct json *json);
-void probe_free(struct probe *probe);
-
-/* ---- inspect.c: the spectrum of a region of a scene ---- */
+ * frees *probe, here and below, also after a failure. */
+bool probe_stack(struct probe *probe, const char *path, struct error *err);
 
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the
  * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
- * excitation, emission and own light. The options give the region in pixels of the plan's picture.
- * Refuses a region that is not within the picture. The caller frees *out, also after a failure. */
-bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
-                 struct error *err);
-
-void chart_exponent(struct printed *to, int exponent);
+ * excitation, emission and own light. The region is one of the plan's picture. */
+bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
+void probe_free(struct probe *probe);
 
 #endif

@@ -1,61 +1,81 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the spectrum of a pixel or a region of a stack, computes its colour, and prints both. For a
- * scene raster/beside/see/inspect.c finds the spectrum. */
+/* Reads the spectrum of a pixel or a region of a stack, and computes its colour. Or explains that
+ * of a scene: the reference draws the region as it draws the whole picture, and the spectra of the
+ * lights and of the material are listed beside the region's radiance. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "data/images/images.h"
+#include "data/scene/scene.h"
 #include "raster/beside/see/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/counts/counts.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 
-/* ---- colour ---- */
+/* ---- any probe ---- */
 
-bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
-                  struct error *err)
+/* Adds a column of zeros. Returns it; NULL: no memory. */
+static struct probe_column *add_column(struct probe *probe, const char *name, struct error *err)
 {
-    const struct white_request white = {options->white, false};
+    struct probe_column *out = &probe->columns[probe->n_columns];
+    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a spectrum of %d bands", probe->n))
+        return NULL;
+    snprintf(out->name, sizeof out->name, "%s", name);
+    probe->n_columns++;
+    return out;
+}
+
+/* Begins a probe of a stack or scene, whose path is `source`: copies the wavelengths, and makes
+ * room for means and deviations. The image gives these and the size. Refuses a region that is not
+ * within it. */
+static bool probe_begin(struct probe *probe, const char *source, const struct image *image,
+                        struct error *err)
+{
+    probe->n = image->n_pages;
+    if (!string_copy(source, &probe->source, err))
+        return false;
+    if (probe->x > image->width - probe->width || probe->y > image->height - probe->height)
+        return error_usage(
+            err,
+            "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
+            "reaches beyond it",
+            source, image->width, image->height, probe->width, probe->height, probe->x, probe->y);
+    if (!add_column(probe, "wavelength", err) || !add_column(probe, "radiance", err) ||
+        !add_column(probe, "standard deviation of radiance", err))
+        return false;
+    memcpy(probe->columns[WAVELENGTH].values, image->wavelengths_nm,
+           (size_t)probe->n * sizeof(double));
+    return true;
+}
+
+/* Computes XYZ of the mean and of the white. has_white is false if neither the probe names a white
+ * nor the cube records one. Refuses a white that the probe names if it cannot be used. */
+static bool probe_colour(struct probe *probe, const struct cube *cube, struct error *err)
+{
+    const struct white_request white = {probe->white, false};
     struct sight sight = {.weights = NULL};
-    const bool done = string_copy(options->observer, &probe->observer, err) &&
-                      sight_make(cube, probe->observer, &white, &sight, err);
+    const bool done = sight_make(cube, probe->observer, &white, &sight, err);
     if (done) {
-        detector_response(sight.weights, probe->mean, probe->n, probe->xyz);
-        memcpy(probe->white, sight.white, sizeof probe->white);
+        detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
+        memcpy(probe->of_white, sight.white, sizeof probe->of_white);
         probe->has_white = sight.has_white;
     }
     sight_free(&sight);
     return done;
 }
 
-/* ---- a region ---- */
+/* Mean and standard deviation of samples that come in runs. Zero it before use. The sums are of
+ * differences from the first sample, so that the mean of equal samples is exact and their deviation
+ * is 0. */
+struct moments {
+    uint64_t n;
+    double first, sum, sum_of_squares;
+};
 
-bool probe_open(struct probe *out, const char *source, const struct probe_options *options,
-                int width, int height, struct error *err)
-{
-    *out = (struct probe){
-        .x = options->x, .y = options->y, .width = options->width, .height = options->height};
-    if (!string_copy(source, &out->source, err))
-        return false;
-    return (out->width >= 1 && out->height >= 1 && out->x >= 0 && out->y >= 0 &&
-            out->x <= width - out->width && out->y <= height - out->height) ||
-           error_usage(
-               err,
-               "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
-               "reaches beyond it",
-               source, width, height, out->width, out->height, out->x, out->y);
-}
-
-bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err)
-{
-    probe->n = n;
-    if (!MAKE_ARRAY(probe->wavelengths_nm, n, err, "a spectrum of %d bands", n) ||
-        !MAKE_ARRAY(probe->mean, n, err, "a spectrum of %d bands", n) ||
-        !MAKE_ARRAY(probe->spread, n, err, "a spectrum of %d bands", n))
-        return false;
-    memcpy(probe->wavelengths_nm, wavelengths_nm, (size_t)n * sizeof *wavelengths_nm);
-    return true;
-}
-
-void moments_add(struct moments *moments, const float *values, size_t n)
+static void moments_add(struct moments *moments, const float *values, size_t n)
 {
     if (moments->n == 0 && n > 0)
         moments->first = (double)values[0];
@@ -67,11 +87,11 @@ void moments_add(struct moments *moments, const float *values, size_t n)
     moments->n += n;
 }
 
-void moments_end(const struct moments *moments, double *mean, double *spread)
+static void moments_end(const struct moments *moments, struct probe *probe, int band)
 {
     const double n = (double)moments->n, off = moments->sum / n;
-    *mean = moments->first + off;
-    *spread = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
+    probe->columns[MEAN].values[band] = moments->first + off;
+    probe->columns[SPREAD].values[band] = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
 }
 
 /* ---- a stack ---- */
@@ -93,7 +113,7 @@ static bool read_band(struct cube *cube, int page, int rows, float *samples, str
             moments_add(&moments, samples + (size_t)row * (size_t)width + probe->x,
                         (size_t)probe->width);
     }
-    moments_end(&moments, &probe->mean[page], &probe->spread[page]);
+    moments_end(&moments, probe, page);
     return true;
 }
 
@@ -136,178 +156,222 @@ static bool find_object(const struct cube *cube, struct probe *probe, struct err
                        &probe->object, err);
 }
 
-bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
-                 struct error *err)
+bool probe_stack(struct probe *probe, const char *path, struct error *err)
 {
     struct cube cube;
-    *out = (struct probe){.source = NULL};
     if (!cube_open(path, &cube, err))
         return false;
     const bool done = cube_needs_radiance(&cube, "a probe", err) &&
-                      probe_open(out, path, options, cube.image.width, cube.image.height, err) &&
-                      probe_allocate(out, cube.image.wavelengths_nm, cube.image.n_pages, err) &&
-                      read_bands(&cube, out, err) && find_object(&cube, out, err) &&
-                      probe_colour(out, &cube, options, err);
+                      probe_begin(probe, path, &cube.image, err) && read_bands(&cube, probe, err) &&
+                      find_object(&cube, probe, err) && probe_colour(probe, &cube, err);
     cube_close(&cube);
     return done;
 }
 
-/* ---- out ---- */
+/* ---- a region of a scene ---- */
 
-static const char unit[] = "W sr-1 m-2 nm-1, relative";
+struct region {
+    struct plan plan; /* a copy of the caller's; samples are radiances */
+    struct lit_scene lit;
+    double full_scale;
+    float *samples;          /* of a chunk */
+    struct moments *moments; /* of each band */
+    struct probe *probe;
+    int surface; /* of the first pixel; -1: the background */
+    bool begun, several;
+};
 
-static void print_colour(const struct probe *probe, struct printed *to)
+/* ---- pixels of a scene ---- */
+
+static void note_surfaces(struct region *region, const struct tile *tile)
 {
-    double xy[2], lab[3], luv[3];
-    const double *xyz = probe->xyz, *white = probe->white;
-    chromaticity(xyz, xy);
-    print_fact(to, "observer", probe->observer);
-    print(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
-    print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
-    if (!probe->has_white) {
-        print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
-        return;
-    }
-    cielab(xyz, white, lab);
-    cieluv(xyz, white, luv);
-    print(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
-    print(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
-    print(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
-}
-
-/* Writes the pixel or region in words, e.g. "pixel 3,4". */
-static void region_text(const struct probe *probe, char *out, size_t capacity)
-{
-    if (probe->width == 1 && probe->height == 1)
-        snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
-    else
-        snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->width, probe->height, probe->x,
-                 probe->y);
-}
-
-/* The first columns of the table. Those of the curves follow. */
-enum { WAVELENGTH, MEAN, SPREAD, CURVES };
-
-static double column_value(const struct probe *probe, int column, int i)
-{
-    return column == WAVELENGTH ? probe->wavelengths_nm[i]
-           : column == MEAN     ? probe->mean[i]
-           : column == SPREAD   ? probe->spread[i]
-                                : probe->curves[column - CURVES].values[i];
-}
-
-static void column_name(const struct probe *probe, int column, char *out, size_t capacity)
-{
-    static const char *const names[] = {"wavelength", "radiance", "standard deviation of radiance"};
-    const struct probe_curve *curve = column < CURVES ? NULL : &probe->curves[column - CURVES];
-    const char *of = column == WAVELENGTH ? "nm" : curve && curve->relative ? "1" : unit;
-    snprintf(out, capacity, "%s (%s)", curve ? curve->name : names[column], of);
-}
-
-void probe_print(const struct probe *probe, struct printed *to)
-{
-    char text[160], number[32];
-    print_fact(to, "source", probe->source);
-    region_text(probe, text, sizeof text);
-    print(to, "region            %s\n", text);
-    print_fact(to, "object", probe->object ? probe->object : "unknown, or several");
-    print_colour(probe, to);
-    for (int column = 0; column < CURVES + probe->n_curves; column++) {
-        column_name(probe, column, text, sizeof text);
-        snprintf(number, sizeof number, "column %d", column + 1);
-        print_fact(to, number, text);
-    }
-    for (int i = 0; i < probe->n; i++) {
-        print(to, "%-17.10g", probe->wavelengths_nm[i]);
-        for (int column = MEAN; column < CURVES + probe->n_curves; column++)
-            print(to, " %-12.6g", column_value(probe, column, i));
-        print_text(to, "\n");
-    }
-}
-
-void probe_print_csv(const struct probe *probe, struct printed *to)
-{
-    char name[160];
-    const int last = CURVES + probe->n_curves - 1;
-    for (int column = 0; column <= last; column++) {
-        column_name(probe, column, name, sizeof name);
-        print_text(to, "\"");
-        csv_text(name, to);
-        print_text(to, column < last ? "\"," : "\"\n");
-    }
-    for (int i = 0; i < probe->n; i++)
-        for (int column = 0; column <= last; column++) {
-            const double value = column_value(probe, column, i);
-            print(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        for (int pixel = 0; pixel < picture->at.width * picture->at.height; pixel++) {
+            if (!region->begun)
+                region->surface = picture->surface[pixel];
+            region->begun = true;
+            region->several = region->several || picture->surface[pixel] != region->surface;
         }
+    }
 }
 
-void probe_json(const struct probe *probe, struct json *json)
+static bool add_band(struct region *region, const struct tile *tile, int band, struct error *err)
 {
-    double lab[3];
-    json_begin(json);
-    json_string(json, "source", probe->source);
-    json_count(json, "x", (uint64_t)probe->x);
-    json_count(json, "y", (uint64_t)probe->y);
-    json_count(json, "width", (uint64_t)probe->width);
-    json_count(json, "height", (uint64_t)probe->height);
-    json_string(json, "object", probe->object);
-    json_string(json, "observer", probe->observer);
-    json_numbers(json, "XYZ", probe->xyz, 3);
-    json_numbers(json, "white_XYZ", probe->has_white ? probe->white : NULL, 3);
-    if (probe->has_white)
-        cielab(probe->xyz, probe->white, lab);
-    json_numbers(json, "Lab", probe->has_white ? lab : NULL, 3);
-    json_numbers(json, "wavelengths_nm", probe->wavelengths_nm, probe->n);
-    json_numbers(json, "radiance", probe->mean, probe->n);
-    json_numbers(json, "standard_deviation", probe->spread, probe->n);
-    json_open(json, "curves", '[');
-    for (int i = 0; i < probe->n_curves; i++) {
-        json_open(json, NULL, '{');
-        json_string(json, "name", probe->curves[i].name);
-        json_numbers(json, "values", probe->curves[i].values, probe->n);
-        json_close(json, '}');
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        const struct rectangle pixels = plan_pixels(&region->plan, &picture->at);
+        const size_t n = (size_t)pixels.width * (size_t)pixels.height;
+        const struct stored_band stored = {&region->plan, band, region->full_scale,
+                                           region->samples};
+        const struct odd_samples odd = store_reference(&stored, 1, &region->lit, picture);
+        if (odd.undefined > 0)
+            return error_usage(err, "%s: a radiance in the region is not finite",
+                               region->probe->source);
+        moments_add(&region->moments[band], region->samples, n);
     }
-    json_close(json, ']');
+    return true;
 }
 
-void probe_svg(const struct probe *probe, struct printed *to)
+static bool inspect_tile(void *context, const struct tile *tile, struct error *err)
 {
-    struct chart_line lines[1 + MAX_PROBE_CURVES];
-    char region[96], title[512];
-    const bool single = probe->width == 1 && probe->height == 1;
-    bool relative = false;
-    lines[0] = (struct chart_line){single ? "radiance" : "radiance ± standard deviation",
-                                   probe->n,
-                                   probe->wavelengths_nm,
-                                   probe->mean,
-                                   single ? NULL : probe->spread,
-                                   false};
-    for (int c = 0; c < probe->n_curves; c++) {
-        const struct probe_curve *curve = &probe->curves[c];
-        relative = relative || curve->relative;
-        lines[1 + c] = (struct chart_line){curve->name,   probe->n, probe->wavelengths_nm,
-                                           curve->values, NULL,     curve->relative};
+    struct region *region = context;
+    note_surfaces(region, tile);
+    for (int band = 0; band < region->plan.n_bands; band++)
+        if ((band % BANDS_PER_PASS == 0 && !plan_load_textures(&region->plan, band, err)) ||
+            !add_band(region, tile, band, err))
+            return false;
+    return true;
+}
+
+static bool inspect_pixels(struct region *region, struct error *err)
+{
+    struct probe *probe = region->probe;
+    const int side = region->plan.scene->positions;
+    const struct rectangle whole = {side * probe->x, side * probe->y, side * probe->width,
+                                    side * probe->height};
+    if (!tiles_each(&region->lit, &whole, inspect_tile, region, err))
+        return false;
+    for (int band = 0; band < probe->n; band++)
+        moments_end(&region->moments[band], probe, band);
+    return true;
+}
+
+/* ---- curves of a scene ---- */
+
+/* The subjects of curves. A reflectance continues beyond the ends of its spectrum, as data/terms
+ * has it.
+ */
+enum curve_kind { LIGHT, REFLECTANCE, LUMINESCENCE };
+
+/* Adds the curve factor x spectrum; spectrum NULL: 1 at every wavelength. Leaves out a curve beyond
+ * MAX_PROBE_COLUMNS. */
+static bool add_curve(struct probe *probe, const char *name, enum curve_kind kind, double factor,
+                      const struct spectrum *spectrum, struct error *err)
+{
+    if (probe->n_columns == MAX_PROBE_COLUMNS)
+        return true;
+    struct probe_column *out = add_column(probe, name, err);
+    if (!out)
+        return false;
+    const enum spectrum_ends ends = kind == REFLECTANCE ? SPECTRUM_HOLD : SPECTRUM_ZERO;
+    out->relative = kind != LIGHT;
+    for (int i = 0; i < probe->n; i++)
+        out->values[i] =
+            factor *
+            (spectrum ? spectrum_at(spectrum, probe->columns[WAVELENGTH].values[i], ends) : 1);
+    return true;
+}
+
+static bool add_light(struct probe *probe, const char *kind, int index, double intensity,
+                      const struct spectrum *spectrum, struct error *err)
+{
+    char name[sizeof probe->columns[0].name];
+    snprintf(name, sizeof name, "%s %d (%s)", kind, index + 1, spectrum->name);
+    return add_curve(probe, name, LIGHT, intensity, spectrum, err);
+}
+
+static bool add_lights(struct probe *probe, const struct scene *scene, struct error *err)
+{
+    for (int i = 0; i < scene->n_lights; i++)
+        if (!add_light(probe, "light", i, scene->lights[i].intensity, &scene->lights[i].spectrum,
+                       err))
+            return false;
+    for (int i = 0; i < scene->n_ambients; i++)
+        if (!add_light(probe, "ambient light", i, scene->ambients[i].intensity,
+                       &scene->ambients[i].spectrum, err))
+            return false;
+    return true;
+}
+
+static bool add_material(struct probe *probe, const struct material *material, struct error *err)
+{
+    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE,
+               tinted = material->specular.kind != SPECTRUM_NONE;
+    const struct {
+        bool there;
+        const char *name;
+        enum curve_kind kind;
+        const struct spectrum *spectrum;
+    } curves[] = {{true, "reflectance", REFLECTANCE, &material->diffuse},
+                  {material->gloss > 0, "specular reflectance", REFLECTANCE,
+                   tinted ? &material->specular : NULL},
+                  {fluoresces, "excitation", LUMINESCENCE, &material->excitation},
+                  {fluoresces, "emission", LUMINESCENCE, &material->emission},
+                  {material->glow.kind != SPECTRUM_NONE, "own light", LIGHT, &material->glow}};
+    bool done = true;
+    for (size_t i = 0; i < sizeof curves / sizeof curves[0]; i++)
+        done = done && (!curves[i].there || add_curve(probe, curves[i].name, curves[i].kind, 1,
+                                                      curves[i].spectrum, err));
+    return done;
+}
+
+/* Adds the curves of the object first, since there may not be room for all lights. */
+static bool add_curves(const struct region *region, struct error *err)
+{
+    struct probe *probe = region->probe;
+    if (!region->several) {
+        if (!string_copy(object_name(&region->plan, region->surface), &probe->object, err))
+            return false;
+        if (region->surface >= 0 &&
+            !add_material(probe, region->lit.bounds[region->surface].shaded->material, err))
+            return false;
     }
-    region_text(probe, region, sizeof region);
-    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
-             probe->object ? ", " : "", region, probe->source);
-    const struct chart chart = {.title = title,
-                                .x_label = "wavelength (nm)",
-                                .y_label = "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
-                                .right_label =
-                                    relative ? "reflectance, excitation, emission" : NULL,
-                                .lines = lines,
-                                .n_lines = 1 + probe->n_curves,
-                                .wavelengths = true};
-    chart_svg(&chart, to);
+    return add_lights(probe, region->plan.scene, err);
+}
+
+/* ---- a whole scene ---- */
+
+/* Computes the colour with the white that a stack of this scene records. */
+static bool add_colour(struct probe *probe, const struct scene *scene, struct cube *cube,
+                       struct error *err)
+{
+    const struct spectral_pages pages = scene_pages(scene);
+    double *white;
+    if (!MAKE_ARRAY(white, (size_t)probe->n, err, "a white of %d bands", probe->n))
+        return false;
+    cube->record.white =
+        (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
+    bool done = probe_colour(probe, cube, err);
+    free(white);
+    return done;
+}
+
+static bool inspect(struct region *region, struct error *err)
+{
+    const struct plan *plan = &region->plan;
+    const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
+    struct light_work work;
+    bool clips;
+    region->plan.options.bits = 32;
+    if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
+        region->plan.options.full_scale = 1;
+    return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the region") &&
+           MAKE_ARRAY(region->moments, (size_t)plan->n_bands, err, "the means of the region") &&
+           lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
+           find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
+           inspect_pixels(region, err) && add_curves(region, err);
+}
+
+bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)
+{
+    const struct scene *scene = plan->scene;
+    struct region region = {.plan = *plan, .probe = probe};
+    struct cube cube = {.image = {.path = scene->path,
+                                  .width = scene->width,
+                                  .height = scene->height,
+                                  .n_pages = scene->n_wavelengths,
+                                  .wavelengths_nm = scene->wavelengths_nm}};
+    bool done = probe_begin(probe, scene->path, &cube.image, err) && inspect(&region, err) &&
+                add_colour(probe, scene, &cube, err);
+    lit_free(&region.lit);
+    FREE_ALL(region.samples, region.moments);
+    return done;
 }
 
 void probe_free(struct probe *probe)
 {
-    for (int c = 0; c < probe->n_curves; c++)
-        free(probe->curves[c].values);
-    FREE_ALL(probe->source, probe->wavelengths_nm, probe->mean, probe->spread, probe->object,
-             probe->observer);
-    *probe = (struct probe){.source = NULL};
+    for (int column = 0; column < probe->n_columns; column++)
+        free(probe->columns[column].values);
+    FREE_ALL(probe->source, probe->object);
 }

@@ -16,12 +16,10 @@ struct probe_own {
 
 /* ---- operands ---- */
 
-static bool region_read(const struct options *options, struct probe_options *out, struct error *err)
+static bool region_read(const struct options *options, struct probe *out, struct error *err)
 {
     static const char *const names[] = {"X", "Y", "W", "H"};
     int *numbers[] = {&out->x, &out->y, &out->width, &out->height};
-    *out = (struct probe_options){
-        .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
     if (options->n_operands != 3 && options->n_operands != 5)
         return error_usage(err,
                            "probe takes a STACK or SCENE, X and Y, and optionally W and H; see "
@@ -33,10 +31,9 @@ static bool region_read(const struct options *options, struct probe_options *out
     return true;
 }
 
-/* ---- the command ---- */
+/* ---- a probe ---- */
 
-static bool probe_picture(const struct options *options, const struct probe_options *region,
-                          struct probe *out, struct error *err)
+static bool probe_picture(const struct options *options, struct probe *probe, struct error *err)
 {
     const struct plan_options plan_options = {.store_raster = true, .threads = options->threads};
     struct scene scene = {.path = NULL};
@@ -44,27 +41,168 @@ static bool probe_picture(const struct options *options, const struct probe_opti
     struct refine_result refined = {.levels = 0};
     bool done = scene_read_options(options, &scene, err) &&
                 plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                refine_options(options, &plan, &refined, err) &&
-                probe_scene(&plan, region, out, err);
+                refine_options(options, &plan, &refined, err) && probe_scene(probe, &plan, err);
     refine_result_free(&refined);
     plan_free(&plan);
     scene_free(&scene);
     return done;
 }
 
-static bool probe_operand(const struct options *options, const struct probe_options *region,
-                          struct probe *out, struct error *err)
+static bool probe_operand(const struct options *options, struct probe *probe, struct error *err)
 {
     bool is_stack;
     if (!image_is(options->operand, &is_stack, err))
         return false;
     if (!is_stack)
-        return probe_picture(options, region, out, err);
+        return probe_picture(options, probe, err);
     if (options->n_recorded > 0)
         return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
                            options->recorded[0]);
-    return probe_stack(options->operand, region, out, err);
+    return probe_stack(probe, options->operand, err);
 }
+
+/* ---- out ---- */
+
+static void print_colour(const struct probe *probe, struct printed *to)
+{
+    double xy[2], lab[3], luv[3];
+    const double *xyz = probe->xyz, *white = probe->of_white;
+    chromaticity(xyz, xy);
+    print_fact(to, "observer", probe->observer);
+    print(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
+    print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
+    if (!probe->has_white) {
+        print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
+        return;
+    }
+    cielab(xyz, white, lab);
+    cieluv(xyz, white, luv);
+    print(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
+    print(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
+    print(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
+}
+
+/* Writes the pixel or region in words, e.g. "pixel 3,4". */
+static void region_text(const struct probe *probe, char *out, size_t capacity)
+{
+    if (probe->width == 1 && probe->height == 1)
+        snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
+    else
+        snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->width, probe->height, probe->x,
+                 probe->y);
+}
+
+static void column_name(const struct probe *probe, int column, char *out, size_t capacity)
+{
+    const struct probe_column *of = &probe->columns[column];
+    snprintf(out, capacity, "%s (%s)", of->name,
+             column == WAVELENGTH ? "nm"
+             : of->relative       ? "1"
+                                  : "W sr-1 m-2 nm-1, relative");
+}
+
+static void probe_print(const struct probe *probe, struct printed *to)
+{
+    char text[160], number[32];
+    print_fact(to, "source", probe->source);
+    region_text(probe, text, sizeof text);
+    print(to, "region            %s\n", text);
+    print_fact(to, "object", probe->object ? probe->object : "unknown, or several");
+    print_colour(probe, to);
+    for (int column = 0; column < probe->n_columns; column++) {
+        column_name(probe, column, text, sizeof text);
+        snprintf(number, sizeof number, "column %d", column + 1);
+        print_fact(to, number, text);
+    }
+    for (int i = 0; i < probe->n; i++) {
+        print(to, "%-17.10g", probe->columns[WAVELENGTH].values[i]);
+        for (int column = MEAN; column < probe->n_columns; column++)
+            print(to, " %-12.6g", probe->columns[column].values[i]);
+        print_text(to, "\n");
+    }
+}
+
+static void probe_print_csv(const struct probe *probe, struct printed *to)
+{
+    char name[160];
+    const int last = probe->n_columns - 1;
+    for (int column = 0; column <= last; column++) {
+        column_name(probe, column, name, sizeof name);
+        print_text(to, "\"");
+        csv_text(name, to);
+        print_text(to, column < last ? "\"," : "\"\n");
+    }
+    for (int i = 0; i < probe->n; i++)
+        for (int column = 0; column <= last; column++) {
+            const double value = probe->columns[column].values[i];
+            print(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
+        }
+}
+
+static void probe_json(const struct probe *probe, struct json *json)
+{
+    static const char *const names[] = {"wavelengths_nm", "radiance", "standard_deviation"};
+    double lab[3];
+    json_begin(json);
+    json_string(json, "source", probe->source);
+    json_count(json, "x", (uint64_t)probe->x);
+    json_count(json, "y", (uint64_t)probe->y);
+    json_count(json, "width", (uint64_t)probe->width);
+    json_count(json, "height", (uint64_t)probe->height);
+    json_string(json, "object", probe->object);
+    json_string(json, "observer", probe->observer);
+    json_numbers(json, "XYZ", probe->xyz, 3);
+    json_numbers(json, "white_XYZ", probe->has_white ? probe->of_white : NULL, 3);
+    if (probe->has_white)
+        cielab(probe->xyz, probe->of_white, lab);
+    json_numbers(json, "Lab", probe->has_white ? lab : NULL, 3);
+    for (int column = 0; column < CURVES; column++)
+        json_numbers(json, names[column], probe->columns[column].values, probe->n);
+    json_open(json, "curves", '[');
+    for (int column = CURVES; column < probe->n_columns; column++) {
+        json_open(json, NULL, '{');
+        json_string(json, "name", probe->columns[column].name);
+        json_numbers(json, "values", probe->columns[column].values, probe->n);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+static void probe_svg(const struct probe *probe, struct printed *to)
+{
+    struct chart_line lines[MAX_PROBE_COLUMNS];
+    char region[96], title[512];
+    bool relative = false;
+    int n = 0;
+    for (int c = MEAN; c < probe->n_columns; c++) {
+        const struct probe_column *of = &probe->columns[c];
+        relative = relative || of->relative;
+        if (c != SPREAD)
+            lines[n++] = (struct chart_line){.name = of->name,
+                                             .n = probe->n,
+                                             .x = probe->columns[WAVELENGTH].values,
+                                             .y = of->values,
+                                             .right = of->relative};
+    }
+    if (probe->width > 1 || probe->height > 1) {
+        lines[0].name = "radiance ± standard deviation";
+        lines[0].spread = probe->columns[SPREAD].values;
+    }
+    region_text(probe, region, sizeof region);
+    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
+             probe->object ? ", " : "", region, probe->source);
+    const struct chart chart = {.title = title,
+                                .x_label = "wavelength (nm)",
+                                .y_label = "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
+                                .right_label =
+                                    relative ? "reflectance, excitation, emission" : NULL,
+                                .lines = lines,
+                                .n_lines = n,
+                                .wavelengths = true};
+    chart_svg(&chart, to);
+}
+
+/* ---- the command ---- */
 
 static bool probe_write(struct options *options, const struct probe *probe, struct error *err)
 {
@@ -82,13 +220,13 @@ static bool probe_write(struct options *options, const struct probe *probe, stru
 static bool run_probe(struct options *options, struct error *err)
 {
     const struct probe_own *own = options->own;
-    struct probe_options region;
-    struct probe probe = {.source = NULL};
-    if (!region_read(options, &region, err))
+    struct probe probe = {
+        .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
+    if (!region_read(options, &probe, err))
         return false;
     if (own->csv + own->svg + (options->json != NULL) > 1)
         return error_usage(err, "--csv, --svg and --json exclude each other; give one of them");
-    bool done = probe_operand(options, &region, &probe, err) && probe_write(options, &probe, err);
+    bool done = probe_operand(options, &probe, err) && probe_write(options, &probe, err);
     probe_free(&probe);
     return done;
 }
@@ -101,8 +239,9 @@ static const struct option probe_rows[] = {
 };
 static const struct option_list probe_list = OPTION_LIST(probe_rows);
 static const struct option_list *const lists[] = {
-    &probe_list,     &seeing_options, &scene_options,  &shading_options, &accuracy_options,
-    &threads_option, &json_option,    &common_options, NULL};
+    &probe_list,      &seeing_options,   &scene_options,
+    &shading_options, &accuracy_options, &threads_option,
+    &json_option,     &common_options,   NULL};
 const struct command probe_command = {
     .name = "probe",
     .operands = "STACK|SCENE X Y [W H]",

@@ -29,30 +29,6 @@ enum {
     CHART_TEXT_SIZE = 12
 };
 
-/* The rectangle that the axes enclose. Its left edge is at CHART_LEFT, its top at CHART_TOP. */
-struct chart_area {
-    struct printed *to; /* the SVG file */
-    double width;
-    int height;
-};
-/* Writes the beginning of a file of this height, with the title. */
-void chart_head(struct printed *to, const char *title, int height);
-void chart_frame(const struct chart_area *area); /* draws its border */
-/* Writes a text, escaped. The last of more than `most` characters becomes an ellipsis. A character
- * that XML cannot hold becomes U+FFFD. */
-void chart_text(struct printed *to, const char *text, int most);
-/* Writes a decimal exponent: ×10 and raised digits. */
-int chart_fitting(double width, int size); /* characters that fit into a width */
-int chart_text_length(const char *text);   /* in characters of UTF-8 */
-/* Cells of a legend, filled column by column. */
-struct chart_grid {
-    int rows;
-    double column; /* width */
-};
-/* Makes a grid of n cells in 1 to 3 columns. Each cell has room for a sample of this width and a
- * text of `longest` characters, unless there is one column only. */
-struct chart_grid chart_grid(int n, int longest, double sample);
-
 /* An axis from `low` to `high` on its scale: values over the unit, or decimal logarithms. */
 struct axis {
     bool logarithmic;
@@ -63,6 +39,35 @@ struct axis {
     bool clipped;      /* logarithmic: smaller values lie at the low end, */
     double least;      /* whose value is this one */
 };
+/* The rectangle that the axes enclose. Its left edge is at CHART_LEFT, its top at CHART_TOP. */
+struct chart_area {
+    struct printed *to; /* the SVG file */
+    double width;
+    int height;
+    struct axis x, y, right;
+};
+
+/* ---- chart.c: what all charts have ---- */
+
+/* Writes the beginning of a file of this height, with the title. */
+void chart_head(struct printed *to, const char *title, int height);
+/* Writes a text, escaped. The last of more than `most` characters becomes an ellipsis. A character
+ * that XML cannot hold becomes U+FFFD. */
+void chart_text(struct printed *to, const char *text, int most);
+int chart_fitting(double width, int size); /* characters that fit into a width */
+int chart_text_length(const char *text);   /* in characters of UTF-8 */
+/* A legend, filled column by column. Makes one of n cells in 1 to 3 columns. Each cell has room for
+ * a sample of this width and a text of `longest` characters, unless there is one column only. */
+struct chart_legend {
+    int rows;
+    double column; /* width */
+};
+struct chart_legend chart_legend(int n, int longest, double sample);
+/* Return the left edge and the middle of a cell. */
+double legend_x(const struct chart_legend *legend, int cell);
+double legend_y(const struct chart_legend *legend, int top, int cell);
+
+/* ---- axis.c ---- */
 
 /* Makes a logarithmic axis with some room beyond the decimal logarithms low and high; from 0.1 to 1
  * if low > high. */
@@ -70,25 +75,20 @@ struct axis axis_logarithmic(double low, double high);
 double decimal_logarithm(double value); /* of a finite value above 0 */
 /* Return the place of a value in the SVG file. On a logarithmic axis values below its low end, and
  * 0, lie at that end. */
-double chart_x(const struct chart_area *area, const struct axis *axis, double value);
+double chart_x(const struct chart_area *area, double value);
 double chart_y(const struct chart_area *area, const struct axis *axis, double value);
-/* Draw the ticks of an axis, their grid lines and labels, and the label of the axis. The x axis
- * lies below the area and a strip of this height. A y axis on the right has no grid lines. */
-void axis_draw_x(const struct chart_area *area, const struct axis *axis, const char *label,
-                 int strip);
-void axis_draw_y(const struct chart_area *area, const struct axis *axis, const char *label,
-                 bool right);
+/* Draws the border and the axes: ticks, grid lines, labels. The labels of the axes are those of x,
+ * y, and the axis on the right, which has no grid lines; NULL: there is none. The x axis lies below
+ * the area and a strip of this height. */
+void chart_axes(const struct chart_area *area, const char *const labels[3], int strip);
 
 /* ---- command.c: spectral develop ---- */
 
 /* Writes the picture of a stack that a detector sees. */
 extern const struct command develop_command;
 
-/* ---- compare.c: the differences of two stacks ---- */
+/* ---- compare.c: what counts as equal ---- */
 
-/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
- * differences. A is the standard of CIE94. */
-enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
 enum tolerance_unit { /* the last three in the order of colour differences */
                       TOLERANCE_RADIANCE,
                       TOLERANCE_PERCENT,
@@ -102,18 +102,6 @@ struct tolerance {
 };
 /* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
-struct compare_options {
-    const char *observer, *white; /* white NULL: what A records */
-    const char *map;              /* PNG or TIFF to write; NULL: none */
-    struct tolerance tolerance;
-    int threads;
-    struct outputs *outputs; /* get the map; NULL: it appears at once */
-};
-struct band_difference {
-    double largest; /* |A - B|, in radiance */
-    int x, y;       /* the first pixel with this difference */
-    double rms;
-};
 
 /* ---- rows.c: a stack in chunks of rows ---- */
 

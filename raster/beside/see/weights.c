@@ -72,37 +72,30 @@ static bool check_sampling(const struct cube *cube, const struct sampling_method
                        image->path, image->wavelengths_nm[image->n_pages - 1], longest_nm);
 }
 
-/* Makes the white at every nm the only light and the only product. Only adaptive sampling needs
- * one.
+/* Makes the white at every nm the only light and the only product, as adaptive sampling needs it.
  */
 static bool white_finely(const struct development *of, struct fine_spectra *out, struct error *err)
 {
     const struct image *image = &of->cube.image;
-    struct error ignored = {0};
     double *white;
-    const bool needed = of->options->sampling->kind == SAMPLING_ADAPTIVE;
     const bool done = MAKE_ARRAY(white, image->n_pages, err, "a white") &&
                       MAKE_ARRAY(out->lights, out->n_nm, err, "a white") &&
-                      MAKE_ARRAY(out->products, out->n_nm, err, "a white");
-    const bool found =
-        done && cube_white(&of->cube, of->options->white, white, needed ? err : &ignored);
-    if (found) {
-        out->n_lights = out->n_products = 1;
-        for (int j = 0; j < out->n_nm; j++) {
-            double part;
-            const int page =
-                wavelength_before(image->wavelengths_nm, image->n_pages, out->first_nm + j, &part);
-            out->lights[j] =
-                part > 0 ? (1 - part) * white[page] + part * white[page + 1] : white[page];
-        }
-        memcpy(out->products, out->lights, (size_t)out->n_nm * sizeof *out->products);
+                      MAKE_ARRAY(out->products, out->n_nm, err, "a white") &&
+                      cube_white(&of->cube, of->white, white, err);
+    for (int j = 0; done && j < out->n_nm; j++) {
+        double part;
+        const int page =
+            wavelength_before(image->wavelengths_nm, image->n_pages, out->first_nm + j, &part);
+        out->lights[j] = out->products[j] =
+            part > 0 ? (1 - part) * white[page] + part * white[page + 1] : white[page];
     }
+    out->n_lights = out->n_products = 1;
     free(white);
-    return done && (found || !needed);
+    return done;
 }
 
 /* Describes the sampling in one line. */
-static bool describe_sampling(const struct sampling *sampling, struct develop_result *result,
+static bool describe_sampling(const struct sampling *sampling, struct development *of,
                               struct error *err)
 {
     struct printed printed = {.text = NULL};
@@ -110,7 +103,7 @@ static bool describe_sampling(const struct sampling *sampling, struct develop_re
     char *text = printed_take(&printed, err);
     if (!text)
         return false;
-    snprintf(result->sampling, sizeof result->sampling, "%.*s", (int)strcspn(text, "\n"), text);
+    snprintf(of->sampled, sizeof of->sampled, "%.*s", (int)strcspn(text, "\n"), text);
     free(text);
     return true;
 }
@@ -120,25 +113,23 @@ static bool describe_sampling(const struct sampling *sampling, struct develop_re
 static bool sampled_weights(struct development *of, struct error *err)
 {
     const struct image *image = &of->cube.image;
-    const struct develop_options *options = of->options;
-    double *lost = of->result->lost;
     const double first = image->wavelengths_nm[0], last = image->wavelengths_nm[image->n_pages - 1];
     struct fine_spectra spectra = {.first_nm = first};
     struct sampling sampling = {.detector = NULL};
-    if (!check_sampling(&of->cube, options->sampling, err))
+    if (!check_sampling(&of->cube, of->sampling, err))
         return false;
     spectra.n_nm = (int)floor(last - first + 1e-9) + 1;
     const bool done =
-        white_finely(of, &spectra, err) &&
-        sampling_make(options->sampling, options->detector, &spectra, &sampling, err) &&
+        (of->sampling->kind != SAMPLING_ADAPTIVE || white_finely(of, &spectra, err)) &&
+        sampling_make(of->sampling, of->detector_name, &spectra, &sampling, err) &&
         (!sampling.fixed || fold_detector(of, &sampling.fine, err)) &&
-        describe_sampling(&sampling, of->result, err);
+        describe_sampling(&sampling, of, err);
     if (done) {
         fold_sampling(image, &sampling, of->weights);
         if (sampling.segment_nm == NULL && !sampling.fixed)
-            detector_lost(&of->detector, sampling.pages.wavelength_nm, sampling.pages.n, lost);
+            detector_lost(&of->detector, sampling.pages.wavelength_nm, sampling.pages.n, of->lost);
         else
-            detector_lost_outside(&of->detector, first - 0.5, first + spectra.n_nm - 0.5, lost);
+            detector_lost_outside(&of->detector, first - 0.5, first + spectra.n_nm - 0.5, of->lost);
     }
     sampling_free(&sampling);
     fine_spectra_free(&spectra);
@@ -151,30 +142,29 @@ static bool check_detector(const struct development *of, struct error *err)
 {
     const struct image *image = &of->cube.image;
     const struct detector *detector = &of->detector;
-    const struct develop_options *options = of->options;
     /* Rendering checked a recorded response; that of a black scene is 0. */
     bool sees = of->cube.record.response.n > 0;
     for (int i = 0; i < 3 * image->n_pages; i++)
         sees = sees || of->weights[i] != 0;
     if (!sees)
         return error_usage(err, "%s: %s sees nothing from %.10g to %.10g nm", image->path,
-                           detector->name, of->result->first_nm, of->result->last_nm);
-    if (!detector->observer && options->adaptation.kind != ADAPTATION_NONE)
+                           detector->name, of->first_nm, of->last_nm);
+    if (!detector->observer && of->adaptation.kind != ADAPTATION_NONE)
         return error_usage(err,
                            "%s is a camera or film, which does not adapt but is balanced to the"
                            " white; %s is for observers",
-                           detector->name, adaptation_name(options->adaptation.kind));
-    if (!detector->observer && options->values != DEVELOP_RGB)
+                           detector->name, adaptation_name(of->adaptation.kind));
+    if (!detector->observer && of->values != DEVELOP_RGB)
         return error_usage(err, "%s is a camera or film, which has no %s; expected an observer",
                            detector->name,
-                           options->values == DEVELOP_XYZ ? "tristimulus values" : "CIELAB");
+                           of->values == DEVELOP_XYZ ? "tristimulus values" : "CIELAB");
     return true;
 }
 
 /* Divides each channel by the white's. */
 static bool balance(const struct development *of, struct error *err)
 {
-    const double *white = of->result->white;
+    const double *white = of->seen_white;
     const int n = of->cube.image.n_pages;
     for (int channel = 0; channel < 3; channel++) {
         if (!(white[channel] > 0))
@@ -192,19 +182,18 @@ static bool balance(const struct development *of, struct error *err)
  * ten times the light's intensity. */
 static bool adapt(struct development *of, struct error *err)
 {
-    const struct develop_options *options = of->options;
     const double recorded = record_illumination(&of->cube.record);
     const int n = of->cube.image.n_pages;
-    struct adaptation *adaptation = &of->result->adaptation;
+    struct adaptation *adaptation = &of->adaptation;
     double m[3][3];
     if (adaptation->kind == ADAPTATION_FAIRCHILD && !(adaptation->luminance > 0))
         adaptation->luminance = 10 * (recorded > 0 ? recorded : 1);
-    if (!adaptation_matrix(adaptation, of->result->white, of->equal, m, err))
+    if (!adaptation_matrix(adaptation, of->seen_white, of->equal, m, err))
         return false;
     colour_apply_all(m, n, of->weights);
-    colour_apply(m, of->result->white, of->white);
-    if (options->values == DEVELOP_RGB) {
-        display_matrix(options->display, m);
+    colour_apply(m, of->seen_white, of->adapted_white);
+    if (of->values == DEVELOP_RGB) {
+        display_matrix(of->display, m);
         colour_apply_all(m, n, of->weights);
     }
     return true;
@@ -213,36 +202,25 @@ static bool adapt(struct development *of, struct error *err)
 /* The result reports a recorded white even where none is needed. */
 static bool needs_white(const struct development *of)
 {
-    return !of->detector.observer || of->options->adaptation.kind != ADAPTATION_NONE ||
-           of->options->values == DEVELOP_LAB;
+    return !of->detector.observer || of->adaptation.kind != ADAPTATION_NONE ||
+           of->values == DEVELOP_LAB;
 }
 
-/* Describes the stack, and the sampling that it records. */
-static void begin_result(const struct development *of)
+/* Describes the range of the stack, and the sampling that it records. */
+static void describe_stack(struct development *of)
 {
-    const struct cube *cube = &of->cube;
-    const struct image *image = &cube->image;
-    struct develop_result *out = of->result;
-    const struct record *record = &cube->record;
-    const double half_cell = 0.5, *range = record->range_nm.value;
-    *out = (struct develop_result){.width = image->width,
-                                   .height = image->height,
-                                   .n_pages = image->n_pages,
-                                   .first_nm = image->wavelengths_nm[0],
-                                   .last_nm = image->wavelengths_nm[image->n_pages - 1],
-                                   .components = cube->components,
-                                   .observer = of->detector.observer,
-                                   .adaptation = of->options->adaptation,
-                                   .exposure = of->options->exposure};
-    if (cube->components) {
-        out->first_nm = range[0] + half_cell;
-        out->last_nm = range[1] - half_cell;
-    }
+    const struct image *image = &of->cube.image;
+    const struct record *record = &of->cube.record;
+    const double half_cell = 0.5;
+    const bool components = of->cube.components;
+    of->first_nm = components ? record->range_nm.value[0] + half_cell : image->wavelengths_nm[0];
+    of->last_nm = components ? record->range_nm.value[1] - half_cell
+                             : image->wavelengths_nm[image->n_pages - 1];
     if (record->sampling != NULL)
-        snprintf(out->sampling, sizeof out->sampling, "%s for %s (recorded)", record->sampling,
+        snprintf(of->sampled, sizeof of->sampled, "%s for %s (recorded)", record->sampling,
                  record->sampling_detector);
-    hide_unprintable(out->sampling, "");
-    cube_lost(cube, &of->detector, out->lost);
+    hide_unprintable(of->sampled, "");
+    cube_lost(&of->cube, &of->detector, of->lost);
 }
 
 /* Finds the weights that take pages to the detector's channels, and the response to the white and
@@ -250,14 +228,13 @@ static void begin_result(const struct development *of)
 static bool channel_weights(struct development *of, struct error *err)
 {
     const struct cube *cube = &of->cube;
-    const struct white_request request = {of->options->white, needs_white(of)};
-    struct develop_result *result = of->result;
-    if (!(of->options->sampling != NULL ? sampled_weights(of, err)
-                                        : cube_weights(cube, &of->detector, of->weights, err)) ||
+    const struct white_request request = {of->white, needs_white(of)};
+    if (!(of->sampling != NULL ? sampled_weights(of, err)
+                               : cube_weights(cube, &of->detector, of->weights, err)) ||
         !check_detector(of, err))
         return false;
     const double *of_white = of->of_white != NULL ? of->of_white : of->weights;
-    return cube_white_response(cube, &request, of_white, &result->has_white, result->white, err) &&
+    return cube_white_response(cube, &request, of_white, &of->has_white, of->seen_white, err) &&
            cube_equal_response(cube, &of->detector, of_white, of->equal, err);
 }
 
@@ -265,8 +242,8 @@ bool develop_weights(struct development *of, struct error *err)
 {
     const size_t n = 3 * (size_t)of->cube.image.n_pages;
     if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", of->cube.image.path) ||
-        !detector_read(of->options->detector, &of->detector, err))
+        !detector_read(of->detector_name, &of->detector, err))
         return false;
-    begin_result(of);
+    describe_stack(of);
     return channel_weights(of, err) && (of->detector.observer ? adapt(of, err) : balance(of, err));
 }

@@ -22,16 +22,15 @@
 /* ---- spectra and rows of numbers as JSON ---- */
 
 struct describer {
-    const struct plan *plan;
+    struct viewing *view;
     struct json json;
     struct spectrum *illuminants; /* that the page offers; the first n_owned are owned */
     int n_illuminants, n_owned;
-    double *row; /* room for three numbers a band; owned */
-    struct viewer_result *result;
+    double *row; /* room for a number a band; owned */
 };
 
 /* Puts three rows of n numbers each. */
-void json_rows(struct json *json, const char *key, const double *rows, int n)
+static void json_rows(struct json *json, const char *key, const double *rows, int n)
 {
     json_open(json, key, '[');
     for (size_t i = 0; i < 3; i++)
@@ -43,7 +42,7 @@ void json_rows(struct json *json, const char *key, const double *rows, int n)
 static void put_spectrum(struct describer *describer, const char *key,
                          const struct spectrum *spectrum, enum spectrum_ends ends)
 {
-    const struct plan *plan = describer->plan;
+    const struct plan *plan = describer->view->plan;
     if (spectrum->kind == SPECTRUM_NONE)
         return;
     for (int i = 0; i < plan->n_bands; i++)
@@ -101,18 +100,25 @@ static bool add_builtin(struct describer *describer, const char *name, struct er
     return true;
 }
 
+/* Finds the next built-in table, of a detector or an illuminant, from file *at on. Returns false
+ * behind the last one. */
+static bool next_table(size_t *at, bool detector, char name[BUILTIN_NAME])
+{
+    for (; *at < builtin_file_count; ++*at)
+        if (table_is_detector(&builtin_files[*at]) == detector &&
+            builtin_name(&builtin_files[*at], "tables/", ".csv", name))
+            return true;
+    return false;
+}
+
 /* Adds equal energy and the built-in illuminants. */
 static bool add_builtins(struct describer *describer, struct error *err)
 {
     char name[BUILTIN_NAME];
-    if (!add_builtin(describer, "1", err))
-        return false;
-    for (size_t i = 0; i < builtin_file_count; i++)
-        if (!table_is_detector(&builtin_files[i]) &&
-            builtin_name(&builtin_files[i], "tables/", ".csv", name) &&
-            !add_builtin(describer, name, err))
-            return false;
-    return true;
+    bool done = add_builtin(describer, "1", err);
+    for (size_t i = 0; done && next_table(&i, false, name); i++)
+        done = add_builtin(describer, name, err);
+    return done;
 }
 
 /* Puts the word by which a command line names the spectrum. The path of a scene's file is relative
@@ -167,7 +173,7 @@ static bool put_light(struct describer *describer, const struct spectrum *spectr
 /* Puts the lights of the scene. A scene without ambient light gets one of intensity 0. */
 static bool put_lights(struct describer *describer, struct error *err)
 {
-    const struct scene *scene = describer->plan->scene;
+    const struct scene *scene = describer->view->plan->scene;
     bool done = true;
     json_open(&describer->json, "ambients", '[');
     for (int i = 0; done && i < scene->n_ambients; i++) {
@@ -194,10 +200,10 @@ static bool put_luminescence(struct describer *describer, const struct material 
 {
     json_open(&describer->json, "luminescence", '[');
     for (int i = 0; i < describer->n_illuminants; i++) {
-        if (!material_luminescence(&describer->plan->illumination.pages, material,
+        if (!material_luminescence(&describer->view->plan->illumination.pages, material,
                                    &describer->illuminants[i], describer->row, err))
             return false;
-        json_numbers(&describer->json, NULL, describer->row, describer->plan->n_bands);
+        json_numbers(&describer->json, NULL, describer->row, describer->view->plan->n_bands);
     }
     json_close(&describer->json, ']');
     return true;
@@ -256,7 +262,7 @@ static struct vector origin_of(const struct object *object)
 
 static bool put_surfaces(struct describer *describer, struct error *err)
 {
-    const struct plan *plan = describer->plan;
+    const struct plan *plan = describer->view->plan;
     struct json *json = &describer->json;
     json_open(json, "shaded_materials", '[');
     for (int i = 0; i < plan->n_materials; i++)
@@ -283,45 +289,42 @@ static bool put_surfaces(struct describer *describer, struct error *err)
 
 /* ---- detectors, adaptations and displays ---- */
 
-static bool put_detector(struct describer *describer, const char *name, struct error *err)
+/* Puts a detector and its weights, which `row` has room for. Leaves out one that cannot see the
+ * cube. */
+static bool put_detector(const struct cube *cube, bool is_stack, const char *name, double *row,
+                         struct json *json, struct error *err)
 {
-    const struct plan *plan = describer->plan;
-    const double *nm = plan->scene->wavelengths_nm;
+    static const struct white_request request = {NULL, false};
     struct detector detector = {.name = NULL};
-    struct json *json = &describer->json;
-    double lost[3];
-    const bool done = detector_read(name, &detector, err);
-    if (done) {
-        detector_weights(&detector, nm, plan->n_bands, describer->row);
-        detector_lost(&detector, nm, plan->n_bands, lost);
+    double lost[3], equal[3], white[3];
+    bool has_white;
+    if (!detector_read(name, &detector, err))
+        return false;
+    const bool seen =
+        cube_weights(cube, &detector, row, err) &&
+        (!is_stack || (cube_equal_response(cube, &detector, row, equal, err) &&
+                       cube_white_response(cube, &request, row, &has_white, white, err)));
+    if (seen) {
+        cube_lost(cube, &detector, lost);
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", detector.observer);
-        json_rows(json, "weights", describer->row, plan->n_bands);
+        json_rows(json, "weights", row, cube->image.n_pages);
         json_numbers(json, "lost", lost, 3);
-        json_close(json, '}');
-        describer->result->n_detectors++;
     }
+    if (seen && is_stack) {
+        json_numbers(json, "equal", equal, 3);
+        json_numbers(json, "of_white", white, has_white ? 3 : 0);
+    }
+    if (seen)
+        json_close(json, '}');
     detector_free(&detector);
-    return done;
-}
-
-static bool put_detectors(struct describer *describer, struct error *err)
-{
-    char name[BUILTIN_NAME];
-    json_open(&describer->json, "detectors", '[');
-    for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_is_detector(&builtin_files[i]) &&
-            builtin_name(&builtin_files[i], "tables/", ".csv", name) &&
-            !put_detector(describer, name, err))
-            return false;
-    json_close(&describer->json, ']');
-    return true;
+    return seen;
 }
 
 /* Puts the matrix from XYZ to the cone responses in which each kind adapts, and the matrix from
  * adapted responses, which are 1 to the white, to XYZ under the display's white. */
-void put_adaptations(struct json *json)
+static void put_adaptations(struct json *json)
 {
     json_open(json, "adaptations", '[');
     for (int i = ADAPTATION_NONE; i <= ADAPTATION_CAT16; i++) {
@@ -357,7 +360,7 @@ static double code_step(enum display_kind kind, int channel, int code)
 }
 
 /* Puts the displays. A tone curve is a list of its 255 steps. */
-void put_displays(struct json *json)
+static void put_displays(struct json *json)
 {
     json_open(json, "displays", '[');
     for (int i = DISPLAY_SRGB; i <= DISPLAY_MONITOR; i++) {
@@ -379,6 +382,29 @@ void put_displays(struct json *json)
     json_close(json, ']');
 }
 
+bool put_eyes(const struct cube *cube, bool is_stack, struct json *json, int *n, struct error *err)
+{
+    char name[BUILTIN_NAME];
+    double *row;
+    bool done = MAKE_ARRAY(row, 3 * (size_t)cube->image.n_pages, err, "the weights of a detector");
+    *n = 0;
+    json_open(json, "detectors", '[');
+    for (size_t i = 0; done && next_table(&i, true, name); i++) {
+        struct error refused = {.status = EXIT_AGREED};
+        if (put_detector(cube, is_stack, name, row, json, &refused))
+            ++*n;
+        else if (refused.status == EXIT_SYSTEM) {
+            *err = refused;
+            done = false;
+        }
+    }
+    json_close(json, ']');
+    free(row);
+    put_adaptations(json);
+    put_displays(json);
+    return done;
+}
+
 /* ---- all of it ---- */
 
 static void put_camera(struct json *json, const struct camera *camera)
@@ -396,34 +422,32 @@ static void put_camera(struct json *json, const struct camera *camera)
 
 static bool put_all(struct describer *describer, struct error *err)
 {
-    const struct scene *scene = describer->plan->scene;
+    const struct scene *scene = describer->view->plan->scene;
+    const struct cube cube = {.image = {.path = scene->path,
+                                        .n_pages = scene->n_wavelengths,
+                                        .wavelengths_nm = scene->wavelengths_nm}};
     struct json *json = &describer->json;
     json_begin(json);
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
     put_camera(json, &scene->camera);
-    if (!add_builtins(describer, err) || !put_lights(describer, err) ||
-        !put_illuminants(describer, err) || !put_surfaces(describer, err) ||
-        !put_detectors(describer, err))
-        return false;
-    put_adaptations(json);
-    put_displays(json);
-    return true;
+    return add_builtins(describer, err) && put_lights(describer, err) &&
+           put_illuminants(describer, err) && put_surfaces(describer, err) &&
+           put_eyes(&cube, false, json, &describer->view->n_detectors, err);
 }
 
-char *description_make(const struct plan *plan, struct viewer_result *result, struct error *err)
+char *description_make(struct viewing *view, struct error *err)
 {
-    struct describer describer = {.plan = plan, .result = result};
+    struct describer describer = {.view = view};
     char *text = NULL;
-    if (MAKE_ARRAY(describer.row, 3 * (size_t)plan->n_bands, err, "the spectra of a page") &&
+    if (MAKE_ARRAY(describer.row, (size_t)view->plan->n_bands, err, "the spectra of a page") &&
         put_all(&describer, err))
         text = json_take(&describer.json, err);
     free(printed_end(&describer.json.printed));
-    result->n_illuminants = describer.n_illuminants;
+    view->n_illuminants = describer.n_illuminants;
     for (int i = 0; i < describer.n_owned; i++)
         spectrum_free(&describer.illuminants[i]);
-    free(describer.illuminants);
-    free(describer.row);
+    FREE_ALL(describer.illuminants, describer.row);
     return text;
 }

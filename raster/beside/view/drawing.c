@@ -1,92 +1,272 @@
 /* SPDX-License-Identifier: MIT */
-/* A drawn scene for a page: the weights of its pixels, and the description of all that they weigh.
- * A still page contains both, packed. A live page has the program make them anew after a change. */
+/* A drawn scene for a page: planes of the weights of its pixels, from the reference's picture, and
+ * the description of all that they weigh. Weights depend on geometry only. A still page contains
+ * both, packed, planes as counts. A live page has the program make them anew after a change. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/images/images.h"
 #include "raster/beside/view/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 
-/* Planes, and their shape as JSON. */
-struct drawn {
-    struct planes planes;
-    double *scale; /* the value of count 1 in each plane; owned */
-    char *shape;   /* owned */
+/* ---- the picture as planes ---- */
+
+/* Planes of one value a position, and a pixel may have several: the weight of the constant
+ * term, then the diffuse and the specular weight of each light, then the values of spectral
+ * textures at their own wavelengths. Materials share the planes: a position shows one material. */
+struct planes {
+    size_t n_positions;
+    int n_weights, n_pages; /* planes of weights, and of textures */
+    uint16_t *surface;      /* from 1; 0: background */
+    float *values;          /* [plane][position] */
+    double *place[2]; /* of each position in its spectral texture, in texels; NULL: there is none */
+    double *scale;    /* the value of count 1 in each plane */
+    char *shape;      /* of the planes, as JSON; this and all arrays are owned */
 };
 
-/* Describes the shape of planes. */
-static char *shape_json(const struct plan *plan, const struct drawn *of, struct error *err)
+static void planes_free(struct planes *planes)
 {
-    const struct scene *scene = plan->scene;
-    const struct planes *planes = &of->planes;
+    FREE_ALL(planes->surface, planes->values, planes->place[0], planes->place[1], planes->scale,
+             planes->shape);
+}
+
+static bool planes_allocate(const struct plan *plan, struct planes *out, struct error *err)
+{
+    *out = (struct planes){.n_positions = (size_t)plan->view.width * (size_t)plan->view.height,
+                           .n_weights = 1 + 2 * plan->n_lights};
+    for (int i = 0; i < plan->n_textures; i++)
+        if (plan->textures[i].spectral && plan->textures[i].image.n_pages > out->n_pages)
+            out->n_pages = plan->textures[i].image.n_pages;
+    /* of each value: a float, 2 bytes, and up to 2 when they are packed; 14 of each pixel */
+    const double n_values = (double)out->n_weights + out->n_pages;
+    if (!memory_suffices((double)out->n_positions * (8 * n_values + 14), (struct place){NULL, 0, 0},
+                         err, "a page of %dx%d pixels", plan->view.width, plan->view.height))
+        return false;
+    if (!MAKE_ARRAY(out->surface, out->n_positions, err, "the pixels of a page") ||
+        !MAKE_ARRAY(out->values, out->n_positions * (size_t)n_values, err, "the pixels of a page"))
+        return false;
+    for (int i = 0; i < 2 && out->n_pages > 0; i++)
+        if (!MAKE_ARRAY(out->place[i], out->n_positions, err, "the pixels of a page"))
+            return false;
+    return true;
+}
+
+static int plane_of(const struct term *term)
+{
+    return term->reflection == CONSTANT ? 0 : 1 + 2 * term->light + (term->reflection == SPECULAR);
+}
+
+/* Copies pixel `from` of a chunk into pixel `to` of the planes. */
+static void put_pixel(const struct lit_scene *lit, const struct picture *picture, size_t from,
+                      struct planes *planes, size_t to)
+{
+    size_t stride = (size_t)picture->at.width * (size_t)picture->at.height;
+    if (picture->surface[from] < 0)
+        return;
+    const struct shaded_material *shaded = lit->bounds[picture->surface[from]].shaded;
+    const double *weight = picture->rows + from;
+    planes->surface[to] = (uint16_t)(picture->surface[from] + 1);
+    for (int t = 0; t < shaded->n_terms; t++, weight += stride)
+        planes->values[(size_t)plane_of(&shaded->terms[t]) * planes->n_positions + to] =
+            (float)*weight;
+    for (int i = 0; i < 2 && shaded->texture && shaded->texture->spectral; i++, weight += stride)
+        planes->place[i][to] = *weight;
+}
+
+/* A tile whose chunks are put into planes. */
+struct put {
+    const struct tile *tile;
+    struct planes *planes;
+};
+
+static void put_chunk(void *context, int i)
+{
+    const struct put *put = context;
+    const struct lit_scene *lit = put->tile->lit;
+    const struct picture *picture = &put->tile->chunks[i].picture;
+    const struct rectangle *at = &picture->at;
+    const size_t width = (size_t)lit->plan->view.width;
+    for (int y = 0; y < at->height; y++)
+        for (int x = 0; x < at->width; x++)
+            put_pixel(lit, picture, (size_t)y * (size_t)at->width + (size_t)x, put->planes,
+                      (size_t)(at->y + y) * width + (size_t)(at->x + x));
+}
+
+static bool put_tile(void *context, const struct tile *tile, struct error *err)
+{
+    struct put put = {tile, context};
+    (void)err;
+    threads_each(tile->lit->plan->options.threads, tile->n_chunks, put_chunk, &put);
+    return true;
+}
+
+/* Stores the values of one texture, at its own wavelengths, in the pixels that show it. */
+static bool put_texture(const struct plan *plan, struct texture *texture, struct planes *planes,
+                        struct error *err)
+{
+    for (int page = 0; page < texture->image.n_pages; page++) {
+        float *plane = planes->values + (size_t)(planes->n_weights + page) * planes->n_positions;
+        if (!texture_load(texture, texture->image.wavelengths_nm + page, 1, err))
+            return false;
+        const struct texels texels = plan_texels(texture, 0);
+        for (size_t i = 0; i < planes->n_positions; i++) {
+            int surface = planes->surface[i] - 1;
+            const double place[2] = {planes->place[0][i], planes->place[1][i]};
+            if (surface >= 0 && plan->materials[plan->instances[surface].shaded].texture == texture)
+                plane[i] = (float)texel_at(&texels, place);
+        }
+    }
+    return true;
+}
+
+static bool put_picture(const struct lit_scene *lit, struct planes *planes, struct error *err)
+{
+    const struct plan *plan = lit->plan;
+    const struct rectangle picture = plan_picture(plan);
+    if (!tiles_each(lit, &picture, put_tile, planes, err))
+        return false;
+    for (int i = 0; i < plan->n_textures; i++)
+        if (plan->textures[i].spectral && !put_texture(plan, &plan->textures[i], planes, err))
+            return false;
+    return true;
+}
+
+bool page_allows(const struct plan *plan, struct error *err)
+{
+    if (plan->n_instances > LARGEST_SAMPLE)
+        return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
+                           LARGEST_SAMPLE, plan->n_instances);
+    if ((int64_t)plan->view.width * plan->view.height > LARGEST_PAGE)
+        return error_usage(err, "a page shows at most %d %s, not %d x %d; use --size WxH",
+                           LARGEST_PAGE, plan->scene->positions > 1 ? "positions" : "pixels",
+                           plan->view.width, plan->view.height);
+    return true;
+}
+
+/* ---- planes as counts ---- */
+
+/* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
+static double plane_scale(const struct planes *planes, int plane)
+{
+    const float *values = planes->values + (size_t)plane * planes->n_positions;
+    double largest = 0;
+    for (size_t i = 0; i < planes->n_positions; i++)
+        if ((double)values[i] > largest)
+            largest = (double)values[i];
+    return largest / LARGEST_SAMPLE;
+}
+
+/* Finds the scales, and describes the shape. */
+static bool describe(const struct scene *scene, bool counts, struct planes *of, struct error *err)
+{
+    const int n = of->n_weights + of->n_pages;
     struct json json;
+    if (!MAKE_ARRAY(of->scale, (size_t)n, err, "the scales of a page"))
+        return false;
+    for (int i = 0; i < n; i++)
+        of->scale[i] = counts ? plane_scale(of, i) : 1;
     json_begin(&json);
     json_count(&json, "width", (uint64_t)scene->width);
     json_count(&json, "height", (uint64_t)scene->height);
     json_count(&json, "positions", (uint64_t)scene->positions); /* a side of each pixel */
-    json_numbers(&json, "weight_scales", of->scale, planes->n_weights);
-    json_numbers(&json, "texture_scales", of->scale + planes->n_weights, planes->n_pages);
-    return json_take(&json, err);
+    json_numbers(&json, "weight_scales", of->scale, of->n_weights);
+    json_numbers(&json, "texture_scales", of->scale + of->n_weights, of->n_pages);
+    return (of->shape = json_take(&json, err)) != NULL;
 }
 
-/* Draws the planes of a plan. counts: as counts of 16 bits; otherwise as floats. notes NULL: makes
- * none. The caller frees *out, also after a failure. */
-static bool draw(const struct plan *plan, bool counts, struct drawn *out, struct notes *notes,
-                 struct error *err)
+/* Draws the planes by the reference. counts: each plane has a scale by which its largest value is
+ * LARGEST_SAMPLE; otherwise all scales are 1. notes NULL: makes none. Refuses what page_allows
+ * refuses. The caller frees *out and *notes, also after a failure. */
+static bool planes_make(const struct plan *plan, bool counts, struct planes *out,
+                        struct notes *notes, struct error *err)
 {
-    if (!planes_rasterize(plan, &out->planes, notes, err))
+    struct lit_scene lit = {.plan = plan};
+    struct light_work work;
+    if (!page_allows(plan, err))
         return false;
-    const int n = out->planes.n_weights + out->planes.n_pages;
-    if (!MAKE_ARRAY(out->scale, (size_t)n, err, "the scales of a page"))
-        return false;
-    for (int i = 0; i < n; i++)
-        out->scale[i] = counts ? plane_scale(&out->planes, i) : 1;
-    return (out->shape = shape_json(plan, out, err)) != NULL;
+    const bool done = planes_allocate(plan, out, err) &&
+                      lit_make(plan, driver_of(NULL), &lit, &work, err) &&
+                      (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
+                      put_picture(&lit, out, err) && describe(plan->scene, counts, out, err);
+    lit_free(&lit);
+    return done;
 }
 
-static void drawn_free(struct drawn *drawn)
+void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
 {
-    planes_free(&drawn->planes);
-    free(drawn->scale);
-    free(drawn->shape);
+    for (size_t i = 0; i < n; i++) {
+        unsigned difference = samples[i] - (i > 0 ? (unsigned)samples[i - 1] : 0);
+        out[i] = difference & 0xff;
+        out[n + i] = difference >> 8 & 0xff;
+    }
+}
+
+/* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: see
+ * put_differences. Allocated; NULL: no memory. */
+static unsigned char *planes_bytes(const struct planes *planes, size_t *length, struct error *err)
+{
+    const size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages);
+    unsigned char *bytes;
+    uint16_t *samples = NULL;
+    *length = 2 * n * (1 + n_values);
+    if (!MAKE_ARRAY(bytes, *length, err, "the pixels of a page") ||
+        !MAKE_ARRAY(samples, n, err, "the pixels of a page")) {
+        free(bytes);
+        return NULL;
+    }
+    put_differences(planes->surface, n, bytes);
+    for (size_t plane = 0; plane < n_values; plane++) {
+        const float *values = planes->values + plane * n;
+        const double scale = planes->scale[plane];
+        for (size_t i = 0; i < n; i++)
+            samples[i] =
+                (uint16_t)(scale > 0 ? fmax(0, floor((double)values[i] / scale + 0.5)) : 0);
+        put_differences(samples, n, bytes + 2 * n * (1 + plane));
+    }
+    free(samples);
+    return bytes;
 }
 
 /* ---- in a page ---- */
 
-static bool put_planes(const struct drawn *drawn, struct printed *to, struct error *err)
+static bool put_planes(const struct planes *planes, struct printed *to, struct error *err)
 {
     size_t length;
-    unsigned char *bytes = planes_bytes(&drawn->planes, drawn->scale, &length, err);
-    put_json(to, "shape", drawn->shape);
+    unsigned char *bytes = planes_bytes(planes, &length, err);
+    put_json(to, "shape", planes->shape);
     const bool done = bytes && put_packed(to, "planes", bytes, length, err);
     free(bytes);
     return done;
 }
 
-bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
-                  struct notes *notes, struct outputs *outputs, struct error *err)
+bool viewer_write(struct viewing *view, struct error *err)
 {
-    struct drawn drawn = {.shape = NULL};
+    struct planes planes = {.shape = NULL};
     struct printed data = {.text = NULL};
-    *out = (struct viewer_result){.bytes = 0};
-    char *scene = draw(plan, true, &drawn, notes, err) ? description_make(plan, out, err) : NULL;
+    char *scene = planes_make(view->plan, true, &planes, &view->notes, err)
+                      ? description_make(view, err)
+                      : NULL;
     if (scene)
         put_json(&data, "scene", scene);
-    const bool done = scene && put_planes(&drawn, &data, err) &&
-                      page_write(PAGE_STILL, &data, path, &out->bytes, outputs, err);
+    const bool done = scene && put_planes(&planes, &data, err) &&
+                      page_write(PAGE_STILL, &data, view->options, &view->bytes, err);
     free(scene);
     free(printed_end(&data));
-    drawn_free(&drawn);
+    planes_free(&planes);
     return done;
 }
 
 /* ---- in files, for a live page ---- */
 
-bool description_write(const struct plan *plan, const char *path, struct outputs *outputs,
-                       struct error *err)
+bool description_write(struct viewing *view, struct error *err)
 {
-    struct viewer_result result;
-    char *json = description_make(plan, &result, err);
-    const bool done = json && file_write(path, json, strlen(json), outputs, err);
+    char *json = description_make(view, err);
+    const bool done =
+        json && file_write(view->options->output, json, strlen(json), &view->options->outputs, err);
     free(json);
     return done;
 }
@@ -98,12 +278,11 @@ void put_head(struct printed *to, const char *json)
     print_bytes(to, "   ", filled - length);
 }
 
-static bool write_parts(const struct drawn *drawn, const struct output *out, struct error *err)
+static bool write_parts(const struct planes *planes, const struct output *out, struct error *err)
 {
-    const struct planes *planes = &drawn->planes;
     const size_t n_values = (size_t)(planes->n_weights + planes->n_pages) * planes->n_positions;
     struct printed printed = {.text = NULL};
-    put_head(&printed, drawn->shape);
+    put_head(&printed, planes->shape);
     char *head = printed_take(&printed, err);
     const bool done =
         head && ((write_all(out->descriptor, head, printed.length) &&
@@ -115,17 +294,15 @@ static bool write_parts(const struct drawn *drawn, const struct output *out, str
     return done;
 }
 
-bool weights_write(const struct plan *plan, const char *path, struct outputs *outputs,
-                   struct error *err)
+bool weights_write(struct viewing *view, struct error *err)
 {
-    struct drawn drawn = {.shape = NULL};
-    struct output out;
-    const bool opened = draw(plan, false, &drawn, NULL, err) && output_open(&out, path, err);
-    const bool written = opened && write_parts(&drawn, &out, err) && output_sync(&out, err);
-    drawn_free(&drawn);
-    if (written)
-        return output_pass(&out, outputs, err);
-    if (opened)
-        output_discard(&out);
-    return false;
+    struct planes planes = {.shape = NULL};
+    struct output out = {.path = NULL};
+    const bool done = planes_make(view->plan, false, &planes, NULL, err) &&
+                      output_open(&out, view->options->output, err) &&
+                      write_parts(&planes, &out, err) && output_sync(&out, err) &&
+                      output_pass(&out, &view->options->outputs, err);
+    planes_free(&planes);
+    output_discard(&out);
+    return done;
 }

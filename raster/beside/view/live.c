@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A live page: it holds this program, compiled for browsers, and the files of the scene. */
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -7,30 +8,125 @@
 
 #include "raster/beside/view/inside.h"
 
-/* ---- the program ---- */
+/* ---- the files of the scene, with names as seen from its folder ---- */
 
-static const struct builtin_file *find_module(void)
+/* A file that is not built in. */
+struct page_file {
+    char *name; /* relative to the scene's folder, without "." and ".."; owned */
+    const char *path;
+};
+struct page_files {
+    struct page_file *list; /* the first one is the scene's; owned */
+    int n;
+    struct index places;  /* in the list, by name */
+    struct inputs inputs; /* own the paths of files that are no texts of the scene */
+    char *above;          /* how the paths of files in that folder begin: "" or "scenes/"; owned */
+};
+
+/* Removes "." and "FOLDER/.." from a relative path, in place. Returns false if it leaves its
+ * folder, or is not relative. */
+static bool simplify(char *path)
 {
-    const struct builtin_file *file;
-    struct error missing = {.status = EXIT_AGREED};
-    int descriptor;
-    file_open(BUILTIN_PREFIX "viewer/spectral.wasm.gz", (struct place){NULL, 0, 0}, &descriptor,
-              &file, &missing);
-    return file;
+    char *to = path;
+    for (const char *at = path; *at != '\0';) {
+        const size_t length = strcspn(at, "/"), step = length + (at[length] == '/');
+        const bool up = length == 2 && memcmp(at, "..", 2) == 0;
+        if (length == 0 && at == path)
+            return false;
+        if (up && to == path)
+            return false;
+        if (up)
+            for (to--; to > path && to[-1] != '/'; to--)
+                ;
+        else if (length > 0 && !(length == 1 && *at == '.')) {
+            memmove(to, at, step);
+            to += step;
+        }
+        at += step;
+    }
+    *to = '\0';
+    return true;
 }
 
-bool has_live_pages(void)
+/* Finds the name of a file below the scene's folder; allocated. */
+static char *name_below(const struct page_files *files, const char *path, struct error *err)
 {
-    return find_module() != NULL;
+    const size_t above = strlen(files->above);
+    const bool below = strncmp(path, files->above, above) == 0;
+    char *name;
+    if (string_copy(below ? path + above : path, &name, err) && !(below && simplify(name))) {
+        error_usage(err,
+                    "%s is not below the folder of the scene, and would not be found elsewhere; "
+                    "copy it there, and name it by a relative path",
+                    path);
+        free(name);
+        name = NULL;
+    }
+    return name;
 }
 
-void put_module(struct printed *to)
+/* Refuses two files that links give one name. */
+static bool is_same_file(const char *known, const char *path, struct error *err)
 {
-    const struct builtin_file *file = find_module();
-    put_base64(to, "module", file->bytes, file->length);
+    bool same;
+    return file_is_same(known, path, &same, err) &&
+           (same || error_usage(err, "%s and %s are two files, and one in the page; rename one",
+                                known, path));
 }
 
-/* ---- the files ---- */
+/* Adds a file, unless its name is there already. */
+static bool add(struct page_files *files, const char *path, struct error *err)
+{
+    if (path_is_builtin(path))
+        return true;
+    struct page_file file = {name_below(files, path, err), path};
+    if (!file.name)
+        return false;
+    const size_t length = strlen(file.name);
+    const int place = index_find(&files->places, file.name, length);
+    if (place < 0 && array_add(&files->list, &files->n, &file, sizeof file, err))
+        return index_add(&files->places, file.name, length, files->n - 1, err);
+    free(file.name);
+    return place >= 0 && is_same_file(files->list[place].path, path, err);
+}
+
+static void page_files_free(struct page_files *files)
+{
+    for (int i = 0; i < files->n; i++)
+        free(files->list[i].name);
+    free(files->list);
+    free(files->above);
+    index_free(&files->places);
+    inputs_free(&files->inputs);
+    *files = (struct page_files){.list = NULL};
+}
+
+char *marked_name(const char *scene, struct error *err)
+{
+    const char *base = path_name(scene);
+    struct printed name = {.text = NULL};
+    print(&name, "%.*s%s%s", (int)(base - scene), scene, scene[0] == '/' ? "./" : "", base);
+    return printed_take(&name, err);
+}
+
+/* Lists the texts of a scene and the files that it names. The scene must outlive *out. Refuses a
+ * file outside of the scene's folder. The caller frees *out, also after a failure. */
+static bool page_files_make(const struct scene *scene, struct page_files *out, struct error *err)
+{
+    const char *path = scene->files[0].path;
+    *out = (struct page_files){.list = NULL};
+    bool done = string_copy(path_is_builtin(path) ? "" : path, &out->above, err);
+    if (done) /* a built-in scene has no folder: its options name files from the working folder */
+        out->above[path_name(out->above) - out->above] = '\0';
+    done = done && inputs_list(scene, NULL, &out->inputs, err);
+    for (int i = 0; done && i < scene->n_texts; i++)
+        done = add(out, scene->files[i].path, err);
+    for (int i = 0; done && i < out->inputs.n; i++)
+        done = add(out, out->inputs.path[i], err);
+    return done;
+}
+
+/* ---- their bytes ---- */
 
 static bool add_bytes(struct printed *to, int descriptor, const char *path, struct error *err)
 {
@@ -145,17 +241,14 @@ static bool put_files(const struct options *options, const struct scene *scene,
 
 /* ---- the page ---- */
 
-bool live_write(const struct plan *plan, struct options *options, struct viewer_result *out,
-                struct notes *notes, struct error *err)
+bool live_write(struct viewing *view, struct error *err)
 {
+    struct options *options = view->options;
     struct printed data = {.text = NULL};
-    *out = (struct viewer_result){.bytes = 0};
-    bool done = page_allows(plan, err) && notes_of_plan(plan, SOME_PIXELS, notes, err) &&
-                put_files(options, plan->scene, &data, err);
-    if (done)
-        put_module(&data);
-    done =
-        done && page_write(PAGE_LIVE, &data, options->output, &out->bytes, &options->outputs, err);
+    const bool done = page_allows(view->plan, err) &&
+                      notes_of_plan(view->plan, SOME_PIXELS, &view->notes, err) &&
+                      put_files(options, view->plan->scene, &data, err) &&
+                      page_write(PAGE_LIVE, &data, options, &view->bytes, err);
     free(printed_end(&data));
     return done;
 }

@@ -26,7 +26,7 @@ struct still {
     double (*rgb)[3]; /* [pixel of the tile], linear; owned */
     uint8_t (*codes)[3];
     struct picture_writer picture;
-    uint64_t out_of_gamut;
+    struct counter out_of_gamut; /* pixels with a clipped channel */
 };
 
 /* ---- a tile ---- */
@@ -81,20 +81,13 @@ static bool sum_tile(struct still *still, const struct tile *tile, struct error 
 
 enum { BLOCK_PIXELS = 1024 }; /* that a thread takes at a time */
 
-/* Pixels of a tile that are stored. */
-struct storing {
-    struct still *still;
-    struct counter out_of_gamut;
-};
-
 static void store_pixels(void *context, size_t first, size_t end)
 {
-    struct storing *storing = context;
-    struct still *still = storing->still;
+    struct still *still = context;
     uint64_t clipped = 0;
     for (size_t i = first; i < end; i++)
         clipped += display_store(DISPLAY_SRGB, STILL_BITS, still->rgb[i], still->codes[i]);
-    counter_add(&storing->out_of_gamut, clipped);
+    counter_add(&still->out_of_gamut, clipped);
 }
 
 static bool put_tile(void *context, const struct tile *tile, struct error *err)
@@ -103,12 +96,10 @@ static bool put_tile(void *context, const struct tile *tile, struct error *err)
     const struct rectangle at = plan_pixels(&still->plan, &tile->at);
     const struct picture_rectangle to = {at.x, at.y, at.width, at.height};
     const size_t n = (size_t)at.width * (size_t)at.height;
-    struct storing storing = {still, COUNTER};
     memset(still->rgb, 0, n * sizeof *still->rgb);
     if (!sum_tile(still, tile, err))
         return false;
-    threads_blocks(still->plan.options.threads, n, BLOCK_PIXELS, store_pixels, &storing);
-    still->out_of_gamut += storing.out_of_gamut.n;
+    threads_blocks(still->plan.options.threads, n, BLOCK_PIXELS, store_pixels, still);
     return picture_put(&still->picture, &to, still->codes, err);
 }
 
@@ -141,48 +132,38 @@ static bool prepare(struct still *still, struct error *err)
            lit_make(plan, driver_of(NULL), &still->lit, &work, err);
 }
 
-/* Returns the description of the picture, allocated; NULL: no memory. */
-static char *still_description(const struct plan *plan)
+static bool open_picture(struct still *still, const char *path, struct error *err)
 {
+    const struct scene *scene = still->plan.scene;
     struct printed printed = {.text = NULL};
     print(&printed,
           "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
           "adaptation        none\ndisplay           %s\nexposure          1\n",
-          plan->scene->path, detector_name, display_name(DISPLAY_SRGB));
-    return picture_text(printed_end(&printed));
-}
-
-static bool open_picture(struct still *still, const char *path, struct error *err)
-{
-    char *description = still_description(&still->plan);
-    if (!description)
-        return memory_lacks(err, 1024, "the description of the picture");
-    const struct picture_options options = {.width = still->plan.scene->width,
-                                            .height = still->plan.scene->height,
+          scene->path, detector_name, display_name(DISPLAY_SRGB));
+    char *description = picture_text(printed_take(&printed, err));
+    const struct picture_options options = {.width = scene->width,
+                                            .height = scene->height,
                                             .samples = PICTURE_8,
                                             .srgb = true,
                                             .description = description};
-    const bool done = picture_open(&still->picture, path, &options, err);
+    const bool done = description && picture_open(&still->picture, path, &options, err);
     free(description);
     return done;
 }
 
-bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gamut,
-                 struct notes *notes, struct outputs *outputs, struct error *err)
+bool still_write(struct viewing *view, struct error *err)
 {
-    struct still still = {.plan = *plan};
-    const struct rectangle picture = plan_picture(plan);
+    struct still still = {.plan = *view->plan, .out_of_gamut = COUNTER};
+    const struct rectangle picture = plan_picture(view->plan);
     still.plan.options.bits = 32;
-    const bool done = prepare(&still, err) && notes_make(&still.lit, SOME_PIXELS, notes, err) &&
-                      open_picture(&still, path, err) &&
+    const bool done = prepare(&still, err) &&
+                      notes_make(&still.lit, SOME_PIXELS, &view->notes, err) &&
+                      open_picture(&still, view->options->output, err) &&
                       tiles_each(&still.lit, &picture, put_tile, &still, err) &&
-                      picture_commit(&still.picture, outputs, err);
-    *out_of_gamut = still.out_of_gamut;
+                      picture_commit(&still.picture, &view->options->outputs, err);
+    view->out_of_gamut = still.out_of_gamut.n;
     picture_discard(&still.picture);
     lit_free(&still.lit);
-    free(still.weights);
-    free(still.radiance);
-    free(still.rgb);
-    free(still.codes);
+    FREE_ALL(still.weights, still.radiance, still.rgb, still.codes);
     return done;
 }

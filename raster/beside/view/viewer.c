@@ -48,7 +48,8 @@ static void print_base64(const unsigned char *bytes, size_t length, struct print
     }
 }
 
-void put_base64(struct printed *to, const char *id, const unsigned char *bytes, size_t length)
+static void put_base64(struct printed *to, const char *id, const unsigned char *bytes,
+                       size_t length)
 {
     print(to, "<script id=\"%s\" type=\"text/plain\">", id);
     print_base64(bytes, length, to);
@@ -68,6 +69,29 @@ bool put_packed(struct printed *to, const char *id, const void *bytes, size_t le
         put_base64(to, id, packed, packed_length);
     free(packed);
     return done;
+}
+
+/* ---- the program, which a live page holds ---- */
+
+static const struct builtin_file *find_module(void)
+{
+    const struct builtin_file *file;
+    struct error missing = {.status = EXIT_AGREED};
+    int descriptor;
+    file_open(BUILTIN_PREFIX "viewer/spectral.wasm.gz", (struct place){NULL, 0, 0}, &descriptor,
+              &file, &missing);
+    return file;
+}
+
+bool has_live_pages(void)
+{
+    return find_module() != NULL;
+}
+
+static void put_module(struct printed *to)
+{
+    const struct builtin_file *file = find_module();
+    put_base64(to, "module", file->bytes, file->length);
 }
 
 /* ---- the page ---- */
@@ -112,18 +136,14 @@ static bool put_marked(struct page *page, const char *name, struct error *err)
 /* Puts a line, or what it stands for. Returns false after an error. */
 static bool put_line(struct page *page, const char *line, size_t length, struct error *err)
 {
-    static const char before[] = "<!-- ", after[] = " -->\n";
-    const size_t n_before = sizeof before - 1, n_after = sizeof after - 1;
+    static const char mark[] = "<!-- ";
     char name[64];
-    if (length <= n_before + n_after || length >= sizeof name + n_before + n_after ||
-        memcmp(line, before, n_before) != 0 ||
-        memcmp(line + length - n_after, after, n_after) != 0 ||
-        memchr(line + n_before, ' ', length - n_before - n_after)) {
-        print_bytes(&page->text, line, length);
-        return true;
-    }
-    snprintf(name, sizeof name, "%.*s", (int)(length - n_before - n_after), line + n_before);
-    return put_marked(page, name, err);
+    int end = 0;
+    if (strncmp(line, mark, strlen(mark)) == 0 &&
+        sscanf(line, "<!-- %63[^ \n] -->%n", name, &end) == 1 && (size_t)end + 1 == length)
+        return put_marked(page, name, err);
+    print_bytes(&page->text, line, length);
+    return true;
 }
 
 static bool put_file(struct page *page, const char *name, struct error *err)
@@ -144,15 +164,17 @@ static bool put_file(struct page *page, const char *name, struct error *err)
     return done;
 }
 
-bool page_write(enum page_kind kind, struct printed *data, const char *path, size_t *bytes,
-                struct outputs *outputs, struct error *err)
+bool page_write(enum page_kind kind, struct printed *data, struct options *options, size_t *bytes,
+                struct error *err)
 {
+    if (kind == PAGE_LIVE)
+        put_module(data);
     char *owned = printed_take(data, err);
     struct page page = {.kind = kind, .data = owned, .n_data = data->length};
     bool done = owned && put_file(&page, "page.html", err);
     *bytes = page.text.length;
     if (done)
-        done = printed_write(&page.text, path, outputs, err);
+        done = printed_write(&page.text, options->output, &options->outputs, err);
     else
         free(printed_end(&page.text));
     free(owned);

@@ -6,22 +6,36 @@
 
 enum { MANY = 60 };
 
-static char *svg_of(const struct frontier_point *points, int n)
+struct point {
+    const char *name;
+    double cost, error;
+    bool best, uncertain;
+};
+
+static char *svg_of(const struct point *points, int n)
 {
-    const struct frontier frontier = {.title = "cost & <accuracy>",
-                                      .cost_label = "seconds",
-                                      .error_label = "difference",
-                                      .points = points,
-                                      .n = n};
+    static struct cost_entry entries[MANY];
+    static char scene[] = "cost & <accuracy>";
+    const struct cost cost = {
+        .survey = {.observer = "cie1931"}, .scene = scene, .entries = entries, .n = n};
+    for (int i = 0; i < n; i++) {
+        entries[i] = (struct cost_entry){.seconds = points[i].cost,
+                                         .fastest = 0.95 * points[i].cost,
+                                         .slowest = 1.1 * points[i].cost,
+                                         .accuracy.quantile_95 = points[i].error,
+                                         .best = points[i].best,
+                                         .uncertain = points[i].uncertain};
+        snprintf(entries[i].name, sizeof entries[i].name, "%s", points[i].name);
+    }
     struct printed printed = {.text = NULL};
     struct error err = {.status = EXIT_AGREED};
-    frontier_svg(&frontier, &printed, &err);
+    cost_svg(&cost, &printed, &err);
     return svg_end(&printed);
 }
 
-static struct frontier_point point_of(const char *name, double cost, double error, bool best)
+static struct point point_of(const char *name, double cost, double error, bool best)
 {
-    return (struct frontier_point){name, cost, 0.95 * cost, 1.1 * cost, error, best, false};
+    return (struct point){name, cost, error, best, false};
 }
 
 /* ---- reading the file ---- */
@@ -92,9 +106,9 @@ static bool find_marker(const char *svg, const char *name, double *x, double *y)
 /* Four corners of two decades: equal factors are equal distances. */
 static void test_places(void)
 {
-    const struct frontier_point points[] = {
-        point_of("one", 0.1, 1, true), point_of("two", 1, 0.1, true),
-        point_of("three", 10, 0.01, true), point_of("beaten", 10, 1, false)};
+    const struct point points[] = {point_of("one", 0.1, 1, true), point_of("two", 1, 0.1, true),
+                                   point_of("three", 10, 0.01, true),
+                                   point_of("beaten", 10, 1, false)};
     double x[4] = {0}, y[4] = {0};
     char *svg = svg_of(points, 4);
     for (int i = 0; i < 4; i++)
@@ -104,8 +118,9 @@ static void test_places(void)
     CHECK(x[1] > x[0] && y[1] > y[0], "cost grows to the right and error upwards");
     CHECK_NEAR(x[3], x[2], 0, "points of equal cost lie above each other");
     CHECK_NEAR(y[3], y[0], 0, "points of equal error lie beside each other");
-    const char *const labels[] = {">0.1<",     ">1<",          ">10<",     ">0.01<",
-                                  ">seconds<", ">difference<", ">beaten<", ">three<"};
+    const char *const labels[] = {">0.1<",    ">1<",       ">10<",
+                                  ">0.01<",   ">seconds<", ">CIEDE2000, 95 % of the pixels<",
+                                  ">beaten<", ">three<"};
     for (size_t i = 0; i < sizeof labels / sizeof labels[0]; i++)
         CHECK(strstr(svg, labels[i]) != NULL, "%s is written", labels[i]);
     char steps[128];
@@ -128,9 +143,8 @@ static bool is_marked(const char *svg, const char *name, const char *part)
  * point within noise of it. */
 static void test_markers(void)
 {
-    struct frontier_point points[] = {point_of("best", 0.1, 5, true),
-                                      point_of("beaten", 1, 6, false),
-                                      point_of("either", 2, 7, false)};
+    struct point points[] = {point_of("best", 0.1, 5, true), point_of("beaten", 1, 6, false),
+                             point_of("either", 2, 7, false)};
     points[2].uncertain = true;
     char *svg = svg_of(points, 3);
     CHECK(is_marked(svg, "best", "r=\"4.5\" fill=\"#0072b2\"") &&
@@ -148,8 +162,8 @@ static void test_markers(void)
 /* The edge's own label and that of a tick just above it would cover each other. */
 static void test_edge_label(void)
 {
-    const struct frontier_point points[] = {point_of("coarse", 0.1, 9.9, true),
-                                            point_of("exact", 2, 0, true)};
+    const struct point points[] = {point_of("coarse", 0.1, 9.9, true),
+                                   point_of("exact", 2, 0, true)};
     char *svg = svg_of(points, 2);
     CHECK(strstr(svg, ">≤ 0.0099<") != NULL && strstr(svg, ">0.01<") == NULL,
           "a tick has no label where the edge's label would cover it");
@@ -158,9 +172,9 @@ static void test_edge_label(void)
 
 static void test_edge(void)
 {
-    const struct frontier_point points[] = {
-        point_of("coarse", 0.1, 5, true), point_of("fine", 1, 0.004, true),
-        point_of("exact", 2, 0, true), point_of("close", 3, 0.006, false)};
+    const struct point points[] = {point_of("coarse", 0.1, 5, true),
+                                   point_of("fine", 1, 0.004, true), point_of("exact", 2, 0, true),
+                                   point_of("close", 3, 0.006, false)};
     double x, fine = 0, exact = 0, close = 0;
     char *svg = svg_of(points, 4);
     CHECK(find_marker(svg, "fine", &x, &fine) && find_marker(svg, "exact", &x, &exact) &&
@@ -172,7 +186,7 @@ static void test_edge(void)
     free(svg);
 }
 
-static void check_whole(const char *name, const struct frontier_point *points, int n)
+static void check_whole(const char *name, const struct point *points, int n)
 {
     struct item item;
     char *svg = svg_of(points, n), *again = svg_of(points, n);
@@ -192,7 +206,7 @@ static void check_whole(const char *name, const struct frontier_point *points, i
 static void test_crowd(void)
 {
     static char names[MANY][32];
-    struct frontier_point points[MANY];
+    struct point points[MANY];
     for (int i = 0; i < MANY; i++) {
         snprintf(names[i], sizeof names[i], "configuration %d of many", i);
         points[i] = point_of(names[i], 1 + 1e-3 * i, 1 - 1e-3 * i, true);
@@ -204,7 +218,7 @@ static void test_crowd(void)
 static void test_degenerate(void)
 {
     static char name[200];
-    struct frontier_point points[4] = {point_of("one", 1, 1, true)};
+    struct point points[4] = {point_of("one", 1, 1, true)};
     memset(name, 'W', sizeof name - 1);
     check_whole("no point", points, 0);
     check_whole("one point", points, 1);
@@ -222,7 +236,7 @@ static void test_degenerate(void)
 }
 
 /* Draws points, a third of them crowded in one place. */
-static void fill(struct frontier_point *points, char (*names)[64], int n)
+static void fill(struct point *points, char (*names)[64], int n)
 {
     unsigned random = 7;
     for (int i = 0; i < n; i++) {
@@ -273,7 +287,7 @@ static bool is_named(const char *svg, const char *number, const char *name)
 static void test_numbers(int n)
 {
     static char names[MANY][64];
-    struct frontier_point points[MANY] = {{.name = NULL}};
+    struct point points[MANY] = {{.name = NULL}};
     int unnamed = 0, covered = 0, best = 0;
     fill(points, names, n);
     char *svg = svg_of(points, n);

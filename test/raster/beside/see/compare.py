@@ -35,11 +35,11 @@ def stack(name, pixels, nm, **options):
 
 
 def compare(*words, **options):
-    return run("compare", *words, **options)
+    return run("compare", "-v", *words, **options)
 
 
 class Printed:
-    """Numbers that compare printed: a table of bands, then a line for each quantity."""
+    """Numbers that compare -v printed: a line for each quantity, then a table of bands."""
 
     def __init__(self, text):
         rows = re.findall(rf"^{NUMBER} +{NUMBER} +(\d+),(\d+) +{NUMBER}$", text, re.M)
