@@ -4,16 +4,55 @@
 # Inputs that must be refused. The first line of each file in test/cases/bad gives the place, relative to
 # test/cases/bad, and the words of the message:
 #   # expect: FILE:LINE:COLUMN: error: WORDS
+# A file KIND.cases holds many files that a scene or an option names, each behind such a line with the word FILE.
+# options.cases has options and their messages.
 . test/shared/tap.sh
 
+# is_refused FOLDER EXPECTED WORD...: plan with these words gives one line: the place in that folder, and the expected words
+is_refused() {
+    folder=$1
+    expected=$2
+    shift 2
+    run "$SPECTRAL" plan "$@"
+    [ "$status" = 2 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ ! -s "$tmp/out" ] && [ -n "$expected" ] &&
+        grep -Fq -- "$folder${expected%%error: *}error: " "$tmp/err" && grep -Fq -- "${expected#*error: }" "$tmp/err"
+    ok $? "refused: $expected"
+}
+
 for scene in test/cases/bad/*.scene; do
-    expected=$(sed -n '1s/^# expect: //p' "$scene")
-    run "$SPECTRAL" plan "$scene"
-    [ "$status" = 2 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ ! -s "$tmp/out" ] &&
-        [ -n "$expected" ] && grep -Fq -- "test/cases/bad/${expected%%error: *}error: " "$tmp/err" &&
-        grep -Fq -- "${expected#*error: }" "$tmp/err"
-    ok $? "$(basename "$scene" .scene): ${expected#*error: }"
+    is_refused test/cases/bad/ "$(sed -n '1s/^# expect: //p' "$scene")" "$scene"
 done
+
+# refuses_each KIND WORD...: each file of KIND.cases is refused, as FILE in the scene $scene, or where these words name it
+refuses_each() {
+    file=$(realpath "$tmp")/$1
+    cases=test/cases/bad/$1.cases
+    shift
+    for i in $(seq "$(grep -c '^# expect: ' "$cases")"); do
+        awk -v i="$i" '/^# expect: / { n++; next } n == i' "$cases" >"$file"
+        printf '%s\n' "$scene" | sed "s:FILE:$file:" >"$tmp/refused.scene"
+        is_refused "$file" "$(sed -n 's/^# expect: FILE//p' "$cases" | sed -n "${i}p")" "$tmp/refused.scene" "$@"
+    done
+}
+scene='material m { diffuse 0.5 }
+object mesh FILE material m'
+refuses_each meshes
+scene='material m { diffuse FILE }
+object plane 1 1 material m'
+refuses_each tables
+scene='material m { diffuse 0.6 donaldson FILE }
+object plane 1 1 material m
+light d65 1 direction 0 0 1'
+refuses_each matrices
+scene='include patches'
+refuses_each detectors --sampling box:2 --detector "$(realpath "$tmp")/detectors"
+
+printf '%s\n' 'light 1 1 position 0 0 8' 'light 1 1 position 0 0 9' >"$tmp/two.scene"
+while IFS='	' read -r option message; do
+    is_refused '' "$message" "$tmp/two.scene" "$option"
+done <test/cases/bad/options.cases
+echo 'size 10 10' >"$tmp/none.scene"
+is_refused '' '--light:1:1: error: the scene has no lights' "$tmp/none.scene" --light=1=d65
 
 printf '%s\n' 'material unused no/such/file.txt' 'material m { diffuse 0.5 }' \
     'object sphere 1 9 9 material m' >"$tmp/unused.scene"

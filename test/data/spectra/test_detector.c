@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares detectors with the CIE's published white points, and weights and losses with values
- * worked by hand. */
+ * worked by hand. test/cases/bad/detectors.cases has the files that are refused. */
 #include "data/colour/colour.h"
 #include "data/files/files.h"
 #include "data/spectra/spectra.h"
@@ -249,21 +249,6 @@ static void check_odd_names(void)
     }
 }
 
-/* The content of a file, and the message that refuses it, from the line number on. test_spectrum.c
- * has what any table is refused for. */
-static const char *const bad_files[][2] = {
-    {"nm,x,y\n400,1,2\n", ":2:1: error: 2 value columns; a detector has 3, as 'wavelength,x,y,z'"},
-    {"400 1 2 3 4\n", ":1:1: error: 4 value columns; a detector has 3, as 'wavelength,x,y,z'"},
-    {"SPECT\nSPECTRAL_BANDS 1\n",
-     ": error: 1 value columns; a detector has 3, as 'wavelength,x,y,z'"},
-    {"nm,x,y,z\n", ": error: no samples; a spectrum needs at least one"},
-    {"nm,r,g,b\n\n400 1 0 3\n410 1 0 3\n", ":3:1: error: value column 2 is 0 everywhere"},
-    {"nm,x,y,z\n400 1 1 1\n410 1 -1 1\n",
-     ":2:1: error: the sum of y is 0; an observer's is positive"},
-    {"400 1 1 8e307\n410 1 1 8e307\n420 1 1 8e307\n",
-     ":1:1: error: value column 3 is too large to be summed"},
-};
-
 static const char *const bad_names[][2] = {{"cie1932", "'cie1932'; did you mean cie1931?"},
                                            {"nobody", "'nobody'"},
                                            {"d65", "1 value columns; a detector has 3"},
@@ -273,14 +258,6 @@ static const char *const bad_names[][2] = {{"cie1932", "'cie1932'; did you mean 
 static void check_refused(void)
 {
     struct error err;
-    char path[PATH_SIZE];
-    for (size_t i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++) {
-        read_detector(test_write(temporary("bad", path), bad_files[i][0]), &err);
-        CHECK(err.status == EXIT_INPUT && strncmp(err.text, path, strlen(path)) == 0,
-              "the message names bad file %zu", i);
-        CHECK_TEXT(err.text + strlen(path), bad_files[i][1],
-                   "the message names the place and the fault");
-    }
     for (size_t i = 0; i < sizeof bad_names / sizeof bad_names[0]; i++) {
         read_detector(bad_names[i][0], &err);
         CHECK(err.status == EXIT_INPUT && strstr(err.text, bad_names[i][1]) != NULL,
