@@ -5,7 +5,7 @@
 # test/cases/bad, and the words of the message:
 #   # expect: FILE:LINE:COLUMN: error: WORDS
 # A file KIND.cases holds many files that a scene or an option names, each behind such a line with the word FILE.
-# options.cases has options and their messages.
+# commands.cases has command lines, each with its message. What they would write, $none, must not be there.
 . test/shared/tap.sh
 
 # is_refused FOLDER EXPECTED WORD...: plan with these words gives one line: the place in that folder, and the expected words
@@ -47,12 +47,19 @@ refuses_each matrices
 scene='include patches'
 refuses_each detectors --sampling box:2 --detector "$(realpath "$tmp")/detectors"
 
-printf '%s\n' 'light 1 1 position 0 0 8' 'light 1 1 position 0 0 9' >"$tmp/two.scene"
-while IFS='	' read -r option message; do
-    is_refused '' "$message" "$tmp/two.scene" "$option"
-done <test/cases/bad/options.cases
-echo 'size 10 10' >"$tmp/none.scene"
-is_refused '' '--light:1:1: error: the scene has no lights' "$tmp/none.scene" --light=1=d65
+none=$tmp/none stack=$tmp/stack.tif cut=$tmp/cut.tif dark=$tmp/dark.tif two=$tmp/two.scene empty=$tmp/empty.scene
+"$SPECTRAL" render patches --size 60x40 --wavelengths 400:700:100 -q -o "$stack"
+"$SPECTRAL" render patches --size 9x9 --wavelengths 600:700:20 --light 1=uv -q -o "$dark"
+head -c 9000 "$stack" >"$cut"
+printf '%s\n' 'light 1 1 position 0 0 8' 'light 1 1 position 0 0 9' >"$two"
+echo 'size 10 10' >"$empty"
+while IFS='	' read -r command message; do
+    eval "run \"\$SPECTRAL\" $command"
+    [ "$status" = 2 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && grep -Fq -- "$message" "$tmp/err" && ! ls "$none"* >/dev/null 2>&1
+    ok $? "refused: spectral $command: $message"
+done <test/cases/bad/commands.cases
+! [ -e ./- ]
+ok $? "no command has written a file -"
 
 printf '%s\n' 'material unused no/such/file.txt' 'material m { diffuse 0.5 }' \
     'object sphere 1 9 9 material m' >"$tmp/unused.scene"
@@ -83,8 +90,6 @@ for sampling in box:3 riemann:50 gauss:3 adaptive:0.01; do
 done
 run "$SPECTRAL" plan "$tmp/spectral.scene" --sampling gauss:3
 prints '^texture .*, at the wavelength of each page$' "plan says which wavelengths of the texture are used"
-refuses '^--wavelengths:1:1: error: wavelengths from 1000 to 100000 nm' "a range that is too wide to be sampled" \
-    "$SPECTRAL" plan "$tmp/spectral.scene" --wavelengths 1000:100000:1000 --sampling gauss:3
 printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 9 9 material m' \
     'light 1e200 1e100 direction 0 0 1' >"$tmp/bright.scene"
 refuses 'bright\.scene:3:7: error: radiance 1e\+300 cannot be sampled; expected 1e\+290 at most' \

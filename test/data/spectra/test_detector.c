@@ -249,20 +249,9 @@ static void check_odd_names(void)
     }
 }
 
-static const char *const bad_names[][2] = {{"cie1932", "'cie1932'; did you mean cie1931?"},
-                                           {"nobody", "'nobody'"},
-                                           {"d65", "1 value columns; a detector has 3"},
-                                           {"cie1931:2", ""},
-                                           {"/", ""}};
-
 static void check_refused(void)
 {
     struct error err;
-    for (size_t i = 0; i < sizeof bad_names / sizeof bad_names[0]; i++) {
-        read_detector(bad_names[i][0], &err);
-        CHECK(err.status == EXIT_INPUT && strstr(err.text, bad_names[i][1]) != NULL,
-              "'%s' is no detector: %s", bad_names[i][0], err.text);
-    }
     read_detector("nobody", &err);
     CHECK(strstr(err.text, " cie2006-10, ") != NULL && strstr(err.text, "d65") == NULL,
           "an unknown name lists the detectors");

@@ -213,13 +213,8 @@ def refusals(scene):
     os.symlink("/dev/zero", os.path.join(DRAWN, "depths.bin"))
     refuses("depths.bin is a device", "depths.bin: it is no regular file", *words)
     os.remove(os.path.join(DRAWN, "depths.bin"))
-    refuses("no pixels", "needs SCENE and PIXELS", "judge", scene)
-    refuses("a missing folder", "nosuch", "judge", scene, path_of("nosuch"), *COMMON)
-    refuses("no folder to write", "needs -o FOLDER", "export", scene)
     refuses("a folder that exists", "exists already", "export", scene, "-o", DRAWN)
     refuses("a folder below none", "cannot make the folder: No such file", "export", scene, "-o", path_of("nosuch/folder"))
-    refuses("phong shading", "add --shading smooth", "export", scene, "--shading", "phong", "-o", path_of("nosuch"))
-    refuses("a picture that is too large", "in one piece, of at most 8192 x", "judge", scene, DRAWN, "--size", "9000x10")
 
 
 def whole_or_not():
