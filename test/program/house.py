@@ -37,7 +37,7 @@ ROOMS = """
     """.split()
 BESIDE = "raster/beside"  # the folder of the rooms that the core does not know, and of the tables of programs
 MOST_ROOMS = 27
-MOST_EDGES = 200  # pairs of rooms of which one includes the other
+MOST_EDGES = 200  # pairs of rooms where one includes the other
 ORDER = ["spectral.h", *ROOMS, BESIDE, "spectral.c"]
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}
@@ -350,7 +350,7 @@ def rooms(tree):
 
 
 def edges(tree):
-    """The pairs of rooms of which the first includes a header of the second."""
+    """The pairs of rooms where the first includes a header of the second."""
     return {(room_of(path), room_of(included)) for path, source in tree.sources.items()
             for _, _, included in source.includes
             if room_of(path) in ROOMS and room_of(included) in ROOMS and room_of(path) != room_of(included)}

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares the OBJ reader and mesh builder with closed forms. Both renderers share them, so no
- * other test would find their errors. test/cases/bad/meshes.cases has what is refused. */
+ * other test would find their errors. test/cases/bad/meshes.cases has refused ones. */
 #include <float.h>
 #include <sys/stat.h>
 #include <time.h>

@@ -461,6 +461,9 @@ static void check_overrides(void)
     CHECK(scene_set_ambient(&s, "d65*0.1", &err) && s.ambients[0].intensity == 0.1 &&
               s.ambients[0].spectrum.factor == 1,
           "--ambient may give an intensity");
+    CHECK(scene_set_shading(&s, "phong", &err) && s.shading == SHADING_PHONG &&
+              scene_set_tessellation(&s, "2", &err),
+          "shading and tessellation are set");
     CHECK_TEXT(err.text, "", "no override failed");
     scene_free(&s);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares excitation and Donaldson matrices with the thesis's sums in long double, with integrals
- * in closed form, and with the balance of energy. test/cases/bad/matrices.cases has what is refused. */
+ * in closed form, and with the balance of energy. test/cases/bad/matrices.cases has refused ones. */
 #include <float.h>
 #include <stdlib.h>
 #include <sys/stat.h>
