@@ -2,13 +2,12 @@
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile
 """Checks phenomena that need spectra, which the captions of the 1998 thesis state (its figures 22 to 41), on
-pictures that the program renders and develops; and that both renderers' developed pictures agree. Prints TAP."""
-import os
+pictures that the program renders and develops. effects.py has metals and textures, in closed form. Prints TAP."""
 
 import numpy as np
 import tifffile
 
-from rendered import check, developed, done, objects_of, output_of, path_of, reference, write
+from rendered import check, developed, done, objects_of, reference, write
 
 SQUARES = """wavelengths 300 760 5
 size 300 200
@@ -84,40 +83,7 @@ def check_fluorescence():
     check(all(plain < 2 for plain, _ in luminances), "plain halves are almost black under ultraviolet", luminances)
 
 
-# ---- metals, textures, shapes ----
-
-def check_metals():
-    """figure 32: two materials with equal diffuse and different specular reflectance"""
-    scene = write("metals.scene", """wavelengths 380 730 10
-size 200 100
-camera ortho 8
-light d65 1 direction 0 0 1
-material plastic { diffuse 0.1 gloss 40 }
-material metal { diffuse 0.1 specular colorchecker/16-yellow gloss 40 }
-object sphere 1.8 90 90 material plastic translate -2 0 0
-object sphere 1.8 90 90 material metal translate 2 0 0
-""")
-    lab = develop(render("metals-pair", scene=scene), "--lab")
-    highlights, rims = (lab[50, 50], lab[50, 150]), (lab[50, 50 - 38], lab[50, 150 - 38])
-    check(np.linalg.norm(rims[0] - rims[1]) < 0.01, "away from highlights two materials look the same", rims)
-    check(np.hypot(*highlights[0][1:]) < 1 and np.hypot(*highlights[1][1:]) > 30,
-          "the plastic's highlight has the light's colour, the metal's is coloured", highlights)
-
-
-def check_textures():
-    """figure 33: a grey texture changes the luminance of a spectrum, not its chromaticity"""
-    scene = write("textured.scene", """wavelengths 380 730 10
-size 100 100
-camera ortho 4
-light d65 1 direction 0 0 1
-material bark { diffuse colorchecker/15-red texture bark }
-object plane 4 4 material bark
-""")
-    xyz = develop(render("textured", scene=scene), "--xyz")
-    spread = np.ptp(chromaticities(xyz).reshape(-1, 2), axis=0)
-    check(spread.max() < 1e-5, "a texture has one chromaticity", spread)
-    check(xyz[..., 1].max() > 1.5 * xyz[..., 1].min(), "a texture has several luminances")
-
+# ---- shapes ----
 
 def check_shapes():
     """figures 22, 24 and 25: the colour of a patch does not depend on its shape"""
@@ -193,34 +159,10 @@ def check_room():
           "the clock's rim and hands, and three things on the table, glow under ultraviolet", shares[:6])
 
 
-# ---- both renderers ----
-
-def check_renderers():
-    """The developed pictures of OpenGL and of the reference agree within 1 of 255, except on edges, where they may
-    show different objects or triangles."""
-    for scene in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")):
-        pictures = []
-        for renderer in ("gl", "raster"):
-            stack = path_of(f"{scene}-{renderer}.tif")
-            output_of("render", scene, "--size", "300x200", "--wavelengths", "380:730:10", "-o", stack,
-                "--renderer", renderer, "--quiet")
-            pictures.append(develop(stack))
-        far = np.abs(pictures[0] - pictures[1]).max(-1)
-        around = np.max([np.ptp([np.roll(pictures[1], (dy, dx), (0, 1)) for dy in (-1, 0, 1)
-                                 for dx in (-1, 0, 1)], axis=0).max(-1)], axis=0)
-        smooth = around <= 8
-        check((far[smooth] <= 1).all() and smooth.sum() > 5000 and (far > 1).mean() < 0.002,
-              f"{scene}: both renderers' developed pictures agree within 1 of 255 "
-              f"({(far > 1).sum()} pixels on edges do not)", far[smooth].max())
-
-
 check_illuminant_metamerism()
 check_observer_metamerism()
 check_fluorescence()
-check_metals()
-check_textures()
 check_shapes()
 check_adaptation()
 check_room()
-check_renderers()
 done()
