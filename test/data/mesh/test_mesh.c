@@ -23,11 +23,7 @@ static void choose_path(void)
 static FILE *begin_obj(void)
 {
     FILE *file = fopen(obj_path, "w");
-
-    if (!file) {
-        printf("Bail out! cannot write %s\n", obj_path);
-        exit(1);
-    }
+    test_need(file != NULL, obj_path);
     return file;
 }
 

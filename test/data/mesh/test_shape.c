@@ -51,8 +51,7 @@ static struct mesh build(enum shape_kind kind, const double parameter[4])
     struct mesh mesh;
 
     memcpy(shape.parameter, parameter, sizeof shape.parameter);
-    if (!shape_build(&shape, &mesh, &err))
-        printf("Bail out! %s\n", err.text);
+    test_need(shape_build(&shape, &mesh, &err), err.text);
     return mesh;
 }
 

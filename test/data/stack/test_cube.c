@@ -588,9 +588,8 @@ static void test_unseen(void)
 int main(void)
 {
     struct error err = {0};
-    if (!CHECK(chdir(test_folder()) == 0, "the folder for temporary files exists") ||
-        !CHECK(detector_read("cie1931", &observer, &err), "the observer is read"))
-        return test_end();
+    test_enter();
+    test_need(detector_read("cie1931", &observer, &err), err.text);
     TIFFSetWarningHandler(NULL); /* the writer in this test */
     test_mean();
     test_dark();
