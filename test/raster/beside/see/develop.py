@@ -6,10 +6,8 @@ compares them pixel by pixel; some have closed forms. Prints TAP."""
 import os
 import re
 import pty
-import signal
 import struct
 import subprocess
-import time
 import zlib
 
 import numpy as np
@@ -445,20 +443,6 @@ def standard_output(stack):
               result.stderr)
 
 
-def interrupted():
-    """A large picture is interrupted while it is written. No file of it stays."""
-    nm, path = [450, 550, 610], path_of("interrupted.png")
-    large = foreign("large", nm, np.random.default_rng(1).random((3, 3000, 2000)))
-    before = set(os.listdir(TMP))
-    process = subprocess.Popen([SPECTRAL, "develop", large.path, "-o", path, "--bits", "16", "--quiet"],
-                               stderr=subprocess.DEVNULL)
-    time.sleep(0.2)  # it takes more than a second
-    process.send_signal(signal.SIGTERM)
-    status = process.wait()
-    check(status == -signal.SIGTERM and set(os.listdir(TMP)) == before, "an interrupted PNG leaves no file",
-          status, set(os.listdir(TMP)) - before)
-
-
 # ---- sampling ----
 
 def sampled_stack(name, *options):
@@ -575,7 +559,6 @@ png_sizes()
 endings(lights)
 named_by_default(lights)
 standard_output(lights)
-interrupted()
 chunks_and_threads()
 SAMPLED = samplings()
 components(SAMPLED[2])
