@@ -6,10 +6,8 @@
 #include "data/files/files.h"
 #include "data/maths/maths.h"
 #include "data/sampling/inside.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 #include "spectral.h"
-#include "test.h"
+#include "spectra.h"
 
 /* ---- scenes of one light and some reflectances ---- */
 
@@ -19,16 +17,6 @@ struct stage {
     struct spectrum light, surface[MOST_SURFACES];
     int n; /* surfaces */
 };
-
-static struct spectrum spectrum_of(const char *text)
-{
-    struct spectrum out = {0};
-    struct error err = {0};
-    const struct word word = {.start = text, .length = strlen(text)};
-    if (!spectrum_read(&word, 0, HUGE_VAL, &out, &err))
-        printf("# %s\n", err.text);
-    return out;
-}
 
 static void put_light(struct stage *stage, const char *light, double first, int n_nm)
 {

@@ -3,10 +3,8 @@
  * worked by hand. test/cases/bad/detectors.cases has the files that are refused. */
 #include "data/colour/colour.h"
 #include "data/files/files.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 #include "spectral.h"
-#include "test.h"
+#include "spectra.h"
 
 enum { PATH_SIZE = 512, MOST = 1024 };
 
@@ -40,15 +38,6 @@ static struct detector content(const char *text)
 {
     char path[PATH_SIZE];
     return detector_of(test_write(temporary("content", path), text));
-}
-
-static struct spectrum light_of(const char *name)
-{
-    struct spectrum out = {0};
-    struct error err = {0};
-    struct word word = {.start = name, .length = strlen(name)};
-    spectrum_read(&word, 0, HUGE_VAL, &out, &err);
-    return out;
 }
 
 static int grid(double first, double last, double step, double out[MOST])
@@ -96,7 +85,7 @@ static void check_whites(void)
     for (size_t i = 0; i < sizeof whites / sizeof whites[0]; i++) {
         const struct white *w = &whites[i];
         struct detector detector = detector_of(w->observer);
-        struct spectrum light = light_of(w->light);
+        struct spectrum light = spectrum_of(w->light);
         for (int k = 0; k < 3; k++) {
             double nm[MOST], xyz[3], xy[2];
             const double *sum = sums[k], tolerance = k == 0 ? 0.5e-5 : 3e-5;
