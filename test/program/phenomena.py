@@ -2,19 +2,13 @@
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile
 """Checks phenomena that need spectra, which the captions of the 1998 thesis state (its figures 22 to 41), on
-pictures that the program renders and develops. effects.py has metals and textures, in closed form. Prints TAP."""
+pictures that the program renders and develops. materials.py has metameric and fluorescent pairs alone, effects.py metals and
+textures in closed form. Prints TAP."""
 
 import numpy as np
 import tifffile
 
-from rendered import check, developed, done, objects_of, reference, write
-
-SQUARES = """wavelengths 300 760 5
-size 300 200
-camera ortho 12
-light {light} 1 direction 0 0 1
-checker {list} plane 5 5
-"""
+from rendered import check, developed, done, objects_of, reference
 
 
 def render(name, *options, scene=None):
@@ -26,61 +20,9 @@ def develop(stack, *options):
     return developed(stack, *options)[0]
 
 
-def squares(name, list_file, light):
-    """A scene of squares that face one light, with materials of a list."""
-    path = write(f"{name}.scene", SQUARES.format(light=light, list=list_file))
-    return render(f"{name}-{light}", scene=path)
-
-
-def halves(picture):
-    """The left and right halves of six squares in two rows of three: 25 pixels a unit, the grid of
-    the thesis at a scale of 0.66."""
-    places = [(0.66 * x, 0.66 * y) for y in (3, -3) for x in (-6, 0, 6)]
-    return [[picture[round(100 - 25 * y), round(150 + 25 * (x + side))] for side in (-0.8, 0.8)]
-            for x, y in places]
-
-
-def distances(picture):
-    return [np.linalg.norm(one - other) for one, other in halves(picture)]
-
-
 def chromaticities(xyz):
     """chromaticity; 0 for black"""
     return xyz[..., :2] / np.maximum(xyz.sum(-1, keepdims=True), 1e-9)
-
-
-# ---- metamers ----
-
-def check_illuminant_metamerism():
-    """figure 28: a match under D65, none under A or the fluorescent tube"""
-    far = {light: distances(develop(squares("illuminant", "metamers/illuminant", light), "--lab"))
-           for light in ("d65", "a", "fluorescent")}
-    check(max(far["d65"]) < 0.5, "illuminant metamers match under D65", far["d65"])
-    for light in ("a", "fluorescent"):
-        check(min(far[light]) > 4, f"illuminant metamers differ under {light}", far[light])
-
-
-def check_observer_metamerism():
-    """figure 26: a match to a person, none to the camera or the film"""
-    stack = squares("observer", "metamers/observer", "d65")
-    check(max(distances(develop(stack, "--lab"))) < 0.5, "observer metamers match to CIE 1931")
-    for detector in ("dcs200-camera", "transparency-film"):
-        far = distances(develop(stack, "--detector", detector))
-        check(min(far) > 8, f"observer metamers differ for the {detector}, in 8 bits", far)
-
-
-# ---- fluorescence ----
-
-def check_fluorescence():
-    """figure 30: a match under A, none under D65, a glow under ultraviolet, where the other half is almost black"""
-    stacks = {light: squares("fluorescence", "fluorescence", light) for light in ("a", "d65", "uv")}
-    far = {light: distances(develop(stack, "--lab")) for light, stack in stacks.items()}
-    check(max(far["a"]) < 0.5, "fluorescent and plain halves match under A", far["a"])
-    check(min(far["d65"]) > 4, "fluorescent and plain halves differ under D65", far["d65"])
-    luminances = [(plain[1], glowing[1]) for plain, glowing in halves(develop(stacks["uv"], "--xyz"))]
-    check(all(glowing > 5 * plain and glowing > 2 for plain, glowing in luminances),
-          "fluorescent halves glow under ultraviolet", luminances)
-    check(all(plain < 2 for plain, _ in luminances), "plain halves are almost black under ultraviolet", luminances)
 
 
 # ---- shapes ----
@@ -159,9 +101,6 @@ def check_room():
           "the clock's rim and hands, and three things on the table, glow under ultraviolet", shares[:6])
 
 
-check_illuminant_metamerism()
-check_observer_metamerism()
-check_fluorescence()
 check_shapes()
 check_adaptation()
 check_room()
