@@ -16,7 +16,7 @@ import shutil
 import sys
 import time
 
-from attacked import FORMS, OLDER, TMP, Place, error_lines, faults, normal, results
+from attacked import FORMS, OLDER, TMP, Place, error_lines, faults, results
 from tap import check, done
 
 FULL = "FULL" in os.environ

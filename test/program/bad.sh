@@ -4,16 +4,62 @@
 # Inputs that must be refused. The first line of each file in test/cases/bad gives the place, relative to
 # test/cases/bad, and the words of the message:
 #   # expect: FILE:LINE:COLUMN: error: WORDS
+# A file KIND.cases holds many files that a scene or an option names, each behind such a line with the word FILE.
+# commands.cases has command lines, each with its message. What they would write, $none, must not be there.
 . test/shared/tap.sh
 
+# is_refused FOLDER EXPECTED WORD...: plan with these words gives one line: the place in that folder, and the expected words
+is_refused() {
+    folder=$1
+    expected=$2
+    shift 2
+    run "$SPECTRAL" plan "$@"
+    [ "$status" = 2 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ ! -s "$tmp/out" ] && [ -n "$expected" ] &&
+        grep -Fq -- "$folder${expected%%error: *}error: " "$tmp/err" && grep -Fq -- "${expected#*error: }" "$tmp/err"
+    ok $? "refused: $expected"
+}
+
 for scene in test/cases/bad/*.scene; do
-    expected=$(sed -n '1s/^# expect: //p' "$scene")
-    run "$SPECTRAL" plan "$scene"
-    [ "$status" = 2 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ ! -s "$tmp/out" ] &&
-        [ -n "$expected" ] && grep -Fq -- "test/cases/bad/${expected%%error: *}error: " "$tmp/err" &&
-        grep -Fq -- "${expected#*error: }" "$tmp/err"
-    ok $? "$(basename "$scene" .scene): ${expected#*error: }"
+    is_refused test/cases/bad/ "$(sed -n '1s/^# expect: //p' "$scene")" "$scene"
 done
+
+# refuses_each KIND WORD...: each file of KIND.cases is refused, as FILE in the scene $scene, or where these words name it
+refuses_each() {
+    file=$(realpath "$tmp")/$1
+    cases=test/cases/bad/$1.cases
+    shift
+    for i in $(seq "$(grep -c '^# expect: ' "$cases")"); do
+        awk -v i="$i" '/^# expect: / { n++; next } n == i' "$cases" >"$file"
+        printf '%s\n' "$scene" | sed "s:FILE:$file:" >"$tmp/refused.scene"
+        is_refused "$file" "$(sed -n 's/^# expect: FILE//p' "$cases" | sed -n "${i}p")" "$tmp/refused.scene" "$@"
+    done
+}
+scene='material m { diffuse 0.5 }
+object mesh FILE material m'
+refuses_each meshes
+scene='material m { diffuse FILE }
+object plane 1 1 material m'
+refuses_each tables
+scene='material m { diffuse 0.6 donaldson FILE }
+object plane 1 1 material m
+light d65 1 direction 0 0 1'
+refuses_each matrices
+scene='include patches'
+refuses_each detectors --sampling box:2 --detector "$(realpath "$tmp")/detectors"
+
+none=$tmp/none stack=$tmp/stack.tif cut=$tmp/cut.tif dark=$tmp/dark.tif two=$tmp/two.scene empty=$tmp/empty.scene
+"$SPECTRAL" render patches --size 60x40 --wavelengths 400:700:100 -q -o "$stack"
+"$SPECTRAL" render patches --size 9x9 --wavelengths 600:700:20 --light 1=uv -q -o "$dark"
+head -c 9000 "$stack" >"$cut"
+printf '%s\n' 'light 1 1 position 0 0 8' 'light 1 1 position 0 0 9' >"$two"
+echo 'size 10 10' >"$empty"
+while IFS='	' read -r command message; do
+    eval "run \"\$SPECTRAL\" $command"
+    [ "$status" = 2 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && grep -Fq -- "$message" "$tmp/err" && ! ls "$none"* >/dev/null 2>&1
+    ok $? "refused: spectral $command: $message"
+done <test/cases/bad/commands.cases
+! [ -e ./- ]
+ok $? "no command has written a file -"
 
 printf '%s\n' 'material unused no/such/file.txt' 'material m { diffuse 0.5 }' \
     'object sphere 1 9 9 material m' >"$tmp/unused.scene"
@@ -44,8 +90,6 @@ for sampling in box:3 riemann:50 gauss:3 adaptive:0.01; do
 done
 run "$SPECTRAL" plan "$tmp/spectral.scene" --sampling gauss:3
 prints '^texture .*, at the wavelength of each page$' "plan says which wavelengths of the texture are used"
-refuses '^--wavelengths:1:1: error: wavelengths from 1000 to 100000 nm' "a range that is too wide to be sampled" \
-    "$SPECTRAL" plan "$tmp/spectral.scene" --wavelengths 1000:100000:1000 --sampling gauss:3
 printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 9 9 material m' \
     'light 1e200 1e100 direction 0 0 1' >"$tmp/bright.scene"
 refuses 'bright\.scene:3:7: error: radiance 1e\+300 cannot be sampled; expected 1e\+290 at most' \

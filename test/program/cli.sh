@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3
-# Tests the command line: exit status, messages, and outputs that are complete or absent.
+# Tests the command line: exit status, messages, and outputs that are complete or absent. bad.sh has command lines that
+# are refused.
 . test/shared/tap.sh
 small="--size 40x30 --wavelengths 400:700:50"
 
@@ -14,27 +15,7 @@ small="--size 40x30 --wavelengths 400:700:50"
     prints 'Mesa' "--version prints OSMesa's version"
     prints 'LIBTIFF' "--version prints libtiff's version"
     exits 2 "no command is bad usage" "$SPECTRAL"
-    exits 2 "an unknown command is bad usage" "$SPECTRAL" rendr
-    refuses "no option '--sise'" "an unknown option is bad usage" "$SPECTRAL" render --sise 4x4
-    exits 2 "an option of another command is bad usage" "$SPECTRAL" plan --keep
-    exits 2 "a missing value is bad usage" "$SPECTRAL" render --size
-    exits 2 "two scenes are bad usage" "$SPECTRAL" plan patches spheres
-    refuses 'colorchecker' "an unknown scene is bad input" "$SPECTRAL" plan colourchecker
-    for bad in --size=0x10 --size=10 '--size=64x48#x' --wavelengths=400,,500 --size=1000000000x4 --wavelengths=700:400:10 \
-        --wavelengths=400:700:0 --wavelengths=nan --light=2=d65 --light=d65 --light=1=d66 \
-        --ambient=-1 --renderer=vulkan --depth=12 --buffer=12 --shading=gouraud --tessellation=0 --sampling=simpson:3 \
-        --full-scale=0 --full-scale=1e-40 --full-scale=1.5abc \
-        --threads=0 --threads=1.5; do
-        exits 2 "$bad is refused" "$SPECTRAL" render patches "$bad" -o "$tmp/bad.tif"
-        one_line "$bad"
-        absent "$tmp/bad.tif" "$bad"
-    done
-
     "$SPECTRAL" render patches --size 4x4 --renderer raster -q -o "$tmp/stack.tif"
-    exits 2 "render refuses a stack" "$SPECTRAL" render "$tmp/stack.tif" -o "$tmp/none"
-    one_line "render of a stack"
-    exits 2 "plan refuses a stack" "$SPECTRAL" plan "$tmp/stack.tif"
-    says 'is a TIFF file, not a scene; a stack is for develop, probe, compare, view and info' "the message names the commands"
     exits 0 "list prints its lists" "$SPECTRAL" list
     exits 0 "list observers prints the observers" "$SPECTRAL" list observers
     prints '^  cie1931$' "the observers include CIE 1931"
@@ -46,7 +27,6 @@ small="--size 40x30 --wavelengths 400:700:50"
             cmp -s "$tmp/report.json" "$tmp/printed.json"
         ok $? "${command%% *} writes its results as JSON, into a file and to standard output"
     done
-    exits 2 "an unknown list is bad usage" "$SPECTRAL" list lamps
     exits 0 "plan works without a picture" "$SPECTRAL" plan patches $small
     prints '^bands +7$' "plan prints the number of bands"
     prints '^  passes +3$' "plan prints the number of passes"
@@ -62,9 +42,6 @@ small="--size 40x30 --wavelengths 400:700:50"
     exits 0 "the reference's stack is made" \
         "$SPECTRAL" render patches $small --renderer raster --threads 1 -o "$tmp/c.tif"
     cp "$tmp/c.tif" "$tmp/old.tif"
-    exits 2 "an unwritable folder is bad input" \
-        "$SPECTRAL" render patches $small -o "$tmp/no/such/folder/a.tif"
-    one_line "an unwritable folder"
     exits 3 "a full device is a failure of the system" \
         "$SPECTRAL" render patches $small -o /dev/full
     one_line "a full device"
@@ -81,9 +58,6 @@ small="--size 40x30 --wavelengths 400:700:50"
     done
     exits 3 "JSON to a full device is a failure of the system" \
         "$SPECTRAL" render patches $small -o /dev/null --quiet --json /dev/full
-    exits 2 "a report that cannot be written is refused before any output is written" \
-        "$SPECTRAL" render patches $small -o "$tmp/unreported.tif" --json "$tmp/no/such/folder.json"
-    absent "$tmp/unreported.tif" "a report that cannot be written"
     exits 2 "bad input leaves an old output alone" \
         "$SPECTRAL" render patches --size 0x0 -o "$tmp/old.tif"
     cmp -s "$tmp/c.tif" "$tmp/old.tif"
@@ -131,14 +105,6 @@ small="--size 40x30 --wavelengths 400:700:50"
     ok $? "-o - writes the same bytes to standard output, and no file of that name"
     exits 0 "a map goes to standard output" "$SPECTRAL" render patches $small -o /dev/null --check-map -
     says '^map|^verdict' "the table then goes to standard error"
-    refuses 'name the same file' "two outputs do not share standard output" "$SPECTRAL" render patches $small -o - --json -
-    exits 2 "a stack is no PNG" "$SPECTRAL" render patches $small -o "$tmp/none.png"
-    says 'none.png: error: render writes a stack, which is a TIFF; .*spectral view writes pictures' \
-        "the message has the command for a picture"
-    absent "$tmp/none.png" "a stack is no PNG"
-    exits 2 "a map of another format is refused" "$SPECTRAL" render patches $small -o "$tmp/none" --check-map "$tmp/map.gif"
-    says 'map.gif: error: the ending .gif is unknown; expected .png, .tif or .tiff' "the message lists the formats"
-    absent "$tmp/none" "a map of another format"
 
     # An interrupted render leaves no file behind and keeps an old one.
     "$SPECTRAL" render colorchecker --size 3000x2000 -o "$tmp/old.tif" >"$tmp/out" 2>&1 &
@@ -200,8 +166,6 @@ from a.scene 0 "info prints where the scene came from" "$program" info scene.tif
 prints '^scene +<stdin>$' "it was standard input"
 from a.scene 2 "such a stack cannot be made again" "$program" render --again scene.tif
 says 'its scene was read from standard input' "the message has the reason"
-from a.scene 2 "cost takes no standard input" "$program" cost -
-says 'expected a file, not standard input' "the message has the reason"
 cp "$input/a.scene" "$input/spared.scene"
 from spared.scene 2 "the output would replace the file that is standard input" "$program" render - -o spared.scene
 cmp -s "$input/a.scene" "$input/spared.scene"

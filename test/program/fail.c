@@ -20,8 +20,8 @@
  *
  * FAIL_DEPTH restricts failures to processes of one generation: 0 is the first process, 1 its
  * children. With FAIL_NAMELESS no file system keeps files without a name (O_TMPFILE). FAIL_REPORT
- * names a file of sizeof(struct report) bytes, which test/program/attacked.py reads. It receives the
- * counts. */
+ * names a file of sizeof(struct report) bytes, which test/program/attacked.py reads. It receives
+ * the counts. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -44,6 +44,8 @@
 #include <ucontext.h>
 #include <unistd.h>
 #include <unwind.h>
+
+#include "test/shared/preload.h"
 
 enum { OWN, GL, THREAD, FORK, CALLS }; /* kinds; then the rows of calls */
 enum { KINDS = 64, PROCESSES = 64, OBJECTS = 128, NAME = 16 };
@@ -294,11 +296,8 @@ static __thread int loading; /* libraries that this thread is opening */
 
 void *dlopen(const char *file, int mode)
 {
-    void *(*next)(const char *, int);
-    void *symbol = dlsym(RTLD_NEXT, "dlopen");
-    memcpy(&next, &symbol, sizeof next);
     loading++;
-    void *library = next(file, mode);
+    void *library = REAL(dlopen)(file, mode);
     loading--;
     return library;
 }
@@ -308,19 +307,13 @@ void *dlopen(const char *file, int mode)
 int pthread_create(pthread_t *thread, const pthread_attr_t *attributes, void *(*start)(void *),
                    void *context)
 {
-    int (*next)(pthread_t *, const pthread_attr_t *, void *(*)(void *), void *);
-    void *symbol = dlsym(RTLD_NEXT, "pthread_create");
-    memcpy(&next, &symbol, sizeof next);
-    return strikes(THREAD) ? EAGAIN : next(thread, attributes, start, context);
+    return strikes(THREAD) ? EAGAIN : REAL(pthread_create)(thread, attributes, start, context);
 }
 
 pid_t fork(void)
 {
-    pid_t (*next)(void);
-    void *symbol = dlsym(RTLD_NEXT, "fork");
-    memcpy(&next, &symbol, sizeof next);
     if (!strikes(FORK))
-        return next();
+        return REAL(fork)();
     errno = EAGAIN;
     return -1;
 }
@@ -328,14 +321,11 @@ pid_t fork(void)
 /* The program that this process becomes belongs to the same generation. */
 int execvp(const char *file, char *const words[])
 {
-    int (*next)(const char *, char *const[]);
     char generation[24];
     counts = false;
-    void *symbol = dlsym(RTLD_NEXT, "execvp");
-    memcpy(&next, &symbol, sizeof next);
     snprintf(generation, sizeof generation, "%llu", (unsigned long long)self->depth);
     setenv("FAIL_GENERATION", generation, 1);
-    return next(file, words);
+    return REAL(execvp)(file, words);
 }
 
 /* ---- system calls ---- */
@@ -576,10 +566,6 @@ int __libc_start_main(int (*start)(int, char **, char **), int n, char **words, 
 int __libc_start_main(int (*start)(int, char **, char **), int n, char **words, void (*init)(void),
                       void (*fini)(void), void (*rtld_fini)(void), void *stack_end)
 {
-    int (*next)(int (*)(int, char **, char **), int, char **, void (*)(void), void (*)(void),
-                void (*)(void), void *);
-    void *symbol = dlsym(RTLD_NEXT, "__libc_start_main");
-    memcpy(&next, &symbol, sizeof next);
     next_main = start;
-    return next(begin_main, n, words, init, fini, rtld_fini, stack_end);
+    return REAL(__libc_start_main)(begin_main, n, words, init, fini, rtld_fini, stack_end);
 }

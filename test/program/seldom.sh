@@ -19,13 +19,6 @@ prints '^sampled for +cie1931$' "info prints the detector of other samplings"
 run "$SPECTRAL" plan patches --sampling basis:2
 prints '^bands +2$' "plan prints components"
 
-refuses 'envi takes a STACK' "envi without a stack" "$SPECTRAL" envi
-refuses 'exclude each other' "probe in two forms" "$SPECTRAL" probe patches 1 1 --csv --svg
-refuses '--detector needs --sampling' "a detector without sampling" "$SPECTRAL" plan patches --detector cie1964
-refuses 'is a PNG file, not a scene' "a picture as a scene" "$SPECTRAL" plan data/gallery/patches.png
-refuses 'cannot draw phong shading' "phong shading by OpenGL" "$SPECTRAL" render patches --shading phong
-refuses 'which has no phong shading' "a check of phong shading" \
-    "$SPECTRAL" render patches --shading phong --renderer raster --strict
 
 for i in 0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25 26 27 28 29 30 31 32 33; do
     echo "include $((i + 1)).scene" >"$tmp/$i.scene"
@@ -36,22 +29,9 @@ refuses 'more than 32 deep' "a chain of 34 includes" "$SPECTRAL" plan "$tmp/0.sc
 run "$SPECTRAL" render patches --size 24x16 --wavelengths 400:700:150 -o /dev/null --check-map "$tmp/map.png"
 prints '^map colours ' "render says what the colours of a map mean"
 
-for count in 1 2; do
-    refuses 'three functions need at least 3 samples; [0-9]* have a solution' "too few samples of three functions" \
-        "$SPECTRAL" plan patches --sampling gauss:$count,acc
-done
-refuses 'has no solution for functions such as cie1964.s; 6 samples have one' "functions without a quadrature" \
-    "$SPECTRAL" plan colorchecker --sampling gauss:4,acc --detector cie1964
 run "$SPECTRAL" view patches --size 8x6 -o "$tmp/still.png" --json - -q
 prints '"out_of_gamut_pixels": [0-9]' "view counts the pixels of a picture that are out of gamut"
-# shellcheck disable=SC2046
-refuses 'more than 64 options of the picture' "too many options" "$SPECTRAL" plan spheres $(yes -- '--light 1=d65' | head -n 65)
 "$SPECTRAL" render patches --size 4x4 --wavelengths 400:700:150 -q -o "$tmp/checked.tif"
-for option in --no-check --strict '--unchecked 0.5'; do
-    # shellcheck disable=SC2086
-    refuses "--again takes no ${option%% *}" "another check of a checked stack" \
-        "$SPECTRAL" render --again "$tmp/checked.tif" $option -o "$tmp/again.tif"
-done
 
 # a light so close above the only pixel that the square of its distance is 0
 printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'light d65 1 position 0 0 1e-320 attenuation 0 0 1' \

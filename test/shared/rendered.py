@@ -21,6 +21,19 @@ MATERIAL = "data/builtin/materials/colorchecker/15-red.txt"
 WAVELENGTHS = np.arange(300.0, 765.0, 5.0)
 CAMERAS = "dcs200-camera", "transparency-film"
 SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
+# Two groups of lights; a mirrored, a two-sided and a textured object; a spot; an attenuation.
+EFFECTS = """wavelengths 400 700 10
+size 90 60
+camera perspective 40 eye 0 0 6
+light d65 0.5 position 2 2 5 spot 0 0 -1 60 2
+light a 0.2 position -1 2 3 attenuation 1 0.1 0.05
+""" + "".join(f"light gaussian:{440 + 20 * i},40 0.1 direction {i - 4} 1 2\n" for i in range(9)) + """
+ambient gaussian:550,80 0.1
+material m { diffuse 0.6 specular 0.3 gloss 20 texture checks }
+material n { diffuse 0.3 specular 0.5 gloss 0 }
+object sphere 0.8 12 8 material m two-sided rotate 30 0 1 0 scale 1 -1.2 1 translate -1 0 0
+object torus 0.3 0.6 8 12 material n translate 1 0 0
+"""
 os.makedirs(TMP, exist_ok=True)
 
 

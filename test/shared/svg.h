@@ -28,10 +28,7 @@ static inline bool svg_is_sound(const char *svg)
 static inline char *svg_end(struct printed *printed)
 {
     char *svg = printed_end(printed);
-    if (svg == NULL) {
-        printf("Bail out! no memory\n");
-        exit(1);
-    }
+    test_need(svg != NULL, "no memory");
     return svg;
 }
 

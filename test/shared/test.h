@@ -12,6 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 static int test_count, test_failures;
 
@@ -67,6 +68,30 @@ static inline const char *test_write(const char *path, const char *content)
         fclose(file);
     }
     return path;
+}
+
+/* Ends a test that cannot go on. */
+static inline void test_need(bool good, const char *text)
+{
+    if (!good) {
+        printf("Bail out! %s\n", text);
+        exit(1);
+    }
+}
+
+/* Makes the folder for temporary files the working folder. */
+static inline void test_enter(void)
+{
+    test_need(chdir(test_folder()) == 0, "there is no folder for temporary files");
+}
+
+/* Copies the next word of a list, where blanks separate words; the list then begins behind it. */
+static inline bool test_word(const char **list, char word[64])
+{
+    int length = 0;
+    const bool found = sscanf(*list, "%63s%n", word, &length) == 1;
+    *list += length;
+    return found;
 }
 
 static int test_end(void)

@@ -11,10 +11,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "bytes.h"
 #include "data/base/inside.h"
 #include "data/files/files.h"
 #include "spectral.h"
-#include "test.h"
 
 enum { PATH_SIZE = 512, LARGE = 200001 };
 static const struct place nowhere = {NULL, 0, 0};
@@ -38,13 +38,6 @@ static int count_entries(void)
         count++;
     closedir(folder);
     return count;
-}
-
-static void put(const char *path, const char *bytes, size_t length)
-{
-    FILE *file = fopen(path, "wb");
-    fwrite(bytes, 1, length, file);
-    fclose(file);
 }
 
 static bool reads(const char *path)
@@ -97,14 +90,14 @@ static void check_reads(void)
     size_t length;
     char path[PATH_SIZE], folder[PATH_SIZE], large[LARGE];
     temporary("read", path);
-    put(path, "a\nb", 3);
+    bytes_write(path, "a\nb", 3);
     CHECK(holds(path, "a\nb"), "a file is read whole");
-    put(path, "", 0);
+    bytes_write(path, "", 0);
     CHECK(holds(path, ""), "an empty file is read");
     fill(large, 'x');
-    put(path, large, LARGE - 1);
+    bytes_write(path, large, LARGE - 1);
     CHECK(holds(path, large), "a larger file is read");
-    put(path, "ab\0c", 4);
+    bytes_write(path, "ab\0c", 4);
     CHECK(refuses_read(path, "byte 3 is NUL"), "a NUL byte is refused and its place named");
     CHECK(truncate(path, (off_t)1 << 40) == 0 && refuses_read(path, "too long"),
           "a terabyte is refused before it is read");
@@ -126,7 +119,7 @@ static void check_pipe(void)
     mkfifo(temporary("pipe", path), 0600);
     const pid_t child = fork();
     if (child == 0) {
-        put(path, large, LARGE - 1);
+        test_write(path, large);
         _exit(0);
     }
     CHECK(holds(path, large), "a pipe is read to its end");
@@ -228,7 +221,7 @@ static void check_refusals(void)
     CHECK(write_status(long_path) == EXIT_AGREED, "a long name gets a temporary file");
     unlink(long_path);
     if (geteuid() != 0) {
-        put(temporary("locked", path), "x", 1);
+        bytes_write(temporary("locked", path), "x", 1);
         chmod(path, 0400);
         CHECK(write_status(path) == EXIT_INPUT, "a write-protected file is kept");
         unlink(path);
@@ -272,7 +265,7 @@ static void check_inputs(void)
     char late[PATH_SIZE], other[PATH_SIZE];
     struct error err = {0};
     struct outputs outputs = {.n = 0};
-    put(temporary("late", late), "kept", 4);
+    bytes_write(temporary("late", late), "kept", 4);
     CHECK(file_write(temporary("first", other), "new", 3, &outputs, &err) &&
               file_write(late, "new", 3, &outputs, &err) && reads(late),
           "an input is read after its output was written, but before it has its name");
@@ -299,7 +292,7 @@ static void check_folders(void)
     CHECK(folder_open(&own, &err) && folder_open(&other, &err) && access(own.path, F_OK) == 0,
           "folders of two that live stand side by side");
     snprintf(file, sizeof file, "%s/file", other.path);
-    put(file, "x", 1);
+    bytes_write(file, "x", 1);
     folder_close(&other);
     CHECK(access(file, F_OK) != 0 && count_entries() == before + 1,
           "a folder goes with all that is in it");
@@ -332,7 +325,7 @@ static void check_full(void)
 {
     char path[PATH_SIZE];
     int before;
-    put(temporary("kept", path), "kept", 4);
+    bytes_write(temporary("kept", path), "kept", 4);
     before = count_entries();
     CHECK(write_full("-") == EXIT_SYSTEM, "a standard output that is full is noticed");
     CHECK(write_full(path) == EXIT_SYSTEM && holds(path, "kept") && count_entries() == before,
@@ -360,7 +353,7 @@ static void check_digest(void)
     temporary("digest", path);
     memset(million, 'a', sizeof million - 1);
     for (size_t i = 0; i < sizeof messages / sizeof messages[0]; i++) {
-        put(path, messages[i].bytes, strlen(messages[i].bytes));
+        bytes_write(path, messages[i].bytes, strlen(messages[i].bytes));
         digest_file(path, out, &err);
         CHECK_TEXT(out, messages[i].digest, "%s", messages[i].what);
     }

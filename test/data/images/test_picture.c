@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* TIFF pictures are read back with libtiff. test/raster/beside/see/develop.py reads their texts and profiles, and
- * PNG files, with other programs, fills the disk, and writes to pipes. */
+/* TIFF pictures are read back with libtiff. test/raster/beside/see/develop.py reads their texts and
+ * profiles, and PNG files, with other programs, fills the disk, and writes to pipes. */
 #include <tiffio.h>
 #include <unistd.h>
 
@@ -298,9 +298,7 @@ static void test_scale(void)
 
 int main(void)
 {
-    const char *folder = test_folder();
-    if (!CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
-        return test_end();
+    test_enter();
     test_samples();
     test_big(PICTURE_8, 40000);
     test_big(PICTURE_FLOAT, 20000);

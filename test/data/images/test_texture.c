@@ -155,9 +155,7 @@ static void test_cut(void)
 
 int main(void)
 {
-    const char *folder = test_folder();
-    if (!CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
-        return test_end();
+    test_enter();
     test_grey();
     test_spectral();
     test_cut();

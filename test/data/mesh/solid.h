@@ -18,6 +18,8 @@ struct solid {
     int repeated_edges;  /* directed edges that occur more than once */
     double volume;       /* by the divergence theorem, positive when facing outwards */
     double worst_area;   /* the smallest triangle area over its longest edge squared */
+    double area_z;       /* seen from +z: negative where a triangle is turned over */
+    double least_area_z; /* of a triangle */
     double worst_length; /* the largest | |normal| - 1 | */
     double worst_facing; /* the smallest cosine between a vertex normal and its triangle's normal */
     bool texture_inside; /* all s and t in [0, 1] */
@@ -87,7 +89,11 @@ static inline void solid_measure_triangle(const struct mesh *mesh, int i, struct
     const struct vector across =
         vector_cross(vector_scale(ab, 1 / longest), vector_scale(bc, 1 / longest));
 
+    const double area_z = vector_cross(ab, bc).z / 2;
+
     out->volume += vector_dot(a, vector_cross(b, c)) / 6;
+    out->area_z += area_z;
+    out->least_area_z = fmin(out->least_area_z, area_z);
     out->worst_area = fmin(out->worst_area, vector_length(across) / 2);
     for (int k = 0; k < 3; k++)
         out->worst_facing = fmin(out->worst_facing, vector_dot(mesh->vertices[corner[k]].normal,
@@ -96,7 +102,10 @@ static inline void solid_measure_triangle(const struct mesh *mesh, int i, struct
 
 static inline struct solid solid_measure(const struct mesh *mesh)
 {
-    struct solid out = {.worst_area = HUGE_VAL, .worst_facing = 1, .texture_inside = true};
+    struct solid out = {.worst_area = HUGE_VAL,
+                        .least_area_z = HUGE_VAL,
+                        .worst_facing = 1,
+                        .texture_inside = true};
     int *place = malloc(((size_t)mesh->n_vertices + 1) * sizeof *place);
 
     if (!place)

@@ -9,20 +9,12 @@
 #include "spectral.h"
 #include "test.h"
 
-static void stop_unless(bool good, const struct error *err)
-{
-    if (!good) {
-        printf("Bail out! %s\n", err->text);
-        exit(1);
-    }
-}
-
 static struct mesh build(const struct shape *shape)
 {
     struct error err = {.text = ""};
     struct mesh mesh;
 
-    stop_unless(shape_build(shape, &mesh, &err), &err);
+    test_need(shape_build(shape, &mesh, &err), err.text);
     return mesh;
 }
 
@@ -31,7 +23,7 @@ static struct mesh cut(const struct mesh *mesh)
     struct error err = {.text = ""};
     struct mesh out;
 
-    stop_unless(mesh_cut(mesh, &out, &err), &err);
+    test_need(mesh_cut(mesh, &out, &err), err.text);
     return out;
 }
 
@@ -41,7 +33,7 @@ static struct mesh part_of(const struct mesh *mesh, int part)
     struct mesh from = *mesh, out;
 
     from.division = NULL;
-    stop_unless(mesh_part(&from, part, &out, &err), &err);
+    test_need(mesh_part(&from, part, &out, &err), err.text);
     division_free(from.division);
     return out;
 }
@@ -224,7 +216,7 @@ static struct mesh triangles(const struct vertex *vertices, int n)
     struct error err = {.text = ""};
     struct mesh mesh = {.n_vertices = 0};
 
-    stop_unless(mesh_reserve(&mesh, (size_t)n, (size_t)n / 3, &err), &err);
+    test_need(mesh_reserve(&mesh, (size_t)n, (size_t)n / 3, &err), err.text);
     for (int i = 0; i < n; i++) {
         mesh.vertices[mesh.n_vertices++] = vertices[i];
         mesh.triangles[i / 3][i % 3] = i;
@@ -388,7 +380,7 @@ static void halve(struct mesh *mesh, int times)
     struct error err = {.text = ""};
     mesh->parametric = false;
     for (; times > 0; times--)
-        stop_unless(mesh_halve(mesh, &err), &err);
+        test_need(mesh_halve(mesh, &err), err.text);
 }
 
 /* A facet with interpolated normals has the same normals where its corners are joined. */

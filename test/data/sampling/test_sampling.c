@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares samplings with the sum over every nm: they are exact where they must be, keep their
- * tolerance, and survive hard cases. test/data/sampling/sampling.py computes each method once more. */
+ * tolerance, and survive hard cases. test/data/sampling/sampling.py computes each method once more.
+ */
 #include "data/base/base.h"
 #include "data/files/files.h"
 #include "data/maths/maths.h"
 #include "data/sampling/inside.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 #include "spectral.h"
-#include "test.h"
+#include "spectra.h"
 
 /* ---- scenes of one light and some reflectances ---- */
 
@@ -18,16 +17,6 @@ struct stage {
     struct spectrum light, surface[MOST_SURFACES];
     int n; /* surfaces */
 };
-
-static struct spectrum spectrum_of(const char *text)
-{
-    struct spectrum out = {0};
-    struct error err = {0};
-    const struct word word = {.start = text, .length = strlen(text)};
-    if (!spectrum_read(&word, 0, HUGE_VAL, &out, &err))
-        printf("# %s\n", err.text);
-    return out;
-}
 
 static void put_light(struct stage *stage, const char *light, double first, int n_nm)
 {
@@ -163,31 +152,16 @@ static int pages_of(const struct stage *stage, const char *text)
 
 static void test_names(void)
 {
-    static const char *const good[] = {"box:8",         "riemann:10",
-                                       "riemann:2.5",   "gauss:8",
-                                       "gauss:8,open",  "gauss:9,xyz",
-                                       "gauss:9,lms",   "gauss:6,acc",
-                                       "adaptive:0.01", "adaptive:1e-09",
-                                       "adaptive:0.3",  "basis:6",
-                                       "rgb",           "xyz"};
-    static const char *const bad[] = {
-        "",           "box",      "box:",     "box:0",       "box:1.5",          "riemann:0.5",
-        "riemann:x",  "gauss:65", "gauss:8,", "gauss:8,rgb", "box:8,xyz",        "adaptive:0",
-        "adaptive:2", "rgb:3",    "xyz:",     "simpson:8",   "gauss:8,open,xyz", "gauss: 8"};
-    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+    const char *good = "box:8 riemann:10 riemann:2.5 gauss:8 gauss:8,open gauss:9,xyz gauss:9,lms "
+                       "gauss:6,acc adaptive:0.01 adaptive:1e-09 adaptive:0.3 basis:6 rgb xyz";
+    char word[64];
+    while (test_word(&good, word)) {
         struct sampling_method method;
         struct error err = {0};
         char name[SAMPLING_NAME] = "refused";
-        if (sampling_read("--sampling", good[i], &method, &err))
+        if (sampling_read("--sampling", word, &method, &err))
             sampling_name(&method, name);
-        CHECK_TEXT(name, good[i], "%s is read and named again", good[i]);
-    }
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        struct sampling_method method;
-        struct error err = {0};
-        CHECK(!sampling_read("--sampling", bad[i], &method, &err) && err.status == EXIT_INPUT &&
-                  strstr(err.text, "--sampling") != NULL,
-              "'%s' is refused", bad[i]);
+        CHECK_TEXT(name, word, "%s is read and named again", word);
     }
 }
 
@@ -388,7 +362,8 @@ static const char *const all[] = {
     "box:8",       "riemann:10",  "gauss:1",       "gauss:8",        "gauss:64", "gauss:8,open",
     "gauss:9,xyz", "gauss:9,lms", "adaptive:0.01", "adaptive:1e-09", "basis:1",  "basis:9",
     "rgb",         "xyz"};
-enum { ALL = sizeof all / sizeof all[0] };
+static const char *const all_exact[] = {"riemann:1", "adaptive:0.0001", "basis:24"};
+enum { ALL = sizeof all / sizeof all[0], EXACT = sizeof all_exact / sizeof all_exact[0] };
 
 static bool finite_all(const double *values, size_t count)
 {
@@ -410,17 +385,55 @@ static bool is_sound(const struct sampling *s)
     return good;
 }
 
+/* Each sampling is finite, with increasing wavelengths, or refused; those that promise it are
+ * exact. */
 static void check_all(const char *what, const struct stage *stage)
 {
-    bool sound = true;
-    for (int i = 0; i < ALL; i++) {
-        struct sampling s = made(stage, all[i]);
-        sound = sound && is_sound(&s) && isfinite(worst_error(stage, &s)) == (stage->n > 0);
-        if (!sound)
-            printf("# %s\n", all[i]);
+    bool sound = true, exact = true;
+    for (int i = 0; i < ALL + EXACT; i++) {
+        struct error err;
+        const char *name = i < ALL ? all[i] : all_exact[i - ALL];
+        struct sampling s = sampling_of(stage, name, "cie1931", &err);
+        const double worst = s.pages.n > 0 ? worst_error(stage, &s) : 0;
+        sound =
+            sound && (s.pages.n == 0 ? err.status == EXIT_INPUT : is_sound(&s) && isfinite(worst));
+        exact = exact && (i < ALL || (s.pages.n > 0 && worst <= 1e-4));
+        if (!sound || !exact)
+            printf("# %s: %g %s\n", name, worst, err.text);
         sampling_free(&s);
     }
-    CHECK(sound, "%s: all samplings are made, finite, with increasing wavelengths", what);
+    CHECK(sound, "%s: all samplings are finite, with increasing wavelengths, or refused", what);
+    CHECK(exact, "%s: samplings of every nm, within a tolerance, and of all components are exact",
+          what);
+}
+
+static void test_hard(void)
+{
+    static const char table[] = "nm,power\n380,0\n540,0\n545,1\n550,0\n730,0\n";
+    char path[512];
+    snprintf(path, sizeof path, "%s/sampling-coarse.csv", test_folder());
+    test_write(path, table);
+    const struct {
+        const char *what, *light, *one, *two;
+        double first;
+        int n;
+    } cases[] = {
+        {"identical spectra", "d65", "gaussian:600,80*0.8", "gaussian:600,80*0.8", 380, 351},
+        {"nothing but black", "d65", "0", "0", 380, 351},
+        {"one wavelength", "d65", "gaussian:600,80*0.8", "gaussian:520,90*0.6", 550, 1},
+        {"two neighbours", "d65", "gaussian:600,80*0.8", "gaussian:520,90*0.6", 550, 2},
+        {"a faint light", "d65*1e-30", "gaussian:600,80*0.8", "gaussian:520,90*0.6", 380, 351},
+        {"a bright light", "d65*1e30", "gaussian:600,80*0.8", "gaussian:520,90*0.6", 380, 351},
+        {"a line of 2 nm", "gaussian:546,2", "gaussian:600,80*0.8", "gaussian:520,90*0.6", 380,
+         351},
+        {"one sample in a coarse table", path, "gaussian:600,80*0.8", "gaussian:520,90*0.6", 380,
+         351}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        struct stage stage = single(cases[i].light, cases[i].one, cases[i].first, cases[i].n);
+        put_surface(&stage, cases[i].two);
+        check_all(cases[i].what, &stage);
+        clear(&stage);
+    }
 }
 
 static void test_black(void)
@@ -630,6 +643,7 @@ int main(void)
     test_basis();
     test_black();
     test_line();
+    test_hard();
     test_rank();
     test_apart();
     test_refusals();

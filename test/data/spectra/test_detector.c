@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares detectors with the CIE's published white points, and weights and losses with values
- * worked by hand. */
+ * worked by hand. test/cases/bad/detectors.cases has the files that are refused. */
 #include "data/colour/colour.h"
 #include "data/files/files.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 #include "spectral.h"
-#include "test.h"
+#include "spectra.h"
 
 enum { PATH_SIZE = 512, MOST = 1024 };
 
@@ -40,15 +38,6 @@ static struct detector content(const char *text)
 {
     char path[PATH_SIZE];
     return detector_of(test_write(temporary("content", path), text));
-}
-
-static struct spectrum light_of(const char *name)
-{
-    struct spectrum out = {0};
-    struct error err = {0};
-    struct word word = {.start = name, .length = strlen(name)};
-    spectrum_read(&word, 0, HUGE_VAL, &out, &err);
-    return out;
 }
 
 static int grid(double first, double last, double step, double out[MOST])
@@ -96,7 +85,7 @@ static void check_whites(void)
     for (size_t i = 0; i < sizeof whites / sizeof whites[0]; i++) {
         const struct white *w = &whites[i];
         struct detector detector = detector_of(w->observer);
-        struct spectrum light = light_of(w->light);
+        struct spectrum light = spectrum_of(w->light);
         for (int k = 0; k < 3; k++) {
             double nm[MOST], xyz[3], xy[2];
             const double *sum = sums[k], tolerance = k == 0 ? 0.5e-5 : 3e-5;
@@ -249,43 +238,9 @@ static void check_odd_names(void)
     }
 }
 
-/* The content of a file, and the message that refuses it, from the line number on. test_spectrum.c
- * has what any table is refused for. */
-static const char *const bad_files[][2] = {
-    {"nm,x,y\n400,1,2\n", ":2:1: error: 2 value columns; a detector has 3, as 'wavelength,x,y,z'"},
-    {"400 1 2 3 4\n", ":1:1: error: 4 value columns; a detector has 3, as 'wavelength,x,y,z'"},
-    {"SPECT\nSPECTRAL_BANDS 1\n",
-     ": error: 1 value columns; a detector has 3, as 'wavelength,x,y,z'"},
-    {"nm,x,y,z\n", ": error: no samples; a spectrum needs at least one"},
-    {"nm,r,g,b\n\n400 1 0 3\n410 1 0 3\n", ":3:1: error: value column 2 is 0 everywhere"},
-    {"nm,x,y,z\n400 1 1 1\n410 1 -1 1\n",
-     ":2:1: error: the sum of y is 0; an observer's is positive"},
-    {"400 1 1 8e307\n410 1 1 8e307\n420 1 1 8e307\n",
-     ":1:1: error: value column 3 is too large to be summed"},
-};
-
-static const char *const bad_names[][2] = {{"cie1932", "'cie1932'; did you mean cie1931?"},
-                                           {"nobody", "'nobody'"},
-                                           {"d65", "1 value columns; a detector has 3"},
-                                           {"cie1931:2", ""},
-                                           {"/", ""}};
-
 static void check_refused(void)
 {
     struct error err;
-    char path[PATH_SIZE];
-    for (size_t i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++) {
-        read_detector(test_write(temporary("bad", path), bad_files[i][0]), &err);
-        CHECK(err.status == EXIT_INPUT && strncmp(err.text, path, strlen(path)) == 0,
-              "the message names bad file %zu", i);
-        CHECK_TEXT(err.text + strlen(path), bad_files[i][1],
-                   "the message names the place and the fault");
-    }
-    for (size_t i = 0; i < sizeof bad_names / sizeof bad_names[0]; i++) {
-        read_detector(bad_names[i][0], &err);
-        CHECK(err.status == EXIT_INPUT && strstr(err.text, bad_names[i][1]) != NULL,
-              "'%s' is no detector: %s", bad_names[i][0], err.text);
-    }
     read_detector("nobody", &err);
     CHECK(strstr(err.text, " cie2006-10, ") != NULL && strstr(err.text, "d65") == NULL,
           "an unknown name lists the detectors");

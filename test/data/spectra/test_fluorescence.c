@@ -1,27 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares excitation and Donaldson matrices with the thesis's sums in long double, with integrals
- * in closed form, and with the balance of energy. */
+ * in closed form, and with the balance of energy. test/cases/bad/matrices.cases has refused ones.
+ */
 #include <float.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
 #include "spectral.h"
-#include "test.h"
+#include "spectra.h"
 
 enum { PATH_SIZE = 512 };
 static const double half_epsilon = DBL_EPSILON / 2; /* of a rounding */
-
-/* Returns an absent spectrum after an error. */
-static struct spectrum read_word(const char *text)
-{
-    struct spectrum out = {0};
-    struct error err = {0};
-    struct word word = {.start = text, .length = strlen(text)};
-    spectrum_read(&word, 0, HUGE_VAL, &out, &err);
-    return out;
-}
 
 /* Returns a spectrum that owns nothing. */
 static struct spectrum samples(double *nm, double *value, int count)
@@ -66,7 +55,7 @@ static void check_plain_sums(void)
         value[i] = i < 40 ? i * (40 - i) / 137.0 : 0; /* up to 500 nm */
     }
     for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) {
-        struct spectrum light = read_word(lights[i]);
+        struct spectrum light = spectrum_of(lights[i]);
         double seen = excitation_mean(&light, &excitation);
         CHECK_NEAR(seen / plain_mean(&light, &excitation), 1, bound,
                    "under %s the mean is the quotient of the plain sums", lights[i]);
@@ -83,8 +72,8 @@ static void check_plain_sums(void)
 
 static void check_limits(void)
 {
-    struct spectrum uv = read_word("uv"), light = read_word("d65"), flat = constant(0.3);
-    struct spectrum blackbody = read_word("blackbody:2856");
+    struct spectrum uv = spectrum_of("uv"), light = spectrum_of("d65"), flat = constant(0.3);
+    struct spectrum blackbody = spectrum_of("blackbody:2856");
     double mean = excitation_mean(&light, &uv), one_nm[] = {431}, one[] = {7};
     struct spectrum single = samples(one_nm, one, 1), outside = samples(one_nm, one, 1);
     long double sum = 0;
@@ -318,7 +307,7 @@ static void check_energy(void)
     for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
         static const double width[] = {30, 60, 120,
                                        150}; /* the widths of bands at 400, 430, 520 and 670 nm */
-        struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
+        struct spectrum light = spectrum_of(lights[k]), given = emission_under(&matrix, &light);
         double in = 0, out = 0;
         for (int i = 0; i < COLUMNS; i++)
             in += 5 * 0.5 * spectrum_at(&light, 300 + 5 * i, SPECTRUM_ZERO);
@@ -351,40 +340,6 @@ static void check_extremes(void)
     matrix.excitation.count = 1;
     light = constant(0.5);
     CHECK(first_emission(&matrix, &light) == 0.5, "single bands are 1 nm wide");
-}
-
-static void check_refusals(void)
-{
-    /* test/cases/bad/matrices has more */
-    static const struct {
-        const char *content, *message; /* after the path */
-    } refused[] = {
-        {"# nothing\n", ": error: no rows"},
-        {"nm # none\n400", ":1:4: error: expected an excitation wavelength"},
-        {"\"nm 300\n", ":1:1: error: the quote"},
-        {"nm 300 x\n", ":1:8: error: excitation wavelength must be a number"},
-        {"nm 300 310 310\n", ":1:12: error: wavelength 310 nm follows 310 nm"},
-        {"nm -300 310\n", ":1:4: error: wavelength -300 nm"},
-        {"nm 300 310\n", ": error: no share is above 0"},
-        {"nm 300 310\n400 0.1 0.2 0.3\n", ":2:13: error: '0.3' is too much"},
-        {"nm 300 310\n400 0.1 none\n", ":2:9: error: share must be a number"},
-        {"nm 300 310\n400 0.1 -0.2\n", ":2:9: error: share -0.2 is below 0"},
-        {"nm 300 310\n400 0.1 20\n", ":2:9: error: share 20 is above 1"},
-        {"nm 300 310\n400 nan 0.2\n", ":2:5: error: share must be a number"},
-        {"nm 300 310\nx 0.1 0.2\n", ":2:1: error: emission wavelength must be a number"},
-        {"nm 300 310\n400 0.1 0.2\n400 0 0\n", ":3:1: error: wavelength 400 nm follows 400 nm"},
-        {"nm 300\n400 0.2\n410 0.200000000000002\n", ":1:4: error: at 300 nm the matrix emits"},
-    };
-    struct error err;
-    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
-        struct donaldson matrix = read_matrix(refused[i].content, 0.6, &err);
-        char message[PATH_SIZE + 256];
-        snprintf(message, sizeof message, "%s%s", write_matrix(""), refused[i].message);
-        CHECK(strncmp(err.text, message, strlen(message)) == 0 && err.status == EXIT_INPUT &&
-                  matrix.share == NULL && matrix.excitation.wavelength_nm == NULL &&
-                  matrix.emission.wavelength_nm == NULL,
-              "refused%s: %s", refused[i].message, err.text);
-    }
 }
 
 static void check_diffuse_and_size(void)
@@ -426,7 +381,6 @@ int main(void)
     check_line();
     check_energy();
     check_extremes();
-    check_refusals();
     check_diffuse_and_size();
     return test_end();
 }

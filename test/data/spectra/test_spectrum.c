@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares spectra with closed forms and physical constants. Both renderers share the readers of
- * spectra, so the check of pictures would not find their errors. */
+ * spectra, so the check of pictures would not find their errors. test/cases/bad/tables.cases has
+ * the files that are refused. */
 #include <float.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -226,64 +227,9 @@ static void check_formats(void)
     }
 }
 
-/* The content of a file, and the beginning of the message that refuses it as a reflectance, from
- * the line number on. test/cases/bad/tables has more. */
-static const char *const bad_files[][2] = {
-    {"400 0.1\n400 0.2\n",
-     ":2:1: error: wavelength 400 nm follows 400 nm; wavelengths must increase"},
-    {"400 1.5\n", ":1:5: error: reflectance 1.5 is above 1; write '"},
-    {"400 0.5\n405 -0.1\n", ":2:5: error: value -0.1 is below 0; it is at least 0"},
-    {"nm R[Percent]\n400 0.5\n", ":1:4: error: 'R[Percent]' says percent; write '"},
-    {"nm;R\n400.5;0.5\n401;0,5\n",
-     ":3:5: error: 0,5 has a decimal comma, but line 2 has a decimal point; expected one of them"},
-    {"400;1.000,5\n", ":1:5: error: value must be a number such as 2.5 or 1e-3, not '1.000,5'"},
-    {"400;0,5\n401,0,5\n",
-     ":2:1: error: wavelength must be a number such as 2.5 or 1e-3, not '401.0,5'"},
-    {"400;0,5\n401,5\n", ":2:6: error: expected a value after the wavelength"},
-    {",0.5\n400,0.5\n", ":1:1: error: expected a wavelength"},
-    {"400,0.5\n,0.5\n", ":2:1: error: expected a wavelength"},
-    {"400,\"0.5\n", ":1:5: error: the quote before '0.5' must be closed on its line"},
-    {"0 0.5\n", ":1:1: error: wavelength 0 nm; it lies between 0 and 1000000 nm"},
-    {"-5 0.5\n", ":1:1: error: wavelength -5 nm; it lies between 0 and 1000000 nm"},
-    {"1e6 0.5\n", ":1:1: error: wavelength 1000000 nm; it lies between 0 and 1000000 nm"},
-    {"400\n", ":1:4: error: expected a value after the wavelength"},
-    {"400 0.5\n405 0.5 1\n", ":2:1: error: this row has 2 values, the first row has 1"},
-    {"400,x\n", ":1:5: error: value must be a number such as 2.5 or 1e-3, not 'x'"},
-    {"38O,0.5\n390,0.5\n",
-     ":1:1: error: wavelength must be a number such as 2.5 or 1e-3, not '38O'"},
-    {"nan,0.5\n390,0.5\n", ":1:1: error: expected a wavelength in nm, found 'nan'; put #"},
-    {"nan;0,5\n390;0,5\n", ":1:1: error: expected a wavelength in nm, found 'nan'; put #"},
-    {"nm,R\nnm,R\n", ": error: no samples; a spectrum needs at least one"},
-    {"nm,R\n", ": error: no samples; a spectrum needs at least one"},
-    {"# nothing\n", ": error: no samples; a spectrum needs at least one"},
-    {"SPECT\nBEGIN_DATA\n1\nEND_DATA\n", ":2:1: error: SPECTRAL_BANDS is missing before the data"},
-    {"SPECT\nSPECTRAL_BANDS 2\nSPECTRAL_START_NM 400\nBEGIN_DATA\n1 1\nEND_DATA\n",
-     ":4:1: error: SPECTRAL_END_NM is missing before the data"},
-    {"SPECT\nSPECTRAL_BANDS 2\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\n"
-     "BEGIN_DATA\n1 1\nEND_DATA\n",
-     ":5:1: error: 2 bands from 400 to 400 nm; they must increase"},
-    {"SPECT\nSPECTRAL_BANDS 2\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 410\n"
-     "BEGIN_DATA\n1\nEND_DATA\n",
-     ":7:1: error: 1 values, but SPECTRAL_BANDS is 2"},
-    {"SPECT\nSPECTRAL_BANDS 1\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\n"
-     "BEGIN_DATA\n1 1\nEND_DATA\n",
-     ":6:3: error: more values than SPECTRAL_BANDS, 1"},
-    {"SPECT\nSPECTRAL_BANDS 1\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\nBEGIN_DATA\n1\n",
-     ":5:1: error: BEGIN_DATA without END_DATA"},
-    {"SPECT\nSPECTRAL_BANDS 1\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\n"
-     "SPECTRAL_NORM 2\nBEGIN_DATA\n3\nEND_DATA\n",
-     ":7:1: error: reflectance 1.5 is above 1; write '"},
-    {"SPECT\nBEGIN_DATA_FORMAT\nA\n", ": error: no samples; a spectrum needs at least one"},
-    {"SPECT\n", ": error: no samples; a spectrum needs at least one"},
-};
-
-static void check_bad_files(void)
+static void check_columns(void)
 {
     struct error err;
-    for (size_t i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++)
-        CHECK(strncmp(refused_content(bad_files[i][0], "", &err), bad_files[i][1],
-                      strlen(bad_files[i][1])) == 0,
-              "bad file %zu is refused where it is bad (%s)", i, err.text);
     CHECK(strstr(refused_content("400 0.1 0.2\n", "", &err), "has 2 value columns; write") != NULL,
           "several columns need a choice");
     CHECK(strstr(refused_content("400 0.1 0.2\n", ":3", &err),
@@ -382,34 +328,16 @@ static void check_daylight(void)
 
 static void check_bad_words(void)
 {
-    static const char *const bad[] = {"d65*-1",
-                                      "d65*",
-                                      "d65*nan",
-                                      "*2",
-                                      "1e999",
-                                      "nan",
-                                      "0x1",
-                                      "cie1931",
-                                      "cie1931:4",
-                                      "cie1931:0",
-                                      "d65*1e999",
-                                      "blackbody:-5",
-                                      "blackbody:2e6",
-                                      "blackbody:",
-                                      "blackbody:x",
-                                      "blackbody:2856",
-                                      "gaussian:380",
-                                      "gaussian:,40",
-                                      "gaussian:380,40,50",
-                                      "gaussian:400,40*1.1",
-                                      "\"d65",
-                                      "builtin:tables/none.csv",
-                                      "d65:",
-                                      "1.5abc"};
+    const char *bad =
+        "d65*-1 d65* d65*nan *2 1e999 nan 0x1 cie1931 cie1931:4 cie1931:0 d65*1e999 "
+        "blackbody:-5 blackbody:2e6 blackbody: blackbody:x blackbody:2856 gaussian:380 "
+        "gaussian:,40 gaussian:380,40,50 gaussian:400,40*1.1 \"d65 builtin:tables/none.csv "
+        "d65: 1.5abc";
+    char word[64];
     struct error err;
-    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
-        CHECK(refusal(bad[i], &err)[0] != '\0' && err.status == EXIT_INPUT,
-              "%s is refused as a reflectance", bad[i]);
+    while (test_word(&bad, word))
+        CHECK(refusal(word, &err)[0] != '\0' && err.status == EXIT_INPUT,
+              "%s is refused as a reflectance", word);
     refusal("sun", &err);
     CHECK(strncmp(err.text, "line:1:1: error: no built-in spectrum and no file 'sun'", 55) == 0 &&
               strstr(err.text, " d65, ") != NULL && !strstr(err.text, "cie1931"),
@@ -457,7 +385,7 @@ int main(void)
     check_blackbody();
     check_interpolation();
     check_formats();
-    check_bad_files();
+    check_columns();
     check_percent();
     check_daylight();
     check_bad_words();

@@ -7,11 +7,11 @@
 #include <tiffio.h>
 #include <unistd.h>
 
+#include "bytes.h"
 #include "data/base/inside.h"
 #include "data/images/images.h"
 #include "data/stack/stack.h"
 #include "spectral.h"
-#include "test.h"
 
 enum { WIDTH = 7, HEIGHT = 5, PAGES = 4 };
 static const double wavelengths[PAGES] = {300, 305, 452.5, 760};
@@ -90,21 +90,6 @@ static bool write_small(const char *path, int tile, int map_bytes, const char *v
     return finish(&writer, verdict, err);
 }
 
-/* Returns the allocated content; *length is 0 if there is no file. */
-static unsigned char *read_whole(const char *path, size_t *length)
-{
-    FILE *file = fopen(path, "rb");
-    struct stat status;
-    *length = 0;
-    if (file == NULL || fstat(fileno(file), &status) != 0)
-        return NULL;
-    unsigned char *bytes = malloc((size_t)status.st_size + 1);
-    if (bytes != NULL)
-        *length = fread(bytes, 1, (size_t)status.st_size, file);
-    fclose(file);
-    return bytes;
-}
-
 static uint64_t number_at(const unsigned char *bytes, int size)
 {
     uint64_t number = 0;
@@ -151,7 +136,7 @@ static struct layout walk(const unsigned char *bytes)
 static void test_layout(const char *path)
 {
     size_t length;
-    unsigned char *bytes = read_whole(path, &length);
+    unsigned char *bytes = bytes_read(path, &length);
     CHECK(length > 8 && memcmp(bytes, "II*\0", 4) == 0, "the file is a classic little-endian TIFF");
     struct layout layout = walk(bytes);
     bool contiguous = true, right = true;
@@ -245,7 +230,7 @@ static void test_tags(const char *path)
 static bool same_files(const char *a, const char *b)
 {
     size_t a_length, b_length;
-    unsigned char *a_bytes = read_whole(a, &a_length), *b_bytes = read_whole(b, &b_length);
+    unsigned char *a_bytes = bytes_read(a, &a_length), *b_bytes = bytes_read(b, &b_length);
     bool same = a_length > 0 && a_length == b_length && memcmp(a_bytes, b_bytes, a_length) == 0;
     free(a_bytes);
     free(b_bytes);
@@ -268,8 +253,8 @@ static void test_small(void)
     verdict[sizeof verdict - 1] = '\0';
     CHECK(write_small(other, WIDTH, 0, verdict, &err), "a verdict that is too long loses its tail");
     size_t length, other_length;
-    free(read_whole(whole, &length));
-    free(read_whole(other, &other_length));
+    free(bytes_read(whole, &length));
+    free(bytes_read(other, &other_length));
     CHECK(length == other_length, "the verdict does not change the file's size");
     unlink(whole);
     unlink(tiles);
@@ -280,7 +265,7 @@ static void test_small(void)
 static void check_map(const char *path, int map_bytes)
 {
     size_t length;
-    unsigned char *bytes = read_whole(path, &length);
+    unsigned char *bytes = bytes_read(path, &length);
     const struct layout layout = walk(bytes);
     const uint64_t pages = layout.offset[PAGES - 1] + WIDTH * HEIGHT * 2;
     char line[64];
@@ -437,7 +422,7 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
     stack_discard(&writer);
     CHECK(writer.pages.output.temporary == NULL, "%s: the writer is freed", what);
     size_t length;
-    unsigned char *bytes = read_whole(path, &length);
+    unsigned char *bytes = bytes_read(path, &length);
     CHECK(length == 3 && memcmp(bytes, "old", 3) == 0, "%s: the old file is as it was", what);
     free(bytes);
     unlink(path);
@@ -511,9 +496,7 @@ static void test_narrow(void)
 
 int main(void)
 {
-    const char *folder = test_folder();
-    if (!CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
-        return test_end();
+    test_enter();
     test_small();
     test_map(1);
     test_map(2);

@@ -64,30 +64,14 @@ for scene in $(names scenes); do
     "$SPECTRAL" render "$tmp/$scene.scene" --size 60x40 --renderer raster --no-check --quiet -o "$tmp/b.tif"
     exits 0 "a copy of the scene $scene renders the same picture in another folder" "$SPECTRAL" compare "$tmp/a.tif" "$tmp/b.tif"
 done
-exits 2 "show refuses a name that is not built in" "$SPECTRAL" show nothing
-says 'no built-in file .nothing.; spectral list prints the names' "it says how to see the names"
 
-# words that were meant
-meant() { # MEANT WORD...
-    meant=$1
-    shift
-    refuses "did you mean $meant[?]" "refused: spectral $*" "$SPECTRAL" "$@"
-}
-meant render rendr patches
-meant --size render patches --siez 4x4
-meant --exposure develop a.tif --expose 1
-meant colorchecker render colorcheker
-meant illuminants list illuminant
-meant llvmpipe render patches --renderer llvmpip
-meant d65 plan patches --light 1=d66
-meant cie1964 plan patches --sampling box:3 --detector cie1694
+# words that were meant; bad.sh has those of command lines
 scene() { # MEANT LINE...
     meant=$1
     shift
     printf '%s\n' "$@" >"$tmp/my.scene"
-    meant "$meant" plan "$tmp/my.scene"
+    refuses "did you mean $meant[?]" "$meant is meant" "$SPECTRAL" plan "$tmp/my.scene"
 }
-meant metals/gold show gold
 scene object 'objct sphere 1 9 9 material m'
 scene sphere 'object shpere 1 9 9 material m'
 scene translate 'material m { diffuse 0.5 }' 'object sphere 1 9 9 material m trnslate 1 0 0'

@@ -10,7 +10,6 @@
  * 0 and CONTROL are no faults: CONTROL lights by the shader below, and 0 keeps the passes in the
  * file named by FAULT_PASSES, where fault 4 reads them. */
 #define _GNU_SOURCE
-#include <dlfcn.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -22,6 +21,8 @@
 #include <GL/osmesa.h>
 /* after GL/gl.h, which osmesa.h includes */
 #include <GL/glext.h>
+
+#include "test/shared/preload.h"
 
 enum { CONTROL = -1, CHANNELS = 4 };
 
@@ -38,14 +39,6 @@ static int fault(void)
 {
     const char *number = getenv("FAULT");
     return number ? atoi(number) : 0;
-}
-
-/* ISO C does not allow a cast from an object pointer to a function pointer; POSIX promises that
- * this works. */
-static void real(const char *name, void *function)
-{
-    void *symbol = dlsym(RTLD_NEXT, name);
-    memcpy(function, &symbol, sizeof symbol);
 }
 
 /* ---- parameters ---- */
@@ -98,27 +91,21 @@ static void spoil_parameter(GLenum *name, GLfloat *value)
 
 void glTexParameteri(GLenum target, GLenum name, GLint value)
 {
-    void (*next)(GLenum, GLenum, GLint);
     GLfloat spoiled = (GLfloat)value; /* exact, since names in OpenGL have 16 bits */
-    real("glTexParameteri", &next);
     spoil_parameter(&name, &spoiled);
-    next(target, name, (GLint)spoiled);
+    REAL(glTexParameteri)(target, name, (GLint)spoiled);
 }
 
 void glLightf(GLenum light, GLenum name, GLfloat value)
 {
-    void (*next)(GLenum, GLenum, GLfloat);
-    real("glLightf", &next);
     spoil_parameter(&name, &value);
-    next(light, name, value);
+    REAL(glLightf)(light, name, value);
 }
 
 void glMaterialf(GLenum face, GLenum name, GLfloat value)
 {
-    void (*next)(GLenum, GLenum, GLfloat);
-    real("glMaterialf", &next);
     spoil_parameter(&name, &value);
-    next(face, name, value);
+    REAL(glMaterialf)(face, name, value);
 }
 
 /* A direction has 3 values, other parameters have 4. */
@@ -135,27 +122,22 @@ static void spoil_vector(GLenum name, const GLfloat *values, GLfloat out[4])
 
 void glLightfv(GLenum light, GLenum name, const GLfloat *values)
 {
-    void (*next)(GLenum, GLenum, const GLfloat *), (*load)(const GLdouble *);
     GLfloat spoiled[4];
-    real("glLightfv", &next);
-    real("glLoadMatrixd", &load);
     spoil_vector(name, values, spoiled);
     glPushMatrix();
     if (fault() == 32 && name == GL_POSITION)
-        load(model_view);
-    next(light, name, spoiled);
+        REAL(glLoadMatrixd)(model_view);
+    REAL(glLightfv)(light, name, spoiled);
     glPopMatrix();
 }
 
 void glMaterialfv(GLenum face, GLenum name, const GLfloat *values)
 {
-    void (*next)(GLenum, GLenum, const GLfloat *);
     GLfloat spoiled[4];
-    real("glMaterialfv", &next);
     /* a material's value under the name of a light's colour is white or black */
     if (name == GL_AMBIENT)
         spoil_vector(name, values, spoiled);
-    next(face, name, name == GL_AMBIENT ? spoiled : values);
+    REAL(glMaterialfv)(face, name, name == GL_AMBIENT ? spoiled : values);
 }
 
 /* ---- where things are drawn ---- */
@@ -190,39 +172,31 @@ static void spoil_projection(GLdouble matrix[16])
 
 void glMatrixMode(GLenum mode)
 {
-    void (*next)(GLenum);
-    real("glMatrixMode", &next);
     matrix_mode = mode;
-    next(mode);
+    REAL(glMatrixMode)(mode);
 }
 
 void glLoadMatrixd(const GLdouble *matrix)
 {
-    void (*next)(const GLdouble *);
     GLdouble spoiled[16];
-    real("glLoadMatrixd", &next);
     memcpy(spoiled, matrix, sizeof spoiled);
     if (matrix_mode == GL_PROJECTION)
         spoil_projection(spoiled);
     else
         memcpy(model_view, matrix, sizeof model_view);
-    next(spoiled);
+    REAL(glLoadMatrixd)(spoiled);
 }
 
 void glViewport(GLint x, GLint y, GLsizei width, GLsizei height)
 {
-    void (*next)(GLint, GLint, GLsizei, GLsizei);
-    real("glViewport", &next);
-    next(fault() == 42 ? x + 1 : x, y, width, height);
+    REAL(glViewport)(fault() == 42 ? x + 1 : x, y, width, height);
 }
 
 /* ---- an OpenGL that can do less ---- */
 
 void glGetIntegerv(GLenum name, GLint *values)
 {
-    void (*next)(GLenum, GLint *);
-    real("glGetIntegerv", &next);
-    next(name, values);
+    REAL(glGetIntegerv)(name, values);
     if (fault() == 81 && name == GL_DEPTH_BITS)
         *values = 16;
     if (fault() == 82 && name == GL_MAX_VIEWPORT_DIMS)
@@ -231,9 +205,8 @@ void glGetIntegerv(GLenum name, GLint *values)
 
 const GLubyte *glGetString(GLenum name)
 {
-    const GLubyte *(*next)(GLenum);
-    real("glGetString", &next);
-    return fault() == 83 && name == GL_RENDERER ? (const GLubyte *)"another driver" : next(name);
+    return fault() == 83 && name == GL_RENDERER ? (const GLubyte *)"another driver"
+                                                : REAL(glGetString)(name);
 }
 
 /* ---- drawing in a wrong state ---- */
@@ -402,29 +375,24 @@ struct draw {
 
 static void draw_part(const struct draw *draw, GLsizei from, GLsizei to)
 {
-    void (*elements)(GLenum, GLsizei, GLenum, const void *);
-    void (*arrays)(GLenum, GLint, GLsizei);
-    real("glDrawElements", &elements);
-    real("glDrawArrays", &arrays);
     if (draw->indexed)
-        elements(draw->mode, to - from, draw->type,
-                 (const void *)((uintptr_t)draw->indices + (size_t)from * sizeof(GLuint)));
+        REAL(glDrawElements)
+        (draw->mode, to - from, draw->type,
+         (const void *)((uintptr_t)draw->indices + (size_t)from * sizeof(GLuint)));
     else
-        arrays(draw->mode, draw->first + from, to - from);
+        REAL(glDrawArrays)(draw->mode, draw->first + from, to - from);
 }
 
 /* Draws the last triangle moved to the right by 1/256 pixel. */
 static void draw_cracked(const struct draw *draw, GLsizei count)
 {
-    void (*load)(const GLdouble *);
     GLdouble projection[16];
-    real("glLoadMatrixd", &load);
     draw_part(draw, 0, count - 3);
     glGetDoublev(GL_PROJECTION_MATRIX, projection);
     move(projection, 1, 1, 1.0 / 256);
     glMatrixMode(GL_PROJECTION);
     glPushMatrix();
-    load(projection);
+    REAL(glLoadMatrixd)(projection);
     draw_part(draw, count - 3, count);
     glPopMatrix();
     glMatrixMode(GL_MODELVIEW);
@@ -465,7 +433,6 @@ void glDrawArrays(GLenum mode, GLint first, GLsizei count)
 void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height,
                   GLint border, GLenum format, GLenum type, const void *pixels)
 {
-    void (*next)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void *);
     const float *texels = pixels;
     size_t channels = format == GL_RGB ? 3 : 1, across = (size_t)width;
     size_t n = across * (size_t)height, middle = (size_t)height / 2 * across + across / 2;
@@ -480,8 +447,7 @@ void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLs
     }
     for (size_t c = 0; c < channels && fault() == 61; c++)
         spoiled[channels * middle + c] *= 1.01F;
-    real("glTexImage2D", &next);
-    next(target, level, internal, width, height, border, format, type, spoiled);
+    REAL(glTexImage2D)(target, level, internal, width, height, border, format, type, spoiled);
     free(spoiled);
 }
 
@@ -497,13 +463,11 @@ static size_t pixel_count(void)
 GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GLsizei width,
                             GLsizei height)
 {
-    GLboolean (*next)(OSMesaContext, void *, GLenum, GLsizei, GLsizei);
     float *old = steps ? NULL : buffer, *kept = NULL;
     const size_t size = CHANNELS * sizeof *buffer * pixel_count();
-    real("OSMesaMakeCurrent", &next);
     if (old && (fault() == 70 || fault() == 72) && (kept = malloc(size)) != NULL)
         memcpy(kept, old, size);
-    const GLboolean done = next(context, pixels, type, width, height);
+    const GLboolean done = REAL(OSMesaMakeCurrent)(context, pixels, type, width, height);
     if (kept)
         memcpy(old, kept, size);
     free(kept);
@@ -570,9 +534,7 @@ static void spoil_identity(GLuint *depths)
 void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
                   void *pixels)
 {
-    void (*next)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *);
-    real("glReadPixels", &next);
-    next(x, y, width, height, format, type, pixels);
+    REAL(glReadPixels)(x, y, width, height, format, type, pixels);
     if (fault() == 9)
         turn_back(pixels, sizeof(GLuint)); /* depth and stencil */
     spoil_identity(pixels);
@@ -681,10 +643,8 @@ static void spoil_picture(void)
 
 void glFinish(void)
 {
-    void (*next)(void);
-    real("glFinish", &next);
     if (fault() != 38 || !coloured || passes != 1)
-        next();
+        REAL(glFinish)();
     copy_steps(false);
     if (fault() == 9)
         turn_back((unsigned char *)buffer, CHANNELS * sizeof *buffer);

@@ -13,12 +13,6 @@
 
 enum { MOST_TERMS = 4, MOST_BANDS = 31, TRIALS = 20000, SIDE = 4 };
 
-static double random_in(uint64_t *state, double low, double high)
-{
-    *state = *state * 6364136223846793005u + 1442695040888963407u;
-    return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
-}
-
 /* A plan with one material, and one pixel of it. */
 struct bench {
     struct plan plan;
@@ -69,12 +63,12 @@ static bool make(struct bench *bench, uint64_t *state, int n_terms, int n_bands,
                                 .max_rows = n_terms + 2 * textured,
                                 .materials = &bench->shaded};
     for (int b = 0; b < n_bands; b++) {
-        double shared = random_in(state, 0, 1);
+        double shared = test_random(state, 0, 1);
         for (int t = 0; t < n_terms; t++)
             bench->spectra[t * n_bands + b] =
-                alike ? shared * (1 + random_in(state, 0, 0.01)) : random_in(state, 0, 1);
+                alike ? shared * (1 + test_random(state, 0, 0.01)) : test_random(state, 0, 1);
         for (int i = 0; i < SIDE * SIDE; i++)
-            bench->texels[b][i] = (float)random_in(state, 0, 1);
+            bench->texels[b][i] = (float)test_random(state, 0, 1);
     }
     return fit_make(&bench->plan, 1, &bench->fit, &err);
 }
@@ -85,17 +79,17 @@ static void draw_pixel(struct bench *bench, uint64_t *state)
     int n = bench->shaded.n_terms;
     bool textured = bench->shaded.texture != NULL;
     for (int t = 0; t < n; t++) {
-        bench->rows[t] = random_in(state, 0, 1);
+        bench->rows[t] = test_random(state, 0, 1);
         bench->own[t] = (float)(1e-6 * bench->rows[t] + 1e-8);
-        double common = textured ? 0 : pow(10, random_in(state, -8, -3)) * bench->rows[t];
+        double common = textured ? 0 : pow(10, test_random(state, -8, -3)) * bench->rows[t];
         bench->errors[t] = bench->own[t] + (float)common;
-        bench->off[t] = random_in(state, -common, common);
+        bench->off[t] = test_random(state, -common, common);
     }
     for (int i = n; i < n + 2 && textured; i++) {
-        double error = pow(10, random_in(state, -6, -2));
-        bench->rows[i] = SIDE * random_in(state, 0, 1);
+        double error = pow(10, test_random(state, -6, -2));
+        bench->rows[i] = SIDE * test_random(state, 0, 1);
         bench->errors[i] = (float)error;
-        bench->off[i] = random_in(state, -error, error);
+        bench->off[i] = test_random(state, -error, error);
     }
     bench->run = (struct run){&bench->shaded,  bench->rows, bench->errors, bench->own, 1, 1,
                               &bench->textured};
@@ -126,7 +120,7 @@ static void draw_differences(struct bench *bench, uint64_t *state)
             own *= 0.5 * radiance_of(bench, b, 0) / FULL_COUNT; /* less than its bound */
         bench->bound[b] = (double)evaluate(bench, b);
         bench->difference[b] =
-            radiance_of(bench, b, 1) - radiance_of(bench, b, 0) + random_in(state, -own, own);
+            radiance_of(bench, b, 1) - radiance_of(bench, b, 0) + test_random(state, -own, own);
     }
 }
 
@@ -166,7 +160,7 @@ static void check_fit(const char *name, int n_terms, int n_bands, bool alike, bo
         return;
     for (int i = 0; i < trials; i++) {
         double floors[MOST_BANDS], changed[MOST_BANDS];
-        int band = (int)random_in(&state, 0, n_bands);
+        int band = (int)test_random(&state, 0, n_bands);
         draw_pixel(&bench, &state);
         draw_differences(&bench, &state);
         explained += judge(&bench, floors) == n_bands;

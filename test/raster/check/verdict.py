@@ -15,7 +15,7 @@ import numpy as np
 import tifffile
 from PIL import Image
 
-from rendered import SPECTRAL, check, done, output_of, path_of, refuses, run, write
+from rendered import SPECTRAL, check, done, output_of, path_of, run, write
 
 FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 ENDLESS, HOLLOW, WHOLE = (os.path.join(os.path.dirname(FAULTS), f"spectral-{name}")
@@ -124,14 +124,6 @@ def check_words():
     check(unchecked.verdict == "not checked" and "\nverdict           not checked\n" in unchecked.table and
           "not checked" in info and unchecked.report["check"] is None,
           "without a check, table, JSON and stack say not checked", unchecked, info)
-    drawn = "render", "patches", "-o", "/dev/null"
-    for option in ("--strict",), ("--unchecked", "0.5"), ("--check-map", path_of("x.tif")):
-        refuses(f"{option[0]} beside --no-check", option[0], *drawn, "--no-check", *option)
-    for share in "-0.1", "1.1", "1%", "nan", "":
-        refuses(f"--unchecked '{share}'", "--unchecked", *drawn, "--unchecked", share)
-    refuses("a map in the place of the stack", "name the same file", "render", "patches", "-o", "x.tif", "--check-map", "x.tif",
-            absent="x.tif")
-    refuses("a map that cannot be written", "/nowhere/map.tif", *drawn, "--check-map", "/nowhere/map.tif")
     empty = Render(path_of("empty.scene"))
     check(empty.status == 0 and empty.verdict == "agreed" and
           empty.report["check"]["floor_median_counts"] is None,

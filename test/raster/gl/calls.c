@@ -9,7 +9,6 @@
  * calls of COUNT were needless: they set a state to the value that it had in the current context,
  * or uploaded bytes that the context had got already. */
 #define _GNU_SOURCE
-#include <dlfcn.h>
 #include <pthread.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -22,6 +21,8 @@
 #include <GL/glext.h>
 #include <tiffio.h>
 #include <unistd.h>
+
+#include "test/shared/preload.h"
 
 /* ---- counting ---- */
 
@@ -43,14 +44,6 @@ static struct counted kinds[KINDS];
 static struct value values[VALUES];
 static int n_kinds, n_values;
 static const void *current;
-
-/* ISO C does not allow a cast from an object pointer to a function pointer; POSIX promises that
- * this works. */
-static void real(const char *name, void *function)
-{
-    void *symbol = dlsym(RTLD_NEXT, name);
-    memcpy(function, &symbol, sizeof symbol);
-}
 
 static struct counted *find_kind(const char *name, unsigned long detail)
 {
@@ -121,10 +114,8 @@ __attribute__((destructor)) static void report(void)
 /* The program works in a child process, which ends without exit. */
 void _exit(int status)
 {
-    void (*next)(int);
-    real("_exit", &next);
     report();
-    next(status);
+    REAL(_exit)(status);
     abort();
 }
 
@@ -133,80 +124,71 @@ void _exit(int status)
 OSMesaContext OSMesaCreateContextExt(GLenum format, GLint depth, GLint stencil, GLint accumulation,
                                      OSMesaContext shared)
 {
-    OSMesaContext (*next)(GLenum, GLint, GLint, GLint, OSMesaContext);
-    real("OSMesaCreateContextExt", &next);
     count("OSMesaCreateContextExt", 0);
-    return next(format, depth, stencil, accumulation, shared);
+    return REAL(OSMesaCreateContextExt)(format, depth, stencil, accumulation, shared);
 }
 
 GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GLsizei width,
                             GLsizei height)
 {
-    GLboolean (*next)(OSMesaContext, void *, GLenum, GLsizei, GLsizei);
-    real("OSMesaMakeCurrent", &next);
     count("OSMesaMakeCurrent", 0);
     current = context;
-    return next(context, pixels, type, width, height);
+    return REAL(OSMesaMakeCurrent)(context, pixels, type, width, height);
 }
 
 /* ---- state ---- */
 
-/* Switches a state. glEnable and glDisable share their states, each with its own count. */
-static void switch_state(const char *name, GLenum state, char on)
+/* glEnable and glDisable share their states, each with its own count. */
+static void count_switch(const char *name, GLenum state, char on)
 {
-    void (*next)(GLenum);
-    real(name, &next);
     pthread_mutex_lock(&lock);
     struct counted *of = find_kind(name, state);
     of->n++;
     of->again += (unsigned long)is_known(find_kind("switch", state), STATE, digest_of(&on, 1));
     pthread_mutex_unlock(&lock);
-    next(state);
 }
 
 void glEnable(GLenum state)
 {
-    switch_state("glEnable", state, 1);
+    count_switch("glEnable", state, 1);
+    REAL(glEnable)(state);
 }
 
 void glDisable(GLenum state)
 {
-    switch_state("glDisable", state, 0);
+    count_switch("glDisable", state, 0);
+    REAL(glDisable)(state);
 }
 
 void glEnableClientState(GLenum state)
 {
-    switch_state("glEnableClientState", state, 1);
+    count_switch("glEnableClientState", state, 1);
+    REAL(glEnableClientState)(state);
 }
 
 void glDisableClientState(GLenum state)
 {
-    switch_state("glDisableClientState", state, 0);
+    count_switch("glDisableClientState", state, 0);
+    REAL(glDisableClientState)(state);
 }
 
 void glShadeModel(GLenum model)
 {
-    void (*next)(GLenum);
-    real("glShadeModel", &next);
     give(STATE, "glShadeModel", 0, &model, sizeof model);
-    next(model);
+    REAL(glShadeModel)(model);
 }
 
 void glFrontFace(GLenum face)
 {
-    void (*next)(GLenum);
-    real("glFrontFace", &next);
     give(STATE, "glFrontFace", 0, &face, sizeof face);
-    next(face);
+    REAL(glFrontFace)(face);
 }
 
 void glStencilOp(GLenum fail, GLenum depth_fail, GLenum pass)
 {
-    void (*next)(GLenum, GLenum, GLenum);
     const GLenum all[] = {fail, depth_fail, pass};
-    real("glStencilOp", &next);
     give(STATE, "glStencilOp", 0, all, sizeof all);
-    next(fail, depth_fail, pass);
+    REAL(glStencilOp)(fail, depth_fail, pass);
 }
 
 /* ---- lights and materials ---- */
@@ -219,174 +201,134 @@ static unsigned long of_light(GLenum light, GLenum name)
 
 void glLightf(GLenum light, GLenum name, GLfloat value)
 {
-    void (*next)(GLenum, GLenum, GLfloat);
-    real("glLightf", &next);
     give(STATE, "glLightf", of_light(light, name), &value, sizeof value);
-    next(light, name, value);
+    REAL(glLightf)(light, name, value);
 }
 
 /* A direction has 3 values, other parameters have 4. */
 void glLightfv(GLenum light, GLenum name, const GLfloat *vector)
 {
-    void (*next)(GLenum, GLenum, const GLfloat *);
-    real("glLightfv", &next);
     give(STATE, "glLightfv", of_light(light, name), vector,
          (name == GL_SPOT_DIRECTION ? 3 : 4) * sizeof *vector);
-    next(light, name, vector);
+    REAL(glLightfv)(light, name, vector);
 }
 
 void glLightModeli(GLenum name, GLint value)
 {
-    void (*next)(GLenum, GLint);
-    real("glLightModeli", &next);
     give(STATE, "glLightModeli", name, &value, sizeof value);
-    next(name, value);
+    REAL(glLightModeli)(name, value);
 }
 
 void glMaterialf(GLenum face, GLenum name, GLfloat value)
 {
-    void (*next)(GLenum, GLenum, GLfloat);
-    real("glMaterialf", &next);
     give(STATE, "glMaterialf", name, &value, sizeof value);
-    next(face, name, value);
+    REAL(glMaterialf)(face, name, value);
 }
 
 void glMaterialfv(GLenum face, GLenum name, const GLfloat *vector)
 {
-    void (*next)(GLenum, GLenum, const GLfloat *);
-    real("glMaterialfv", &next);
     give(STATE, "glMaterialfv", name, vector, 4 * sizeof *vector);
-    next(face, name, vector);
+    REAL(glMaterialfv)(face, name, vector);
 }
 
 /* ---- uploads ---- */
 
 void glGenBuffers(GLsizei n, GLuint *names)
 {
-    void (*next)(GLsizei, GLuint *);
-    real("glGenBuffers", &next);
     for (GLsizei i = 0; i < n; i++)
         count("glGenBuffers", 0);
-    next(n, names);
+    REAL(glGenBuffers)(n, names);
 }
 
 void glBufferData(GLenum target, GLsizeiptr size, const void *data, GLenum usage)
 {
-    void (*next)(GLenum, GLsizeiptr, const void *, GLenum);
-    real("glBufferData", &next);
     give(STORE, "glBufferData", target, data, (size_t)size);
-    next(target, size, data, usage);
+    REAL(glBufferData)(target, size, data, usage);
 }
 
 void glGenTextures(GLsizei n, GLuint *names)
 {
-    void (*next)(GLsizei, GLuint *);
-    real("glGenTextures", &next);
     for (GLsizei i = 0; i < n; i++)
         count("glGenTextures", 0);
-    next(n, names);
+    REAL(glGenTextures)(n, names);
 }
 
 void glBindTexture(GLenum target, GLuint name)
 {
-    void (*next)(GLenum, GLuint);
-    real("glBindTexture", &next);
     count("glBindTexture", 0);
-    next(target, name);
+    REAL(glBindTexture)(target, name);
 }
 
 void glTexParameteri(GLenum target, GLenum name, GLint value)
 {
-    void (*next)(GLenum, GLenum, GLint);
-    real("glTexParameteri", &next);
     count("glTexParameteri", name);
-    next(target, name, value);
+    REAL(glTexParameteri)(target, name, value);
 }
 
 /* Texels are floats of one or of three channels. */
 void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height,
                   GLint border, GLenum format, GLenum type, const void *pixels)
 {
-    void (*next)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void *);
     const size_t n = (size_t)width * (size_t)height * (format == GL_RGB ? 3 : 1);
-    real("glTexImage2D", &next);
     give(STORE, "glTexImage2D", 0, pixels, n * sizeof(GLfloat));
-    next(target, level, internal, width, height, border, format, type, pixels);
+    REAL(glTexImage2D)(target, level, internal, width, height, border, format, type, pixels);
 }
 
 void glTexCoordPointer(GLint size, GLenum type, GLsizei stride, const void *pointer)
 {
-    void (*next)(GLint, GLenum, GLsizei, const void *);
-    real("glTexCoordPointer", &next);
     count("glTexCoordPointer", 0);
-    next(size, type, stride, pointer);
+    REAL(glTexCoordPointer)(size, type, stride, pointer);
 }
 
 /* ---- drawing ---- */
 
 void glClear(GLbitfield buffers)
 {
-    void (*next)(GLbitfield);
-    real("glClear", &next);
     count("glClear", buffers);
-    next(buffers);
+    REAL(glClear)(buffers);
 }
 
 void glRectf(GLfloat x1, GLfloat y1, GLfloat x2, GLfloat y2)
 {
-    void (*next)(GLfloat, GLfloat, GLfloat, GLfloat);
-    real("glRectf", &next);
     count("glRectf", 0);
-    next(x1, y1, x2, y2);
+    REAL(glRectf)(x1, y1, x2, y2);
 }
 
 void glDrawElements(GLenum mode, GLsizei n, GLenum type, const void *indices)
 {
-    void (*next)(GLenum, GLsizei, GLenum, const void *);
-    real("glDrawElements", &next);
     count("glDrawElements", 0);
-    next(mode, n, type, indices);
+    REAL(glDrawElements)(mode, n, type, indices);
 }
 
 void glDrawArrays(GLenum mode, GLint first, GLsizei n)
 {
-    void (*next)(GLenum, GLint, GLsizei);
-    real("glDrawArrays", &next);
     count("glDrawArrays", 0);
-    next(mode, first, n);
+    REAL(glDrawArrays)(mode, first, n);
 }
 
 void glFinish(void)
 {
-    void (*next)(void);
-    real("glFinish", &next);
     count("glFinish", 0);
-    next();
+    REAL(glFinish)();
 }
 
 void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
                   void *pixels)
 {
-    void (*next)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *);
-    real("glReadPixels", &next);
     count("glReadPixels", 0);
-    next(x, y, width, height, format, type, pixels);
+    REAL(glReadPixels)(x, y, width, height, format, type, pixels);
 }
 
 /* ---- libtiff ---- */
 
 tmsize_t TIFFWriteRawStrip(TIFF *tiff, uint32_t strip, void *data, tmsize_t size)
 {
-    tmsize_t (*next)(TIFF *, uint32_t, void *, tmsize_t);
-    real("TIFFWriteRawStrip", &next);
     count("TIFFWriteRawStrip", 0);
-    return next(tiff, strip, data, size);
+    return REAL(TIFFWriteRawStrip)(tiff, strip, data, size);
 }
 
 tmsize_t TIFFReadEncodedStrip(TIFF *tiff, uint32_t strip, void *data, tmsize_t size)
 {
-    tmsize_t (*next)(TIFF *, uint32_t, void *, tmsize_t);
-    real("TIFFReadEncodedStrip", &next);
     count("TIFFReadEncodedStrip", 0);
-    return next(tiff, strip, data, size);
+    return REAL(TIFFReadEncodedStrip)(tiff, strip, data, size);
 }

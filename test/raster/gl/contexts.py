@@ -118,16 +118,10 @@ def drivers():
           "without both, exit 3", result.stdout, result.stderr)
 
 
-def refusals():
-    for words, status, pattern in ((("--gl", "glx"), 2, "--gl is osmesa, egl, egl:N"), (("--gl", "egl:"), 2, "--gl is"),
-                                   (("--gl", "egl:x"), 2, "--gl is"), (("--gl", "egl:63"), 3, "there is no egl:63")):
-        refuses(" ".join(words), pattern, "render", "patches", "-o", "/dev/null", *words, status=status)
-
-
 scenes()
 forms()
 random_ones()
 missing()
 drivers()
-refusals()
+refuses("a device that is missing", "there is no egl:63", "render", "patches", "-o", "/dev/null", "--gl", "egl:63", status=3)
 done()

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* level: full */
-/* Checks the reference: compares raster/reference in double with test/raster/reference/slow.h in long double,
- * over random scenes and hard triangles. Each pixel must show a surface that double precision may
- * show there. Its weights must be within double precision's own bound, and within the program's
- * bounds for OpenGL's single precision times 2^-29, which count more roundings of the same
- * formulas. Then it checks edges: signs are right unless rounding can turn them, and exactly one of
- * several triangles that share edges covers each pixel centre. */
+/* Checks the reference: compares raster/reference in double with test/raster/reference/slow.h in
+ * long double, over random scenes and hard triangles. Each pixel must show a surface that double
+ * precision may show there. Its weights must be within double precision's own bound, and within the
+ * program's bounds for OpenGL's single precision times 2^-29, which count more roundings of the
+ * same formulas. Then it checks edges: signs are right unless rounding can turn them, and exactly
+ * one of several triangles that share edges covers each pixel centre. */
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
@@ -22,14 +22,6 @@
 
 /* Powers of two, so that a grid in the window is one in the scene. */
 enum { WIDTH = 64, HEIGHT = 32 };
-
-static void stop_unless(bool good, const char *text)
-{
-    if (!good) {
-        printf("Bail out! %s\n", text);
-        exit(1);
-    }
-}
 
 static int random_below(uint64_t *state, int n)
 {
@@ -69,18 +61,18 @@ static void open_picture(const char *path, bool exact, struct both *out)
     struct error err = {.text = ""};
     struct light_work work;
     *out = (struct both){.triangles = NULL};
-    stop_unless(scene_read(path, &out->scene, &err) &&
-                    plan_make(&out->scene, NULL, &options, &out->plan, &err) &&
-                    lit_make(&out->plan, driver_of(NULL), &out->lit, &work, &err),
-                err.text);
+    test_need(scene_read(path, &out->scene, &err) &&
+                  plan_make(&out->scene, NULL, &options, &out->plan, &err) &&
+                  lit_make(&out->plan, driver_of(NULL), &out->lit, &work, &err),
+              err.text);
     out->vertices = calloc((size_t)out->plan.n_instances, sizeof(struct slow_vertex *));
     out->triangles = calloc((size_t)out->plan.n_triangles, sizeof *out->triangles);
     out->fragments = calloc((size_t)out->plan.n_triangles, sizeof *out->fragments);
-    stop_unless(out->vertices && out->triangles && out->fragments, "no memory");
+    test_need(out->vertices && out->triangles && out->fragments, "no memory");
     for (int s = 0; s < out->plan.n_instances; s++) {
-        stop_unless(out->lit.surfaces[s].n_attributes <= SLOW_ATTRIBUTES, "too many attributes");
+        test_need(out->lit.surfaces[s].n_attributes <= SLOW_ATTRIBUTES, "too many attributes");
         out->vertices[s] = slow_vertices(&out->lit, s);
-        stop_unless(out->vertices[s] != NULL, "no memory");
+        test_need(out->vertices[s] != NULL, "no memory");
         for (int t = 0; t < out->lit.surfaces[s].instance->n_triangles; t++)
             out->triangles[out->n_triangles++] =
                 slow_triangle(&out->scene, out->lit.surfaces, out->vertices, s, t, exact);
@@ -102,7 +94,7 @@ static void close_picture(struct both *picture)
 static void open_chunk(const struct both *picture, int index, struct chunk *out)
 {
     struct rectangle tile = {0, 0, picture->scene.width, picture->scene.height};
-    stop_unless(chunk_draw(&picture->lit, &tile, index, out), "out of memory");
+    test_need(chunk_draw(&picture->lit, &tile, index, out), "out of memory");
 }
 
 static int n_chunks(const struct both *picture)
@@ -443,7 +435,7 @@ static void check_random_scenes(void)
     snprintf(path, sizeof path, "%s/reference.scene", test_folder());
     for (int i = 0; i < SCENES; i++) {
         FILE *file = fopen(path, "w");
-        stop_unless(file != NULL, path);
+        test_need(file != NULL, path);
         fprintf(file, "wavelengths 500 510 10\nsize %d %d\n", WIDTH, HEIGHT);
         put_camera(file, &state);
         for (int light = random_below(&state, 5); light > 0; light--)
@@ -547,7 +539,7 @@ static FILE *open_mesh(struct eye_view view, char path[4096])
     FILE *file;
     snprintf(path, 4096, "%s/reference.scene", test_folder());
     file = fopen(path, "w");
-    stop_unless(file != NULL, path);
+    test_need(file != NULL, path);
     fprintf(file, "wavelengths 500 510 10\nsize %d %d\ncamera ", WIDTH, HEIGHT);
     if (view.perspective)
         fprintf(file, "perspective 90");
@@ -563,7 +555,7 @@ static FILE *open_mesh(struct eye_view view, char path[4096])
     fclose(file);
     snprintf(mesh, sizeof mesh, "%s/reference.obj", test_folder());
     file = fopen(mesh, "w");
-    stop_unless(file != NULL, mesh);
+    test_need(file != NULL, mesh);
     return file;
 }
 

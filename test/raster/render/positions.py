@@ -13,7 +13,7 @@ import numpy as np
 import tifffile
 
 import rendered
-from rendered import TMP, check, done, objects_of, pages_of, refuses, run, write
+from rendered import TMP, check, done, objects_of, pages_of, run, write
 
 SIDES = (1, 2, 4, 8, 16)
 NM = ("--wavelengths", "450,550,650")
@@ -164,18 +164,10 @@ def other_commands():
         check(one.read() == two.read(), "the number of threads does not matter")
 
 
-def refusals():
-    for words, pattern in ((("--samples", "3"), "takes 1, 2, 4, 8 or 16 .* not 3"), (("--samples", "0"), "0 is out of range; it lies between 1 and 16"),
-                           (("--samples", "32"), "32 is out of range"), (("--samples", "two"), "number of positions"),
-                           (("--samples", "16", "--size", "100000x1"), "draws 1600000 positions a side, but 262144")):
-        refuses(" ".join(words), pattern, "render", "spheres", "-o", "/dev/null", *words)
-
-
 is_mean_of_a_wider_picture()
 maps()
 edges()
 areas()
 horizon()
 other_commands()
-refusals()
 done()

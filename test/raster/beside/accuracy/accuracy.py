@@ -12,7 +12,7 @@ import re
 import numpy as np
 
 from rendered import SCENES as BUILT_IN
-from rendered import TMP, check, colour_error_95, done, objects_of, pages_of, refuses, render, run, tristimulus, write
+from rendered import TMP, check, colour_error_95, done, objects_of, pages_of, render, run, tristimulus, write
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 SIZE = ("--size", "300x200")
@@ -215,16 +215,6 @@ def other_commands():
           "plan lists the refined objects", plan.stdout)
 
 
-def refusals():
-    scene = path_of(SCENES["near light"])
-    for words, pattern in ((("--accuracy", "0"), "0 is below 0.001"), (("--accuracy", "none"), "must be a number"),
-                           (("--accuracy", "8count"), "must be a number"), (("--accuracy", "counts"), "must be a number"),
-                           (("--accuracy", "1", "--sampling", "gauss:8", "--detector", "DETECTOR"),
-                            "needs an observer, and .* is none; expected counts")):
-        detector = path_of("# a camera\n" + "".join(f"{nm},{nm % 7},{nm % 3},1\n" for nm in range(400, 701, 10)), "camera.csv")
-        refuses(" ".join(words), pattern, "render", scene, "-o", "/dev/null", *[word.replace("DETECTOR", detector) for word in words])
-
-
 FULL = "FULL" in os.environ
 for scene_name, text in SCENES.items():
     keeps_its_promise(scene_name, text, ("2", "0.5", "0.1") if FULL else ("0.5",))
@@ -239,5 +229,4 @@ few_triangles()
 each_object()
 no_cracks()
 other_commands()
-refusals()
 done()

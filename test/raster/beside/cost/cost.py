@@ -20,7 +20,7 @@ import time
 import numpy as np
 import tifffile
 
-from rendered import (SPECTRAL, TMP, check, colour_error_95, done, objects_of, output_of, path_of, refuses, run, tristimulus,
+from rendered import (SPECTRAL, check, colour_error_95, done, objects_of, output_of, path_of, run, tristimulus,
                       write)
 
 CHECKER = os.path.abspath("data/builtin/materials/colorchecker")
@@ -271,13 +271,6 @@ def means(scene):
         seen = quantile(scene, [size, "--samples=2", *entry["options"]], [size, "--samples=4"], "cie1931")
         check(abs(seen - entry["dE00_95"]) <= 0.01 * seen + 1e-4, f"{entry['name']}: its error is that of its stack",
               seen, entry["dE00_95"])
-    refuses("a standard of more than 16 positions", "up to 8: its standard has twice as many", "cost", scene, "--samples", "16")
-
-
-def refusals(scene):
-    for options in (["--runs", "4"], ["--observer", "dcs200-camera"], ["--tolerance", "x"], ["--quick"], ["--tolerance", "0.5"],
-                    ["--tolerance", "1%"], ["--csv", "/missing/a.csv"], ["--svg", TMP]):
-        refuses(" ".join(options), "error: ", "cost", scene, *options)
 
 
 # ---- programs, as seen from outside ----
@@ -373,7 +366,6 @@ emission_lines(small)
 best = recommends(small)
 check(len(best) == 4 and "basis:" in best[0] and best[2].startswith("with spectra: riemann:1 phong x4"),
       "a basis is the most accurate configuration, and every nm the most accurate one with wavelengths", *best)
-refusals(small)
 programs()
 interruptions(small)
 if os.environ.get("FULL"):

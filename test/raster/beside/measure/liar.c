@@ -13,7 +13,6 @@
  *
  * Other lies are faults of fault.c, which is then loaded behind this library. */
 #define _GNU_SOURCE
-#include <dlfcn.h>
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -24,52 +23,40 @@
 /* after GL/gl.h, which osmesa.h includes */
 #include <GL/glext.h>
 
+#include "test/shared/preload.h"
+
 static bool lies(const char *about)
 {
     const char *lie = getenv("LIE");
     return lie && strcmp(lie, about) == 0;
 }
 
-/* ISO C does not allow a cast from an object pointer to a function pointer; POSIX promises that
- * this works. */
-static void real(const char *name, void *function)
-{
-    void *symbol = dlsym(RTLD_NEXT, name);
-    memcpy(function, &symbol, sizeof symbol);
-}
-
 const GLubyte *glGetString(GLenum name)
 {
-    const GLubyte *(*next)(GLenum);
-    real("glGetString", &next);
     const char *own = getenv("LIAR_NAME");
-    return name == GL_RENDERER ? (const GLubyte *)(own ? own : "Liar") : next(name);
+    return name == GL_RENDERER ? (const GLubyte *)(own ? own : "Liar") : REAL(glGetString)(name);
 }
 
 /* ---- where things are drawn ---- */
 
 void glLoadMatrixd(const GLdouble *matrix)
 {
-    void (*next)(const GLdouble *);
     GLdouble spoiled[16];
     GLint mode, viewport[4];
-    real("glLoadMatrixd", &next);
     memcpy(spoiled, matrix, sizeof spoiled);
     glGetIntegerv(GL_MATRIX_MODE, &mode);
     glGetIntegerv(GL_VIEWPORT, viewport);
     for (int i = 0; i < 16 && mode == GL_PROJECTION && lies("shift"); i += 4)
         spoiled[i] += 0.2 / viewport[2] * spoiled[i + 3];
-    next(spoiled);
+    REAL(glLoadMatrixd)(spoiled);
 }
 
 void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
                   void *pixels)
 {
-    void (*next)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *);
     const bool coarse = lies("coarse"), low = lies("low");
     GLuint *depths = pixels;
-    real("glReadPixels", &next);
-    next(x, y, width, height, format, type, pixels);
+    REAL(glReadPixels)(x, y, width, height, format, type, pixels);
     for (size_t i = 0; i < (size_t)width * (size_t)height && (coarse || low); i++) {
         if (coarse)
             depths[i] &= 0xffff00ffu;
@@ -103,22 +90,18 @@ static float filtered(const float *texels, const int size[2], const int at[2], i
 
 void glTexParameteri(GLenum target, GLenum name, GLint value)
 {
-    void (*next)(GLenum, GLenum, GLint);
-    real("glTexParameteri", &next);
-    next(target, name, lies("filter") && value == GL_LINEAR ? GL_NEAREST : value);
+    REAL(glTexParameteri)(target, name, lies("filter") && value == GL_LINEAR ? GL_NEAREST : value);
 }
 
 /* A side of one texel stays as it is. */
 void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height,
                   GLint border, GLenum format, GLenum type, const void *pixels)
 {
-    void (*next)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void *);
     const int size[2] = {width, height},
               step[2] = {width > 1 ? WEIGHTS : 1, height > 1 ? WEIGHTS : 1},
               across = width * step[0], up = height * step[1];
-    real("glTexImage2D", &next);
     if (!lies("filter")) {
-        next(target, level, internal, width, height, border, format, type, pixels);
+        REAL(glTexImage2D)(target, level, internal, width, height, border, format, type, pixels);
         return;
     }
     const int channels = format == GL_RGB ? 3 : 1, n = channels * across * up;
@@ -129,27 +112,23 @@ void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLs
         const int texel = i / channels, at[2] = {texel % across, texel / across};
         large[i] = filtered((const float *)pixels + i % channels, size, at, channels);
     }
-    next(target, level, internal, across, up, border, format, type, large);
+    REAL(glTexImage2D)(target, level, internal, across, up, border, format, type, large);
     free(large);
 }
 
 void glMaterialf(GLenum face, GLenum name, GLfloat value)
 {
-    void (*next)(GLenum, GLenum, GLfloat);
-    real("glMaterialf", &next);
     if (name == GL_SHININESS && (lies("gloss") || lies("dull")))
         value *= lies("dull") ? 0.999F : 0.999999F;
-    next(face, name, value);
+    REAL(glMaterialf)(face, name, value);
 }
 
 void glDrawElements(GLenum mode, GLsizei count, GLenum type, const void *indices)
 {
-    void (*next)(GLenum, GLsizei, GLenum, const void *);
-    real("glDrawElements", &next);
     if (lies("passes")) {
         glEnable(GL_POLYGON_OFFSET_FILL);
         glPolygonOffset(0, 1);
     }
-    next(mode, count, type, indices);
+    REAL(glDrawElements)(mode, count, type, indices);
     glDisable(GL_POLYGON_OFFSET_FILL);
 }

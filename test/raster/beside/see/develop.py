@@ -6,10 +6,8 @@ compares them pixel by pixel; some have closed forms. Prints TAP."""
 import os
 import re
 import pty
-import signal
 import struct
 import subprocess
-import time
 import zlib
 
 import numpy as np
@@ -412,14 +410,7 @@ def png_sizes():
     check(used == set(range(5)), "these rows take all five filters", used)
 
 
-def png_refusals(stack):
-    for name, says, *options in (("x.jpg", "x.jpg: error: the ending .jpg is unknown; expected .png, .tif or .tiff"),
-                                 ("x.pngs", "expected .png, .tif or .tiff"), ("x.y/z.bmp", "expected .png"),
-                                 ("x.png", "--xyz writes floats, and a PNG has none; expected .tif or .tiff", "--xyz"),
-                                 ("x.PNG", "--lab writes floats", "--lab")):
-        # refused before the stack is read
-        refuses(f"{name} {' '.join(options)}", says, "develop", "missing.tif", "-o", path_of(name), *options,
-                absent=path_of(name))
+def endings(stack):
     for name, start in ("x.PNG", b"\x89PNG"), ("x.Tiff", b"II*"), ("x", b"II*"), ("x.", b"II*"), (".x", b"II*"):
         path = os.path.join(TMP, name)
         result = develop(stack.path, "-o", path, "--quiet")
@@ -450,20 +441,6 @@ def standard_output(stack):
         os.close(ours)
         check(result.returncode == 2 and b"is a terminal" in result.stderr, f"-o {name} to a terminal is refused",
               result.stderr)
-
-
-def interrupted():
-    """A large picture is interrupted while it is written. No file of it stays."""
-    nm, path = [450, 550, 610], path_of("interrupted.png")
-    large = foreign("large", nm, np.random.default_rng(1).random((3, 3000, 2000)))
-    before = set(os.listdir(TMP))
-    process = subprocess.Popen([SPECTRAL, "develop", large.path, "-o", path, "--bits", "16", "--quiet"],
-                               stderr=subprocess.DEVNULL)
-    time.sleep(0.2)  # it takes more than a second
-    process.send_signal(signal.SIGTERM)
-    status = process.wait()
-    check(status == -signal.SIGTERM and set(os.listdir(TMP)) == before, "an interrupted PNG leaves no file",
-          status, set(os.listdir(TMP)) - before)
 
 
 # ---- sampling ----
@@ -548,7 +525,7 @@ def black_and_forged(rgb):
 
 # ---- refusals ----
 
-def refusals(stack, full, box, rgb, whiteless):
+def refusals(full, box, rgb, whiteless):
     path = path_of("refused.tif")
     if os.path.exists(path):
         os.unlink(path)
@@ -556,7 +533,6 @@ def refusals(stack, full, box, rgb, whiteless):
     infrared = foreign("infrared", [1000, 1100], np.ones((2, 4, 5)))
     negative = foreign("negative", [400, 500], np.array([np.ones((2, 2)), -np.ones((2, 2))]))
     for says, source, *options in (
-            ("which has no tristimulus values", stack.path, "--detector", "dcs200-camera", "--xyz"),
             ("--white", plain.path, "--lab"),
             ("--white", plain.path, "--detector", "dcs200-camera"),
             ("channel 3 of transparency-film responds to the white with 0", plain.path, "--detector", "transparency-film",
@@ -568,7 +544,6 @@ def refusals(stack, full, box, rgb, whiteless):
             ("need lights and reflectances apart", full, "--sampling", "rgb"),
             ("records no white", whiteless, "--sampling", "adaptive:0.01"),
             ("expected --detector cie1931", rgb, "--detector", "cie1964"),
-            ("--sampling", full, "--sampling", "gauss:65"),
             ("is -1; expected a finite number that is not negative", negative.path)):
         refuses(says, says, "develop", source, "-o", path, *options, absent=path)
 
@@ -581,13 +556,12 @@ foreign_stacks()
 readers(lights)
 png_readers(lights)
 png_sizes()
-png_refusals(lights)
+endings(lights)
 named_by_default(lights)
 standard_output(lights)
-interrupted()
 chunks_and_threads()
 SAMPLED = samplings()
 components(SAMPLED[2])
 black_and_forged(SAMPLED[2])
-refusals(lights, *SAMPLED)
+refusals(*SAMPLED)
 done()

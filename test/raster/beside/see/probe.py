@@ -219,15 +219,11 @@ def test_refusals(path, scene):
         for region in ((width, 0), (0, height), (width - 1, 0, 2, 1), (0, height - 1, 1, 2), (2147483647, 0),
                        (1, 1, 2147483647, 1)):
             refused(f"the picture has {size} pixels", source, *region)
-    refused("records no wavelengths", "data/builtin/textures/bark.tif", 0, 0)
     rgb, gauss = path_of("rgb.tif"), path_of("gauss.tif")
     for out, sampling in (rgb, "rgb"), (gauss, "gauss:6"):
         output_of("render", "metamers", "--size", "60x40", "--sampling", sampling, "--quiet", "-o", out)
     refused("a probe needs radiances at wavelengths; .*rgb.tif holds the components of rgb", rgb, 0, 0)
     check(run("probe", gauss, 20, 20).returncode == 0, "a sampled stack with radiances is probed")
-    refused("no tristimulus values", path, 0, 0, "--observer", "transparency-film")
-    refused("--white", path, 0, 0, "--white", "d66")
-    refused("--white", scene, 0, 0, "--white", "d66")
 
 
 STACK = test_stack()

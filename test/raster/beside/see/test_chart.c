@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Plots are well-formed XML for any values; axes have round steps; every point lies where its
- * numbers put it. test/raster/beside/see/probe.py reads plots of spectra back. */
+/* Plots are well-formed XML for any values, and axes have round steps. probe.py reads plots of
+ * spectra back: every point lies where its numbers put it, and the bytes are the same each time. */
 #include "raster/beside/see/inside.h"
 #include "svg.h"
 
@@ -94,20 +94,12 @@ static void test_degenerate(void)
     }
 }
 
-static void test_places(void)
+static void test_bands(void)
 {
     const double x[] = {400, 500, 600}, y[] = {0, 2, 1}, spread[] = {0, 0.5, 0};
     struct chart_line line;
     struct chart chart = chart_of(&line, 3, x, y);
     char *svg = svg_of(&chart);
-    const char *path = strstr(svg, "stroke-linejoin"), *d = path ? strstr(path, " d=\"") : NULL;
-    double at[6] = {0};
-    int n = d == NULL ? 0
-                      : sscanf(d, " d=\"M%lf,%lfL%lf,%lfL%lf,%lf\"", &at[0], &at[1], &at[2], &at[3],
-                               &at[4], &at[5]);
-    CHECK(n == 6, "three points draw a path of three points");
-    CHECK_NEAR(at[2] - at[0], at[4] - at[2], 0.011, "equal steps of x have equal widths");
-    CHECK_NEAR(at[1] - at[3], 2 * (at[1] - at[5]), 0.021, "twice the value is twice as high");
     CHECK(strstr(svg, "fill-opacity") == NULL && strstr(svg, "visible") == NULL,
           "a chart without spread has no grey band, and without wavelengths no spectrum");
     free(svg);
@@ -133,17 +125,14 @@ static void test_text(void)
     const double x[] = {400, 500}, y[] = {0, 1};
     struct chart_line line;
     struct chart chart = chart_of(&line, 2, x, y);
-    char *svg, *again, longest[4001];
+    char *svg, longest[4001];
     line.name = "<b> & \"quotes\" \x01 \xff \xef\xbf\xbf \xc3\xa4";
     svg = svg_of(&chart);
-    again = svg_of(&chart);
     CHECK(svg_is_sound(svg), "names are escaped");
     CHECK(strstr(svg, "&lt;b&gt; &amp; &quot;quotes&quot; \xef\xbf\xbd \xef\xbf\xbd \xef\xbf\xbd "
                       "\xc3\xa4</text>") != NULL,
           "bytes that XML cannot hold are replaced");
-    CHECK_TEXT(svg, again, "the same chart has the same bytes each time");
     free(svg);
-    free(again);
     memset(longest, 'w', sizeof longest - 1);
     longest[sizeof longest - 1] = '\0';
     line.name = chart.title = chart.x_label = chart.y_label = longest;
@@ -180,7 +169,7 @@ int main(void)
 {
     test_ticks();
     test_degenerate();
-    test_places();
+    test_bands();
     test_text();
     test_strokes();
     return test_end();

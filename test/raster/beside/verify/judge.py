@@ -16,7 +16,7 @@ import subprocess
 import numpy as np
 import tifffile
 
-from rendered import SPECTRAL, bail_out, check, done, output_of, pages_of, path_of, refuses, run, write
+from rendered import EFFECTS, SPECTRAL, bail_out, check, done, output_of, pages_of, path_of, refuses, run, write
 
 FAIL = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
 DRAW = path_of("draw")
@@ -24,20 +24,6 @@ DRAWN = path_of("drawn")
 SIZE = (90, 60)
 COMMON = ("--size", f"{SIZE[0]}x{SIZE[1]}", "--full-scale", "4")  # a power of two rounds nothing
 SHORT = ("--wavelengths", "400:700:50")
-# Eleven lights take two groups; a mirrored, a two-sided and a textured object; a spot; an attenuation; seven bands.
-OWN = """wavelengths 400 700 50
-size 90 60
-shading flat
-camera perspective 40 eye 0 0 6
-light d65 0.5 position 2 2 5 spot 0 0 -1 60 2
-light a 0.2 position -1 2 3 attenuation 1 0.1 0.05
-""" + "".join(f"light gaussian:{440 + 20 * i},40 0.1 direction {i - 4} 1 2\n" for i in range(9)) + """
-ambient gaussian:550,80 0.1
-material m { diffuse 0.6 specular 0.3 gloss 20 texture checks }
-material n { diffuse 0.3 }
-object sphere 0.8 12 8 material m two-sided rotate 30 0 1 0 scale 1 -1.2 1 translate -1 0 0
-object torus 0.3 0.6 8 12 material n translate 1 0 0
-"""
 
 
 def compile_sample():
@@ -212,13 +198,8 @@ def refusals(scene):
     os.symlink("/dev/zero", os.path.join(DRAWN, "depths.bin"))
     refuses("depths.bin is a device", "depths.bin: it is no regular file", *words)
     os.remove(os.path.join(DRAWN, "depths.bin"))
-    refuses("no pixels", "needs SCENE and PIXELS", "judge", scene)
-    refuses("a missing folder", "nosuch", "judge", scene, path_of("nosuch"), *COMMON)
-    refuses("no folder to write", "needs -o FOLDER", "export", scene)
     refuses("a folder that exists", "exists already", "export", scene, "-o", DRAWN)
     refuses("a folder below none", "cannot make the folder: No such file", "export", scene, "-o", path_of("nosuch/folder"))
-    refuses("phong shading", "add --shading smooth", "export", scene, "--shading", "phong", "-o", path_of("nosuch"))
-    refuses("a picture that is too large", "in one piece, of at most 8192 x", "judge", scene, DRAWN, "--size", "9000x10")
 
 
 def whole_or_not():
@@ -248,7 +229,7 @@ def whole_or_not():
 
 
 compile_sample()
-own = write("own.scene", OWN)
+own = write("own.scene", EFFECTS.replace("700 10\n", "700 50\nshading flat\n"))
 for each in ("llvmpipe", "softpipe"):
     agrees(own, each)
     agrees("room", each, *SHORT)

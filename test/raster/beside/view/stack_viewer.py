@@ -11,7 +11,7 @@ from osgeo import gdal
 
 from browser import Browser, Firefox
 from colours import srgb
-from rendered import SPECTRAL, check, developed, done, output_of, path_of, reference, refuses, run, values_of
+from rendered import SPECTRAL, check, developed, done, output_of, path_of, reference, run, values_of
 
 gdal.UseExceptions()
 PROGRAM = os.path.abspath(SPECTRAL)
@@ -211,10 +211,6 @@ def alone(browser, which, header):
 
 def refusals():
     stack = path_of("own.tif")
-    for words, part in (((stack, "--size", "10x10"), "--size"), ((stack, "-o", path_of("x.png")), "develop"),
-                        ((stack, "--budget", "nothing"), "--budget"), (("spheres", "--budget", "9"), "is a scene"),
-                        ((stack, "--still"), "is a stack")):
-        refuses(f"view {' '.join(words)}", part, "view", *words)
     facts = json.loads(output_of("view", stack, "-o", path_of("x.html"), "--quiet", "--json", "-"))
     check(facts["width"] == 60 and facts["bands"] == 93 and facts["factor"] == 1 and
           facts["bytes"] == os.path.getsize(path_of("x.html")), "--json has the figures of a page of a stack", facts)
