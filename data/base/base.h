@@ -61,14 +61,7 @@ int printable_length(const unsigned char *at);
  */
 void hide_unprintable(char *text, const char *kept);
 
-/* ---- was_read.c: the files that this process has opened for reading ---- */
-
-/* Notes the regular file of a descriptor: pipes and devices are never replaced. Every opening for
- * reading comes through file.c, which calls this. Fails without memory. */
-bool file_note_read(int descriptor, struct error *err);
-bool file_was_read(const char *path); /* also under another name of the file */
-
-/* ---- descriptor.c: bytes of an open file ---- */
+/* ---- descriptor.c: bytes of open files, and which this process has read ---- */
 
 /* Repeats a call of the system that a signal has interrupted, e.g. UNTIL_DONE(got, read(...)). */
 #define UNTIL_DONE(result, call)                                                                   \
@@ -76,11 +69,18 @@ bool file_was_read(const char *path); /* also under another name of the file */
         (result) = (call);                                                                         \
     while ((result) < 0 && errno == EINTR)
 
+/* An offset that stands for the descriptor's own place, as in a pipe. */
+#define OWN_PLACE UINT64_MAX
 /* Reads `length` bytes, or fewer where the file ends. Returns their number; -1: see errno. */
 ssize_t read_at(int descriptor, void *bytes, size_t length, uint64_t offset);
-/* Write all bytes, at the descriptor's own place or at an offset. Return false with errno. */
-bool write_all(int descriptor, const void *bytes, size_t length);
+/* Write all bytes, at the offset or at the descriptor's own place. Return false with errno. */
 bool write_at(int descriptor, const void *bytes, size_t length, uint64_t offset);
+bool write_all(int descriptor, const void *bytes, size_t length);
+
+/* Notes the regular file of a descriptor: pipes and devices are never replaced. Every opening for
+ * reading comes through file.c, which calls this. Fails without memory. */
+bool file_note_read(int descriptor, struct error *err);
+bool file_was_read(const char *path); /* also under another name of the file */
 
 /* ---- memory.c: the memory that a command may take ---- */
 
@@ -171,8 +171,8 @@ typedef bool pipeline_stage(void *context, struct error *err);
 enum { MOST_STAGES = 3 };
 /* Runs the stages at the same time, the first one on this thread, and returns when all have ended.
  * If a stage fails, the others stop where they wait for it, and *err is the error of the first. */
-bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n, void *context,
-                  struct error *err);
+bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n,
+                  void *context, struct error *err);
 
 /* A row of places that one stage fills in turn, and another takes and frees in the same order. It
  * says only which places are full; their contents belong to the stages. Zero it, but for the first
@@ -238,7 +238,7 @@ void guard_hold(void);
 void guard_release(void);
 bool is_interrupted(void); /* such a signal waits */
 
-/* ---- process.c: a job in a process of its own ---- */
+/* ---- process.c: a job, or this program again, in a process of its own ---- */
 
 /* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
  * What the job has read counts as read by this process: see file_was_read. No other thread of this
@@ -246,8 +246,6 @@ bool is_interrupted(void); /* such a signal waits */
  * OpenGL would wait for them. */
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
                  size_t size, struct error *err);
-
-/* ---- program.c: this program again, as a user's command line runs it ---- */
 
 /* The seconds of a program from exec to exit: by the clock; and of the processor, for the user and
  * for the system, in all processes of the program. */

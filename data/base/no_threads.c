@@ -1,39 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Loops and stages where the system has no threads. A stage runs until a queue that it fills has no
+/* Stages where the system has no threads. A stage runs until a queue that it fills has no
  * free place: then the next stage takes what is there. So only the last of two stages may wait. */
 #include "data/base/base.h"
-
-int threads_count(int wanted)
-{
-    (void)wanted;
-    return 1;
-}
-
-int threads_for(int n_threads, size_t n, size_t least)
-{
-    (void)n_threads, (void)n, (void)least;
-    return 1;
-}
-
-void threads_each(int n_threads, int n, void (*work)(void *context, int i), void *context)
-{
-    (void)n_threads;
-    for (int i = 0; i < n; i++)
-        work(context, i);
-}
-
-void threads_blocks(int n_threads, size_t n, size_t block,
-                    void (*work)(void *context, size_t first, size_t end), void *context)
-{
-    (void)n_threads, (void)block;
-    if (n > 0)
-        work(context, 0, n);
-}
-
-void counter_add(struct counter *to, uint64_t n)
-{
-    to->n += n;
-}
 
 /* ---- queues ---- */
 
@@ -83,8 +51,8 @@ void queue_end(struct queue *queue)
 
 /* ---- stages ---- */
 
-bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n, void *context,
-                  struct error *err)
+bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n,
+                  void *context, struct error *err)
 {
     struct rest rest = {stages + 1, n - 1, context, err};
     *out = (struct pipeline){.alone = alone, .rest = &rest};

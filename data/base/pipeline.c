@@ -111,8 +111,8 @@ static int start(struct worker *workers, int n)
     return running;
 }
 
-bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n, void *context,
-                  struct error *err)
+bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n,
+                  void *context, struct error *err)
 {
     struct worker workers[MOST_STAGES];
     *out = (struct pipeline){.alone = alone};
