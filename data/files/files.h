@@ -29,14 +29,13 @@ enum { BUILTIN_NAME = 256 };
 bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
                   char out[BUILTIN_NAME]);
 
-/* Reads a whole file, or a "builtin:..." file. *bytes is allocated, with a NUL behind its *length
- * bytes. Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a
- * NUL byte. The message names `from`, the place that names the file; its path is NULL when the
- * command line names it. Waits for a pipe only then. */
-bool file_read(const char *path, struct place from, char **bytes, size_t *length,
-               struct error *err);
+/* Reads a whole text file, or a "builtin:..." file, into an allocated string; NULL after an error.
+ * Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a NUL
+ * byte. The message names `from`, the place that names the file; its path is NULL when the command
+ * line names it. Waits for a pipe only then. */
+char *file_read(const char *path, struct place from, struct error *err);
 /* Reads standard input likewise, to its end. Messages call it `name`. */
-bool input_read(const char *name, char **bytes, size_t *length, struct error *err);
+char *input_read(const char *name, struct error *err);
 
 /* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
  * Refuses what file_read refuses, but accepts NUL bytes. */
@@ -65,6 +64,8 @@ bool file_format(const char *path, const char **out, struct error *err);
  * no memory. */
 char *envi_data(const char *path);
 
+/* ---- digest.c: SHA-256, and digests of the files that this process has read ---- */
+
 struct digest {
     uint32_t hash[8];
     unsigned char block[64]; /* bytes that do not fill a block yet */
@@ -75,8 +76,6 @@ void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 void digest_bytes(const void *bytes, size_t length, char out[65]);
 bool digest_file(const char *path, char out[65], struct error *err);
-
-/* ---- noted.c: digests of the files that this process has read ---- */
 
 /* Notes the digest of a file as its bytes were read, or as it lies open. A built-in file has none.
  */
@@ -131,7 +130,7 @@ bool printed_write(struct printed *printed, const char *path, struct outputs *ou
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
 bool output_can_open(const char *path, struct error *err);
 
-/* ---- disk.c: room on the disk ---- */
+/* ---- temporary.c: room on the disk ---- */
 
 /* Refuses a disk that has no room for so many bytes more, before hours of rendering are lost. */
 bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err);

@@ -5,9 +5,6 @@
 
 #include "data/files/files.h"
 
-/* Reads an open file for it; messages name the path. */
-bool digest_descriptor(const char *path, int descriptor, char out[65], struct error *err);
-
 /* output.c: syncs the folder of a path, so that its new name outlives a crash of the machine. The
  * file is whole in any case, so a failure is none of the output. */
 void folder_sync(const char *path);

@@ -16,10 +16,9 @@
 /* A closed pipe gets no message. */
 static bool write_fault(struct error *err, const char *path)
 {
-    const struct place nowhere = {NULL, 0, 0};
     if (errno == EPIPE)
         return error_unread(err);
-    return error_cause(err, nowhere, errno, "cannot write %s",
+    return error_cause(err, NOWHERE, errno, "cannot write %s",
                        output_is_standard(path) ? "to standard output" : path);
 }
 

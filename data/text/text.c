@@ -69,12 +69,11 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
 static bool open_file(struct text *out, const char *path, struct place from, size_t longest,
                       struct error *err)
 {
-    char *bytes;
-    size_t length;
+    char *bytes = file_read(path, from, err);
     *out = (struct text){0};
-    if (!file_read(path, from, &bytes, &length, err) || !start(out, path, bytes, longest, err))
+    if (!bytes || !start(out, path, bytes, longest, err))
         return false;
-    if (digest_note(path, bytes, length, err))
+    if (digest_note(path, bytes, out->length, err))
         return true;
     text_free(out);
     return false;
@@ -97,10 +96,9 @@ bool text_open(struct text *out, const char *path, struct place from, struct err
 
 bool text_open_input(struct text *out, const char *name, struct error *err)
 {
-    char *bytes;
-    size_t length;
+    char *bytes = input_read(name, err);
     *out = (struct text){0};
-    return input_read(name, &bytes, &length, err) && start(out, name, bytes, longest_text, err);
+    return bytes && start(out, name, bytes, longest_text, err);
 }
 
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
