@@ -90,11 +90,11 @@ bool digest_was_read(const char *path, char out[65]);
  * pipe, a device, "-" for standard output) receives a copy of a temporary file. */
 struct output {
     int descriptor;
-    char *path;      /* final name, links resolved */
-    char *temporary; /* the path under which this process can read the file before it has its final
-                        name; NULL: no file is open */
-    bool named;      /* the temporary name stands in the folder, and must be removed */
-    bool copied;     /* path is no regular file, or "-": copy at the end */
+    char *path;           /* final name, links resolved */
+    char temporary[4096]; /* the path under which this process can read the file before it has its
+                             final name; "": no file is open. Linux takes no longer one */
+    bool named;           /* the temporary name stands in the folder, and must be removed */
+    bool copied;          /* path is no regular file, or "-": copy at the end */
 };
 /* Creates the file. Refuses a path that cannot be written, a terminal, and a file that this process
  * has read: see file_was_read. */
@@ -153,7 +153,7 @@ bool output_is_stream(const char *path);   /* true of "-", and of what exists an
 /* ---- folder.c: a folder for files that nobody keeps ---- */
 
 struct folder {
-    char path[4096]; /* Linux takes no longer one; "": there is none */
+    char path[4096]; /* "": there is none */
     DIR *entries; /* open, so that the folder can be emptied without memory; NULL: there is none */
 };
 /* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove). The caller lets the

@@ -12,16 +12,13 @@
 
 #include "data/files/inside.h"
 
-/* The longest name in /proc, or what a temporary name adds; the most names that are tried. */
-enum { NAME_ROOM = 64, MOST_NAMES = 10000 };
+enum { MOST_NAMES = 10000 }; /* that are tried */
 
 /* ---- files without a name ---- */
 
-#ifdef O_TMPFILE
-static void write_link(char out[NAME_ROOM], int descriptor)
-{
-    snprintf(out, NAME_ROOM, "/proc/self/fd/%d", descriptor);
-}
+#ifndef O_TMPFILE
+#define O_TMPFILE O_DIRECTORY /* no folder opens for writing: each file then has a name */
+#endif
 
 /* Without /proc such a file cannot get a name later. */
 static bool create_nameless(struct output *out, const char *folder, mode_t mode)
@@ -29,7 +26,7 @@ static bool create_nameless(struct output *out, const char *folder, mode_t mode)
     UNTIL_DONE(out->descriptor, open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, mode));
     if (out->descriptor < 0)
         return false;
-    write_link(out->temporary, out->descriptor);
+    snprintf(out->temporary, sizeof out->temporary, "/proc/self/fd/%d", out->descriptor);
     if (access(out->temporary, F_OK) == 0)
         return true;
     close(out->descriptor);
@@ -39,78 +36,52 @@ static bool create_nameless(struct output *out, const char *folder, mode_t mode)
 
 static bool link_nameless(int descriptor, const char *path)
 {
-    char name[NAME_ROOM];
-    write_link(name, descriptor);
+    char name[64];
+    snprintf(name, sizeof name, "/proc/self/fd/%d", descriptor);
     return linkat(AT_FDCWD, name, AT_FDCWD, path, AT_SYMLINK_FOLLOW) == 0;
 }
-#else
-static bool create_nameless(struct output *out, const char *folder, mode_t mode)
-{
-    (void)out;
-    (void)folder;
-    (void)mode;
-    return false;
-}
-
-static bool link_nameless(int descriptor, const char *path)
-{
-    (void)descriptor;
-    (void)path;
-    return false;
-}
-#endif
 
 /* ---- files with a temporary name ---- */
 
 /* Writes .NAME.PID.N.tmp beside the path. NAME is cut, so that the name stays below NAME_MAX. */
-static void write_name(char *out, const char *path, int attempt)
+static bool write_name(struct output *out, const char *path, int attempt)
 {
     const char *name = path_name(path);
-    sprintf(out, "%.*s.%.200s.%ld.%d.tmp", (int)(name - path), path, name, (long)getpid(), attempt);
+    errno = ENAMETOOLONG;
+    return snprintf(out->temporary, sizeof out->temporary, "%.*s.%.200s.%ld.%d.tmp",
+                    (int)(name - path), path, name, (long)getpid(),
+                    attempt) < (int)sizeof out->temporary;
 }
 
 /* Opens a new file under its temporary name. The guard knows the name first, so that no moment is
  * left in which a signal leaves the file behind. */
 static bool create_named(struct output *out, const char *path, mode_t mode)
 {
-    errno = EEXIST;
-    for (int attempt = 0; attempt < MOST_NAMES && errno == EEXIST; attempt++) {
-        write_name(out->temporary, path, attempt);
-        if (!guard_remove(out->temporary)) {
-            errno = ENAMETOOLONG;
+    for (int attempt = 0; attempt < MOST_NAMES; attempt++) {
+        if (!write_name(out, path, attempt) || !guard_remove(out->temporary))
             return false;
-        }
         UNTIL_DONE(out->descriptor,
                    open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
         out->named = out->descriptor >= 0;
         if (out->named)
             return true;
         guard_forget(out->temporary);
+        if (errno != EEXIST)
+            return false;
     }
     return false;
 }
 
 /* ---- both ---- */
 
-/* The names may be as long as the path and NAME_ROOM twice: PID and N are numbers of 20 digits at
- * most. */
-static bool create_in(const char *folder, struct output *out, const char *path, mode_t mode)
-{
-    out->temporary = malloc(strlen(path) + 2 * NAME_ROOM);
-    if (!out->temporary)
-        return false;
-    if (create_nameless(out, folder, mode) || create_named(out, path, mode))
-        return true;
-    free(out->temporary);
-    out->temporary = NULL;
-    return false;
-}
-
 bool temporary_create(struct output *out, const char *path, mode_t mode)
 {
     char *folder = file_relative(path, ".");
-    const bool done = folder && create_in(folder, out, path, mode);
+    const bool done =
+        folder && (create_nameless(out, folder, mode) || create_named(out, path, mode));
     const int cause = errno;
+    if (!done)
+        out->temporary[0] = '\0';
     free(folder);
     errno = cause;
     return done;
@@ -121,8 +92,8 @@ bool temporary_create(struct output *out, const char *path, mode_t mode)
 static bool name_temporarily(struct output *out, const char *path)
 {
     for (int attempt = 0; attempt < MOST_NAMES && !out->named; attempt++) {
-        write_name(out->temporary, path, attempt);
-        out->named = link_nameless(out->descriptor, out->temporary);
+        out->named =
+            write_name(out, path, attempt) && link_nameless(out->descriptor, out->temporary);
         if (!out->named && errno != EEXIST)
             return false;
     }
@@ -144,12 +115,11 @@ bool temporary_name(struct output *out, const char *path)
 void temporary_remove(struct output *out)
 {
     const int cause = errno;
-    if (out->temporary && out->named) {
+    if (out->named) {
         unlink(out->temporary);
         guard_forget(out->temporary);
     }
-    free(out->temporary);
-    out->temporary = NULL;
+    out->temporary[0] = '\0';
     out->named = false;
     errno = cause;
 }

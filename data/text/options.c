@@ -1,12 +1,43 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads a command line by the rules of a table. */
+/* Reads a command line by the rules of a table, and explains the options in it. */
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "data/text/inside.h"
+#include "data/text/text.h"
+
+/* ---- options that many commands take ---- */
+
+static const struct option common_rows[] = {
+    {"--memory MIB", "MiB of memory that a command may take beyond a tile's 300 (default: 1024)",
+     SHARED(COUNT, memory_mib), .lowest = 1, .highest = 1 << 24},
+    {"-h, --help", "prints the help of this command; spectral -V, --version prints the versions",
+     SHARED(FLAG, help)},
+};
+static const struct option threads_rows[] = {
+    {"-j, --threads N", "threads to compute with (default: one per processor)",
+     SHARED(COUNT, threads), .lowest = 1, .highest = 1024},
+};
+static const struct option json_rows[] = {
+    {"--json FILE", "writes the results as JSON; - is standard output", SHARED(TEXT, json),
+     .writes = true},
+};
+static const struct option quiet_rows[] = {
+    {"-q, --quiet", "prints no table and no progress", SHARED(FLAG, quiet)},
+};
+static const struct option seeing_rows[] = {
+    {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
+     SHARED(TEXT, detector)},
+    {"--white SPECTRUM", "the light of the white (default: those that the stack records)",
+     SHARED(TEXT, white)},
+};
+const struct option_list common_options = OPTION_LIST(common_rows),
+                         threads_option = OPTION_LIST(threads_rows),
+                         json_option = OPTION_LIST(json_rows),
+                         quiet_option = OPTION_LIST(quiet_rows),
+                         seeing_options = OPTION_LIST(seeing_rows);
 
 /* ---- values ---- */
 
@@ -50,12 +81,19 @@ static bool check_choice(const char *option, const char *const *choices, const c
 
 /* ---- one option ---- */
 
-const struct option *option_next(struct option_walk *walk)
+/* Goes through the options of a command; zero it before use, but for the command. */
+struct option_walk {
+    const struct command *command;
+    bool recorded; /* only those that a stack records */
+    int list, row; /* the next one */
+};
+
+/* NULL: there is none. */
+static const struct option *option_next(struct option_walk *walk)
 {
     for (; walk->command->lists[walk->list]; walk->list++, walk->row = 0)
         while (walk->row < walk->command->lists[walk->list]->n) {
-            const struct option *option =
-                &walk->command->lists[walk->list]->options[walk->row++];
+            const struct option *option = &walk->command->lists[walk->list]->options[walk->row++];
             if (option->recorded || !walk->recorded)
                 return option;
         }
@@ -208,18 +246,26 @@ static int long_name(const struct option *row, const char **out)
     return (int)strcspn(*out, " ,");
 }
 
-/* Refuses an output that is the file of another option. A value that is no file is none of them. */
+/* Finds whether a value names the file that is written; if it names none, it is another one. */
+static bool names_written(const char *written, const char *value, bool is_file, bool *out,
+                          struct error *err)
+{
+    *out = false;
+    return (is_file || file_is_regular(value, &is_file, err)) &&
+           (!is_file || file_is_same(written, value, out, err));
+}
+
+/* Refuses an output that is the file of another option. */
 static bool spares_option(const struct options *options, const struct option *writes,
                           const struct option *row, struct error *err)
 {
     const char *written = given_text(options, writes), *named = given_text(options, row), *one,
                *other;
-    bool is_file = row->writes, same = false;
+    bool same;
     const bool again = row->made_again && written == options->output;
     if (row == writes || !named || strcmp(written, "/dev/null") == 0 || again)
         return true;
-    if ((!is_file && !file_is_regular(named, &is_file, err)) ||
-        (is_file && !file_is_same(written, named, &same, err)))
+    if (!names_written(written, named, row->writes, &same, err))
         return false;
     const int length = long_name(writes, &one), other_length = long_name(row, &other);
     return !same || error_usage(err, "%.*s and %.*s name the same file; expected two files", length,
@@ -229,11 +275,9 @@ static bool spares_option(const struct options *options, const struct option *wr
 /* Refuses an output that is the file of an operand. */
 static bool spares_operand(const char *written, const char *operand, struct error *err)
 {
-    bool is_file = false, same = false;
-    if (!file_is_regular(operand, &is_file, err) ||
-        (is_file && !file_is_same(written, operand, &same, err)))
-        return false;
-    return !same || error_usage(err, "%s would replace an input; expected another file", written);
+    bool same;
+    return names_written(written, operand, false, &same, err) &&
+           (!same || error_usage(err, "%s would replace an input; expected another file", written));
 }
 
 /* Refuses outputs that would replace another file of the command line. */
@@ -346,4 +390,44 @@ int options_table(const struct options *options, const char *output)
 const char *options_detector(const struct options *options)
 {
     return options->detector ? options->detector : "cie1931";
+}
+
+/* ---- help, in lines of a terminal's width ---- */
+
+enum { HELP_WIDTH = 80, HELP_COLUMN = 34 }; /* of a line; where an explanation begins */
+
+void help_words(struct printed *to, const char *text, int column)
+{
+    const char *gap = "";
+    for (int at = column, length; *(text += strspn(text, " \n")); text += length) {
+        length = (int)strcspn(text, " \n");
+        if (at + (int)strlen(gap) + length > HELP_WIDTH) {
+            print(to, "\n%*s", column, "");
+            at = column;
+            gap = "";
+        }
+        print(to, "%s%.*s", gap, length, text);
+        at += (int)strlen(gap) + length;
+        gap = " ";
+    }
+    print_text(to, "\n");
+}
+
+/* Prints an option as the user types it, and its explanation beside it, or below if there is no
+ * room. */
+static void help_explain(struct printed *to, const char *typed, const char *explanation)
+{
+    const int used = 2 + (int)strlen(typed);
+    print(to, "  %s", typed);
+    if (used + 2 > HELP_COLUMN)
+        print_text(to, "\n");
+    print(to, "%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
+    help_words(to, explanation, HELP_COLUMN);
+}
+
+void help_options(const struct command *command, struct printed *to)
+{
+    struct option_walk walk = {.command = command};
+    for (const struct option *option; (option = option_next(&walk));)
+        help_explain(to, option->usage, option->help);
 }

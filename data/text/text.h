@@ -85,7 +85,7 @@ bool text_number(struct text *text, const char *what, double lowest, double high
 bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
                   struct error *err);
 
-/* ---- suggest.c: "did you mean ...?" ---- */
+/* ---- words.c: "did you mean ...?" ---- */
 
 enum { LIST_SIZE = 512 };
 /* The known words beside an unknown one. Zero it before use. */
@@ -298,8 +298,6 @@ bool option_number(const char *option, const char *value, double lowest, double 
                    double *out, struct error *err);
 bool option_count(const char *option, const char *value, double lowest, double highest, int *out,
                   struct error *err); /* a whole number, up to INT_MAX */
-
-/* ---- help.c: the explanations of --help ---- */
 
 /* Prints the words of a text from the cursor's column on. A new line begins at that column. */
 void help_words(struct printed *to, const char *text, int column);
