@@ -112,8 +112,6 @@ void patch_enter(const struct shape *shape, double *u, double *v);
 /* Returns the place on a patch, rounded to 2^-18 of a cell, with its outward normal. */
 struct vertex patch_vertex(const struct patches *patches, int patch, double u, double v);
 
-/* ---- build.c: the triangles of a shape ---- */
-
 /* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
 
