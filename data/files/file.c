@@ -43,26 +43,15 @@ static bool fail_read(struct error *err, struct place from, const char *path)
     return error_cause(err, from, errno, "cannot read %s", path);
 }
 
-/* Opens a file, and looks at it. Returns -1 on failure. */
-static int open_file(const char *path, int flags, struct stat *status)
-{
-    int descriptor, got;
-    UNTIL_DONE(descriptor, open(path, O_RDONLY | O_CLOEXEC | flags));
-    if (descriptor < 0)
-        return -1;
-    UNTIL_DONE(got, fstat(descriptor, status));
-    if (got == 0)
-        return descriptor;
-    close(descriptor);
-    return -1;
-}
-
-/* Opens a file that is no folder. Returns its descriptor; -1: it is refused. */
+/* Opens a file that is no folder, and looks at it. Returns its descriptor; -1: it is refused. */
 static int open_readable(const char *path, struct place from, int flags, struct stat *status,
                          struct error *err)
 {
-    const int descriptor = open_file(path, flags, status);
-    if (descriptor < 0)
+    int descriptor, got = 0;
+    UNTIL_DONE(descriptor, open(path, O_RDONLY | O_CLOEXEC | flags));
+    if (descriptor >= 0)
+        UNTIL_DONE(got, fstat(descriptor, status));
+    if (descriptor < 0 || got < 0)
         fail_read(err, from, path);
     else if (S_ISDIR(status->st_mode))
         refuse_read(err, from, path, "it is a folder");

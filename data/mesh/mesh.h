@@ -37,7 +37,7 @@ void mesh_box(const struct mesh *mesh, struct vector *low, struct vector *high);
 void mesh_planar(struct mesh *mesh);
 void mesh_free(struct mesh *mesh);
 
-/* closed.c. Finds whether each edge of each triangle is, the other way round, one of another
+/* Finds whether each edge of each triangle is, the other way round, one of another
  * triangle: the mesh has no border. A mesh with a border is taken for a closed one with a chance of
  * 2^-64. */
 bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err);

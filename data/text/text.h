@@ -172,13 +172,10 @@ enum file_kind {
     FILE_MODEL,
     FILE_MAP, /* of materials of a mesh */
     FILE_TEXTURE,
-    FILE_KINDS
+    FILE_KINDS /* none: no built-in file is of this kind */
 };
 /* Writes the name of a built-in file of this kind. Returns false if the file is of another kind. */
 bool builtin_is(const struct builtin_file *file, enum file_kind kind, char out[BUILTIN_NAME]);
-/* Finds the path of the file that a word names, relative to the word's own file. *out is allocated.
- * Refuses an empty word. */
-bool word_path(const struct word *word, char **out, struct error *err);
 /* Finds the file that a word names: a built-in one by its name, or a file relative to the word's
  * own file; if that is missing, a built-in one whose name differs in case. *out is its path,
  * allocated. Refuses an empty word, but not a missing file. */
@@ -199,9 +196,9 @@ struct option {
     const char *usage; /* names with their dashes, then the value's: "-o, --output FILE" */
     const char *help;  /* for --help, which breaks its lines */
     enum option_kind kind;
-    bool own;                   /* the value is in the command's own options, not in struct options */
-    size_t offset;              /* of the value there; unused by OPTION_CHANGE */
-    double lowest, highest;     /* of a number or a count */
+    bool own;               /* the value is in the command's own options, not in struct options */
+    size_t offset;          /* of the value there; unused by OPTION_CHANGE */
+    double lowest, highest; /* of a number or a count */
     const char *const *choices; /* OPTION_TEXT: the words to choose from, then NULL; NULL: any */
     /* OPTION_TEXT: refuses a value that the command cannot use; NULL: any is good. */
     bool (*accepts)(const char *option, const char *value, struct error *err);
@@ -221,7 +218,10 @@ struct option_list {
     const struct option *options;
     int n;
 };
-#define OPTION_LIST(rows) {(rows), (int)(sizeof(rows) / sizeof *(rows))}
+#define OPTION_LIST(rows)                                                                          \
+    {                                                                                              \
+        (rows), (int)(sizeof(rows) / sizeof *(rows))                                               \
+    }
 
 struct options;
 struct command {
@@ -254,8 +254,8 @@ enum { MAX_OPERANDS = 1024, MAX_RECORDED = 64 };
  * given. */
 struct options {
     const struct command *command;
-    const char *program;              /* the name that the user started the program by */
-    const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
+    const char *program; /* the name that the user started the program by */
+    const char *operand; /* the first one: SCENE, STACK or KIND; NULL: none */
     const char *operands[MAX_OPERANDS];
     struct option_change changes[MAX_RECORDED]; /* in the order given */
     char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each option with `recorded`; owned */
