@@ -164,7 +164,7 @@ struct pipeline {
     bool stopped; /* a stage has failed */
     pthread_mutex_t lock;
     pthread_cond_t changed;
-    const struct rest *rest; /* of no_threads.c */
+    struct worker *last; /* without threads: the stage that works where the first one waits */
 };
 /* A part of the work; false: it failed, or the pipeline has stopped. */
 typedef bool pipeline_stage(void *context, struct error *err);
