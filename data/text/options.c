@@ -81,23 +81,13 @@ static bool check_choice(const char *option, const char *const *choices, const c
 
 /* ---- one option ---- */
 
-/* Goes through the options of a command; zero it before use, but for the command. */
-struct option_walk {
-    const struct command *command;
-    bool recorded; /* only those that a stack records */
-    int list, row; /* the next one */
-};
-
-/* NULL: there is none. */
-static const struct option *option_next(struct option_walk *walk)
+/* Returns an option of a command by its number from 0 on; NULL: there are fewer. */
+static const struct option *option_at(const struct command *command, int i)
 {
-    for (; walk->command->lists[walk->list]; walk->list++, walk->row = 0)
-        while (walk->row < walk->command->lists[walk->list]->n) {
-            const struct option *option = &walk->command->lists[walk->list]->options[walk->row++];
-            if (option->recorded || !walk->recorded)
-                return option;
-        }
-    return NULL;
+    const struct option_list *const *list = command->lists;
+    for (; *list && i >= (*list)->n; list++)
+        i -= (*list)->n;
+    return *list ? &(*list)->options[i] : NULL;
 }
 
 /* Goes on to the next name that a usage begins with, and sets its length. NULL: there is none. */
@@ -127,16 +117,20 @@ struct reading {
     int n_words, at; /* at: the word that is read */
 };
 
+static bool is_known(const struct reading *reading, const struct option *option)
+{
+    return option->recorded || !reading->recorded;
+}
+
 /* Finds the option that the command takes; NULL: it takes none of that name. */
 static const struct option *find_option(const struct reading *reading, const char *word,
                                         size_t length)
 {
-    for (int exact = 1; exact >= 0; exact--) {
-        struct option_walk walk = {.command = reading->command, .recorded = reading->recorded};
-        for (const struct option *option; (option = option_next(&walk));)
-            if (names_option(option->usage, word, length, exact))
+    const struct option *option;
+    for (int exact = 1; exact >= 0; exact--)
+        for (int i = 0; (option = option_at(reading->command, i)); i++)
+            if (is_known(reading, option) && names_option(option->usage, word, length, exact))
                 return option;
-    }
     return NULL;
 }
 
@@ -144,13 +138,14 @@ static bool refuse_option(const struct reading *reading, const char *word, size_
                           struct error *err)
 {
     const struct word typed = {.start = word, .length = length};
-    struct option_walk walk = {.command = reading->command, .recorded = reading->recorded};
+    const struct option *option;
     struct suggestion suggestion = {.distance = 0};
     const char *command = reading->command->name;
     char otherwise[64];
     size_t n;
-    for (const struct option *option; (option = option_next(&walk));)
-        for (const char *name = option->usage; (name = next_name(name, &n)); name += n)
+    for (int i = 0; (option = option_at(reading->command, i)); i++)
+        for (const char *name = option->usage;
+             is_known(reading, option) && (name = next_name(name, &n)); name += n)
             suggestion_add(&suggestion, &typed, name, n);
     snprintf(otherwise, sizeof otherwise, "spectral %s --help lists its options", command);
     suggestion.known[0] = '\0'; /* a list of them all is too long */
@@ -283,15 +278,14 @@ static bool spares_operand(const char *written, const char *operand, struct erro
 /* Refuses outputs that would replace another file of the command line. */
 static bool check_outputs(const struct options *options, struct error *err)
 {
-    struct option_walk all = {.command = options->command};
-    for (const struct option *writes; (writes = option_next(&all));) {
-        struct option_walk others = {.command = options->command};
+    const struct option *writes, *other;
+    for (int i = 0; (writes = option_at(options->command, i)); i++) {
         const char *written = writes->writes ? given_text(options, writes) : NULL;
-        for (const struct option *other; written && (other = option_next(&others));)
+        for (int k = 0; written && (other = option_at(options->command, k)); k++)
             if (!spares_option(options, writes, other, err))
                 return false;
-        for (int i = 0; written && i < options->n_operands; i++)
-            if (!spares_operand(written, options->operands[i], err))
+        for (int k = 0; written && k < options->n_operands; k++)
+            if (!spares_operand(written, options->operands[k], err))
                 return false;
     }
     return true;
@@ -299,19 +293,19 @@ static bool check_outputs(const struct options *options, struct error *err)
 
 /* ---- the command line ---- */
 
-static bool read_words(struct reading *reading, struct options *out, struct error *err)
+static bool read_words(struct reading reading, struct options *out, struct error *err)
 {
-    const struct command *command = reading->command;
+    const struct command *command = reading.command;
     bool only_operands = false;
     *out = (struct options){.command = command};
     if (command->own_size > 0 && !memory_make(&out->own, 1, command->own_size))
         return memory_lacks(err, (double)command->own_size, "the options of %s", command->name);
-    for (; reading->at < reading->n_words; reading->at++) {
-        const char *word = reading->words[reading->at];
+    for (; reading.at < reading.n_words; reading.at++) {
+        const char *word = reading.words[reading.at];
         if (!only_operands && strcmp(word, "--") == 0) {
             only_operands = true;
         } else if (!only_operands && word[0] == '-' && word[1]) {
-            if (!read_option(reading, out, err))
+            if (!read_option(&reading, out, err))
                 return false;
         } else if (out->n_operands == command->n_operands) {
             return error_usage(err, "unexpected operand '%s'; see spectral %s --help", word,
@@ -327,16 +321,13 @@ static bool read_words(struct reading *reading, struct options *out, struct erro
 bool options_read(const struct command *command, char *const *words, int n_words,
                   struct options *out, struct error *err)
 {
-    struct reading reading = {.command = command, .words = words, .n_words = n_words};
-    return read_words(&reading, out, err);
+    return read_words((struct reading){command, false, words, n_words, 0}, out, err);
 }
 
 bool options_read_recorded(const struct command *command, char *const *words, int n_words,
                            struct options *out, struct error *err)
 {
-    struct reading reading = {
-        .command = command, .recorded = true, .words = words, .n_words = n_words};
-    return read_words(&reading, out, err);
+    return read_words((struct reading){command, true, words, n_words, 0}, out, err);
 }
 
 void options_free(struct options *options)
@@ -427,7 +418,7 @@ static void help_explain(struct printed *to, const char *typed, const char *expl
 
 void help_options(const struct command *command, struct printed *to)
 {
-    struct option_walk walk = {.command = command};
-    for (const struct option *option; (option = option_next(&walk));)
+    const struct option *option;
+    for (int i = 0; (option = option_at(command, i)); i++)
         help_explain(to, option->usage, option->help);
 }
