@@ -86,7 +86,5 @@ bool error_cause(struct error *err, struct place place, int cause, const char *f
     PRINTF_LIKE(4, 5);
 /* Returns the text without "error: ", to be quoted in another message. */
 const char *error_words(const struct error *err);
-/* Sets EXIT_SYSTEM without a text: the reader of a pipe has closed it, and expects no message. */
-bool error_unread(struct error *err);
 
 #endif

@@ -74,13 +74,6 @@ bool error_cause(struct error *err, struct place place, int cause, const char *f
     return false;
 }
 
-bool error_unread(struct error *err)
-{
-    if (err->status == EXIT_AGREED)
-        err->status = EXIT_SYSTEM;
-    return false;
-}
-
 /* An array is full when its count is a power of two. It then doubles. */
 bool array_add(void *array, int *count, const void *item, size_t size, struct error *err)
 {

@@ -107,14 +107,14 @@ bool file_format(const char *path, const char **out, struct error *err)
 
 char *envi_data(const char *path)
 {
-    const size_t length = length_without(path, ".hdr"), room = strlen(path) + sizeof ".img";
-    char *name = malloc(room);
-    for (size_t i = 0; name && length > 0 && i < ENDINGS; i++) {
-        snprintf(name, room, "%.*s%s", (int)length, path, endings[i]);
-        if (!file_is_missing(name))
+    const size_t length = length_without(path, ".hdr");
+    for (size_t i = 0; length > 0 && i < ENDINGS; i++) {
+        struct printed printed = {.text = NULL};
+        print(&printed, "%.*s%s", (int)length, path, endings[i]);
+        char *name = printed_end(&printed);
+        if (!name || !file_is_missing(name))
             return name;
+        free(name);
     }
-    if (name)
-        strcpy(name, path);
-    return name;
+    return strdup(path);
 }

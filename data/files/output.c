@@ -13,11 +13,11 @@
 
 /* ---- opening ---- */
 
-/* A closed pipe gets no message. */
+/* The reader of a pipe that has closed it expects no message: error_cause then adds none. */
 static bool write_fault(struct error *err, const char *path)
 {
-    if (errno == EPIPE)
-        return error_unread(err);
+    if (errno == EPIPE && err->status == EXIT_AGREED)
+        err->status = EXIT_SYSTEM;
     return error_cause(err, NOWHERE, errno, "cannot write %s",
                        output_is_standard(path) ? "to standard output" : path);
 }
