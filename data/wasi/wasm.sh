@@ -18,7 +18,7 @@ wasm_build() (
     left_out='/(hard|viewer)/'
     prepare
     find_sources
-    sources="$(printf '%s\n' $sources | grep -Ev '^data/base/(guard|process)[.]c') data/base/no_process.c"
+    sources="$(printf '%s\n' $sources | grep -Ev '^data/base/(guard|process)[.]c') data/wasi/no_process.c"
     find_libraries
     libraries="$libraries $wasm_link"
     compile obj '-O2 -ffunction-sections -fdata-sections -Wno-missing-braces' $sources "$BUILD/$builtin"
