@@ -150,7 +150,7 @@ bool output_ending(const char *path, const char *const *endings, int *out, struc
 bool output_is_standard(const char *path); /* true of "-", standard output */
 bool output_is_stream(const char *path);   /* true of "-", and of what exists and is no file */
 
-/* ---- folder.c: a folder for files that nobody keeps ---- */
+/* ---- temporary.c: a folder for files that nobody keeps ---- */
 
 struct folder {
     char path[4096]; /* "": there is none */

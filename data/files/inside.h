@@ -19,4 +19,6 @@ bool temporary_create(struct output *out, const char *path, mode_t mode);
 bool temporary_name(struct output *out, const char *path);
 void temporary_remove(struct output *out); /* its name; the descriptor stays open */
 
+const char *temporary_folder(void); /* TMPDIR, or /tmp */
+
 #endif

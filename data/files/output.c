@@ -26,10 +26,8 @@ static bool write_fault(struct error *err, const char *path)
  * temporary files. */
 static bool open_copied(struct output *out, const char *path, struct error *err)
 {
-    const char *folder = getenv("TMPDIR");
+    const char *folder = temporary_folder();
     char beside[PATH_MAX];
-    if (folder == NULL || folder[0] == '\0')
-        folder = "/tmp";
     snprintf(beside, sizeof beside, "%s/spectral", folder);
     out->copied = true;
     out->path = strdup(path);
