@@ -118,11 +118,4 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
 /* Lets a texture fit as often as the shape says: multiplies s and t. */
 void shape_repeat_texture(const struct shape *shape, struct mesh *mesh);
 
-/* teapot.c: the 32 bicubic Bézier patches of the Utah teapot. */
-enum { TEAPOT_PATCHES = 32 };
-struct teapot_patch {
-    struct vector point[16];
-    bool pole; /* its first row is one point */
-};
-
 #endif
