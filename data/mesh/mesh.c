@@ -120,12 +120,6 @@ static bool builder_allocate(struct builder *b, struct error *err)
     return done;
 }
 
-static void builder_free(struct builder *b)
-{
-    FREE_ALL(b->cutter, b->order, b->starts, b->first_vertex, b->links);
-    obj_free(&b->obj);
-}
-
 /* Fills the ring with the points of a face. */
 static void gather_ring(struct builder *b, const struct obj_face *face)
 {
@@ -157,18 +151,6 @@ static void unitize_points(struct builder *b)
 
 /* ---- normals where the file has none ---- */
 
-static void measure_face(struct builder *b, const struct obj_face *face)
-{
-    gather_ring(b, face);
-    const struct vector normal = polygon_normal(b->cutter->ring, face->n);
-    const bool flat = vector_dot(normal, normal) == 0;
-    for (int i = 0; i < face->n; i++) {
-        struct obj_corner *corner = &b->obj.corners[face->first + i];
-        corner->normal = normal;
-        corner->angle = flat ? 0 : polygon_angle(b->cutter->ring, face->n, i, normal);
-    }
-}
-
 /* Counting sort. starts[p] is first the end of its point's corners, and at last their begin. The
  * corners of a point keep their order. */
 static void sort_corners(struct builder *b)
@@ -181,10 +163,20 @@ static void sort_corners(struct builder *b)
         b->order[--b->starts[b->obj.corners[i].index[OBJ_POINT]]] = i;
 }
 
+/* Measures all faces at their corners, and gives normals to those that lack them. */
 static bool add_normals(struct builder *b, double crease_deg, struct error *err)
 {
-    for (int i = 0; i < b->obj.n_faces; i++)
-        measure_face(b, &b->obj.faces[i]);
+    for (int k = 0; k < b->obj.n_faces; k++) {
+        const struct obj_face *face = &b->obj.faces[k];
+        gather_ring(b, face);
+        const struct vector normal = polygon_normal(b->cutter->ring, face->n);
+        const bool flat = vector_dot(normal, normal) == 0;
+        for (int i = 0; i < face->n; i++) {
+            struct obj_corner *corner = &b->obj.corners[face->first + i];
+            corner->normal = normal;
+            corner->angle = flat ? 0 : polygon_angle(b->cutter->ring, face->n, i, normal);
+        }
+    }
     return normals_fill(&b->obj, b->order, b->starts, crease_deg, err);
 }
 
@@ -317,7 +309,8 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
         sort_corners(&builder);
     good = good && (!builder.obj.lacks_normals || add_normals(&builder, crease_deg, err)) &&
            add_faces(&builder, out, err);
-    builder_free(&builder);
+    FREE_ALL(builder.cutter, builder.order, builder.starts, builder.first_vertex, builder.links);
+    obj_free(&builder.obj);
     if (!good)
         mesh_free(out);
     return good;

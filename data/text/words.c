@@ -78,22 +78,18 @@ static int nearness(const struct word *typed, const char *known, size_t length)
                : smaller(whole, distance_of(last, known + in_known, length - in_known) + 1);
 }
 
-/* Adds a name to a list in a message. Cuts the list where its room ends. */
-static void list_add(char list[LIST_SIZE], const char *name, size_t length)
-{
-    size_t used = strlen(list);
-    snprintf(list + used, LIST_SIZE - used, "%s%.*s", used > 0 ? ", " : "", (int)length, name);
-}
-
 void suggestion_add(struct suggestion *out, const struct word *typed, const char *known,
                     size_t length)
 {
     const int found = nearness(typed, known, length);
+    const size_t used = strlen(out->known);
     if (out->nearest[0] == '\0' ? found < FAR : found < out->distance) {
         out->distance = found;
         snprintf(out->nearest, sizeof out->nearest, "%.*s", (int)length, known);
     }
-    list_add(out->known, known, length);
+    /* the list is cut where its room ends */
+    snprintf(out->known + used, LIST_SIZE - used, "%s%.*s", used > 0 ? ", " : "", (int)length,
+             known);
 }
 
 const char *suggestion_end(struct suggestion *suggestion, const char *otherwise)
@@ -107,27 +103,18 @@ const char *suggestion_end(struct suggestion *suggestion, const char *otherwise)
 
 /* ---- words with a meaning ---- */
 
-/* Returns the index of a word in a list; -1: it is not there. */
-static int find_word(const struct word *word, const char *const *known, bool exact)
-{
-    for (int i = 0; known[i] && !word->quoted; i++)
-        if (exact ? word_equals(word, known[i])
-                  : strlen(known[i]) == word->length &&
-                        strncasecmp(word->start, known[i], word->length) == 0)
-            return i;
-    return -1;
-}
-
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err)
 {
     struct suggestion suggestion = {.distance = 0};
-    int found = find_word(word, known, true);
-    if (found < 0)
-        found = find_word(word, known, false);
-    if (found >= 0)
-        return found;
-    for (int i = 0; known[i] && word->quoted; i++)
+    for (int i = 0; known[i]; i++)
+        if (word_is(word, known[i]))
+            return i;
+    for (int i = 0; known[i] && !word->quoted; i++)
+        if (strlen(known[i]) == word->length &&
+            strncasecmp(word->start, known[i], word->length) == 0)
+            return i;
+    for (int i = 0; known[i]; i++)
         if (word_equals(word, known[i])) {
             error_at(err, word->place, "'%s' is a word; write it without quotes", known[i]);
             return -1;
