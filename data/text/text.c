@@ -66,11 +66,15 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     return false;
 }
 
+/* Refuses a long regular file before it is read. */
 static bool open_file(struct text *out, const char *path, struct place from, size_t longest,
                       struct error *err)
 {
-    char *bytes = file_read(path, from, err);
+    struct stat status;
     *out = (struct text){0};
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && (uint64_t)status.st_size > longest)
+        return refuse_length(path, (size_t)status.st_size, err);
+    char *bytes = file_read(path, from, err);
     if (!bytes || !start(out, path, bytes, longest, err))
         return false;
     if (digest_note(path, bytes, out->length, err))
@@ -79,19 +83,14 @@ static bool open_file(struct text *out, const char *path, struct place from, siz
     return false;
 }
 
+bool text_open(struct text *out, const char *path, struct place from, struct error *err)
+{
+    return open_file(out, path, from, longest_text, err);
+}
+
 bool text_open_large(struct text *out, const char *path, struct place from, struct error *err)
 {
     return open_file(out, path, from, SIZE_MAX, err);
-}
-
-/* Refuses a long regular file before it is read. */
-bool text_open(struct text *out, const char *path, struct place from, struct error *err)
-{
-    struct stat status;
-    *out = (struct text){0};
-    if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > (off_t)longest_text)
-        return refuse_length(path, (size_t)status.st_size, err);
-    return open_file(out, path, from, longest_text, err);
 }
 
 bool text_open_input(struct text *out, const char *name, struct error *err)
