@@ -154,7 +154,7 @@ struct counter {
     {                                                                                              \
         PTHREAD_MUTEX_INITIALIZER, 0                                                               \
     }
-void counter_add(struct counter *to, uint64_t n);
+uint64_t counter_add(struct counter *to, uint64_t n); /* returns the number before */
 
 /* ---- pipeline.c: stages that work side by side, one on what another has made ---- */
 

@@ -37,12 +37,6 @@ static bool refuse_read(struct error *err, struct place from, const char *path, 
     return error_at(err, from, "cannot read %s: %s", path, why);
 }
 
-/* Reports a failed call by errno. */
-static bool fail_read(struct error *err, struct place from, const char *path)
-{
-    return error_cause(err, from, errno, "cannot read %s", path);
-}
-
 /* Opens a file that is no folder, and looks at it. Returns its descriptor; -1: it is refused. */
 static int open_readable(const char *path, struct place from, int flags, struct stat *status,
                          struct error *err)
@@ -52,7 +46,7 @@ static int open_readable(const char *path, struct place from, int flags, struct 
     if (descriptor >= 0)
         UNTIL_DONE(got, fstat(descriptor, status));
     if (descriptor < 0 || got < 0)
-        fail_read(err, from, path);
+        error_cause(err, from, errno, "cannot read %s", path);
     else if (S_ISDIR(status->st_mode))
         refuse_read(err, from, path, "it is a folder");
     else if (file_note_read(descriptor, err))
@@ -74,7 +68,7 @@ static bool read_open(const char *path, struct place from, int descriptor, size_
         char *more = *bytes + length;
         UNTIL_DONE(got, read(descriptor, more, capacity - 1 - length));
         if (got < 0)
-            return fail_read(err, from, path);
+            return error_cause(err, from, errno, "cannot read %s", path);
         const char *zero = memchr(more, '\0', (size_t)got);
         if (zero != NULL)
             return error_at(err, (struct place){path, 0, 0},

@@ -133,8 +133,7 @@ bool output_fits(int descriptor, const char *path, uint64_t needed, struct error
     if (fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
         needed / disk.f_frsize <= disk.f_bavail)
         return true;
-    errno = 0;
-    return error_system(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
+    return error_failed(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
                         1e-6 * (double)needed,
                         1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
 }
