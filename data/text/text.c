@@ -279,8 +279,8 @@ static const char *skip_digits(const char *at, const char *end)
     return at;
 }
 
-/* Returns whether the word is a decimal number: digits, of which one may have a point before or
- * behind it, and perhaps an exponent. */
+/* Returns whether the word is a decimal number: digits with one point or none, and perhaps an
+ * exponent. */
 static bool is_number(const struct word *word)
 {
     const char *end = word->start + word->length, *first = skip_sign(word->start, end);
