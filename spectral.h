@@ -62,25 +62,29 @@ struct error {
     char text[2048];  /* one line, without a newline */
 };
 
-/* In data/base/error.c. All of these return false, so that a caller can `return error_at(...)`.
- * error_at and error_usage set EXIT_INPUT. error_at puts the place before the message. */
-bool error_at(struct error *err, struct place place, const char *format, ...) PRINTF_LIKE(3, 4);
-bool error_usage(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
-/* Sets EXIT_DIFFERENT. */
-bool error_different(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
-/* Appends ": " and the description of errno where errno is not 0. Sets EXIT_SYSTEM. */
-bool error_system(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
-/* Sets EXIT_SYSTEM, for a failure that errno does not describe. */
-bool error_failed(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
-/* Sets EXIT_SYSTEM and `unsupported`. */
-bool error_unsupported(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
+/* In data/base/error.c. All of these return false, so that a caller can `return error_at(...)`. */
+enum error_kind {
+    ERROR_INPUT,       /* EXIT_INPUT */
+    ERROR_DIFFERENT,   /* EXIT_DIFFERENT */
+    ERROR_FAILED,      /* EXIT_SYSTEM, for a failure that errno does not describe */
+    ERROR_UNSUPPORTED, /* EXIT_SYSTEM and `unsupported` */
+    ERROR_SYSTEM       /* EXIT_SYSTEM; appends ": " and the description of errno, unless that is 0 */
+};
+/* Sets what the kind says. Puts the place before the message. */
+bool error_of(struct error *err, enum error_kind kind, struct place place, const char *format, ...)
+    PRINTF_LIKE(4, 5);
+#define NOWHERE ((struct place){NULL, 0, 0})
+#define error_at(err, ...) error_of(err, ERROR_INPUT, __VA_ARGS__)
+#define error_usage(err, ...) error_of(err, ERROR_INPUT, NOWHERE, __VA_ARGS__)
+#define error_different(err, ...) error_of(err, ERROR_DIFFERENT, NOWHERE, __VA_ARGS__)
+#define error_failed(err, ...) error_of(err, ERROR_FAILED, NOWHERE, __VA_ARGS__)
+#define error_unsupported(err, ...) error_of(err, ERROR_UNSUPPORTED, NOWHERE, __VA_ARGS__)
+#define error_system(err, ...) error_of(err, ERROR_SYSTEM, NOWHERE, __VA_ARGS__)
 /* Appends ": " and the description of a cause, an errno. Sets EXIT_INPUT where the path is at fault
  * that the user gave, as for ENOENT, and EXIT_SYSTEM for any other cause, as EIO. */
 bool error_cause(struct error *err, struct place place, int cause, const char *format, ...)
     PRINTF_LIKE(4, 5);
 /* Returns the text without "error: ", to be quoted in another message. */
 const char *error_words(const struct error *err);
-/* Sets EXIT_SYSTEM without a text: the reader of a pipe has closed it, and expects no message. */
-bool error_unread(struct error *err);
 
 #endif

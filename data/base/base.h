@@ -61,14 +61,7 @@ int printable_length(const unsigned char *at);
  */
 void hide_unprintable(char *text, const char *kept);
 
-/* ---- was_read.c: the files that this process has opened for reading ---- */
-
-/* Notes the regular file of a descriptor: pipes and devices are never replaced. Every opening for
- * reading comes through file.c, which calls this. Fails without memory. */
-bool file_note_read(int descriptor, struct error *err);
-bool file_was_read(const char *path); /* also under another name of the file */
-
-/* ---- descriptor.c: bytes of an open file ---- */
+/* ---- descriptor.c: bytes of open files, and which this process has read ---- */
 
 /* Repeats a call of the system that a signal has interrupted, e.g. UNTIL_DONE(got, read(...)). */
 #define UNTIL_DONE(result, call)                                                                   \
@@ -76,11 +69,18 @@ bool file_was_read(const char *path); /* also under another name of the file */
         (result) = (call);                                                                         \
     while ((result) < 0 && errno == EINTR)
 
+/* An offset that stands for the descriptor's own place, as in a pipe. */
+#define OWN_PLACE UINT64_MAX
 /* Reads `length` bytes, or fewer where the file ends. Returns their number; -1: see errno. */
 ssize_t read_at(int descriptor, void *bytes, size_t length, uint64_t offset);
-/* Write all bytes, at the descriptor's own place or at an offset. Return false with errno. */
-bool write_all(int descriptor, const void *bytes, size_t length);
+/* Write all bytes, at the offset or at the descriptor's own place. Return false with errno. */
 bool write_at(int descriptor, const void *bytes, size_t length, uint64_t offset);
+bool write_all(int descriptor, const void *bytes, size_t length);
+
+/* Notes the regular file of a descriptor: pipes and devices are never replaced. Every opening for
+ * reading comes through file.c, which calls this. Fails without memory. */
+bool file_note_read(int descriptor, struct error *err);
+bool file_was_read(const char *path); /* also under another name of the file */
 
 /* ---- memory.c: the memory that a command may take ---- */
 
@@ -154,7 +154,7 @@ struct counter {
     {                                                                                              \
         PTHREAD_MUTEX_INITIALIZER, 0                                                               \
     }
-void counter_add(struct counter *to, uint64_t n);
+uint64_t counter_add(struct counter *to, uint64_t n); /* returns the number before */
 
 /* ---- pipeline.c: stages that work side by side, one on what another has made ---- */
 
@@ -164,15 +164,15 @@ struct pipeline {
     bool stopped; /* a stage has failed */
     pthread_mutex_t lock;
     pthread_cond_t changed;
-    const struct rest *rest; /* of no_threads.c */
+    struct worker *last; /* without threads: the stage that works where the first one waits */
 };
 /* A part of the work; false: it failed, or the pipeline has stopped. */
 typedef bool pipeline_stage(void *context, struct error *err);
 enum { MOST_STAGES = 3 };
 /* Runs the stages at the same time, the first one on this thread, and returns when all have ended.
  * If a stage fails, the others stop where they wait for it, and *err is the error of the first. */
-bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n, void *context,
-                  struct error *err);
+bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n,
+                  void *context, struct error *err);
 
 /* A row of places that one stage fills in turn, and another takes and frees in the same order. It
  * says only which places are full; their contents belong to the stages. Zero it, but for the first
@@ -201,14 +201,13 @@ void queue_end(struct queue *queue);
 struct index {
     struct index_slot *slots; /* owned */
     size_t n_slots, n_keys;   /* n_slots: 0 or a power of two, above n_keys */
-    char *keys;               /* one behind the other; owned */
-    size_t length, room;      /* bytes of the keys, and bytes that `keys` has room for */
+    struct printed keys;      /* one behind the other; owned */
     uint64_t seed;            /* another one in each index: no input can make all keys collide */
 };
 /* Returns the number of a key; -1: the index does not have it. */
 int index_find(const struct index *index, const void *key, size_t length);
 /* Adds a key that the index does not have, with its number, 0 or above. A failure, for lack of
- * memory, changes nothing. */
+ * memory, changes no other key; no further one can be added. */
 bool index_add(struct index *index, const void *key, size_t length, int number, struct error *err);
 void index_free(struct index *index);
 /* Returns a number whose every bit depends on every bit of the argument. */
@@ -238,7 +237,7 @@ void guard_hold(void);
 void guard_release(void);
 bool is_interrupted(void); /* such a signal waits */
 
-/* ---- process.c: a job in a process of its own ---- */
+/* ---- process.c: a job, or this program again, in a process of its own ---- */
 
 /* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
  * What the job has read counts as read by this process: see file_was_read. No other thread of this
@@ -246,8 +245,6 @@ bool is_interrupted(void); /* such a signal waits */
  * OpenGL would wait for them. */
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
                  size_t size, struct error *err);
-
-/* ---- program.c: this program again, as a user's command line runs it ---- */
 
 /* The seconds of a program from exec to exit: by the clock; and of the processor, for the user and
  * for the system, in all processes of the program. */

@@ -1,50 +1,95 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads and writes all bytes of an open file, although a signal or a pipe divides a call. */
+/* Reads and writes all bytes of an open file, although a signal or a pipe divides a call. Keeps a
+ * list of the files that this process has opened for reading: no output may replace one of them.
+ * Whoever opens a file need not know which outputs follow, nor the other way round: so the list is
+ * kept by the process, and not passed along. */
+#include <stdlib.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-
-bool write_all(int descriptor, const void *bytes, size_t length)
-{
-    const char *at = bytes;
-    while (length > 0) {
-        ssize_t done;
-        UNTIL_DONE(done, write(descriptor, at, length));
-        if (done < 0)
-            return false;
-        at += done;
-        length -= (size_t)done;
-    }
-    return true;
-}
+#include "data/base/inside.h"
 
 ssize_t read_at(int descriptor, void *bytes, size_t length, uint64_t offset)
 {
     size_t got = 0;
-    while (got < length) {
-        ssize_t more;
-        UNTIL_DONE(more,
-                   pread(descriptor, (char *)bytes + got, length - got, (off_t)(offset + got)));
+    for (ssize_t more = 1; got < length && more > 0; got += (size_t)more) {
+        char *to = (char *)bytes + got;
+        if (offset == OWN_PLACE)
+            UNTIL_DONE(more, read(descriptor, to, length - got));
+        else
+            UNTIL_DONE(more, pread(descriptor, to, length - got, (off_t)(offset + got)));
         if (more < 0)
             return -1;
-        if (more == 0)
-            break;
-        got += (size_t)more;
     }
     return (ssize_t)got;
 }
 
 bool write_at(int descriptor, const void *bytes, size_t length, uint64_t offset)
 {
-    const char *at = bytes;
-    while (length > 0) {
-        ssize_t done;
-        UNTIL_DONE(done, pwrite(descriptor, at, length, (off_t)offset));
-        if (done < 0)
+    size_t done = 0;
+    for (ssize_t more; done < length; done += (size_t)more) {
+        const char *from = (const char *)bytes + done;
+        if (offset == OWN_PLACE)
+            UNTIL_DONE(more, write(descriptor, from, length - done));
+        else
+            UNTIL_DONE(more, pwrite(descriptor, from, length - done, (off_t)(offset + done)));
+        if (more < 0)
             return false;
-        at += done;
-        length -= (size_t)done;
-        offset += (uint64_t)done;
     }
     return true;
+}
+
+bool write_all(int descriptor, const void *bytes, size_t length)
+{
+    return write_at(descriptor, bytes, length, OWN_PLACE);
+}
+
+/* ---- files that were read ---- */
+
+static struct {
+    pthread_mutex_t lock;
+    struct file_identity *list;
+    int n;
+} were_read = {.lock = PTHREAD_MUTEX_INITIALIZER};
+
+bool files_read_add(const struct file_identity *file, struct error *err)
+{
+    pthread_mutex_lock(&were_read.lock);
+    const bool done = array_add(&were_read.list, &were_read.n, file, sizeof *file, err);
+    pthread_mutex_unlock(&were_read.lock);
+    return done;
+}
+
+bool file_note_read(int descriptor, struct error *err)
+{
+    struct stat status;
+    if (fstat(descriptor, &status) != 0)
+        return error_system(err, "cannot examine an open file");
+    const struct file_identity file = {(uint64_t)status.st_dev, (uint64_t)status.st_ino};
+    return !S_ISREG(status.st_mode) || files_read_add(&file, err);
+}
+
+const struct file_identity *files_read(int *n)
+{
+    *n = were_read.n;
+    return were_read.list;
+}
+
+void files_read_forget(void)
+{
+    free(were_read.list);
+    were_read.list = NULL;
+    were_read.n = 0;
+}
+
+bool file_was_read(const char *path)
+{
+    struct stat status;
+    if (stat(path, &status) != 0)
+        return false;
+    for (int i = 0; i < were_read.n; i++)
+        if (were_read.list[i].device == (uint64_t)status.st_dev &&
+            were_read.list[i].inode == (uint64_t)status.st_ino)
+            return true;
+    return false;
 }

@@ -7,94 +7,49 @@
 
 #include "data/base/base.h"
 
-/* Cuts a message that is too long before `ending`, which is the cause. */
-static bool fail(struct error *err, enum exit_status status, const char *prefix, const char *format,
-                 va_list arguments, const char *ending)
+/* The path of a place gets half of the text at most: the message matters more. */
+enum { LONGEST_PATH = sizeof((struct error *)NULL)->text / 2 };
+
+/* Returns the length of the words before a message. */
+static size_t write_place(struct place place, char *out, size_t room)
 {
-    size_t room = sizeof err->text - strlen(ending), used;
+    const char *path = place.path;
+    if (path != NULL && place.line > 0)
+        return (size_t)snprintf(out, room, "%.*s:%d:%d: error: ", LONGEST_PATH, path, place.line,
+                                place.column);
+    return (size_t)snprintf(out, room, "%.*s%serror: ", LONGEST_PATH, path ? path : "",
+                            path ? ": " : "");
+}
+
+/* Cuts a message that is too long before its end, which is the description of the cause; 0 is
+ * none. */
+static bool fail(struct error *err, enum exit_status status, struct place place, int cause,
+                 const char *format, va_list arguments)
+{
+    char ending[256] = "";
     if (err->status != EXIT_AGREED)
         return false;
     err->status = status;
-    snprintf(err->text, room, "%serror: ", prefix);
-    used = strlen(err->text);
+    if (cause != 0)
+        snprintf(ending, sizeof ending, ": %s", strerror(cause));
+    const size_t room = sizeof err->text - strlen(ending),
+                 used = write_place(place, err->text, room);
     vsnprintf(err->text + used, room - used, format, arguments);
     strcat(err->text, ending);
     hide_unprintable(err->text, "");
     return false;
 }
 
-/* Room for a place. The path gets half of the text at most: the message matters more. */
-enum { LONGEST_PATH = sizeof((struct error *)NULL)->text / 2, PLACE_SIZE = LONGEST_PATH + 32 };
-
-static void write_place(struct place place, char out[PLACE_SIZE])
+bool error_of(struct error *err, enum error_kind kind, struct place place, const char *format, ...)
 {
-    out[0] = '\0';
-    if (place.path != NULL && place.line > 0)
-        snprintf(out, PLACE_SIZE, "%.*s:%d:%d: ", LONGEST_PATH, place.path, place.line,
-                 place.column);
-    else if (place.path != NULL)
-        snprintf(out, PLACE_SIZE, "%.*s: ", LONGEST_PATH, place.path);
-}
-
-bool error_at(struct error *err, struct place place, const char *format, ...)
-{
-    char prefix[PLACE_SIZE];
+    const enum exit_status status = kind == ERROR_INPUT       ? EXIT_INPUT
+                                    : kind == ERROR_DIFFERENT ? EXIT_DIFFERENT
+                                                              : EXIT_SYSTEM;
+    const int cause = kind == ERROR_SYSTEM ? errno : 0;
     va_list arguments;
-    write_place(place, prefix);
+    err->unsupported = err->status == EXIT_AGREED ? kind == ERROR_UNSUPPORTED : err->unsupported;
     va_start(arguments, format);
-    fail(err, EXIT_INPUT, prefix, format, arguments, "");
-    va_end(arguments);
-    return false;
-}
-
-bool error_usage(struct error *err, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    fail(err, EXIT_INPUT, "", format, arguments, "");
-    va_end(arguments);
-    return false;
-}
-
-bool error_different(struct error *err, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    fail(err, EXIT_DIFFERENT, "", format, arguments, "");
-    va_end(arguments);
-    return false;
-}
-
-bool error_failed(struct error *err, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    fail(err, EXIT_SYSTEM, "", format, arguments, "");
-    va_end(arguments);
-    return false;
-}
-
-bool error_unsupported(struct error *err, const char *format, ...)
-{
-    va_list arguments;
-    if (err->status != EXIT_AGREED)
-        return false;
-    va_start(arguments, format);
-    fail(err, EXIT_SYSTEM, "", format, arguments, "");
-    va_end(arguments);
-    err->unsupported = true;
-    return false;
-}
-
-bool error_system(struct error *err, const char *format, ...)
-{
-    char ending[256] = "";
-    int cause = errno;
-    va_list arguments;
-    if (cause != 0)
-        snprintf(ending, sizeof ending, ": %s", strerror(cause));
-    va_start(arguments, format);
-    fail(err, EXIT_SYSTEM, "", format, arguments, ending);
+    fail(err, status, place, cause, format, arguments);
     va_end(arguments);
     return false;
 }
@@ -112,20 +67,10 @@ static bool is_of_path(int cause)
 
 bool error_cause(struct error *err, struct place place, int cause, const char *format, ...)
 {
-    char prefix[PLACE_SIZE], ending[256];
     va_list arguments;
-    write_place(place, prefix);
-    snprintf(ending, sizeof ending, ": %s", strerror(cause));
     va_start(arguments, format);
-    fail(err, is_of_path(cause) ? EXIT_INPUT : EXIT_SYSTEM, prefix, format, arguments, ending);
+    fail(err, is_of_path(cause) ? EXIT_INPUT : EXIT_SYSTEM, place, cause, format, arguments);
     va_end(arguments);
-    return false;
-}
-
-bool error_unread(struct error *err)
-{
-    if (err->status == EXIT_AGREED)
-        err->status = EXIT_SYSTEM;
     return false;
 }
 

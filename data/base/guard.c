@@ -24,9 +24,18 @@ static struct {
     volatile sig_atomic_t is_over;     /* guard_exit ends the process */
 } guard;
 
-static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP},
-                 crash_signals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
-enum { ENDING_SIGNALS = 3, CRASH_SIGNALS = 5 };
+static const int ending_signals[] = {SIGINT, SIGTERM, SIGHUP};
+static const struct {
+    int number;
+    const char *message;
+} crashes[] = {
+    {SIGSEGV, "error: the program crashed: Segmentation fault"},
+    {SIGBUS, "error: the program crashed: Bus error"},
+    {SIGFPE, "error: the program crashed: Floating point exception"},
+    {SIGILL, "error: the program crashed: Illegal instruction"},
+    {SIGABRT, "error: a library aborted the program"},
+};
+enum { ENDING_SIGNALS = 3, CRASHES = sizeof crashes / sizeof *crashes };
 
 /* ---- what the handlers do: only calls that POSIX allows there ---- */
 
@@ -53,36 +62,30 @@ static void end_by(int number)
     raise(number);
 }
 
-static void print_line(const char *what)
+/* Ends the process with a line of its own. */
+static void end_with(const char *message)
 {
     static const char line[] = "; memory or threads may have run out; --memory sets a limit\n";
-    const bool said = write_all(STDERR_FILENO, what, strlen(what)) &&
+    remove_names();
+    const bool said = write_all(STDERR_FILENO, message, strlen(message)) &&
                       write_all(STDERR_FILENO, line, sizeof line - 1);
     (void)said;
+    _exit(EXIT_SYSTEM);
 }
 
 static void end_crashed(int number)
 {
-    static const char *const causes[CRASH_SIGNALS] = {
-        "error: the program crashed: Segmentation fault", "error: the program crashed: Bus error",
-        "error: the program crashed: Floating point exception",
-        "error: the program crashed: Illegal instruction", "error: a library aborted the program"};
     int i = 0;
-    while (i < CRASH_SIGNALS - 1 && crash_signals[i] != number)
+    while (i < CRASHES - 1 && crashes[i].number != number)
         i++;
-    remove_names();
-    print_line(causes[i]);
-    _exit(EXIT_SYSTEM);
+    end_with(crashes[i].message);
 }
 
 /* A library called exit. */
 static void end_exited(void)
 {
-    if (guard.is_over)
-        return;
-    remove_names();
-    print_line("error: a library ended the program");
-    _exit(EXIT_SYSTEM);
+    if (!guard.is_over)
+        end_with("error: a library ended the program");
 }
 
 /* ---- the guard ---- */
@@ -122,8 +125,8 @@ void guard_begin(void)
     atexit(end_exited);
     for (int i = 0; i < ENDING_SIGNALS; i++)
         handle(ending_signals[i], end_by);
-    for (int i = 0; i < CRASH_SIGNALS; i++)
-        handle(crash_signals[i], end_crashed);
+    for (int i = 0; i < CRASHES; i++)
+        handle(crashes[i].number, end_crashed);
     signal(SIGCHLD, SIG_DFL); /* a process that ignores it cannot wait for another */
 }
 
@@ -191,8 +194,8 @@ bool guard_child(pid_t parent)
 {
     for (int i = 0; i < MOST_NAMES; i++)
         guard.names[i][0] = '\0';
-    for (int i = 0; i < CRASH_SIGNALS; i++)
-        signal(crash_signals[i], SIG_DFL);
+    for (int i = 0; i < CRASHES; i++)
+        signal(crashes[i].number, SIG_DFL);
     guard.child = 0;
 #ifdef __linux__
     prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -42,7 +42,7 @@ static struct index_slot *slot_of(const struct index *index, uint64_t hash, cons
     for (;; i = (i + 1) & (index->n_slots - 1)) {
         struct index_slot *slot = &index->slots[i];
         if (slot->hash == 0 || (slot->hash == hash && slot->length == length &&
-                                memcmp(index->keys + slot->key, key, length) == 0))
+                                memcmp(index->keys.text + slot->key, key, length) == 0))
             return slot;
     }
 }
@@ -70,37 +70,29 @@ static bool grow_slots(struct index *index, struct error *err)
     for (size_t i = 0; i < before.n_slots; i++) {
         const struct index_slot *slot = &before.slots[i];
         if (slot->hash != 0)
-            *slot_of(index, slot->hash, index->keys + slot->key, slot->length) = *slot;
+            *slot_of(index, slot->hash, index->keys.text + slot->key, slot->length) = *slot;
     }
     free(before.slots);
     return true;
 }
 
-static bool grow_keys(struct index *index, size_t length, struct error *err)
-{
-    const size_t room = 2 * (index->length + length) + 64;
-    if (!memory_resize(&index->keys, room, 1))
-        return memory_lacks(err, (double)room, "%zu names", index->n_keys);
-    index->room = room;
-    return true;
-}
-
 bool index_add(struct index *index, const void *key, size_t length, int number, struct error *err)
 {
-    if ((2 * (index->n_keys + 1) > index->n_slots && !grow_slots(index, err)) ||
-        (length >= index->room - index->length && !grow_keys(index, length, err)))
+    const size_t place = index->keys.length;
+    if (2 * (index->n_keys + 1) > index->n_slots && !grow_slots(index, err))
         return false;
+    print_bytes(&index->keys, key, length);
+    if (index->keys.failed)
+        return memory_lacks(err, (double)index->keys.capacity, "%zu names", index->n_keys);
     const uint64_t hash = hash_of(index, key, length);
     *slot_of(index, hash, key, length) =
-        (struct index_slot){.hash = hash, .key = index->length, .length = length, .number = number};
-    memcpy(index->keys + index->length, key, length);
-    index->length += length;
+        (struct index_slot){.hash = hash, .key = place, .length = length, .number = number};
     index->n_keys++;
     return true;
 }
 
 void index_free(struct index *index)
 {
-    FREE_ALL(index->slots, index->keys);
+    FREE_ALL(index->slots, index->keys.text);
     *index = (struct index){.n_keys = 0};
 }

@@ -29,37 +29,36 @@ int threads_for(int n_threads, size_t n, size_t least)
     return worth < 1 ? 1 : worth < (size_t)n_threads ? (int)worth : n_threads;
 }
 
+uint64_t counter_add(struct counter *to, uint64_t n)
+{
+    pthread_mutex_lock(&to->lock);
+    const uint64_t before = to->n;
+    to->n += n;
+    pthread_mutex_unlock(&to->lock);
+    return before;
+}
+
 struct loop {
     void (*work)(void *context, int i);
     void *context;
-    int n, next;
-    pthread_mutex_t lock; /* of `next` */
+    int n;
+    struct counter next;
 };
-
-/* Returns the next i; n: none is left. */
-static int take(struct loop *loop)
-{
-    pthread_mutex_lock(&loop->lock);
-    const int i = loop->next < loop->n ? loop->next++ : loop->n;
-    pthread_mutex_unlock(&loop->lock);
-    return i;
-}
 
 static void *run(void *of)
 {
     struct loop *loop = of;
-    for (int i; (i = take(loop)) < loop->n;)
-        loop->work(loop->context, i);
+    for (uint64_t i; (i = counter_add(&loop->next, 1)) < (uint64_t)loop->n;)
+        loop->work(loop->context, (int)i);
     return NULL;
 }
 
 void threads_each(int n_threads, int n, void (*work)(void *context, int i), void *context)
 {
-    struct loop loop = {.work = work, .context = context, .n = n};
+    struct loop loop = {work, context, n, COUNTER};
     pthread_t others[MOST_THREADS];
     const int most = n_threads < n ? n_threads : n;
     int n_others = 0;
-    pthread_mutex_init(&loop.lock, NULL);
     if (most > 1)
         memory_allow_stacks();
     while (n_others < most - 1 && pthread_create(&others[n_others], NULL, run, &loop) == 0)
@@ -67,7 +66,6 @@ void threads_each(int n_threads, int n, void (*work)(void *context, int i), void
     run(&loop);
     for (int i = 0; i < n_others; i++)
         pthread_join(others[i], NULL);
-    pthread_mutex_destroy(&loop.lock);
 }
 
 struct blocks {
@@ -88,11 +86,4 @@ void threads_blocks(int n_threads, size_t n, size_t block,
 {
     struct blocks blocks = {work, context, n, block};
     threads_each(n_threads, (int)((n + block - 1) / block), work_block, &blocks);
-}
-
-void counter_add(struct counter *to, uint64_t n)
-{
-    pthread_mutex_lock(&to->lock);
-    to->n += n;
-    pthread_mutex_unlock(&to->lock);
 }

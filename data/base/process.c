@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Starts processes and waits for them; runs a job in one, which sends its result through a pipe. */
+/* Starts processes and waits for them: one runs a job, and sends its result through a pipe; another
+ * becomes this program again, as a shell would run it, from exec to exit. */
+#include <fcntl.h>
+#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -9,7 +13,9 @@
 
 /* ---- any child ---- */
 
-bool child_start(pid_t *child, int *end, struct error *err)
+/* Starts a copy of this process, with a pipe from it: *child is 0 in the copy, and *end is the end
+ * of the pipe that each of the two owns. Ends the copy if this process has ended. */
+static bool child_start(pid_t *child, int *end, struct error *err)
 {
     int ends[2];
     fflush(NULL);
@@ -28,7 +34,8 @@ bool child_start(pid_t *child, int *end, struct error *err)
     return started;
 }
 
-bool child_end(pid_t child, int end, int *status, struct error *err)
+/* Closes the pipe's end and waits for the child; stores its status as waitpid does. */
+static bool child_end(pid_t child, int end, int *status, struct error *err)
 {
     pid_t ended;
     close(end);
@@ -37,7 +44,8 @@ bool child_end(pid_t child, int end, int *status, struct error *err)
     return ended >= 0 || error_system(err, "cannot wait for a run");
 }
 
-bool child_failed(int status, struct error *err)
+/* Fails: the child has ended without a result; by which signal. */
+static bool child_failed(int status, struct error *err)
 {
     const bool killed = WIFSIGNALED(status);
     return error_failed(err, "a run ended without a result%s%s", killed ? ": " : "",
@@ -53,17 +61,10 @@ struct reply {
     struct error err;
 };
 
-/* Reads all bytes. Fails if the pipe ends before the last one. */
+/* Fails if the pipe ends before the last byte. */
 static bool read_all(int from, void *bytes, size_t length)
 {
-    for (size_t got = 0; got < length;) {
-        ssize_t more;
-        UNTIL_DONE(more, read(from, (char *)bytes + got, length - got));
-        if (more <= 0)
-            return false;
-        got += (size_t)more;
-    }
-    return true;
+    return read_at(from, bytes, length, OWN_PLACE) == (ssize_t)length;
 }
 
 /* Takes over the files that the job has read. */
@@ -80,9 +81,9 @@ static bool send(int to, struct reply *reply, int before, const void *out, size_
 {
     const struct file_identity *files = files_read(&reply->n_read);
     reply->n_read -= before;
+    const size_t files_size = (size_t)reply->n_read * sizeof *files;
     return write_all(to, reply, sizeof *reply) &&
-           (reply->n_read == 0 ||
-            write_all(to, files + before, (size_t)reply->n_read * sizeof *files)) &&
+           (files_size == 0 || write_all(to, files + before, files_size)) &&
            write_all(to, out, size);
 }
 
@@ -116,4 +117,114 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
         _exit(!send(end, &reply, before, out, size));
     }
     return await(child, end, out, size, err);
+}
+
+/* ---- this program again ---- */
+
+/* Linux has this name for the file of the running program, even if that file has been moved or
+ * replaced meanwhile. */
+static const char running[] = "/proc/self/exe";
+
+const char *program_file(const char *link, const char *typed)
+{
+    return access(link, X_OK) == 0 ? link : typed;
+}
+
+/* Ends this process with the system's reason in a line, as the program itself would. */
+static void refuse(const char *file, int messages)
+{
+    struct error err = {.status = EXIT_AGREED};
+    error_system(&err, "cannot run the program %s", file);
+    _exit(write_all(messages, err.text, strlen(err.text)) ? EXIT_SYSTEM : EXIT_SYSTEM + 1);
+}
+
+/* Makes `to` another name of the open file `from`. */
+static bool redirect(int from, int to)
+{
+    int got;
+    UNTIL_DONE(got, dup2(from, to));
+    return got >= 0;
+}
+
+/* Nobody types at the program and nobody reads its table. Its messages go to the pipe. */
+static void become(const char *file, const char *const *words, int messages)
+{
+    char *const *line; /* as execvp wants it, which changes no word */
+    int nothing;
+    memcpy(&line, &words, sizeof line);
+    UNTIL_DONE(nothing, open("/dev/null", O_RDWR | O_CLOEXEC));
+    if (nothing >= 0 && redirect(nothing, STDIN_FILENO) && redirect(nothing, STDOUT_FILENO) &&
+        redirect(messages, STDERR_FILENO)) {
+        errno = 0;
+        execvp(file, line);
+    }
+    refuse(file, messages);
+}
+
+/* Reads messages until no process has the pipe open. */
+static bool read_messages(int from, struct printed *out)
+{
+    char bytes[512];
+    ssize_t got = 1;
+    while (got > 0) {
+        UNTIL_DONE(got, read(from, bytes, sizeof bytes));
+        print_bytes(out, bytes, got > 0 ? (size_t)got : 0);
+    }
+    return got == 0;
+}
+
+/* Cuts the ends of lines off a text, and returns its last line. */
+static const char *last_line(char *text)
+{
+    for (size_t n = strlen(text); n > 0 && text[n - 1] == '\n'; n--)
+        text[n - 1] = '\0';
+    const char *newline = strrchr(text, '\n');
+    return newline ? newline + 1 : text;
+}
+
+/* Concludes from the status of a program that has ended by itself. */
+static bool conclude(int status, const char *message, struct error *err)
+{
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (code == EXIT_AGREED)
+        return true;
+    if (code < 0 || code > EXIT_SYSTEM || message[0] == '\0')
+        return child_failed(status, err);
+    *err = (struct error){.status = (enum exit_status)code};
+    snprintf(err->text, sizeof err->text, "%s", message);
+    return false;
+}
+
+/* Returns the processor time of all processes that this one has waited for, and of theirs. */
+static double children_seconds(void)
+{
+    struct rusage used;
+    if (getrusage(RUSAGE_CHILDREN, &used) != 0)
+        return 0;
+    return (double)used.ru_utime.tv_sec + (double)used.ru_stime.tv_sec +
+           1e-6 * ((double)used.ru_utime.tv_usec + (double)used.ru_stime.tv_usec);
+}
+
+bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
+{
+    const char *file = program_file(running, words[0]);
+    const struct run_seconds start = {clock_seconds(), children_seconds()};
+    struct printed messages = {.text = NULL};
+    pid_t child;
+    int end, status = 0;
+    *out = (struct run_seconds){.wall = 0};
+    if (!child_start(&child, &end, err))
+        return false;
+    if (child == 0) {
+        fcntl(end, F_SETFD, FD_CLOEXEC);
+        become(file, words, end);
+    }
+    if (!read_messages(end, &messages))
+        kill(child, SIGKILL);
+    const bool ended = child_end(child, end, &status, err);
+    *out = (struct run_seconds){clock_seconds() - start.wall, children_seconds() - start.processor};
+    char *text = printed_end(&messages);
+    const bool done = ended && conclude(status, text ? last_line(text) : "", err);
+    free(text);
+    return done;
 }

@@ -35,16 +35,6 @@ const char *adaptation_name(enum adaptation_kind kind)
     return names[kind];
 }
 
-static bool read_luminance(const char *option, const char *text, double *out, struct error *err)
-{
-    struct text line;
-    bool done = text_open_string(&line, option, text, err) && text_next_line(&line) &&
-                text_number(&line, "luminance in cd/m2", 1e-6, 1e12, out, err) &&
-                text_end(&line, "a luminance", err);
-    text_free(&line);
-    return done;
-}
-
 bool adaptation_read(const char *option, const char *text, struct adaptation *out,
                      struct error *err)
 {
@@ -56,8 +46,14 @@ bool adaptation_read(const char *option, const char *text, struct adaptation *ou
             return true;
         }
     if (strncmp(text, prefix, strlen(prefix)) == 0 && text[strlen(prefix)] != '\0') {
+        struct text line;
         out->kind = ADAPTATION_FAIRCHILD;
-        return read_luminance(option, text + strlen(prefix), &out->luminance, err);
+        const bool done =
+            text_open_string(&line, option, text + strlen(prefix), err) && text_next_line(&line) &&
+            text_number(&line, "luminance in cd/m2", 1e-6, 1e12, &out->luminance, err) &&
+            text_end(&line, "a luminance", err);
+        text_free(&line);
+        return done;
     }
     return error_usage(err,
                        "%s: expected none, von-kries, fairchild, fairchild:LUMINANCE, bradford or "

@@ -24,11 +24,11 @@ static void put(struct profile *to, int n_bytes, uint32_t value)
         to->bytes[to->at++] = (unsigned char)(value >> 8 * i);
 }
 
-/* Puts a signature of four characters. */
-static void put_name(struct profile *to, const char *name)
+/* Puts signatures of four characters each. */
+static void put_name(struct profile *to, const char *names)
 {
-    for (int i = 0; i < 4; i++)
-        put(to, 1, (unsigned char)name[i]);
+    for (; *names != '\0'; names++)
+        put(to, 1, (unsigned char)*names);
 }
 
 /* Puts an s15Fixed16Number. */
@@ -133,9 +133,7 @@ static void put_header(struct profile *to)
     put(to, 4, (uint32_t)to->end);
     put(to, 4, 0);
     put(to, 4, 0x04300000);
-    put_name(to, "mntr");
-    put_name(to, "RGB ");
-    put_name(to, "XYZ ");
+    put_name(to, "mntrRGB XYZ ");
     put(to, 2, 2000);
     put(to, 2, 1);
     put(to, 2, 1);

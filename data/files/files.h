@@ -36,14 +36,13 @@ enum { BUILTIN_NAME = 256 };
 bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
                   char out[BUILTIN_NAME]);
 
-/* Reads a whole file, or a "builtin:..." file. *bytes is allocated, with a NUL behind its *length
- * bytes. Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a
- * NUL byte. The message names `from`, the place that names the file; its path is NULL when the
- * command line names it. Waits for a pipe only then. */
-bool file_read(const char *path, struct place from, char **bytes, size_t *length,
-               struct error *err);
+/* Reads a whole text file, or a "builtin:..." file, into an allocated string; NULL after an error.
+ * Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a NUL
+ * byte. The message names `from`, the place that names the file; its path is NULL when the command
+ * line names it. Waits for a pipe only then. */
+char *file_read(const char *path, struct place from, struct error *err);
 /* Reads standard input likewise, to its end. Messages call it `name`. */
-bool input_read(const char *name, char **bytes, size_t *length, struct error *err);
+char *input_read(const char *name, struct error *err);
 
 /* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
  * Refuses what file_read refuses, but accepts NUL bytes. */
@@ -72,6 +71,8 @@ bool file_format(const char *path, const char **out, struct error *err);
  * no memory. */
 char *envi_data(const char *path);
 
+/* ---- digest.c: SHA-256, and digests of the files that this process has read ---- */
+
 struct digest {
     uint32_t hash[8];
     unsigned char block[64]; /* bytes that do not fill a block yet */
@@ -82,8 +83,6 @@ void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 void digest_bytes(const void *bytes, size_t length, char out[65]);
 bool digest_file(const char *path, char out[65], struct error *err);
-
-/* ---- noted.c: digests of the files that this process has read ---- */
 
 /* Notes the digest of a file as its bytes were read, or as it lies open. A built-in file has none.
  */
@@ -98,11 +97,11 @@ bool digest_was_read(const char *path, char out[65]);
  * pipe, a device, "-" for standard output) receives a copy of a temporary file. */
 struct output {
     int descriptor;
-    char *path;      /* final name, links resolved */
-    char *temporary; /* the path under which this process can read the file before it has its final
-                        name; NULL: no file is open */
-    bool named;      /* the temporary name stands in the folder, and must be removed */
-    bool copied;     /* path is no regular file, or "-": copy at the end */
+    char *path;           /* final name, links resolved */
+    char temporary[4096]; /* the path under which this process can read the file before it has its
+                             final name; "": no file is open. Linux takes no longer one */
+    bool named;           /* the temporary name stands in the folder, and must be removed */
+    bool copied;          /* path is no regular file, or "-": copy at the end */
 };
 /* Creates the file. Refuses a path that cannot be written, a terminal, and a file that this process
  * has read: see file_was_read. */
@@ -138,7 +137,7 @@ bool printed_write(struct printed *printed, const char *path, struct outputs *ou
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
 bool output_can_open(const char *path, struct error *err);
 
-/* ---- disk.c: room on the disk ---- */
+/* ---- temporary.c: room on the disk ---- */
 
 /* Refuses a disk that has no room for so many bytes more, before hours of rendering are lost. */
 bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err);
@@ -158,10 +157,10 @@ bool output_ending(const char *path, const char *const *endings, int *out, struc
 bool output_is_standard(const char *path); /* true of "-", standard output */
 bool output_is_stream(const char *path);   /* true of "-", and of what exists and is no file */
 
-/* ---- folder.c: a folder for files that nobody keeps ---- */
+/* ---- temporary.c: a folder for files that nobody keeps ---- */
 
 struct folder {
-    char path[4096]; /* Linux takes no longer one; "": there is none */
+    char path[4096]; /* "": there is none */
     DIR *entries; /* open, so that the folder can be emptied without memory; NULL: there is none */
 };
 /* Makes a folder in TMPDIR, or /tmp, whose name the guard knows (guard_remove). The caller lets the

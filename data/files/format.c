@@ -50,13 +50,12 @@ static const char *format_of(const unsigned char *start, size_t length)
 /* Finds the format by the first bytes alone. Does not wait for a pipe. */
 static bool format_find(const char *path, const char **out, struct error *err)
 {
-    const struct place nowhere = {NULL, 0, 0};
     struct error failure = {.status = EXIT_AGREED};
     const struct builtin_file *builtin;
     unsigned char start[512];
     int file;
     *out = "";
-    if (!file_open(path, nowhere, &file, &builtin, &failure)) {
+    if (!file_open(path, NOWHERE, &file, &builtin, &failure)) {
         if (failure.status == EXIT_SYSTEM)
             *err = failure;
         return failure.status != EXIT_SYSTEM;
@@ -69,7 +68,7 @@ static bool format_find(const char *path, const char **out, struct error *err)
     const int cause = errno;
     close(file);
     if (got < 0)
-        return error_cause(err, nowhere, cause, "cannot read %s", path);
+        return error_cause(err, NOWHERE, cause, "cannot read %s", path);
     *out = format_of(start, (size_t)got);
     return true;
 }
@@ -108,14 +107,14 @@ bool file_format(const char *path, const char **out, struct error *err)
 
 char *envi_data(const char *path)
 {
-    const size_t length = length_without(path, ".hdr"), room = strlen(path) + sizeof ".img";
-    char *name = malloc(room);
-    for (size_t i = 0; name && length > 0 && i < ENDINGS; i++) {
-        snprintf(name, room, "%.*s%s", (int)length, path, endings[i]);
-        if (!file_is_missing(name))
+    const size_t length = length_without(path, ".hdr");
+    for (size_t i = 0; length > 0 && i < ENDINGS; i++) {
+        struct printed printed = {.text = NULL};
+        print(&printed, "%.*s%s", (int)length, path, endings[i]);
+        char *name = printed_end(&printed);
+        if (!name || !file_is_missing(name))
             return name;
+        free(name);
     }
-    if (name)
-        strcpy(name, path);
-    return name;
+    return strdup(path);
 }

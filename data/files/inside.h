@@ -5,9 +5,6 @@
 
 #include "data/files/files.h"
 
-/* Reads an open file for it; messages name the path. */
-bool digest_descriptor(const char *path, int descriptor, char out[65], struct error *err);
-
 /* output.c: syncs the folder of a path, so that its new name outlives a crash of the machine. The
  * file is whole in any case, so a failure is none of the output. */
 void folder_sync(const char *path);
@@ -21,5 +18,7 @@ bool temporary_create(struct output *out, const char *path, mode_t mode);
 /* Gives the file the path's name, in place of any file of that name. Returns false with errno. */
 bool temporary_name(struct output *out, const char *path);
 void temporary_remove(struct output *out); /* its name; the descriptor stays open */
+
+const char *temporary_folder(void); /* TMPDIR, or /tmp */
 
 #endif

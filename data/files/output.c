@@ -13,13 +13,12 @@
 
 /* ---- opening ---- */
 
-/* A closed pipe gets no message. */
+/* The reader of a pipe that has closed it expects no message: error_cause then adds none. */
 static bool write_fault(struct error *err, const char *path)
 {
-    const struct place nowhere = {NULL, 0, 0};
-    if (errno == EPIPE)
-        return error_unread(err);
-    return error_cause(err, nowhere, errno, "cannot write %s",
+    if (errno == EPIPE && err->status == EXIT_AGREED)
+        err->status = EXIT_SYSTEM;
+    return error_cause(err, NOWHERE, errno, "cannot write %s",
                        output_is_standard(path) ? "to standard output" : path);
 }
 
@@ -27,10 +26,8 @@ static bool write_fault(struct error *err, const char *path)
  * temporary files. */
 static bool open_copied(struct output *out, const char *path, struct error *err)
 {
-    const char *folder = getenv("TMPDIR");
+    const char *folder = temporary_folder();
     char beside[PATH_MAX];
-    if (folder == NULL || folder[0] == '\0')
-        folder = "/tmp";
     snprintf(beside, sizeof beside, "%s/spectral", folder);
     out->copied = true;
     out->path = strdup(path);

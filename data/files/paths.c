@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Paths: how one file names another, and what a path names. */
+/* Paths: how one file names another, what a path names, and the names of files that a command
+ * writes. */
 #include <limits.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -62,12 +64,11 @@ char *file_relative(const char *base, const char *name)
 /* Fails only where the system does. */
 static bool examine(const char *path, bool *exists, struct stat *out, struct error *err)
 {
-    const struct place nowhere = {NULL, 0, 0};
     struct error failure = {.status = EXIT_AGREED};
     *exists = stat(path, out) == 0;
     if (*exists)
         return true;
-    error_cause(&failure, nowhere, errno, "cannot examine %s", path);
+    error_cause(&failure, NOWHERE, errno, "cannot examine %s", path);
     if (failure.status == EXIT_SYSTEM)
         *err = failure;
     return failure.status != EXIT_SYSTEM;
@@ -111,4 +112,48 @@ bool file_is_same(const char *a, const char *b, bool *out, struct error *err)
         return false;
     *out = a_is && b_is && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
     return true;
+}
+
+/* ---- the names of outputs ---- */
+
+char *output_name(const char *path, const char *ending, struct error *err)
+{
+    const char *name = path_name(path), *dot = strrchr(name, '.');
+    size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
+    struct printed printed = {.text = NULL};
+    print(&printed, "%.*s%s", (int)length, name, ending);
+    return printed_take(&printed, err);
+}
+
+bool output_ending(const char *path, const char *const *endings, int *out, struct error *err)
+{
+    const char *name = path_name(path), *dot = strrchr(name, '.');
+    struct printed list = {.text = NULL};
+    *out = -1;
+    if (!dot || dot == name || !dot[1])
+        return true;
+    for (int i = 0; endings[i]; i++)
+        if (strcasecmp(dot, endings[i]) == 0) {
+            *out = i;
+            return true;
+        }
+    for (int i = 0; endings[i]; i++)
+        print(&list, "%s%s", i == 0 ? "" : endings[i + 1] ? ", " : " or ", endings[i]);
+    char *known = printed_take(&list, err);
+    if (known)
+        error_at(err, (struct place){path, 0, 0}, "the ending %s is unknown; expected %s", dot,
+                 known);
+    free(known);
+    return false;
+}
+
+bool output_is_standard(const char *path)
+{
+    return strcmp(path, "-") == 0;
+}
+
+bool output_is_stream(const char *path)
+{
+    struct stat status;
+    return output_is_standard(path) || (stat(path, &status) == 0 && !S_ISREG(status.st_mode));
 }

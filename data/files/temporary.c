@@ -1,26 +1,24 @@
 /* SPDX-License-Identifier: MIT */
-/* Files that are being written. Linux keeps a file without a name (O_TMPFILE), which vanishes with
- * its process. On a file system that cannot, the file has a temporary name, which is removed when
- * the process ends, unless the process is killed. */
-#define _GNU_SOURCE /* O_TMPFILE */
+/* Files and folders that are being written, and their room on the disk. Linux keeps a file without
+ * a name (O_TMPFILE), which vanishes with its process. On a file system that cannot, the file has a
+ * temporary name, which is removed when the process ends, unless the process is killed. */
+#define _GNU_SOURCE /* O_TMPFILE, fallocate */
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "data/files/inside.h"
 
-/* The longest name in /proc, or what a temporary name adds; the most names that are tried. */
-enum { NAME_ROOM = 64, MOST_NAMES = 10000 };
+enum { MOST_NAMES = 10000 }; /* that are tried */
 
 /* ---- files without a name ---- */
 
-#ifdef O_TMPFILE
-static void write_link(char out[NAME_ROOM], int descriptor)
-{
-    snprintf(out, NAME_ROOM, "/proc/self/fd/%d", descriptor);
-}
+#ifndef O_TMPFILE
+#define O_TMPFILE O_DIRECTORY /* no folder opens for writing: each file then has a name */
+#endif
 
 /* Without /proc such a file cannot get a name later. */
 static bool create_nameless(struct output *out, const char *folder, mode_t mode)
@@ -28,7 +26,7 @@ static bool create_nameless(struct output *out, const char *folder, mode_t mode)
     UNTIL_DONE(out->descriptor, open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, mode));
     if (out->descriptor < 0)
         return false;
-    write_link(out->temporary, out->descriptor);
+    snprintf(out->temporary, sizeof out->temporary, "/proc/self/fd/%d", out->descriptor);
     if (access(out->temporary, F_OK) == 0)
         return true;
     close(out->descriptor);
@@ -38,78 +36,52 @@ static bool create_nameless(struct output *out, const char *folder, mode_t mode)
 
 static bool link_nameless(int descriptor, const char *path)
 {
-    char name[NAME_ROOM];
-    write_link(name, descriptor);
+    char name[64];
+    snprintf(name, sizeof name, "/proc/self/fd/%d", descriptor);
     return linkat(AT_FDCWD, name, AT_FDCWD, path, AT_SYMLINK_FOLLOW) == 0;
 }
-#else
-static bool create_nameless(struct output *out, const char *folder, mode_t mode)
-{
-    (void)out;
-    (void)folder;
-    (void)mode;
-    return false;
-}
-
-static bool link_nameless(int descriptor, const char *path)
-{
-    (void)descriptor;
-    (void)path;
-    return false;
-}
-#endif
 
 /* ---- files with a temporary name ---- */
 
 /* Writes .NAME.PID.N.tmp beside the path. NAME is cut, so that the name stays below NAME_MAX. */
-static void write_name(char *out, const char *path, int attempt)
+static bool write_name(struct output *out, const char *path, int attempt)
 {
     const char *name = path_name(path);
-    sprintf(out, "%.*s.%.200s.%ld.%d.tmp", (int)(name - path), path, name, (long)getpid(), attempt);
+    errno = ENAMETOOLONG;
+    return snprintf(out->temporary, sizeof out->temporary, "%.*s.%.200s.%ld.%d.tmp",
+                    (int)(name - path), path, name, (long)getpid(),
+                    attempt) < (int)sizeof out->temporary;
 }
 
 /* Opens a new file under its temporary name. The guard knows the name first, so that no moment is
  * left in which a signal leaves the file behind. */
 static bool create_named(struct output *out, const char *path, mode_t mode)
 {
-    errno = EEXIST;
-    for (int attempt = 0; attempt < MOST_NAMES && errno == EEXIST; attempt++) {
-        write_name(out->temporary, path, attempt);
-        if (!guard_remove(out->temporary)) {
-            errno = ENAMETOOLONG;
+    for (int attempt = 0; attempt < MOST_NAMES; attempt++) {
+        if (!write_name(out, path, attempt) || !guard_remove(out->temporary))
             return false;
-        }
         UNTIL_DONE(out->descriptor,
                    open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
         out->named = out->descriptor >= 0;
         if (out->named)
             return true;
         guard_forget(out->temporary);
+        if (errno != EEXIST)
+            return false;
     }
     return false;
 }
 
 /* ---- both ---- */
 
-/* The names may be as long as the path and NAME_ROOM twice: PID and N are numbers of 20 digits at
- * most. */
-static bool create_in(const char *folder, struct output *out, const char *path, mode_t mode)
-{
-    out->temporary = malloc(strlen(path) + 2 * NAME_ROOM);
-    if (!out->temporary)
-        return false;
-    if (create_nameless(out, folder, mode) || create_named(out, path, mode))
-        return true;
-    free(out->temporary);
-    out->temporary = NULL;
-    return false;
-}
-
 bool temporary_create(struct output *out, const char *path, mode_t mode)
 {
     char *folder = file_relative(path, ".");
-    const bool done = folder && create_in(folder, out, path, mode);
+    const bool done =
+        folder && (create_nameless(out, folder, mode) || create_named(out, path, mode));
     const int cause = errno;
+    if (!done)
+        out->temporary[0] = '\0';
     free(folder);
     errno = cause;
     return done;
@@ -120,8 +92,8 @@ bool temporary_create(struct output *out, const char *path, mode_t mode)
 static bool name_temporarily(struct output *out, const char *path)
 {
     for (int attempt = 0; attempt < MOST_NAMES && !out->named; attempt++) {
-        write_name(out->temporary, path, attempt);
-        out->named = link_nameless(out->descriptor, out->temporary);
+        out->named =
+            write_name(out, path, attempt) && link_nameless(out->descriptor, out->temporary);
         if (!out->named && errno != EEXIST)
             return false;
     }
@@ -143,12 +115,141 @@ bool temporary_name(struct output *out, const char *path)
 void temporary_remove(struct output *out)
 {
     const int cause = errno;
-    if (out->temporary && out->named) {
+    if (out->named) {
         unlink(out->temporary);
         guard_forget(out->temporary);
     }
-    free(out->temporary);
-    out->temporary = NULL;
+    out->temporary[0] = '\0';
     out->named = false;
     errno = cause;
+}
+
+/* ---- room on the disk: a full disk shows before the work begins ---- */
+
+/* Some file systems do not report their size. */
+bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err)
+{
+    struct statvfs disk;
+    if (fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
+        needed / disk.f_frsize <= disk.f_bavail)
+        return true;
+    return error_failed(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
+                        1e-6 * (double)needed,
+                        1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
+}
+
+/* C libraries make up for a file system that cannot reserve by writing every block: so this asks
+ * Linux itself. */
+bool output_reserve(const struct output *output, uint64_t length)
+{
+#ifdef __linux__
+    const uint64_t large = (uint64_t)32 << 20;
+    int got;
+    if (length <= large)
+        return true;
+    UNTIL_DONE(got, fallocate(output->descriptor, 0, 0, (off_t)length));
+    return got == 0 || errno == EOPNOTSUPP || errno == ENOSYS || errno == EINVAL;
+#else
+    (void)output, (void)length;
+    return true;
+#endif
+}
+
+/* ---- folders for files that nobody keeps, or that nobody keeps yet ---- */
+
+const char *temporary_folder(void)
+{
+    const char *given = getenv("TMPDIR");
+    return given && given[0] ? given : "/tmp";
+}
+
+/* Makes a folder whose name is a prefix and the six characters of mkdtemp. */
+static bool make(const char *parent, const char *prefix, struct folder *out)
+{
+    char path[sizeof out->path];
+    if (snprintf(path, sizeof path, "%s/%sXXXXXX", parent, prefix) >= (int)sizeof path) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    if (!mkdtemp(path))
+        return false;
+    memcpy(out->path, path, sizeof path);
+    do
+        out->entries = opendir(path);
+    while (!out->entries && errno == EINTR);
+    return out->entries;
+}
+
+/* Removes the files in a folder, which holds no folders. */
+static void empty(DIR *entries)
+{
+    rewinddir(entries);
+    for (const struct dirent *entry; (entry = readdir(entries));)
+        unlinkat(dirfd(entries), entry->d_name, 0);
+}
+
+bool folder_open(struct folder *out, struct error *err)
+{
+    const char *parent = temporary_folder();
+    *out = (struct folder){.entries = NULL};
+    guard_hold();
+    const bool done = make(parent, "spectral.", out) && guard_remove(out->path);
+    if (!done) {
+        error_system(err, "cannot make a temporary folder in %s", parent);
+        folder_close(out);
+    }
+    guard_release();
+    return done;
+}
+
+/* Writes the folder that a path lies in. */
+static void find_parent(const char *path, char out[sizeof((struct folder *)0)->path])
+{
+    const size_t end = strlen(path), last = end > 0 && path[end - 1] == '/' ? end - 1 : end;
+    size_t n = last;
+    while (n > 0 && path[n - 1] != '/')
+        n--;
+    snprintf(out, sizeof((struct folder *)0)->path, "%.*s", n > 0 ? (int)n : 1, n > 0 ? path : ".");
+}
+
+bool folder_open_beside(const char *path, struct folder *out, struct error *err)
+{
+    char parent[sizeof out->path];
+    const struct place place = {path, 0, 0};
+    *out = (struct folder){.entries = NULL};
+    if (!file_is_missing(path))
+        return error_at(err, place, "this folder exists already; expected a new name");
+    find_parent(path, parent);
+    errno = 0;
+    if (make(parent, ".spectral-unfinished.", out))
+        return true;
+    error_cause(err, place, errno, "cannot make the folder");
+    folder_close(out);
+    return false;
+}
+
+/* The new name is on the disk when its own folder is. */
+bool folder_keep(struct folder *folder, const char *path, struct error *err)
+{
+    const struct place place = {path, 0, 0};
+    const mode_t mask = umask(0);
+    umask(mask);
+    const int own = dirfd(folder->entries);
+    if (fchmod(own, 0777 & ~mask) != 0 || fsync(own) != 0 || rename(folder->path, path) != 0)
+        return error_cause(err, place, errno, "cannot make the folder");
+    folder->path[0] = '\0';
+    folder_sync(path);
+    return true;
+}
+
+void folder_close(struct folder *folder)
+{
+    if (folder->path[0] && folder->entries)
+        empty(folder->entries);
+    if (folder->path[0])
+        rmdir(folder->path);
+    guard_forget(folder->path);
+    if (folder->entries)
+        closedir(folder->entries);
+    *folder = (struct folder){.entries = NULL};
 }

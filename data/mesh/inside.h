@@ -94,10 +94,4 @@ void obj_free(struct obj *obj);
 bool normals_fill(struct obj *obj, const int32_t *order, const int32_t *starts, double crease_deg,
                   struct error *err);
 
-/* Returns the patches, allocated; NULL after an error. */
-struct teapot_patch *teapot_read(struct place from, struct error *err);
-/* Returns the place at row/count and column/count of a patch. */
-struct vertex teapot_vertex(const struct teapot_patch *patch, double size, double column,
-                            double row, double count);
-
 #endif

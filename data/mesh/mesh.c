@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes a mesh of the faces of an OBJ file. Corners that agree in point, normal and texture
  * coordinates become one vertex, in the order of first use. Normals and texture coordinates that
- * the file lacks are computed. Time grows linearly with the size of the file. */
+ * the file lacks are computed. Time grows linearly with the size of the file. Finds borders of any
+ * mesh. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,6 +51,48 @@ void mesh_free(struct mesh *mesh)
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
+/* ---- borders ---- */
+
+/* Finds the point of each vertex: the number of the first vertex in the same place. */
+static bool find_points(const struct mesh *mesh, int32_t *out, struct error *err)
+{
+    struct index points = {.slots = NULL};
+    bool done = true;
+    for (int i = 0; i < mesh->n_vertices && done; i++) {
+        const struct vector p = mesh->vertices[i].position;
+        const double key[3] = {p.x + 0, p.y + 0, p.z + 0}; /* -0 becomes 0 */
+        const int point = index_find(&points, key, sizeof key);
+        done = point >= 0 || index_add(&points, key, sizeof key, i, err);
+        out[i] = point >= 0 ? point : i;
+    }
+    index_free(&points);
+    return done;
+}
+
+/* Each edge adds a random number, or the other way round the negative one. */
+static bool edges_meet(const struct mesh *mesh, const int32_t *points)
+{
+    uint64_t sum = 0;
+    for (int i = 0; i < mesh->n_triangles; i++)
+        for (int j = 0; j < 3; j++) {
+            const int32_t *corner = mesh->triangles[i];
+            const uint64_t from = (uint64_t)points[corner[j]] + 1,
+                           to = (uint64_t)points[corner[(j + 1) % 3]] + 1;
+            sum += hash_bits(from << 32 | to) - hash_bits(to << 32 | from);
+        }
+    return sum == 0 && mesh->n_triangles > 0;
+}
+
+bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err)
+{
+    int32_t *points;
+    const bool done = MAKE_ARRAY(points, mesh->n_vertices, err, "the points of a mesh") &&
+                      find_points(mesh, points, err);
+    *closed = done && edges_meet(mesh, points);
+    free(points);
+    return done;
+}
+
 /* ---- working memory ---- */
 
 struct builder {
@@ -75,12 +118,6 @@ static bool builder_allocate(struct builder *b, struct error *err)
                       MAKE_ARRAY(b->links, n_corners, err, "the vertices of a mesh");
     b->seed = (uintptr_t)b->first_vertex;
     return done;
-}
-
-static void builder_free(struct builder *b)
-{
-    FREE_ALL(b->cutter, b->order, b->starts, b->first_vertex, b->links);
-    obj_free(&b->obj);
 }
 
 /* Fills the ring with the points of a face. */
@@ -114,18 +151,6 @@ static void unitize_points(struct builder *b)
 
 /* ---- normals where the file has none ---- */
 
-static void measure_face(struct builder *b, const struct obj_face *face)
-{
-    gather_ring(b, face);
-    const struct vector normal = polygon_normal(b->cutter->ring, face->n);
-    const bool flat = vector_dot(normal, normal) == 0;
-    for (int i = 0; i < face->n; i++) {
-        struct obj_corner *corner = &b->obj.corners[face->first + i];
-        corner->normal = normal;
-        corner->angle = flat ? 0 : polygon_angle(b->cutter->ring, face->n, i, normal);
-    }
-}
-
 /* Counting sort. starts[p] is first the end of its point's corners, and at last their begin. The
  * corners of a point keep their order. */
 static void sort_corners(struct builder *b)
@@ -138,10 +163,20 @@ static void sort_corners(struct builder *b)
         b->order[--b->starts[b->obj.corners[i].index[OBJ_POINT]]] = i;
 }
 
+/* Measures all faces at their corners, and gives normals to those that lack them. */
 static bool add_normals(struct builder *b, double crease_deg, struct error *err)
 {
-    for (int i = 0; i < b->obj.n_faces; i++)
-        measure_face(b, &b->obj.faces[i]);
+    for (int k = 0; k < b->obj.n_faces; k++) {
+        const struct obj_face *face = &b->obj.faces[k];
+        gather_ring(b, face);
+        const struct vector normal = polygon_normal(b->cutter->ring, face->n);
+        const bool flat = vector_dot(normal, normal) == 0;
+        for (int i = 0; i < face->n; i++) {
+            struct obj_corner *corner = &b->obj.corners[face->first + i];
+            corner->normal = normal;
+            corner->angle = flat ? 0 : polygon_angle(b->cutter->ring, face->n, i, normal);
+        }
+    }
     return normals_fill(&b->obj, b->order, b->starts, crease_deg, err);
 }
 
@@ -274,7 +309,8 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
         sort_corners(&builder);
     good = good && (!builder.obj.lacks_normals || add_normals(&builder, crease_deg, err)) &&
            add_faces(&builder, out, err);
-    builder_free(&builder);
+    FREE_ALL(builder.cutter, builder.order, builder.starts, builder.first_vertex, builder.links);
+    obj_free(&builder.obj);
     if (!good)
         mesh_free(out);
     return good;

@@ -37,7 +37,7 @@ void mesh_box(const struct mesh *mesh, struct vector *low, struct vector *high);
 void mesh_planar(struct mesh *mesh);
 void mesh_free(struct mesh *mesh);
 
-/* closed.c. Finds whether each edge of each triangle is, the other way round, one of another
+/* Finds whether each edge of each triangle is, the other way round, one of another
  * triangle: the mesh has no border. A mesh with a border is taken for a closed one with a chance of
  * 2^-64. */
 bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err);
@@ -112,19 +112,10 @@ void patch_enter(const struct shape *shape, double *u, double *v);
 /* Returns the place on a patch, rounded to 2^-18 of a cell, with its outward normal. */
 struct vertex patch_vertex(const struct patches *patches, int patch, double u, double v);
 
-/* ---- build.c: the triangles of a shape ---- */
-
 /* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
 
 /* Lets a texture fit as often as the shape says: multiplies s and t. */
 void shape_repeat_texture(const struct shape *shape, struct mesh *mesh);
-
-/* teapot.c: the 32 bicubic Bézier patches of the Utah teapot. */
-enum { TEAPOT_PATCHES = 32 };
-struct teapot_patch {
-    struct vector point[16];
-    bool pole; /* its first row is one point */
-};
 
 #endif

@@ -49,11 +49,6 @@ struct crowd {
     int n, n_groups;                  /* n_groups: a power of two */
 };
 
-static void crowd_free(struct crowd *crowd)
-{
-    FREE_ALL(crowd->sorted, crowd->nodes);
-}
-
 /* Takes 21 bits of each coordinate in turn, the highest first. */
 static uint64_t curve_place(struct vector normal)
 {
@@ -253,7 +248,7 @@ static bool fill_point(struct obj *obj, struct meeting *meeting, struct error *e
     meeting->crowd = !meeting->smooth && normals.many ? &crowd : NULL;
     const bool done = (!meeting->crowd || crowd_make(meeting, &crowd, err)) &&
                       set_normals(meeting, &normals, obj->corners, err);
-    crowd_free(&crowd);
+    FREE_ALL(crowd.sorted, crowd.nodes);
     index_free(&normals.places);
     return done;
 }

@@ -1,26 +1,32 @@
 /* SPDX-License-Identifier: MIT */
-/* The surfaces of built-in shapes, by parameters. Positions along a seam are computed from the same
- * numbers by the same steps. So neighbours agree in every bit, and no crack can open. */
-#include <assert.h>
+/* The surfaces of built-in shapes, by parameters, and the triangles that approximate them: a
+ * lattice of places on each patch, and two triangles in each cell. Positions along a seam are
+ * computed from the same numbers by the same steps. So neighbours agree in every bit, and no crack
+ * can open. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "data/mesh/inside.h"
 
-bool patches_open(const struct shape *shape, struct patches *out, struct error *err)
-{
-    *out = (struct patches){.shape = shape};
-    if (shape->kind != SHAPE_TEAPOT)
-        return true;
-    out->teapot = teapot_read(shape->place, err);
-    return out->teapot != NULL;
-}
+enum { TEAPOT_PATCHES = 32 };
 
-void patches_close(struct patches *patches)
-{
-    free(patches->teapot);
-    *patches = (struct patches){.shape = NULL};
-}
+/* The patches of a shape: cells in columns and rows, whose numbers are sizes of the shape, then
+ * disks of as many slices. A pole is a row that is one point. */
+static const struct form {
+    int n_patches, n_disks, columns, rows; /* the last two: indices of the sizes */
+    bool low_pole, high_pole;
+} forms[] = {
+    [SHAPE_SPHERE] = {1, 0, 1, 2, true, true},
+    [SHAPE_TORUS] = {1, 0, 3, 2, false, false},
+    [SHAPE_BOX] = {6, 0, 3, 3, false, false},
+    [SHAPE_PLANE] = {1, 0, 2, 2, false, false},
+    [SHAPE_CYLINDER] = {1, 2, 2, 3, false, false},
+    [SHAPE_CONE] = {1, 1, 2, 3, false, true},
+    [SHAPE_DISK] = {0, 1, 1, 2, false, false},
+    [SHAPE_TEAPOT] = {TEAPOT_PATCHES, 0, 1, 1, false, false},
+    [SHAPE_MESH] = {0, 0, 0, 0, false, false},
+};
 
 /* ---- directions ---- */
 
@@ -113,17 +119,137 @@ static struct vertex turned_vertex(const struct shape *shape, double u, double v
         v / steps};
 }
 
+/* ---- the Utah teapot: bicubic Bézier patches ---- */
+
+enum { TEAPOT_POINTS = 290 };
+struct teapot_patch {
+    struct vector point[16];
+    bool pole; /* its first row is one point */
+};
+
+/* Cubic Bernstein weights at index/count, and a third of their derivatives. Mirrored indices give
+ * mirrored weights in every bit. */
+struct bernstein {
+    double value[4], slope[4];
+};
+
+static struct bernstein bernstein_at(double index, double count)
+{
+    const double u = index / count, v = (count - index) / count;
+    return (struct bernstein){{v * v * v, 3 * (v * v * u), 3 * (u * u * v), u * u * u},
+                              {-(v * v), v * v - 2 * (u * v), 2 * (u * v) - u * u, u * u}};
+}
+
+/* Returns the sum of the weighted points, in an order that gives the same bits for the reversed
+ * curve: patches that share an edge may run along it in opposite directions. */
+static struct vector weigh(const struct vector point[4], const double weight[4])
+{
+    return vector_add(
+        vector_add(vector_scale(point[0], weight[0]), vector_scale(point[3], weight[3])),
+        vector_add(vector_scale(point[1], weight[1]), vector_scale(point[2], weight[2])));
+}
+
+/* Returns the outward normal of a patch whose first row is one point. The tangents there, along the
+ * two sides of the patch, span the tangent plane. */
+static struct vector pole_normal(const struct vector point[16])
+{
+    return vector_cross(vector_subtract(point[7], point[0]), vector_subtract(point[4], point[0]));
+}
+
+/* Turns the teapot from z up to y up, as in glutSolidTeapot. Adding 0 makes -0 into 0, so that
+ * seams agree in that bit, too. */
+static struct vector upright(struct vector a)
+{
+    return (struct vector){a.x + 0.0, a.z + 0.0, 0.0 - a.y};
+}
+
+/* Returns the place at row/count and column/count of a patch. */
+static struct vertex teapot_vertex(const struct teapot_patch *patch, double size, double column,
+                                   double row, double count)
+{
+    const struct vector *point = patch->point;
+    const struct bernstein rows = bernstein_at(row, count), columns = bernstein_at(column, count);
+    const bool pole = patch->pole && row == 0;
+    struct vector across[4], along[4];
+    for (int i = 0; i < 4; i++) {
+        across[i] = weigh(&point[4 * i], columns.value);
+        along[i] = weigh(&point[4 * i], columns.slope);
+    }
+    /* Weights add up to 1 within rounding only, but a pole is one exact point. */
+    struct vector position = pole ? point[0] : weigh(across, rows.value);
+    const struct vector normal =
+        pole ? pole_normal(point)
+             : vector_cross(weigh(along, rows.value), weigh(across, rows.slope));
+    position.z -= 1.5;
+    return (struct vertex){vector_scale(upright(position), size / 2),
+                           vector_normalise(upright(normal)), 1 - column / count, 1 - row / count};
+}
+
+static bool read_patch(struct text *text, const struct vector *points, int n_points,
+                       struct teapot_patch *out, struct error *err)
+{
+    long index, last = -1;
+    for (int i = 0; i < 16; i++, last = index) {
+        if (!text_integer(text, "point of a patch", 0, n_points - 1, &index, err))
+            return false;
+        out->point[i] = points[index];
+        if (i == 1)
+            out->pole = index == last;
+    }
+    return text_end(text, "a patch", err);
+}
+
+static bool read_teapot(struct text *text, struct teapot_patch *out, struct error *err)
+{
+    struct vector points[TEAPOT_POINTS];
+    struct word word;
+    int n_points = 0, n_patches = 0;
+    bool good = true;
+    while (good && text_next_line(text)) {
+        if (!text_word(text, &word))
+            continue;
+        if (word_is(&word, "point") && n_points < TEAPOT_POINTS)
+            good = text_vector(text, "point", &points[n_points++], err) &&
+                   text_end(text, "a point", err);
+        else if (n_patches++ < TEAPOT_PATCHES)
+            good = read_patch(text, points, n_points, &out[n_patches - 1], err);
+    }
+    return good && (n_patches == TEAPOT_PATCHES ||
+                    error_at(err, text_whole(text), "expected %d patches, found %d", TEAPOT_PATCHES,
+                             n_patches));
+}
+
 /* ---- any patch ---- */
 
-/* The ends of a cylinder, and the base of a cone. */
-static bool is_cap(const struct shape *shape, int patch)
+bool patches_open(const struct shape *shape, struct patches *out, struct error *err)
 {
-    return patch > 0 && (shape->kind == SHAPE_CYLINDER || shape->kind == SHAPE_CONE);
+    struct text text;
+    *out = (struct patches){.shape = shape};
+    if (shape->kind != SHAPE_TEAPOT)
+        return true;
+    if (!MAKE_ARRAY(out->teapot, TEAPOT_PATCHES, err, "the teapot") ||
+        !text_open(&text, "builtin:models/teapot.txt", shape->place, err))
+        return false;
+    const bool done = read_teapot(&text, out->teapot, err);
+    text_free(&text);
+    return done;
+}
+
+void patches_close(struct patches *patches)
+{
+    free(patches->teapot);
+    *patches = (struct patches){.shape = NULL};
+}
+
+/* The ends of a cylinder, the base of a cone, and a disk. */
+static bool is_disk(const struct shape *shape, int patch)
+{
+    return patch >= forms[shape->kind].n_patches;
 }
 
 bool patch_is_flat(const struct shape *shape, int patch)
 {
-    return shape_is_flat(shape->kind) || is_cap(shape, patch);
+    return shape_is_flat(shape->kind) || is_disk(shape, patch);
 }
 
 /* Returns x in [0, cells], moved by whole turns. */
@@ -139,47 +265,144 @@ static double between(double x, double cells)
 
 void patch_enter(const struct shape *shape, double *u, double *v)
 {
-    const double *p = shape->parameter;
-    if (shape->kind == SHAPE_TEAPOT) {
-        *u = between(*u, p[1]);
-        *v = between(*v, p[1]);
-    } else if (shape->kind == SHAPE_TORUS) {
-        *u = around(*u, p[3]);
-        *v = around(*v, p[2]);
-    } else {
-        const bool is_sphere = shape->kind == SHAPE_SPHERE;
-        *u = around(*u, p[is_sphere ? 1 : 2]);
-        *v = between(*v, p[is_sphere ? 2 : 3]);
-    }
+    const struct form *form = &forms[shape->kind];
+    const double columns = shape->parameter[form->columns], rows = shape->parameter[form->rows];
+    *u = shape->kind == SHAPE_TEAPOT ? between(*u, columns) : around(*u, columns);
+    *v = shape->kind == SHAPE_TORUS ? around(*v, rows) : between(*v, rows);
 }
 
 struct vertex patch_vertex(const struct patches *patches, int patch, double u, double v)
 {
     const struct shape *shape = patches->shape;
-    const double *p = shape->parameter, plane[3] = {p[0], p[1], 0}, cell[2] = {u, v};
-    switch (shape->kind) {
-    case SHAPE_SPHERE:
-        return turned_vertex(shape, u, v, p[1], p[2]);
-    case SHAPE_TORUS:
-        return turned_vertex(shape, u, v, p[3], p[2]);
-    case SHAPE_BOX:
-        return face_vertex(p, patch, cell, p[3]);
-    case SHAPE_PLANE:
-        return face_vertex(plane, 4, cell, p[2]);
-    case SHAPE_CYLINDER:
-    case SHAPE_CONE:
-        if (patch == 0)
-            return turned_vertex(shape, u, v, p[2], p[3]);
-        return disk_vertex(&(struct disk){p[0], patch == 1 ? -0.5 * p[1] : 0.5 * p[1],
-                                          patch == 1 ? -1 : 1, p[2], 1},
-                           u, v);
-    case SHAPE_DISK:
-        return disk_vertex(&(struct disk){p[0], 0, 1, p[1], p[2]}, u, v);
-    case SHAPE_TEAPOT:
-        return teapot_vertex(&patches->teapot[patch], p[0], u, v, p[1]);
-    case SHAPE_MESH:
-        break;
+    const struct form *form = &forms[shape->kind];
+    const double *p = shape->parameter, columns = p[form->columns], rows = p[form->rows];
+    const double plane[3] = {p[0], p[1], 0}, cell[2] = {u, v};
+    if (shape->kind == SHAPE_TEAPOT)
+        return teapot_vertex(&patches->teapot[patch], p[0], u, v, columns);
+    if (shape->kind == SHAPE_BOX)
+        return face_vertex(p, patch, cell, columns);
+    if (shape->kind == SHAPE_PLANE)
+        return face_vertex(plane, 4, cell, columns);
+    if (shape->kind == SHAPE_DISK)
+        return disk_vertex(&(struct disk){p[0], 0, 1, columns, rows}, u, v);
+    if (!is_disk(shape, patch))
+        return turned_vertex(shape, u, v, columns, rows);
+    const double side = patch == 1 ? -1 : 1;
+    return disk_vertex(&(struct disk){p[0], side * 0.5 * p[1], side, columns, 1}, u, v);
+}
+
+/* ---- triangles ---- */
+
+static void add_vertex(struct mesh *mesh, const struct patches *patches, int patch, double u,
+                       double v)
+{
+    mesh->parameters[mesh->n_vertices] =
+        (struct parameters){patch, (int32_t)(u * PARAMETER_CELL), (int32_t)(v * PARAMETER_CELL)};
+    mesh->vertices[mesh->n_vertices++] = patch_vertex(patches, patch, u, v);
+}
+
+static void add_triangle(struct mesh *mesh, int a, int b, int c)
+{
+    const int32_t corner[3] = {a, b, c};
+    memcpy(mesh->triangles[mesh->n_triangles++], corner, sizeof corner);
+}
+
+/* Adds two triangles for each quadrilateral between a lower and an upper row. */
+static void add_band(struct mesh *mesh, int low, bool low_pole, int high, bool high_pole, int count)
+{
+    for (int i = 0; i < count; i++) {
+        if (!low_pole)
+            add_triangle(mesh, low + i, low + i + 1, high_pole ? high + i : high + i + 1);
+        if (!high_pole)
+            add_triangle(mesh, low + i, high + i + 1, high + i);
     }
-    assert(false);
-    return (struct vertex){.s = 0};
+}
+
+/* Adds a patch. The vertices of a pole lie between those of the next row, and its triangles without
+ * area are left out. */
+static void add_patch(struct mesh *mesh, const struct patches *patches, int patch, int columns,
+                      int rows)
+{
+    const struct form *form = &forms[patches->shape->kind];
+    const bool low_pole = form->low_pole || (patches->teapot && patches->teapot[patch].pole);
+    int below = 0;
+    for (int v = 0; v <= rows; v++) {
+        const bool high = form->high_pole && v == rows, pole = high || (low_pole && v == 0);
+        const int row = mesh->n_vertices;
+        for (int u = 0; u < columns + !pole; u++)
+            add_vertex(mesh, patches, patch, u + (pole ? 0.5 : 0), v);
+        if (v > 0)
+            add_band(mesh, below, low_pole && v == 1, row, high, columns);
+        below = row;
+    }
+}
+
+static bool add_patches(struct mesh *mesh, const struct patches *patches, int columns, int rows,
+                        struct error *err)
+{
+    const int n = forms[patches->shape->kind].n_patches;
+    const size_t cells = (size_t)n * (size_t)rows * (size_t)columns,
+                 places = (size_t)n * (size_t)(rows + 1) * (size_t)(columns + 1);
+    if (!mesh_begin(mesh, places, 2 * cells, err))
+        return false;
+    for (int i = 0; i < n; i++)
+        add_patch(mesh, patches, i, columns, rows);
+    return true;
+}
+
+/* Adds a disk: rings of triangles about its centre. */
+static bool add_disk(struct mesh *mesh, const struct patches *patches, int patch, int slices,
+                     int rings, struct error *err)
+{
+    const int centre = mesh->n_vertices;
+    const size_t n = (size_t)slices, n_rings = (size_t)rings;
+    if (!mesh_begin(mesh, n * n_rings + 1, n * (2 * n_rings - 1), err))
+        return false;
+    add_vertex(mesh, patches, patch, 0, 0);
+    const bool up = mesh->vertices[centre].normal.z > 0;
+    for (int ring = 1; ring <= rings; ring++)
+        for (int i = 0; i < slices; i++)
+            add_vertex(mesh, patches, patch, i, ring);
+    for (int ring = 1; ring <= rings; ring++)
+        for (int i = 0; i < slices; i++) {
+            const int outer = centre + 1 + (ring - 1) * slices, inner = outer - slices;
+            const int from = up ? i : (i + 1) % slices, to = up ? (i + 1) % slices : i;
+            add_triangle(mesh, ring == 1 ? centre : inner + from, outer + from, outer + to);
+            if (ring > 1)
+                add_triangle(mesh, inner + from, outer + to, inner + to);
+        }
+    return true;
+}
+
+static bool add_all(struct mesh *mesh, const struct patches *patches, struct error *err)
+{
+    const struct form *form = &forms[patches->shape->kind];
+    const int columns = (int)patches->shape->parameter[form->columns],
+              rows = (int)patches->shape->parameter[form->rows];
+    bool done = form->n_patches == 0 || add_patches(mesh, patches, columns, rows, err);
+    for (int i = 0; i < form->n_disks && done; i++)
+        done = add_disk(mesh, patches, form->n_patches + i, columns, form->n_patches > 0 ? 1 : rows,
+                        err);
+    return done;
+}
+
+bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
+{
+    struct patches patches;
+    if (shape->kind == SHAPE_MESH)
+        return mesh_read(shape->path, shape->place, shape->unitize, shape->crease_deg, out, err);
+    *out = (struct mesh){.place = shape->place, .parametric = true};
+    const bool done = patches_open(shape, &patches, err) && add_all(out, &patches, err);
+    patches_close(&patches);
+    if (!done)
+        mesh_free(out);
+    return done;
+}
+
+void shape_repeat_texture(const struct shape *shape, struct mesh *mesh)
+{
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        mesh->vertices[i].s *= shape->repeat[0];
+        mesh->vertices[i].t *= shape->repeat[1];
+    }
 }

@@ -19,27 +19,6 @@ static int compare_edges(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/* Sorts edges, and keeps each once; returns their number. */
-static int sort_edges(int64_t *edges, int n)
-{
-    int kept = 0;
-    qsort(edges, (size_t)n, sizeof *edges, compare_edges);
-    for (int i = 0; i < n; i++)
-        if (i == 0 || edges[i] != edges[kept - 1])
-            edges[kept++] = edges[i];
-    return kept;
-}
-
-/* Returns the place of an edge among n sorted ones. */
-static int32_t find_edge(const int64_t *edges, int n, int32_t a, int32_t b)
-{
-    const int64_t edge = edge_of(a, b),
-                  *found = bsearch(&edge, edges, (size_t)n, sizeof *edges, compare_edges);
-    return (int32_t)(found - edges);
-}
-
-/* ---- cutting at x = 0 ---- */
-
 static int side_of(const struct vertex *vertex)
 {
     return (vertex->position.x > 0) - (vertex->position.x < 0);
@@ -81,26 +60,60 @@ static void cut_parameters(struct mesh *mesh, int32_t a, int32_t b, int32_t at)
                                                p.v + (int32_t)(share * (q.v - p.v))};
 }
 
-/* Adds a vertex for each edge that crosses x = 0, in the order of the edges; returns their number.
- */
-static int cut_edges(struct mesh *mesh, const struct mesh *from, int64_t *edges)
+/* Returns the middle of an edge. Its normal is not brought to unit length: so the normals that are
+ * interpolated on the facet stay as they are. */
+static struct vertex middle_of(const struct vertex *a, const struct vertex *b)
 {
-    int n = 0;
-    for (int i = 0; i < from->n_triangles; i++)
-        for (int k = 0; k < 3; k++) {
-            const int32_t a = from->triangles[i][k], b = from->triangles[i][(k + 1) % 3];
-            if (crosses(mesh, a, b))
-                edges[n++] = edge_of(a, b);
-        }
-    n = sort_edges(edges, n);
+    return (struct vertex){vector_scale(vector_add(a->position, b->position), 0.5),
+                           vector_scale(vector_add(a->normal, b->normal), 0.5), (a->s + b->s) / 2,
+                           (a->t + b->t) / 2};
+}
+
+/* Adds a vertex for each edge of the triangles of *from: where it crosses x = 0, or, without
+ * `cutting`, in the middle. They come in the order of the edges, which are sorted. Returns their
+ * number. */
+static int add_vertices(struct mesh *mesh, const struct mesh *from, bool cutting, int64_t *edges)
+{
+    int n = 0, kept = 0;
+    for (int i = 0; i < 3 * from->n_triangles; i++) {
+        const int32_t *corner = from->triangles[i / 3], a = corner[i % 3], b = corner[(i + 1) % 3];
+        if (!cutting || crosses(from, a, b))
+            edges[n++] = edge_of(a, b);
+    }
+    qsort(edges, (size_t)n, sizeof *edges, compare_edges);
     for (int i = 0; i < n; i++) {
         const int32_t a = (int32_t)(edges[i] / INT32_MAX), b = (int32_t)(edges[i] % INT32_MAX);
+        const struct vertex *p = &mesh->vertices[a], *q = &mesh->vertices[b];
+        if (i > 0 && edges[i] == edges[kept - 1])
+            continue;
+        edges[kept++] = edges[i];
         if (mesh->parametric)
             cut_parameters(mesh, a, b, mesh->n_vertices);
-        mesh->vertices[mesh->n_vertices++] = cut_edge(&mesh->vertices[a], &mesh->vertices[b]);
+        mesh->vertices[mesh->n_vertices++] = cutting ? cut_edge(p, q) : middle_of(p, q);
     }
-    return n;
+    return kept;
 }
+
+/* Returns the new vertex of an edge: the last n vertices of the mesh are those of n sorted edges.
+ */
+static int32_t vertex_on(const struct mesh *mesh, const int64_t *edges, int n, int32_t a, int32_t b)
+{
+    const int64_t edge = edge_of(a, b),
+                  *found = bsearch(&edge, edges, (size_t)n, sizeof *edges, compare_edges);
+    return mesh->n_vertices - n + (int32_t)(found - edges);
+}
+
+/* Begins a mesh, which has room, with the vertices of another. */
+static void copy_vertices(const struct mesh *from, struct mesh *to)
+{
+    const size_t n = (size_t)from->n_vertices;
+    memcpy(to->vertices, from->vertices, n * sizeof *to->vertices);
+    if (to->parametric)
+        memcpy(to->parameters, from->parameters, n * sizeof *to->parameters);
+    to->n_vertices = from->n_vertices;
+}
+
+/* ---- cutting at x = 0 ---- */
 
 /* Adds the polygon that a triangle has on one side, of 3 or 4 corners; fewer have no area. Divides
  * a quadrilateral from its vertex of the lowest number, so that a mirrored mesh is cut alike. */
@@ -134,8 +147,7 @@ static void cut_triangle(const int32_t triangle[3], const int64_t *edges, int n_
             corner[1][n[1]++] = a;
         if (!crosses(mesh, a, b))
             continue;
-        corner[0][n[0]++] = corner[1][n[1]++] =
-            mesh->n_vertices - n_edges + find_edge(edges, n_edges, a, b);
+        corner[0][n[0]++] = corner[1][n[1]++] = vertex_on(mesh, edges, n_edges, a, b);
         cut = true;
     }
     add_side(mesh, 0, corner[0], n[0]);
@@ -154,12 +166,8 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
         !MAKE_ARRAY(edges, 2 * n, err, "the edges of a cut mesh"))
         return false;
     out->n_parts = 2;
-    out->n_vertices = from->n_vertices;
-    memcpy(out->vertices, from->vertices, (size_t)from->n_vertices * sizeof *out->vertices);
-    if (from->parametric)
-        memcpy(out->parameters, from->parameters,
-               (size_t)from->n_vertices * sizeof *out->parameters);
-    const int n_edges = cut_edges(out, from, edges);
+    copy_vertices(from, out);
+    const int n_edges = add_vertices(out, from, true, edges);
     for (int i = 0; i < from->n_triangles; i++)
         cut_triangle(from->triangles[i], edges, n_edges, out);
     free(edges);
@@ -168,35 +176,13 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
 
 /* ---- halving edges ---- */
 
-/* Returns the middle of an edge. Its normal is not brought to unit length: so the normals that are
- * interpolated on the facet stay as they are. */
-static struct vertex middle_of(const struct vertex *a, const struct vertex *b)
-{
-    return (struct vertex){vector_scale(vector_add(a->position, b->position), 0.5),
-                           vector_scale(vector_add(a->normal, b->normal), 0.5), (a->s + b->s) / 2,
-                           (a->t + b->t) / 2};
-}
-
-/* Adds the middle of each edge of the triangles of *from; returns the number of edges. */
-static int add_middles(struct mesh *mesh, const struct mesh *from, int64_t *edges)
-{
-    for (int i = 0; i < 3 * from->n_triangles; i++)
-        edges[i] = edge_of(from->triangles[i / 3][i % 3], from->triangles[i / 3][(i + 1) % 3]);
-    const int n = sort_edges(edges, 3 * from->n_triangles);
-    for (int i = 0; i < n; i++)
-        mesh->vertices[mesh->n_vertices++] =
-            middle_of(&mesh->vertices[edges[i] / INT32_MAX], &mesh->vertices[edges[i] % INT32_MAX]);
-    return n;
-}
-
 /* Adds the four quarters of a triangle. The last n_edges vertices of the mesh are the new ones. */
 static void add_quarters(const int32_t corner[3], const int64_t *edges, int n_edges,
                          struct mesh *mesh)
 {
     int32_t middle[3];
     for (int k = 0; k < 3; k++)
-        middle[k] =
-            mesh->n_vertices - n_edges + find_edge(edges, n_edges, corner[k], corner[(k + 1) % 3]);
+        middle[k] = vertex_on(mesh, edges, n_edges, corner[k], corner[(k + 1) % 3]);
     for (int k = 0; k < 3; k++) {
         const int32_t quarter[3] = {middle[(k + 2) % 3], corner[k], middle[k]};
         memcpy(mesh->triangles[mesh->n_triangles++], quarter, sizeof quarter);
@@ -221,15 +207,14 @@ static bool take_parts(struct mesh *from, struct mesh *to, struct error *err)
 
 bool mesh_halve(struct mesh *mesh, struct error *err)
 {
-    const size_t n = (size_t)mesh->n_triangles, n_vertices = (size_t)mesh->n_vertices;
+    const size_t n = (size_t)mesh->n_triangles;
     struct mesh finer = {.place = mesh->place};
     int64_t *edges;
     bool done = MAKE_ARRAY(edges, 3 * n, err, "the edges of a mesh") &&
-                mesh_begin(&finer, n_vertices + 3 * n, 4 * n, err);
+                mesh_begin(&finer, (size_t)mesh->n_vertices + 3 * n, 4 * n, err);
     if (done) {
-        memcpy(finer.vertices, mesh->vertices, n_vertices * sizeof *mesh->vertices);
-        finer.n_vertices = mesh->n_vertices;
-        const int n_edges = add_middles(&finer, mesh, edges);
+        copy_vertices(mesh, &finer);
+        const int n_edges = add_vertices(&finer, mesh, false, edges);
         for (int i = 0; i < mesh->n_triangles; i++)
             add_quarters(mesh->triangles[i], edges, n_edges, &finer);
         done = mesh_reserve(&finer, 0, 0, err) && take_parts(mesh, &finer, err);

@@ -247,7 +247,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         return spectrum_read(&word, 0, HUGE_VAL, &out->excitation, err) &&
                read_emission(text, out, err);
     case BLOCK_DONALDSON:
-        return word_path(&word, &out->donaldson, err);
+        return word_file(&word, FILE_KINDS, &out->donaldson, err);
     case BLOCK_TEXTURE:
         return word_file(&word, FILE_TEXTURE, &out->texture, err) && read_filter(text, out, err);
     case BLOCK_SPECTRAL_TEXTURE:

@@ -208,7 +208,7 @@ static bool use_entry(struct scene_reader *reader, const struct word *entry,
     char *path;
     if (word_is(entry, "*"))
         return error_at(err, entry->place, "* is no entry of an MTL file; give it a material");
-    if (!word_path(file, &path, err))
+    if (!word_file(file, FILE_KINDS, &path, err))
         return false;
     const int mtl = find_mtl(reader, path, file->place, err);
     free(path);

@@ -31,8 +31,8 @@ static double next_above(const struct spectrum *spectrum, double nm)
 /* A walk over the positive wavelengths of two spectra. Equal wavelengths come once. */
 struct walk {
     const struct spectrum *within, *other;
-    double before, nm, after; /* 0 and HUGE_VAL: none */
-    double weight;            /* the nm that the wavelength stands for */
+    double nm, after; /* 0 and HUGE_VAL: none */
+    double weight;    /* the nm that the wavelength stands for */
 };
 
 /* Returns the next wavelength of the walk. It stays between the first and the last sample of
@@ -58,19 +58,14 @@ static struct walk walk_start(const struct spectrum *within, const struct spectr
 /* Returns false at the end. */
 static bool walk_step(struct walk *walk)
 {
-    double left, right;
-    walk->before = walk->nm;
+    const double before = walk->nm;
     walk->nm = walk->after;
     if (walk->nm == HUGE_VAL)
         return false;
     walk->after = walk_peek(walk, walk->nm);
-    left = walk->nm - walk->before;
-    right = walk->after - walk->nm;
-    if (walk->before == 0)
-        left = right < HUGE_VAL ? right : 1;
-    if (right == HUGE_VAL)
-        right = left;
-    walk->weight = (left + right) / 2;
+    const double right = walk->after - walk->nm;
+    const double left = before > 0 ? walk->nm - before : right < HUGE_VAL ? right : 1;
+    walk->weight = (left + (right < HUGE_VAL ? right : left)) / 2;
     return true;
 }
 

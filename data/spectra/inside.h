@@ -17,7 +17,7 @@ struct columns {
  * caller frees *out. spectra_read reads three columns without limits. */
 bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, struct error *err);
 bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);
-/* Computes CIE daylight of a correlated colour temperature from 4000 to 25000 K. */
-bool daylight_read(const struct word *temperature, struct spectrum *out, struct error *err);
+/* Returns whether a word has a digit, and else only such characters. */
+bool word_is_numeric(const struct word *word, const char *characters);
 
 #endif

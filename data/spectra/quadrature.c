@@ -129,14 +129,11 @@ static bool make_polynomials(struct polynomials *p, int n)
         if (!set_norm(p, k))
             return false;
         recur(p, k);
-        if (k < n - 1) {
+        if (k < n - 1)
             orthogonalise(p, k);
-            p->size[k] = normalise(p, k + 1);
-            if (!(p->size[k] > 0))
-                return false;
-        } else {
-            p->size[k] = 1;
-        }
+        p->size[k] = k < n - 1 ? normalise(p, k + 1) : 1;
+        if (!(p->size[k] > 0))
+            return false;
     }
     return true;
 }

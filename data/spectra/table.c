@@ -128,25 +128,18 @@ static bool read_field(struct text *text, char separator, struct word *out)
     return true;
 }
 
-/* Removes quotes and the blanks within. An unclosed quote stays. */
-static void unquote(struct word *word)
-{
-    if (!word->quoted || word->start[word->length] != '"')
-        return;
-    word->quoted = false;
-    while (word->length > 0 && (*word->start == ' ' || *word->start == '\t')) {
-        word->start++;
-        word->length--;
-    }
-    while (word->length > 0 && strchr(" \t", word->start[word->length - 1]))
-        word->length--;
-}
-
+/* Reads a field without quotes, and without the blanks within. An unclosed quote stays. */
 static bool next_field(struct table *table, struct word *out)
 {
     if (!read_field(&table->text, table->separator, out))
         return false;
-    unquote(out);
+    if (!out->quoted || out->start[out->length] != '"')
+        return true;
+    out->quoted = false;
+    for (; out->length > 0 && strchr(" \t", *out->start); out->start++)
+        out->length--;
+    while (out->length > 0 && strchr(" \t", out->start[out->length - 1]))
+        out->length--;
     return true;
 }
 
@@ -304,10 +297,9 @@ static bool first_field(struct table *line, struct word *out)
     return next_field(line, out);
 }
 
-/* Returns whether a word has a digit, and else only what belongs to a number in some country. */
-static bool is_numeric(const struct word *word)
+bool word_is_numeric(const struct word *word, const char *characters)
 {
-    return strspn(word->start, "0123456789+-.,%eE") >= word->length &&
+    return strspn(word->start, characters) >= word->length &&
            strcspn(word->start, "0123456789") < word->length;
 }
 
@@ -319,7 +311,7 @@ static bool has_numbers(struct table line, struct word *first)
     if (!first_field(&line, first))
         return false;
     for (; next_field(&line, &word); n += word.length > 0)
-        if (word.length > 0 && !is_numeric(&word))
+        if (word.length > 0 && !word_is_numeric(&word, "0123456789+-.,%eE")) /* in some country */
             return false;
     return n > 0;
 }

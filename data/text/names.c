@@ -22,6 +22,7 @@ static const struct {
     [FILE_MODEL] = {"model", NULL, {{"models/", ".obj"}}},
     [FILE_MAP] = {"material map", NULL, {{"models/", ".map"}}},
     [FILE_TEXTURE] = {"texture", "textures", {{"textures/", ".tif"}}},
+    [FILE_KINDS] = {"file", NULL, {{NULL, NULL}}},
 };
 
 /* ---- built-in files ---- */
@@ -57,28 +58,12 @@ static char *path_of(const struct builtin_file *file, const char *base, const ch
 
 /* ---- words ---- */
 
-/* Returns the word as a name, allocated; NULL: it is empty, or there is no memory. */
-static char *file_name(const struct word *word, struct error *err)
-{
-    char *name = NULL;
-    if (word->length == 0)
-        error_at(err, word->place, "a file name must not be empty");
-    else
-        name = word_copy(word, err);
-    return name;
-}
-
-bool word_path(const struct word *word, char **out, struct error *err)
-{
-    char *name = file_name(word, err);
-    *out = name ? file_relative(word->place.path, name) : NULL;
-    free(name);
-    return *out || memory_lacks(err, (double)word->length, "the name of a file");
-}
-
 bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err)
 {
-    char *name = file_name(word, err);
+    *out = NULL;
+    if (word->length == 0)
+        return error_at(err, word->place, "a file name must not be empty");
+    char *name = word_copy(word, err);
     *out = name ? path_of(find(name, kind, true), word->place.path, name) : NULL;
     const struct builtin_file *other_case =
         *out && file_is_missing(*out) ? find(name, kind, false) : NULL;

@@ -1,12 +1,43 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads a command line by the rules of a table. */
+/* Reads a command line by the rules of a table, and explains the options in it. */
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "data/text/inside.h"
+#include "data/text/text.h"
+
+/* ---- options that many commands take ---- */
+
+static const struct option common_rows[] = {
+    {"--memory MIB", "MiB of memory that a command may take beyond a tile's 300 (default: 1024)",
+     SHARED(COUNT, memory_mib), .lowest = 1, .highest = 1 << 24},
+    {"-h, --help", "prints the help of this command; spectral -V, --version prints the versions",
+     SHARED(FLAG, help)},
+};
+static const struct option threads_rows[] = {
+    {"-j, --threads N", "threads to compute with (default: one per processor)",
+     SHARED(COUNT, threads), .lowest = 1, .highest = 1024},
+};
+static const struct option json_rows[] = {
+    {"--json FILE", "writes the results as JSON; - is standard output", SHARED(TEXT, json),
+     .writes = true},
+};
+static const struct option quiet_rows[] = {
+    {"-q, --quiet", "prints no table and no progress", SHARED(FLAG, quiet)},
+};
+static const struct option seeing_rows[] = {
+    {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
+     SHARED(TEXT, detector)},
+    {"--white SPECTRUM", "the light of the white (default: those that the stack records)",
+     SHARED(TEXT, white)},
+};
+const struct option_list common_options = OPTION_LIST(common_rows),
+                         threads_option = OPTION_LIST(threads_rows),
+                         json_option = OPTION_LIST(json_rows),
+                         quiet_option = OPTION_LIST(quiet_rows),
+                         seeing_options = OPTION_LIST(seeing_rows);
 
 /* ---- values ---- */
 
@@ -50,15 +81,13 @@ static bool check_choice(const char *option, const char *const *choices, const c
 
 /* ---- one option ---- */
 
-const struct option *option_next(struct option_walk *walk)
+/* Returns an option of a command by its number from 0 on; NULL: there are fewer. */
+static const struct option *option_at(const struct command *command, int i)
 {
-    for (; walk->command->lists[walk->list]; walk->list++, walk->row = 0)
-        while (walk->row < walk->command->lists[walk->list]->n) {
-            const struct option *option = &walk->command->lists[walk->list]->options[walk->row++];
-            if (option->recorded || !walk->recorded)
-                return option;
-        }
-    return NULL;
+    const struct option_list *const *list = command->lists;
+    for (; *list && i >= (*list)->n; list++)
+        i -= (*list)->n;
+    return *list ? &(*list)->options[i] : NULL;
 }
 
 /* Goes on to the next name that a usage begins with, and sets its length. NULL: there is none. */
@@ -88,16 +117,20 @@ struct reading {
     int n_words, at; /* at: the word that is read */
 };
 
+static bool is_known(const struct reading *reading, const struct option *option)
+{
+    return option->recorded || !reading->recorded;
+}
+
 /* Finds the option that the command takes; NULL: it takes none of that name. */
 static const struct option *find_option(const struct reading *reading, const char *word,
                                         size_t length)
 {
-    for (int exact = 1; exact >= 0; exact--) {
-        struct option_walk walk = {.command = reading->command, .recorded = reading->recorded};
-        for (const struct option *option; (option = option_next(&walk));)
-            if (names_option(option->usage, word, length, exact))
+    const struct option *option;
+    for (int exact = 1; exact >= 0; exact--)
+        for (int i = 0; (option = option_at(reading->command, i)); i++)
+            if (is_known(reading, option) && names_option(option->usage, word, length, exact))
                 return option;
-    }
     return NULL;
 }
 
@@ -105,13 +138,14 @@ static bool refuse_option(const struct reading *reading, const char *word, size_
                           struct error *err)
 {
     const struct word typed = {.start = word, .length = length};
-    struct option_walk walk = {.command = reading->command, .recorded = reading->recorded};
+    const struct option *option;
     struct suggestion suggestion = {.distance = 0};
     const char *command = reading->command->name;
     char otherwise[64];
     size_t n;
-    for (const struct option *option; (option = option_next(&walk));)
-        for (const char *name = option->usage; (name = next_name(name, &n)); name += n)
+    for (int i = 0; (option = option_at(reading->command, i)); i++)
+        for (const char *name = option->usage;
+             is_known(reading, option) && (name = next_name(name, &n)); name += n)
             suggestion_add(&suggestion, &typed, name, n);
     snprintf(otherwise, sizeof otherwise, "spectral %s --help lists its options", command);
     suggestion.known[0] = '\0'; /* a list of them all is too long */
@@ -205,18 +239,26 @@ static int long_name(const struct option *row, const char **out)
     return (int)strcspn(*out, " ,");
 }
 
-/* Refuses an output that is the file of another option. A value that is no file is none of them. */
+/* Finds whether a value names the file that is written; if it names none, it is another one. */
+static bool names_written(const char *written, const char *value, bool is_file, bool *out,
+                          struct error *err)
+{
+    *out = false;
+    return (is_file || file_is_regular(value, &is_file, err)) &&
+           (!is_file || file_is_same(written, value, out, err));
+}
+
+/* Refuses an output that is the file of another option. */
 static bool spares_option(const struct options *options, const struct option *writes,
                           const struct option *row, struct error *err)
 {
     const char *written = given_text(options, writes), *named = given_text(options, row), *one,
                *other;
-    bool is_file = row->writes, same = false;
+    bool same;
     const bool again = row->made_again && written == options->output;
     if (row == writes || !named || strcmp(written, "/dev/null") == 0 || again)
         return true;
-    if ((!is_file && !file_is_regular(named, &is_file, err)) ||
-        (is_file && !file_is_same(written, named, &same, err)))
+    if (!names_written(written, named, row->writes, &same, err))
         return false;
     const int length = long_name(writes, &one), other_length = long_name(row, &other);
     return !same || error_usage(err, "%.*s and %.*s name the same file; expected two files", length,
@@ -226,25 +268,22 @@ static bool spares_option(const struct options *options, const struct option *wr
 /* Refuses an output that is the file of an operand. */
 static bool spares_operand(const char *written, const char *operand, struct error *err)
 {
-    bool is_file = false, same = false;
-    if (!file_is_regular(operand, &is_file, err) ||
-        (is_file && !file_is_same(written, operand, &same, err)))
-        return false;
-    return !same || error_usage(err, "%s would replace an input; expected another file", written);
+    bool same;
+    return names_written(written, operand, false, &same, err) &&
+           (!same || error_usage(err, "%s would replace an input; expected another file", written));
 }
 
 /* Refuses outputs that would replace another file of the command line. */
 static bool check_outputs(const struct options *options, struct error *err)
 {
-    struct option_walk all = {.command = options->command};
-    for (const struct option *writes; (writes = option_next(&all));) {
-        struct option_walk others = {.command = options->command};
+    const struct option *writes, *other;
+    for (int i = 0; (writes = option_at(options->command, i)); i++) {
         const char *written = writes->writes ? given_text(options, writes) : NULL;
-        for (const struct option *other; written && (other = option_next(&others));)
+        for (int k = 0; written && (other = option_at(options->command, k)); k++)
             if (!spares_option(options, writes, other, err))
                 return false;
-        for (int i = 0; written && i < options->n_operands; i++)
-            if (!spares_operand(written, options->operands[i], err))
+        for (int k = 0; written && k < options->n_operands; k++)
+            if (!spares_operand(written, options->operands[k], err))
                 return false;
     }
     return true;
@@ -252,19 +291,19 @@ static bool check_outputs(const struct options *options, struct error *err)
 
 /* ---- the command line ---- */
 
-static bool read_words(struct reading *reading, struct options *out, struct error *err)
+static bool read_words(struct reading reading, struct options *out, struct error *err)
 {
-    const struct command *command = reading->command;
+    const struct command *command = reading.command;
     bool only_operands = false;
     *out = (struct options){.command = command};
     if (command->own_size > 0 && !memory_make(&out->own, 1, command->own_size))
         return memory_lacks(err, (double)command->own_size, "the options of %s", command->name);
-    for (; reading->at < reading->n_words; reading->at++) {
-        const char *word = reading->words[reading->at];
+    for (; reading.at < reading.n_words; reading.at++) {
+        const char *word = reading.words[reading.at];
         if (!only_operands && strcmp(word, "--") == 0) {
             only_operands = true;
         } else if (!only_operands && word[0] == '-' && word[1]) {
-            if (!read_option(reading, out, err))
+            if (!read_option(&reading, out, err))
                 return false;
         } else if (out->n_operands == command->n_operands) {
             return error_usage(err, "unexpected operand '%s'; see spectral %s --help", word,
@@ -280,16 +319,13 @@ static bool read_words(struct reading *reading, struct options *out, struct erro
 bool options_read(const struct command *command, char *const *words, int n_words,
                   struct options *out, struct error *err)
 {
-    struct reading reading = {.command = command, .words = words, .n_words = n_words};
-    return read_words(&reading, out, err);
+    return read_words((struct reading){command, false, words, n_words, 0}, out, err);
 }
 
 bool options_read_recorded(const struct command *command, char *const *words, int n_words,
                            struct options *out, struct error *err)
 {
-    struct reading reading = {
-        .command = command, .recorded = true, .words = words, .n_words = n_words};
-    return read_words(&reading, out, err);
+    return read_words((struct reading){command, true, words, n_words, 0}, out, err);
 }
 
 void options_free(struct options *options)
@@ -343,4 +379,44 @@ int options_table(const struct options *options, const char *output)
 const char *options_detector(const struct options *options)
 {
     return options->detector ? options->detector : "cie1931";
+}
+
+/* ---- help, in lines of a terminal's width ---- */
+
+enum { HELP_WIDTH = 80, HELP_COLUMN = 34 }; /* of a line; where an explanation begins */
+
+void help_words(struct printed *to, const char *text, int column)
+{
+    const char *gap = "";
+    for (int at = column, length; *(text += strspn(text, " \n")); text += length) {
+        length = (int)strcspn(text, " \n");
+        if (at + (int)strlen(gap) + length > HELP_WIDTH) {
+            print(to, "\n%*s", column, "");
+            at = column;
+            gap = "";
+        }
+        print(to, "%s%.*s", gap, length, text);
+        at += (int)strlen(gap) + length;
+        gap = " ";
+    }
+    print_text(to, "\n");
+}
+
+/* Prints an option as the user types it, and its explanation beside it, or below if there is no
+ * room. */
+static void help_explain(struct printed *to, const char *typed, const char *explanation)
+{
+    const int used = 2 + (int)strlen(typed);
+    print(to, "  %s", typed);
+    if (used + 2 > HELP_COLUMN)
+        print_text(to, "\n");
+    print(to, "%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
+    help_words(to, explanation, HELP_COLUMN);
+}
+
+void help_options(const struct command *command, struct printed *to)
+{
+    const struct option *option;
+    for (int i = 0; (option = option_at(command, i)); i++)
+        help_explain(to, option->usage, option->help);
 }

@@ -66,18 +66,26 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     return false;
 }
 
+/* Refuses a long regular file before it is read. */
 static bool open_file(struct text *out, const char *path, struct place from, size_t longest,
                       struct error *err)
 {
-    char *bytes;
-    size_t length;
+    struct stat status;
     *out = (struct text){0};
-    if (!file_read(path, from, &bytes, &length, err) || !start(out, path, bytes, longest, err))
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && (uint64_t)status.st_size > longest)
+        return refuse_length(path, (size_t)status.st_size, err);
+    char *bytes = file_read(path, from, err);
+    if (!bytes || !start(out, path, bytes, longest, err))
         return false;
-    if (digest_note(path, bytes, length, err))
+    if (digest_note(path, bytes, out->length, err))
         return true;
     text_free(out);
     return false;
+}
+
+bool text_open(struct text *out, const char *path, struct place from, struct error *err)
+{
+    return open_file(out, path, from, longest_text, err);
 }
 
 bool text_open_large(struct text *out, const char *path, struct place from, struct error *err)
@@ -85,22 +93,11 @@ bool text_open_large(struct text *out, const char *path, struct place from, stru
     return open_file(out, path, from, SIZE_MAX, err);
 }
 
-/* Refuses a long regular file before it is read. */
-bool text_open(struct text *out, const char *path, struct place from, struct error *err)
-{
-    struct stat status;
-    *out = (struct text){0};
-    if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > (off_t)longest_text)
-        return refuse_length(path, (size_t)status.st_size, err);
-    return open_file(out, path, from, longest_text, err);
-}
-
 bool text_open_input(struct text *out, const char *name, struct error *err)
 {
-    char *bytes;
-    size_t length;
+    char *bytes = input_read(name, err);
     *out = (struct text){0};
-    return input_read(name, &bytes, &length, err) && start(out, name, bytes, longest_text, err);
+    return bytes && start(out, name, bytes, longest_text, err);
 }
 
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
@@ -270,85 +267,57 @@ char *word_copy(const struct word *word, struct error *err)
 
 /* ---- numbers ---- */
 
-/* A decimal number as written: (-1)^negative * digits * 10^exponent. `dropped`: some digits are
- * missing. */
-struct decimal {
-    uint64_t digits;
-    long exponent;
-    bool negative, dropped;
-};
-
-static bool is_digit(char c)
+static const char *skip_sign(const char *at, const char *end)
 {
-    return c >= '0' && c <= '9';
-}
-
-static const char *scan_sign(const char *at, const char *end, bool *negative)
-{
-    *negative = at < end && *at == '-';
     return at + (at < end && (*at == '-' || *at == '+'));
 }
 
-/* Reads at least one digit, and at most one point among the digits. NULL: there are none. */
-static const char *scan_digits(const char *at, const char *end, struct decimal *out)
+static const char *skip_digits(const char *at, const char *end)
 {
-    bool any = false, point = false;
-    for (; at < end && (is_digit(*at) || (*at == '.' && !point)); at++) {
-        if (*at == '.') {
-            point = true;
-            continue;
-        }
-        any = true;
-        out->dropped = out->dropped || out->digits > UINT64_MAX / 10 - 1;
-        if (!out->dropped) {
-            out->digits = 10 * out->digits + (uint64_t)(*at - '0');
-            out->exponent -= point;
-        }
-    }
-    return any ? at : NULL;
-}
-
-/* Reads a sign and digits. NULL: there is no digit. An exponent stops growing when the value is 0
- * or infinite in any case. */
-static const char *scan_exponent(const char *at, const char *end, struct decimal *out)
-{
-    bool negative;
-    long exponent = 0;
-    at = scan_sign(at, end, &negative);
-    if (at == end)
-        return NULL;
-    for (; at < end && is_digit(*at); at++)
-        if (exponent < 1000000)
-            exponent = 10 * exponent + (*at - '0');
-    out->exponent += negative ? -exponent : exponent;
+    while (at < end && *at >= '0' && *at <= '9')
+        at++;
     return at;
 }
 
-static bool scan_number(const struct word *word, struct decimal *out)
+/* Returns whether the word is a decimal number: digits with one point or none, and perhaps an
+ * exponent. */
+static bool is_number(const struct word *word)
 {
-    const char *at = word->start, *end = at + word->length;
-    *out = (struct decimal){0};
-    if (word->quoted || word->length >= LONGEST_NUMBER)
+    const char *end = word->start + word->length, *first = skip_sign(word->start, end);
+    const char *point = skip_digits(first, end), *at = point;
+    if (at < end && *at == '.')
+        at = skip_digits(at + 1, end);
+    if (at == first || (at == point + 1 && point == first))
         return false;
-    at = scan_digits(scan_sign(at, end, &out->negative), end, out);
-    if (at != NULL && at < end && (*at == 'e' || *at == 'E'))
-        at = scan_exponent(at + 1, end, out);
-    return at == end;
+    if (at < end && (*at == 'e' || *at == 'E')) {
+        const char *exponent = skip_sign(at + 1, end);
+        at = skip_digits(exponent, end);
+        if (at == exponent)
+            return false;
+    }
+    return at == end && !word->quoted && word->length < LONGEST_NUMBER;
 }
 
-/* Digits up to 2^53 are exact in a double, and so is 10^22 = 2^22 5^22 < 2^22 2^53. One
- * multiplication or division of both rounds once, as IEEE 754 asks, and gives the correctly rounded
- * value (Clinger 1990). strtod is slower and equally exact. */
-static double decimal_value(const struct word *word, const struct decimal *decimal)
+/* Digits up to 2^53 are exact in a double, and so are powers of ten up to 10^22. One division of
+ * both rounds once, as IEEE 754 asks, and gives the correctly rounded value (Clinger 1990). strtod,
+ * for longer numbers and those with an exponent, is slower and equally exact. */
+static double value_of(const struct word *word)
 {
-    static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                          1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                          1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    const long exponent = decimal->exponent;
-    double value = decimal->negative ? -(double)decimal->digits : (double)decimal->digits;
+    static const double power_of_ten[] = {1e0, 1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,
+                                          1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17};
+    enum { MOST_CHARACTERS = sizeof power_of_ten / sizeof *power_of_ten };
+    const char *end = word->start + word->length, *at = skip_sign(word->start, end);
+    uint64_t digits = 0;
+    int places = 0;
+    bool point = false;
     char copy[LONGEST_NUMBER];
-    if (!decimal->dropped && decimal->digits <= (uint64_t)1 << 53 && labs(exponent) <= 22)
-        return exponent < 0 ? value / power_of_ten[-exponent] : value * power_of_ten[exponent];
+    for (; word->length <= MOST_CHARACTERS && at < end && (*at | 0x20) != 'e'; at++) {
+        digits = *at == '.' ? digits : 10 * digits + (uint64_t)(*at - '0');
+        places += point;
+        point = point || *at == '.';
+    }
+    if (at == end && digits <= (uint64_t)1 << 53)
+        return (*word->start == '-' ? -(double)digits : (double)digits) / power_of_ten[places];
     memcpy(copy, word->start, word->length);
     copy[word->length] = '\0';
     return strtod(copy, NULL);
@@ -379,14 +348,13 @@ bool word_number(const struct word *word, const char *what, double lowest, doubl
                  double *out, struct error *err)
 {
     char buffer[SHOWN_SIZE];
-    struct decimal decimal;
     double value;
     if (!word_check(word, err))
         return false;
-    if (!scan_number(word, &decimal))
+    if (!is_number(word))
         return error_at(err, word->place, "%s must be a number such as 2.5 or 1e-3, not '%s'", what,
                         shown(word, buffer));
-    value = decimal_value(word, &decimal);
+    value = value_of(word);
     if (!isfinite(value))
         return error_at(err, word->place, "%s %s is too large; numbers end at %.2g", what,
                         shown(word, buffer), DBL_MAX);
@@ -400,13 +368,13 @@ bool word_integer(const struct word *word, const char *what, long lowest, long h
                   struct error *err)
 {
     char buffer[SHOWN_SIZE];
-    const char *end = word->start + word->length, *at;
-    bool negative, fits = true;
+    const char *end = word->start + word->length, *at = skip_sign(word->start, end);
+    const bool negative = at > word->start && at[-1] == '-';
+    bool fits = true;
     long value = 0;
     if (!word_check(word, err))
         return false;
-    at = scan_sign(word->start, end, &negative);
-    if (word->quoted || at == end || strspn(at, "0123456789") < (size_t)(end - at))
+    if (word->quoted || at == end || skip_digits(at, end) < end)
         return error_at(err, word->place, "%s must be a whole number, not '%s'", what,
                         shown(word, buffer));
     for (; at < end; at++) {

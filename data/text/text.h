@@ -85,7 +85,7 @@ bool text_number(struct text *text, const char *what, double lowest, double high
 bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
                   struct error *err);
 
-/* ---- suggest.c: "did you mean ...?" ---- */
+/* ---- words.c: "did you mean ...?" ---- */
 
 enum { LIST_SIZE = 512 };
 /* The known words beside an unknown one. Zero it before use. */
@@ -172,13 +172,10 @@ enum file_kind {
     FILE_MODEL,
     FILE_MAP, /* of materials of a mesh */
     FILE_TEXTURE,
-    FILE_KINDS
+    FILE_KINDS /* none: no built-in file is of this kind */
 };
 /* Writes the name of a built-in file of this kind. Returns false if the file is of another kind. */
 bool builtin_is(const struct builtin_file *file, enum file_kind kind, char out[BUILTIN_NAME]);
-/* Finds the path of the file that a word names, relative to the word's own file. *out is allocated.
- * Refuses an empty word. */
-bool word_path(const struct word *word, char **out, struct error *err);
 /* Finds the file that a word names: a built-in one by its name, or a file relative to the word's
  * own file; if that is missing, a built-in one whose name differs in case. *out is its path,
  * allocated. Refuses an empty word, but not a missing file. */
@@ -304,8 +301,6 @@ bool option_number(const char *option, const char *value, double lowest, double 
                    double *out, struct error *err);
 bool option_count(const char *option, const char *value, double lowest, double highest, int *out,
                   struct error *err); /* a whole number, up to INT_MAX */
-
-/* ---- help.c: the explanations of --help ---- */
 
 /* Prints the words of a text from the cursor's column on. A new line begins at that column. */
 void help_words(struct printed *to, const char *text, int column);

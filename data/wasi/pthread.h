@@ -4,7 +4,8 @@
 #ifndef WASI_PTHREAD_H
 #define WASI_PTHREAD_H
 
-#include <sys/types.h> /* pthread_mutex_t, pthread_cond_t */
+#include <errno.h>
+#include <sys/types.h> /* pthread_t, pthread_mutex_t, pthread_cond_t */
 
 #define PTHREAD_MUTEX_INITIALIZER                                                                  \
     {                                                                                              \
@@ -36,6 +37,44 @@ static inline int pthread_mutex_unlock(pthread_mutex_t *lock)
 static inline int pthread_mutex_destroy(pthread_mutex_t *lock)
 {
     (void)lock;
+    return 0;
+}
+
+/* No thread starts: loops and pipelines then work on the one that there is. */
+static inline int pthread_create(pthread_t *out, const void *attributes, void *(*work)(void *of),
+                                 void *of)
+{
+    (void)out, (void)attributes, (void)work, (void)of;
+    return ENOSYS;
+}
+
+static inline int pthread_join(pthread_t thread, void **result)
+{
+    (void)thread, (void)result;
+    return 0;
+}
+
+static inline int pthread_cond_init(pthread_cond_t *changed, const void *attributes)
+{
+    (void)changed, (void)attributes;
+    return 0;
+}
+
+static inline int pthread_cond_broadcast(pthread_cond_t *changed)
+{
+    (void)changed;
+    return 0;
+}
+
+static inline int pthread_cond_wait(pthread_cond_t *changed, pthread_mutex_t *lock)
+{
+    (void)changed, (void)lock;
+    return 0;
+}
+
+static inline int pthread_cond_destroy(pthread_cond_t *changed)
+{
+    (void)changed;
     return 0;
 }
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # shellcheck shell=sh disable=SC2034,SC2086,SC2154
 # The program as WebAssembly, for live pages; build.sh reads this for `live`. It is the program without
-# OpenGL, without processes and without threads; headers beside this file stand for those that its C library
+# OpenGL, without processes and without threads; headers and no_process.c beside this file stand for what its C library
 # lacks. Equal sources make equal bytes wherever Debian's clang has the same version: the link takes no -O,
 # by which clang would call another optimizer where one is installed.
 wasm_packages='clang lld llvm wasi-libc libclang-rt-dev-wasm32'
@@ -18,7 +18,7 @@ wasm_build() (
     left_out='/(hard|viewer)/'
     prepare
     find_sources
-    sources="$(printf '%s\n' $sources | grep -Ev '^data/(base/(loop|pipeline|guard|process|program)|files/unpack)[.]c') $(echo data/*/no_*.c)"
+    sources="$(printf '%s\n' $sources | grep -Ev '^data/(base/(guard|process)|files/unpack)[.]c') $(echo data/wasi/no_*.c)"
     find_libraries
     libraries="$libraries $wasm_link"
     compile obj '-O2 -ffunction-sections -fdata-sections -Wno-missing-braces' $sources "$BUILD/$builtin"

@@ -149,9 +149,9 @@ static bool put_line(struct page *page, const char *line, size_t length, struct 
 static bool put_file(struct page *page, const char *name, struct error *err)
 {
     char path[128], *source;
-    size_t length;
     snprintf(path, sizeof path, "builtin:viewer/%s", name);
-    if (!file_read(path, (struct place){NULL, 0, 0}, &source, &length, err))
+    source = file_read(path, NOWHERE, err);
+    if (!source)
         return false;
     bool done = true;
     for (const char *at = source; done && *at != '\0';) {

@@ -43,21 +43,17 @@ static int count_entries(void)
 static bool reads(const char *path)
 {
     struct error err = {0};
-    char *bytes;
-    size_t length;
-    const bool done = file_read(path, nowhere, &bytes, &length, &err);
+    char *bytes = file_read(path, nowhere, &err);
     free(bytes);
-    return done;
+    return bytes != NULL;
 }
 
 /* Returns whether the file holds exactly this string. */
 static bool holds(const char *path, const char *string)
 {
     struct error err = {0};
-    char *bytes;
-    size_t length;
-    bool same = file_read(path, nowhere, &bytes, &length, &err) && length == strlen(string) &&
-                strcmp(bytes, string) == 0;
+    char *bytes = file_read(path, nowhere, &err);
+    const bool same = bytes && strcmp(bytes, string) == 0;
     files_read_forget(); /* a look is no input */
     free(bytes);
     return same;
@@ -67,10 +63,8 @@ static bool refuses_read(const char *path, const char *with)
 {
     struct error err = {0};
     struct place from = {"scene", 2, 3};
-    char *bytes;
-    size_t length;
-    bool read = file_read(path, from, &bytes, &length, &err);
-    if (!read && bytes == NULL && err.status == EXIT_INPUT && strstr(err.text, with) != NULL)
+    char *bytes = file_read(path, from, &err);
+    if (!bytes && err.status == EXIT_INPUT && strstr(err.text, with) != NULL)
         return true;
     printf("# %s\n", err.text);
     free(bytes);
@@ -86,8 +80,6 @@ static void fill(char large[LARGE], char letter)
 static void check_reads(void)
 {
     struct error err = {0};
-    char *bytes;
-    size_t length;
     char path[PATH_SIZE], folder[PATH_SIZE], large[LARGE];
     temporary("read", path);
     bytes_write(path, "a\nb", 3);
@@ -103,7 +95,7 @@ static void check_reads(void)
           "a terabyte is refused before it is read");
     CHECK(refuses_read("/dev/zero", "no regular file"),
           "a device is refused where a file names it");
-    CHECK(!file_read("/dev/zero", nowhere, &bytes, &length, &err) &&
+    CHECK(!file_read("/dev/zero", nowhere, &err) &&
               strstr(err.text, "byte 1 is NUL"),
           "an endless file of zeros ends");
     CHECK(refuses_read(temporary("none", path), "scene:2:3: error: cannot read"),

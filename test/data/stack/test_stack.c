@@ -420,7 +420,7 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
     CHECK(!finish(&writer, "", &err) && err.status == EXIT_SYSTEM, "%s: the commit is refused: %s",
           what, err.text);
     stack_discard(&writer);
-    CHECK(writer.pages.output.temporary == NULL, "%s: the writer is freed", what);
+    CHECK(writer.pages.output.temporary[0] == '\0', "%s: the writer is freed", what);
     size_t length;
     unsigned char *bytes = bytes_read(path, &length);
     CHECK(length == 3 && memcmp(bytes, "old", 3) == 0, "%s: the old file is as it was", what);

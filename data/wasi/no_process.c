@@ -49,9 +49,3 @@ bool process_program(const char *const *words, struct run_seconds *out, struct e
     *out = (struct run_seconds){.wall = 0};
     return error_failed(err, "%s: this system has no processes", words[0]);
 }
-
-const char *program_file(const char *link, const char *typed)
-{
-    (void)link;
-    return typed;
-}
