@@ -3,9 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "raster/gl/gl.h"
+#include "raster/gl/inside.h"
 
 enum { VERTICES, COORDINATES, BUFFERS };
 
@@ -24,7 +23,7 @@ static void copy_coordinates(const struct vertex *from, float *to)
 }
 
 /* Fills a buffer that has no name yet with what `copy` takes from each vertex, n_floats of them. */
-static bool upload_vertices(const struct vertex_buffers *of, GLuint *name, const struct mesh *mesh,
+static bool upload_vertices(const struct drawing *of, GLuint *name, const struct mesh *mesh,
                             size_t n_floats, void (*copy)(const struct vertex *from, float *to),
                             struct error *err)
 {
@@ -42,13 +41,13 @@ static bool upload_vertices(const struct vertex_buffers *of, GLuint *name, const
     return true;
 }
 
-static bool shows_texture(const struct vertex_buffers *of, int instance)
+static bool shows_texture(const struct drawing *of, int instance)
 {
     const int shaded = of->plan->instances[instance].shaded;
     return texture_is_drawn(of->plan, of->plan->materials[shaded].texture);
 }
 
-static bool upload_mesh(const struct vertex_buffers *of, int instance, struct error *err)
+static bool upload_mesh(const struct drawing *of, int instance, struct error *err)
 {
     const int index = of->plan->instances[instance].mesh;
     const struct mesh *mesh = &of->plan->meshes[index].mesh;
@@ -61,14 +60,14 @@ static bool upload_mesh(const struct vertex_buffers *of, int instance, struct er
 
 /* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
  * some of them. 0: there is none yet. */
-static GLuint *index_buffer(const struct vertex_buffers *of, int instance)
+static GLuint *index_buffer(const struct drawing *of, int instance)
 {
     return &of->indices[of->lit->bounds[instance].hidden ? of->plan->n_meshes + instance
                                                          : of->plan->instances[instance].mesh];
 }
 
 /* Fills the bound buffer with the triangles of an instance that are not hidden. */
-static bool upload_triangles(const struct vertex_buffers *of, int instance, struct error *err)
+static bool upload_triangles(const struct drawing *of, int instance, struct error *err)
 {
     const struct mesh *mesh = &of->plan->meshes[of->plan->instances[instance].mesh].mesh;
     const bool *hidden = of->lit->bounds[instance].hidden;
@@ -86,7 +85,7 @@ static bool upload_triangles(const struct vertex_buffers *of, int instance, stru
     return true;
 }
 
-static bool upload_instance(const struct vertex_buffers *of, int instance, struct error *err)
+static bool upload_instance(const struct drawing *of, int instance, struct error *err)
 {
     GLuint *indices = index_buffer(of, instance);
     if (!of->plan->instances[instance].in_view)
@@ -100,45 +99,36 @@ static bool upload_instance(const struct vertex_buffers *of, int instance, struc
     return upload_triangles(of, instance, err);
 }
 
-bool vertex_buffers_fill(const struct gl_functions *call, const struct lit_scene *lit,
-                         struct vertex_buffers *out, struct error *err)
+bool meshes_upload(struct drawing *of, struct error *err)
 {
-    const struct plan *plan = lit->plan;
-    const int n = plan->n_instances, n_meshes = plan->n_meshes;
-    *out = (struct vertex_buffers){.call = call, .plan = plan, .lit = lit};
-    if (!MAKE_ARRAY(out->objects, BUFFERS * n_meshes, err, "%d meshes", n_meshes) ||
-        !MAKE_ARRAY(out->indices, n_meshes + n, err, "%d objects", n))
+    const int n = of->plan->n_instances, n_meshes = of->plan->n_meshes;
+    if (!MAKE_ARRAY(of->objects, BUFFERS * n_meshes, err, "%d meshes", n_meshes) ||
+        !MAKE_ARRAY(of->indices, n_meshes + n, err, "%d objects", n))
         return false;
     for (int i = 0; i < n; i++)
-        if (!upload_instance(out, i, err))
+        if (!upload_instance(of, i, err))
             return false;
     return true;
 }
 
-void vertex_buffers_free(struct vertex_buffers *buffers)
-{
-    FREE_ALL(buffers->objects, buffers->indices);
-    *buffers = (struct vertex_buffers){.call = NULL};
-}
-
-static unsigned buffer_of(const struct vertex_buffers *of, int instance, int which)
+static unsigned buffer_of(const struct drawing *of, int instance, int which)
 {
     return of->objects[BUFFERS * of->plan->instances[instance].mesh + which];
 }
 
-int vertex_buffers_bind(const struct vertex_buffers *of, int instance)
+int mesh_bind_triangles(const struct drawing *of, int instance)
 {
     of->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(of, instance));
     return 3 * (of->plan->instances[instance].instance.n_triangles -
                 of->lit->bounds[instance].n_hidden);
 }
 
-void vertex_buffers_bind_vertices(const struct vertex_buffers *of, int instance)
+void mesh_bind_vertices(const struct drawing *of, int instance)
 {
     of->call->BindBuffer(GL_ARRAY_BUFFER, buffer_of(of, instance, VERTICES));
 }
 
-bool vertex_buffers_bind_coordinates(const struct vertex_buffers *of, int instance)
+bool mesh_bind_coordinates(const struct drawing *of, int instance)
 {
     if (!shows_texture(of, instance))
         return false;

@@ -62,7 +62,7 @@ bool contexts_describe(const struct context_wish *wish, struct context_descripti
     return done;
 }
 
-void contexts_print(char *out, size_t capacity)
+void gl_library(char *out, size_t capacity)
 {
     const struct context_wish wish = {.threads = 1};
     struct context_description is;

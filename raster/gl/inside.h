@@ -30,30 +30,21 @@ struct gl_source {
 bool functions_find(const struct gl_source *in, enum gl_way way, struct gl_functions *out,
                     struct error *err);
 
-/* ---- describe.c: what can be used ---- */
-
-/* Writes name, version and driver of the library that is used by default. */
-void contexts_print(char *out, size_t capacity);
-
 /* Open a library; *found: its file is there, otherwise nothing is opened. device: EGL's; -1: none
  * is asked for. */
 bool osmesa_open(struct contexts *contexts, bool *found, struct error *err);
 bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err);
 
+/* buffers.c, textures.c: upload what is drawn. Nothing is uploaded twice, and nothing of an
+ * instance out of view. */
+bool meshes_upload(struct drawing *of, struct error *err);
+bool textures_upload(struct drawing *of, struct error *err);
 
 struct gl {
-    struct renderer renderer; /* the first member */
-    const struct plan *plan;
-    const struct lit_scene *lit;
-    struct contexts *contexts;
-    const struct gl_functions *call;
+    struct drawing base;    /* the first member */
     struct canvas *colours; /* numbers are drawn there, too, where `numbers` is NULL */
     struct canvas *numbers; /* of floats, where `colours` has steps */
-    /* tile_height rows of tile_width pixels of 4 floats, from the top */
-    float *buffers[MOST_BUFFERS], *part; /* part: of some lights; NULL where one pass has all */
-    float *shown;                        /* numbers of triangles; NULL: no check */
-    uint8_t *steps;   /* the same of uint8_t or uint16_t, where `colours` has steps */
-    uint32_t *depths; /* 24 bits of depth, 8 of stencil; NULL: no check */
+    uint8_t *steps;         /* pixels of uint8_t or uint16_t, where `colours` has steps */
     bool is_stale[2]; /* of `colours` and `numbers`: the buffer holds colours of another tile */
     struct canvas *current;
     /* the state of `colours`, which is set only where it changes: */
@@ -62,9 +53,6 @@ struct gl {
     float gloss;             /* of the last material that shines; -1: none did */
     bool two_sided, mirrored;
     const struct texture *texture; /* NULL: textures are switched off */
-    struct vertex_buffers vertices;
-    unsigned *textures; /* names of the texture objects, one for each texture; 0: not drawn */
-    struct rectangle tile;
 };
 
 /* ---- open.c ---- */
@@ -76,9 +64,6 @@ void gl_clear_stale(struct gl *gl);
 
 /* ---- upload.c ---- */
 
-/* As struct renderer_kind says. Uploads the vertices, triangles and textures that are drawn; of
- * spectral textures no texels. */
-bool gl_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err);
 /* Loads and uploads all spectral textures for the bands of a pass. */
 bool gl_upload_bands(struct gl *gl, int first_band, struct error *err);
 /* The next draw call takes its vertices from an instance's mesh. Returns how many. */
@@ -97,7 +82,7 @@ void gl_set_state(const struct gl *gl);
 /* Loads projection and viewport of the aimed tile. */
 void gl_load_view(const struct gl *gl);
 /* Replaces the current matrix of OpenGL. */
-void gl_load_matrix(const struct gl *gl, const struct matrix *m);
+void gl_load_matrix(const struct gl_functions *call, const struct matrix *m);
 /* Empties the colours of the buffer, and leaves textures switched off. */
 void gl_blacken(struct gl *gl);
 
@@ -105,7 +90,6 @@ void gl_blacken(struct gl *gl);
 
 /* As struct renderer_kind says. */
 bool gl_identify(struct renderer *renderer, struct error *err);
-struct shown gl_shown(const struct renderer *renderer, int x, int y);
 
 /* Finds the names of what draws; a canvas is in use. Refuses a size that is too large for OpenGL,
  * and another driver than the wanted one, which was chosen before the first canvas. wanted: NULL:

@@ -20,35 +20,34 @@ static void number_triangle(const struct mesh *mesh, int triangle, int placed,
     }
 }
 
-static void draw_instance(const struct lit_scene *lit, int instance, const struct numbered_draw *by,
+static void draw_instance(struct drawing *of, int instance, const struct numbered_draw *by,
                           struct numbered_vertex batch[3 * BATCH])
 {
-    const struct mesh *mesh = &lit->plan->meshes[lit->plan->instances[instance].mesh].mesh;
-    const bool *hidden = lit->bounds[instance].hidden;
+    const struct mesh *mesh = &of->plan->meshes[of->plan->instances[instance].mesh].mesh;
+    const bool *hidden = of->lit->bounds[instance].hidden;
     int n = 0;
-    by->place(by->of, instance);
+    by->place(of, instance);
     for (int i = 0; i < mesh->n_triangles; i++) {
         if (hidden && hidden[i])
             continue;
         number_triangle(mesh, i, instance, batch + 3 * (size_t)n++);
         if (n == BATCH) {
-            by->draw(by->of, batch, 3 * n);
+            by->draw(of, batch, 3 * n);
             n = 0;
         }
     }
     if (n > 0)
-        by->draw(by->of, batch, 3 * n);
+        by->draw(of, batch, 3 * n);
 }
 
-bool numbers_draw(const struct lit_scene *lit, const struct rectangle *tile,
-                  const struct numbered_draw *by, struct error *err)
+bool numbers_draw(struct drawing *of, const struct numbered_draw *by, struct error *err)
 {
     struct numbered_vertex *batch;
     if (!MAKE_ARRAY(batch, 3 * BATCH, err, "%d triangles", BATCH))
         return false;
-    for (int i = 0; i < lit->plan->n_instances; i++)
-        if (surface_reaches(&lit->bounds[i], tile))
-            draw_instance(lit, i, by, batch);
+    for (int i = 0; i < of->plan->n_instances; i++)
+        if (surface_reaches(&of->lit->bounds[i], &of->tile))
+            draw_instance(of, i, by, batch);
     free(batch);
     return true;
 }

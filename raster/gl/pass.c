@@ -15,31 +15,30 @@ static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 /* ---- the view ---- */
 
 /* OpenGL keeps matrices by column. */
-void gl_load_matrix(const struct gl *gl, const struct matrix *m)
+void gl_load_matrix(const struct gl_functions *call, const struct matrix *m)
 {
     GLdouble columns[16];
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++)
             columns[4 * j + i] = m->row[i][j];
-    gl->call->LoadMatrixd(columns);
+    call->LoadMatrixd(columns);
 }
 
 void gl_load_view(const struct gl *gl)
 {
-    const struct rectangle *tile = &gl->tile;
-    const struct matrix projection = pass_projection(gl->plan, tile, gl->contexts->mirrored);
-    gl->call->MatrixMode(GL_PROJECTION);
-    gl_load_matrix(gl, &projection);
-    gl->call->MatrixMode(GL_MODELVIEW);
-    /* a smaller tile lies in the first rows of the buffer */
-    gl->call->Viewport(0, gl->contexts->flipped ? 0 : gl->plan->tile_height - tile->height,
-                       tile->width, tile->height);
+    const struct gl_functions *call = gl->base.call;
+    const struct matrix projection =
+        pass_projection(gl->base.plan, &gl->base.tile, gl->base.contexts->mirrored);
+    call->MatrixMode(GL_PROJECTION);
+    gl_load_matrix(call, &projection);
+    call->MatrixMode(GL_MODELVIEW);
+    drawing_set_viewport(&gl->base);
 }
 
 void gl_aim(struct renderer *renderer, const struct rectangle *tile)
 {
     struct gl *gl = (struct gl *)renderer;
-    gl->tile = *tile;
+    gl->base.tile = *tile;
     gl->is_stale[0] = gl->is_stale[1] = true;
     gl_load_view(gl);
 }
@@ -50,47 +49,49 @@ void gl_aim(struct renderer *renderer, const struct rectangle *tile)
  * by default, even for float buffers). */
 void gl_set_state(const struct gl *gl)
 {
-    gl->call->ClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
-    gl->call->ClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
-    gl->call->ClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
-    gl->call->Disable(GL_DITHER);
-    gl->call->Enable(GL_DEPTH_TEST);
-    gl->call->DepthFunc(GL_LESS);
-    gl->call->ShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
-    gl->call->Enable(GL_NORMALIZE);
-    gl->call->Enable(GL_LIGHTING);
-    gl->call->LightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
-    gl->call->LightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, gl->plan->scene->local_viewer);
-    gl->call->Materialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
-    gl->call->Materialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
-    gl->call->ClearColor(0, 0, 0, 0);
-    if (gl->plan->options.check)
-        gl->call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP); /* for gl_identify */
-    if (gl->contexts->mirrored)
-        gl->call->FrontFace(GL_CW);
-    gl->call->MatrixMode(GL_MODELVIEW);
-    gl->call->EnableClientState(GL_VERTEX_ARRAY);
-    gl->call->EnableClientState(GL_NORMAL_ARRAY);
+    const struct gl_functions *call = gl->base.call;
+    call->ClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
+    call->ClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
+    call->ClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
+    call->Disable(GL_DITHER);
+    call->Enable(GL_DEPTH_TEST);
+    call->DepthFunc(GL_LESS);
+    call->ShadeModel(gl->base.plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
+    call->Enable(GL_NORMALIZE);
+    call->Enable(GL_LIGHTING);
+    call->LightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
+    call->LightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, gl->base.plan->scene->local_viewer);
+    call->Materialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
+    call->Materialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
+    call->ClearColor(0, 0, 0, 0);
+    if (gl->base.plan->options.check)
+        call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP); /* for gl_identify */
+    if (gl->base.contexts->mirrored)
+        call->FrontFace(GL_CW);
+    call->MatrixMode(GL_MODELVIEW);
+    call->EnableClientState(GL_VERTEX_ARRAY);
+    call->EnableClientState(GL_NORMAL_ARRAY);
 }
 
 static void place_light(const struct gl *gl, GLenum name, const struct eye_light *light,
                         const struct light *source)
 {
+    const struct gl_functions *call = gl->base.call;
     struct vector at = light->position, axis = light->axis;
     GLfloat position[4] = {(GLfloat)at.x, (GLfloat)at.y, (GLfloat)at.z,
                            source->directional ? 0.0F : 1.0F};
     GLfloat direction[3] = {(GLfloat)axis.x, (GLfloat)axis.y, (GLfloat)axis.z};
     static const GLenum attenuations[] = {GL_CONSTANT_ATTENUATION, GL_LINEAR_ATTENUATION,
                                           GL_QUADRATIC_ATTENUATION};
-    gl->call->Enable(name);
-    gl->call->Lightfv(name, GL_AMBIENT, black);
-    gl->call->Lightfv(name, GL_POSITION, position);
+    call->Enable(name);
+    call->Lightfv(name, GL_AMBIENT, black);
+    call->Lightfv(name, GL_POSITION, position);
     for (int i = 0; i < 3; i++)
-        gl->call->Lightf(name, attenuations[i], (GLfloat)light->attenuation[i]);
-    gl->call->Lightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
-    gl->call->Lightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
+        call->Lightf(name, attenuations[i], (GLfloat)light->attenuation[i]);
+    call->Lightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
+    call->Lightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
     if (light->spot)
-        gl->call->Lightfv(name, GL_SPOT_DIRECTION, direction);
+        call->Lightfv(name, GL_SPOT_DIRECTION, direction);
 }
 
 /* Places the lights of a group, in eye coordinates, unless they are placed already. */
@@ -99,14 +100,14 @@ static void place_lights(struct gl *gl, int group)
     if (gl->group == group)
         return;
     gl->group = group;
-    gl->call->LoadIdentity();
+    gl->base.call->LoadIdentity();
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
         int light = group * LIGHTS_PER_PASS + i;
-        if (light < gl->plan->n_lights && !gl->plan->is_idle[light])
-            place_light(gl, GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light],
-                        gl->plan->sources[light]);
-        else if (gl->plan->n_light_groups > 1)
-            gl->call->Disable(GL_LIGHT0 + (GLenum)i);
+        if (light < gl->base.plan->n_lights && !gl->base.plan->is_idle[light])
+            place_light(gl, GL_LIGHT0 + (GLenum)i, &gl->base.plan->lights[light],
+                        gl->base.plan->sources[light]);
+        else if (gl->base.plan->n_light_groups > 1)
+            gl->base.call->Disable(GL_LIGHT0 + (GLenum)i);
     }
 }
 
@@ -129,22 +130,23 @@ static bool is_new(const float colour[4], float set[4])
 static void set_material(struct gl *gl, const struct shaded_material *shaded,
                          const struct pass *pass)
 {
+    const struct gl_functions *call = gl->base.call;
     struct pass_colours colours, *set = &gl->set;
-    pass_colours(gl->plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
+    pass_colours(gl->base.plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
     const float gloss = colours.shines ? (float)shaded->material->gloss : gl->gloss;
     for (int i = 0; i < colours.n_lights; i++) {
-        const bool idle = gl->plan->is_idle[pass->group * LIGHTS_PER_PASS + i];
+        const bool idle = gl->base.plan->is_idle[pass->group * LIGHTS_PER_PASS + i];
         if (!idle && is_new(colours.diffuse[i], set->diffuse[i]))
-            gl->call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
+            call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
         if (!idle && colours.shines && is_new(colours.specular[i], set->specular[i]))
-            gl->call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
+            call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
     }
     if (is_new(colours.constant, set->constant))
-        gl->call->Materialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
+        call->Materialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
     if (colours.shines != set->shines)
-        gl->call->Materialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
+        call->Materialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
     if (gloss != gl->gloss)
-        gl->call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
+        call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
     set->shines = colours.shines;
     gl->gloss = gloss;
     gl_bind_texture(gl, shaded->texture);
@@ -152,78 +154,80 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded,
 
 static void draw_instance(struct gl *gl, int instance)
 {
-    const struct placed_instance *placed = &gl->plan->instances[instance];
+    const struct gl_functions *call = gl->base.call;
+    const struct placed_instance *placed = &gl->base.plan->instances[instance];
     const int n = gl_bind_mesh(gl, instance);
     if (gl->two_sided != placed->object->two_sided)
-        gl->call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
+        call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     if (gl->mirrored != placed->instance.mirrored)
-        gl->call->FrontFace(placed->instance.mirrored != gl->contexts->mirrored ? GL_CW : GL_CCW);
+        call->FrontFace(placed->instance.mirrored != gl->base.contexts->mirrored ? GL_CW : GL_CCW);
     gl->two_sided = placed->object->two_sided;
     gl->mirrored = placed->instance.mirrored;
-    gl_load_matrix(gl, &placed->instance.model_view);
-    gl->call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
+    gl_load_matrix(gl->base.call, &placed->instance.model_view);
+    call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
 }
 
 /* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
  * price of a rectangle. */
 void gl_blacken(struct gl *gl)
 {
+    const struct gl_functions *call = gl->base.call;
     if (gl->current == gl->colours) /* the other one never has a texture */
         gl_bind_texture(gl, NULL);
-    gl->call->Disable(GL_LIGHTING);
-    gl->call->Disable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
-    gl->call->MatrixMode(GL_PROJECTION);
-    gl->call->PushMatrix();
-    gl->call->LoadIdentity();
-    gl->call->MatrixMode(GL_MODELVIEW);
-    gl->call->LoadIdentity();
-    gl->call->Color4f(0, 0, 0, 0);
-    gl->call->Rectf(-1, -1, 1, 1);
-    gl->call->MatrixMode(GL_PROJECTION);
-    gl->call->PopMatrix();
-    gl->call->MatrixMode(GL_MODELVIEW);
-    gl->call->Enable(GL_DEPTH_TEST);
-    gl->call->Enable(GL_LIGHTING);
+    call->Disable(GL_LIGHTING);
+    call->Disable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
+    call->MatrixMode(GL_PROJECTION);
+    call->PushMatrix();
+    call->LoadIdentity();
+    call->MatrixMode(GL_MODELVIEW);
+    call->LoadIdentity();
+    call->Color4f(0, 0, 0, 0);
+    call->Rectf(-1, -1, 1, 1);
+    call->MatrixMode(GL_PROJECTION);
+    call->PopMatrix();
+    call->MatrixMode(GL_MODELVIEW);
+    call->Enable(GL_DEPTH_TEST);
+    call->Enable(GL_LIGHTING);
 }
 
 static void draw_pass(struct gl *gl, const struct pass *pass)
 {
-    const struct plan *plan = gl->plan;
+    const struct plan *plan = gl->base.plan;
     int shaded = -1;
     gl_clear_stale(gl);
-    gl->call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    gl->base.call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     place_lights(gl, pass->group);
     for (int i = 0; i < plan->n_instances; i++) {
         const struct placed_instance *placed = &plan->instances[i];
-        if (!surface_reaches(&gl->lit->bounds[i], &gl->tile))
+        if (!surface_reaches(&gl->base.lit->bounds[i], &gl->base.tile))
             continue;
         if (placed->shaded != shaded)
             set_material(gl, &plan->materials[placed->shaded], pass);
         shaded = placed->shaded;
         draw_instance(gl, i);
-        gl->renderer.work.draw_calls++;
+        gl->base.renderer.work.draw_calls++;
     }
     canvas_fill(gl->current);
-    gl->renderer.work.passes++;
+    gl->base.renderer.work.passes++;
 }
 
 bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
              struct error *err)
 {
     struct gl *gl = (struct gl *)renderer;
-    float *sum = gl->buffers[buffer];
-    for (int group = 0; group < gl->plan->n_light_groups; group++) {
-        float *pixels = group == 0 ? sum : gl->part;
-        if (!group_is_drawn(gl->plan, group))
+    float *sum = gl->base.renderer.buffers[buffer];
+    for (int group = 0; group < gl->base.plan->n_light_groups; group++) {
+        float *pixels = group == 0 ? sum : gl->base.part;
+        if (!group_is_drawn(gl->base.plan, group))
             continue;
         if (!gl_draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
             (group == 0 && !gl_upload_bands(gl, first_band, err)))
             return false;
         draw_pass(gl, &(struct pass){first_band, group, full_scale});
         if (gl->steps)
-            pass_convert(gl->plan, gl->steps, pixels);
+            pass_convert(gl->base.plan, gl->steps, pixels);
         if (group > 0)
-            pass_add(gl->plan, gl->part, sum);
+            pass_add(gl->base.plan, gl->base.part, sum);
     }
-    return functions_succeeded(gl->call, err);
+    return functions_succeeded(gl->base.call, err);
 }

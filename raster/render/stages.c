@@ -296,7 +296,7 @@ static bool find_frame(struct state *state, int frame, int number, struct tile_p
     const int place = queue_next(queue, number);
     if (place < 0)
         return false;
-    of->pixels = renderer->kind->pixels(renderer, buffer_at(state, queue, place));
+    of->pixels = renderer->buffers[buffer_at(state, queue, place)];
     of->stride = (size_t)state->plan->tile_width;
     return true;
 }

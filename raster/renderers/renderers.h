@@ -84,10 +84,15 @@ struct renderer_lacks {
 };
 
 /* An open renderer of a plan. A room embeds it as the first member of a struct of its own. One
- * thread draws, the one that opened it. A buffer keeps its pixels until something is drawn there
- * again; other threads may read them meanwhile. */
+ * thread draws, the one that opened it. */
+enum { MOST_BUFFERS = 8 };
 struct renderer {
     const struct renderer_kind *kind;
+    /* What was last drawn into each buffer, until something is drawn there again; other threads may
+     * read it meanwhile: radiances divided by full_scale, rounded to the nearest step where the
+     * colour buffer has steps; 4 floats a pixel, rows of the plan's tile_width from the top; owned
+     */
+    float *buffers[MOST_BUFFERS];
     struct renderer_names names;
     struct driver driver;      /* by which it is judged */
     struct renderer_work work; /* of all that was drawn so far */
@@ -105,10 +110,6 @@ struct renderer_kind {
      * tile into a buffer. Where the plan asks for a check, `identify` comes before. */
     bool (*draw)(struct renderer *of, int buffer, int first_band, double full_scale,
                  struct error *err);
-    /* Returns what was last drawn into the buffer: radiances divided by full_scale, rounded to the
-     * nearest step where the colour buffer has steps; 4 floats a pixel, rows of the plan's
-     * tile_width from the top. */
-    const float *(*pixels)(const struct renderer *of, int buffer);
     /* Finds triangles, depths and fragments of the aimed tile. The plan asks for a check. */
     bool (*identify)(struct renderer *of, struct error *err);
     /* Returns what the last `identify` found. x and y count from the tile's top left pixel. A
@@ -118,7 +119,12 @@ struct renderer_kind {
     void (*close)(struct renderer *of);
 };
 
-/* renderer.c. Takes a pixel from the colours of its triangle's number, and from its depth in 24
+/* renderer.c. Makes so many buffers of n pixels, of what `what` names; and frees them with the
+ * struct that the renderer is the first member of. */
+bool renderer_make_buffers(struct renderer *of, int n_buffers, size_t n, const char *what,
+                           struct error *err);
+void renderer_free(struct renderer *of);
+/* Takes a pixel from the colours of its triangle's number, and from its depth in 24
  * bits above 8 of fragments. The number is three that single precision holds exactly: the low 16
  * bits of the triangle, its high bits, and the instance + 1. */
 struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
@@ -127,7 +133,8 @@ struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
 
 /* What this program has for OpenGL: see raster/beside/rooms.c. */
 struct drawing_ways {
-    /* Opens a renderer of a plan, which must outlive *out, with so many buffers. Fails with
+    /* Opens a renderer of a plan, which must outlive *out, with so many buffers, at most
+     * MOST_BUFFERS. Fails with
      * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. The
      * caller closes *out unless it is NULL, also after a failure. One can be open at a time. NULL:
      * this program does not draw so. */

@@ -11,7 +11,7 @@
 
 /* PASSES: drawn at once, one in each buffer of colours. Every OpenGL ES 3.0 has four such buffers;
  * with more of them a render is not faster, measured on llvmpipe. */
-enum { MOST_PASSES = 4, MOST_PIXEL_BUFFERS = 8 };
+enum { MOST_PASSES = 4 };
 
 /* ---- program.c ---- */
 
@@ -41,31 +41,20 @@ int program_count(const struct plan *plan);
 /* ---- shared ---- */
 
 struct shader {
-    struct renderer renderer; /* the first member */
-    const struct plan *plan;
-    const struct lit_scene *lit;
-    struct contexts *contexts;
-    const struct gl_functions *call;
+    struct drawing base; /* the first member; of several passes, which are drawn at once */
     struct canvas *canvas;
-    struct vertex_buffers vertices;
     struct program *programs, numbers; /* programs: program_count; owned */
-    unsigned *textures;                /* names: of each texture MOST_PASSES; owned */
     unsigned stream;                   /* the buffer of numbered vertices */
-    int n_passes;                      /* that are drawn at once */
-    /* rows of the tile's width from the top, 4 floats a pixel; owned */
-    float *buffers[MOST_PIXEL_BUFFERS], *ready[MOST_PASSES], *part, *shown;
-    uint32_t *depths; /* NULL: no check, or not to be read; owned */
+    float *ready[MOST_PASSES];         /* pixels as those of buffers; owned */
     bool stale;
     int *order, n_order; /* the first bands that `draw` gets on each tile; owned */
     int batch, n_batch;  /* in `ready`: from this place of the order on, so many; batch -1: none */
     int n_batches;       /* drawn so far */
     double full_scale;
-    struct rectangle tile;
 };
 
 /* ---- upload.c ---- */
 
-bool shader_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err);
 /* Uploads the spectral textures for some passes. */
 bool shader_upload_bands(struct shader *shader, const int *first_bands, int n, struct error *err);
 /* Lets the next draw calls take their vertices from an instance's mesh. Returns their corners. */
@@ -87,6 +76,5 @@ void shader_clear(struct shader *shader);
 /* ---- identify.c ---- */
 
 bool shader_identify(struct renderer *renderer, struct error *err);
-struct shown shader_shown(const struct renderer *renderer, int x, int y);
 
 #endif

@@ -12,13 +12,10 @@
 void shader_aim(struct renderer *renderer, const struct rectangle *tile)
 {
     struct shader *shader = (struct shader *)renderer;
-    shader->tile = *tile;
+    shader->base.tile = *tile;
     shader->stale = true;
     shader->batch = -1;
-    /* a smaller tile lies in the first rows of the buffer */
-    shader->call->Viewport(0,
-                           shader->contexts->flipped ? 0 : shader->plan->tile_height - tile->height,
-                           tile->width, tile->height);
+    drawing_set_viewport(&shader->base);
 }
 
 /* Sets a matrix of n x n: 4, or 3 for normals. OpenGL keeps matrices by column. */
@@ -28,16 +25,16 @@ static void set_matrix(const struct shader *shader, int at, const struct matrix 
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             columns[n * j + i] = (GLfloat)m->row[i][j];
-    (n == 4 ? shader->call->UniformMatrix4fv : shader->call->UniformMatrix3fv)(at, 1, GL_FALSE,
-                                                                               columns);
+    (n == 4 ? shader->base.call->UniformMatrix4fv
+            : shader->base.call->UniformMatrix3fv)(at, 1, GL_FALSE, columns);
 }
 
 /* The product is made in double and rounded once: all programs get the same numbers. */
 void shader_place(const struct shader *shader, const struct program *program, int instance)
 {
-    const struct instance *placed = &shader->plan->instances[instance].instance;
+    const struct instance *placed = &shader->base.plan->instances[instance].instance;
     const struct matrix projection =
-        pass_projection(shader->plan, &shader->tile, shader->contexts->mirrored);
+        pass_projection(shader->base.plan, &shader->base.tile, shader->base.contexts->mirrored);
     const struct matrix to_clip = matrix_product(projection, placed->model_view);
     set_matrix(shader, program->to_clip, &to_clip, 4);
     if (program->to_eye >= 0)
@@ -49,7 +46,7 @@ void shader_place(const struct shader *shader, const struct program *program, in
 void shader_clear(struct shader *shader)
 {
     const GLbitfield colours = shader->stale ? GL_COLOR_BUFFER_BIT : 0;
-    shader->call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    shader->base.call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     shader->stale = false;
 }
 
@@ -66,11 +63,11 @@ struct batch_colours {
 static void collect_colours(const struct shader *shader, int material, int group,
                             struct batch_colours *out)
 {
-    const int n = shader->n_passes;
+    const int n = shader->base.n_units;
     memset(out, 0, sizeof *out);
     for (int k = 0; k < shader->n_batch; k++) {
         struct pass_colours colours;
-        pass_colours(shader->plan, &shader->plan->materials[material], group,
+        pass_colours(shader->base.plan, &shader->base.plan->materials[material], group,
                      shader->order[shader->batch + k], shader->full_scale, &colours);
         memcpy(out->constant[k], colours.constant, sizeof colours.constant);
         out->n_lights = colours.n_lights;
@@ -85,24 +82,24 @@ static void set_material(const struct shader *shader, struct program *program, i
                          int group)
 {
     struct batch_colours colours;
-    const int n = shader->n_passes;
+    const int n = shader->base.n_units;
     if (program->material == material && program->batch == shader->n_batches)
         return;
     program->material = material;
     program->batch = shader->n_batches;
     collect_colours(shader, material, group, &colours);
-    shader->call->Uniform4fv(program->constant, n, colours.constant[0]);
-    shader->call->Uniform4fv(program->diffuse, colours.n_lights * n, colours.diffuse[0]);
-    shader->call->Uniform4fv(program->specular, colours.n_lights * n, colours.specular[0]);
-    shader->call->Uniform1f(program->gloss,
-                            (GLfloat)shader->plan->materials[material].material->gloss);
+    shader->base.call->Uniform4fv(program->constant, n, colours.constant[0]);
+    shader->base.call->Uniform4fv(program->diffuse, colours.n_lights * n, colours.diffuse[0]);
+    shader->base.call->Uniform4fv(program->specular, colours.n_lights * n, colours.specular[0]);
+    shader->base.call->Uniform1f(program->gloss,
+                                 (GLfloat)shader->base.plan->materials[material].material->gloss);
 }
 
 /* ---- drawing ---- */
 
 static struct program_effects effects_of(const struct shader *shader, int instance, int group)
 {
-    const struct plan *plan = shader->plan;
+    const struct plan *plan = shader->base.plan;
     const struct placed_instance *placed = &plan->instances[instance];
     const struct shaded_material *shaded = &plan->materials[placed->shaded];
     const bool textured = texture_is_drawn(plan, shaded->texture);
@@ -117,7 +114,7 @@ static struct program_effects effects_of(const struct shader *shader, int instan
 
 static bool draw_instance(struct shader *shader, int instance, int group, struct error *err)
 {
-    const struct placed_instance *placed = &shader->plan->instances[instance];
+    const struct placed_instance *placed = &shader->base.plan->instances[instance];
     const struct program_effects effects = effects_of(shader, instance, group);
     struct program *program = program_use(shader, &effects, err);
     if (!program)
@@ -125,23 +122,23 @@ static bool draw_instance(struct shader *shader, int instance, int group, struct
     set_material(shader, program, placed->shaded, group);
     shader_place(shader, program, instance);
     if (effects.texture != UNTEXTURED)
-        shader_bind_texture(shader, shader->plan->materials[placed->shaded].texture);
-    shader->call->FrontFace(placed->instance.mirrored != shader->contexts->mirrored ? GL_CW
-                                                                                    : GL_CCW);
+        shader_bind_texture(shader, shader->base.plan->materials[placed->shaded].texture);
+    shader->base.call->FrontFace(
+        placed->instance.mirrored != shader->base.contexts->mirrored ? GL_CW : GL_CCW);
     const int n = shader_bind_mesh(shader, instance);
-    shader->call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
-    shader->renderer.work.draw_calls++;
+    shader->base.call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
+    shader->base.renderer.work.draw_calls++;
     return true;
 }
 
 static bool draw_group(struct shader *shader, int group, struct error *err)
 {
     shader_clear(shader);
-    for (int i = 0; i < shader->plan->n_instances; i++)
-        if (surface_reaches(&shader->lit->bounds[i], &shader->tile) &&
+    for (int i = 0; i < shader->base.plan->n_instances; i++)
+        if (surface_reaches(&shader->base.lit->bounds[i], &shader->base.tile) &&
             !draw_instance(shader, i, group, err))
             return false;
-    shader->renderer.work.passes++;
+    shader->base.renderer.work.passes++;
     return true;
 }
 
@@ -149,9 +146,9 @@ static bool draw_group(struct shader *shader, int group, struct error *err)
 static void take_pixels(struct shader *shader, int group)
 {
     for (int k = 0; k < shader->n_batch; k++) {
-        canvas_read(shader->canvas, k, group == 0 ? shader->ready[k] : shader->part);
+        canvas_read(shader->canvas, k, group == 0 ? shader->ready[k] : shader->base.part);
         if (group > 0)
-            pass_add(shader->plan, shader->part, shader->ready[k]);
+            pass_add(shader->base.plan, shader->base.part, shader->ready[k]);
     }
 }
 
@@ -159,18 +156,18 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
 {
     const int left = shader->n_order - first;
     shader->batch = first;
-    shader->n_batch = left < shader->n_passes ? left : shader->n_passes;
+    shader->n_batch = left < shader->base.n_units ? left : shader->base.n_units;
     if (!shader_upload_bands(shader, shader->order + first, shader->n_batch, err))
         return false;
-    for (int group = 0; group < shader->plan->n_light_groups; group++) {
-        if (!group_is_drawn(shader->plan, group))
+    for (int group = 0; group < shader->base.plan->n_light_groups; group++) {
+        if (!group_is_drawn(shader->base.plan, group))
             continue;
         shader->n_batches++;
         if (!draw_group(shader, group, err))
             return false;
         take_pixels(shader, group);
     }
-    return functions_succeeded(shader->call, err);
+    return functions_succeeded(shader->base.call, err);
 }
 
 bool shader_expect(struct renderer *renderer, const int *first_bands, int n, struct error *err)
@@ -195,7 +192,7 @@ bool shader_draw(struct renderer *renderer, int buffer, int first_band, double f
         !draw_batch(shader, place, err))
         return false;
     float **ready = &shader->ready[place - shader->batch], *pixels = *ready;
-    *ready = shader->buffers[buffer];
-    shader->buffers[buffer] = pixels;
+    *ready = shader->base.renderer.buffers[buffer];
+    shader->base.renderer.buffers[buffer] = pixels;
     return true;
 }

@@ -13,7 +13,6 @@
 #include "raster/counts/counts.h"
 #include "raster/reference/reference.h"
 
-enum { MOST_BUFFERS = 16 };
 struct drawn {
     struct renderer renderer; /* the first member */
     const struct plan *plan;
@@ -21,7 +20,6 @@ struct drawn {
     char path[4096 + 32]; /* of drawn.txt */
     struct drawn_words words;
     struct image image;
-    float *buffers[MOST_BUFFERS];
     float *numbers;   /* 4 floats a pixel; NULL: there are none */
     uint32_t *depths; /* NULL: there are none */
 };
@@ -136,13 +134,8 @@ static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, do
                        struct error *err)
 {
     struct drawn *of = (struct drawn *)renderer;
-    return of->folder ? draw_folder(of, of->buffers[buffer], first_band, err)
-                      : draw_image(of, of->buffers[buffer], first_band, full_scale, err);
-}
-
-static const float *drawn_pixels(const struct renderer *renderer, int buffer)
-{
-    return ((const struct drawn *)renderer)->buffers[buffer];
+    return of->folder ? draw_folder(of, renderer->buffers[buffer], first_band, err)
+                      : draw_image(of, renderer->buffers[buffer], first_band, full_scale, err);
 }
 
 static bool drawn_identify(struct renderer *renderer, struct error *err)
@@ -163,11 +156,9 @@ static struct shown drawn_shown(const struct renderer *renderer, int x, int y)
 static void drawn_close(struct renderer *renderer)
 {
     struct drawn *of = (struct drawn *)renderer;
-    for (int i = 0; i < MOST_BUFFERS; i++)
-        free(of->buffers[i]);
     FREE_ALL(of->numbers, of->depths);
     image_close(&of->image);
-    free(of);
+    renderer_free(renderer);
 }
 
 /* ---- opening ---- */
@@ -213,10 +204,8 @@ static bool allocate(struct drawn *of, int n_buffers, struct error *err)
                            "the pixels of another program are judged in one piece, of at most "
                            "%d x %d pixels here; choose a smaller --size",
                            plan->tile_width, plan->tile_height);
-    for (int i = 0; i < n_buffers; i++)
-        if (!MAKE_ARRAY(of->buffers[i], 4 * count_pixels(plan), err, "the pixels of a pass"))
-            return false;
-    return true;
+    return renderer_make_buffers(&of->renderer, n_buffers, count_pixels(plan),
+                                 "the pixels of a pass", err);
 }
 
 bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_buffers,
@@ -225,7 +214,6 @@ bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_
     static const struct renderer_kind kind = {.take_scene = drawn_take_scene,
                                               .aim = drawn_aim,
                                               .draw = drawn_draw,
-                                              .pixels = drawn_pixels,
                                               .identify = drawn_identify,
                                               .shown = drawn_shown,
                                               .close = drawn_close};
