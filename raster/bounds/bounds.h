@@ -11,14 +11,12 @@
 #include "raster/renderers/renderers.h"
 #include "spectral.h"
 
-/* ---- bounded.c: values with bounds on their errors ---- */
-
 /* A value of the reference; OpenGL's value is off from it by at most the error. */
 struct bounded {
     double value, error;
 };
 
-/* ---- vertex.c, light.c: vertices ---- */
+/* ---- vertex.c, light_bound.c: vertices ---- */
 
 /* Bounds on the errors of a corner in the window, before a driver moves it to its grid. */
 struct slack {

@@ -28,8 +28,4 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
  * from behind for sure, on a solid, one-sided surface between the near and the far plane. */
 bool find_hidden(const struct lit_scene *lit, int surface, struct error *err);
 
-struct bounded bounded_product(struct bounded a, struct bounded b);
-
-struct bounded bounded_quotient(struct bounded a, struct bounded b); /* first order; b is not 0 */
-
 #endif

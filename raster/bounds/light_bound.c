@@ -9,6 +9,13 @@
 
 #include "raster/bounds/inside.h"
 
+/* (a + e)(b + f) - ab = a f + e (b + f) */
+static struct bounded bounded_product(struct bounded a, struct bounded b)
+{
+    return (struct bounded){a.value * b.value,
+                            fabs(a.value) * b.error + a.error * (fabs(b.value) + b.error)};
+}
+
 /* ---- directions ---- */
 
 /* A unit vector, and a bound on the angle between OpenGL's vector and it, in radians. */
@@ -282,7 +289,6 @@ static void add_light(const struct eye_light *light, int index, const struct ver
     }
 }
 
-/* True if any term belongs to this light's spectrum. */
 float *group_weights(const struct surface *surface, const struct surface_bounds *bounds, int group)
 {
     size_t n_weights = surface_attributes(surface, surface->instance->n_vertices, 0);

@@ -33,6 +33,13 @@ static void magnitudes(const struct matrix *m, const double v[4], double out[4])
     }
 }
 
+/* (a + e) / (b + f) - q = (e - q f) / (b + f), where q = a / b; to first order; b is not 0 */
+static struct bounded bounded_quotient(struct bounded a, struct bounded b)
+{
+    double quotient = a.value / b.value;
+    return (struct bounded){quotient, (a.error + fabs(quotient) * b.error) / fabs(b.value)};
+}
+
 /* Division, scale and offset of the viewport are 4 roundings of a coordinate as large as the
  * picture; w comes in after 2 roundings. */
 struct slack window_slack(const struct bounded clip[4], double half_width, double half_height)

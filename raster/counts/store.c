@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "raster/counts/inside.h"
+#include "raster/counts/counts.h"
 
 /* ---- samples of a page ---- */
 

@@ -33,8 +33,7 @@ bool contexts_devices(int *out, struct error *err)
 #include <EGL/eglext.h>
 
 struct egl {
-    EGLDisplay display;
-    EGLConfig config;
+    /* of the library: see find_functions */
     PFNEGLGETPROCADDRESSPROC get;
     PFNEGLQUERYSTRINGPROC query_string;
     PFNEGLINITIALIZEPROC initialize;
@@ -44,9 +43,12 @@ struct egl {
     PFNEGLCREATECONTEXTPROC create_context;
     PFNEGLDESTROYCONTEXTPROC destroy_context;
     PFNEGLMAKECURRENTPROC make_current;
+    /* of extensions */
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display;
     PFNEGLQUERYDEVICESEXTPROC query_devices; /* NULL: EGL has no devices */
     PFNGLCLIPCONTROLPROC clip_control;       /* of OpenGL; NULL: it has none */
+    EGLDisplay display;
+    EGLConfig config;
 };
 
 static const struct egl *egl_of(const struct canvas *canvas)
@@ -222,17 +224,10 @@ static bool find_config(struct egl *egl, enum gl_way way, struct error *err)
 /* Finds EGL's functions; false if one is missing. */
 static bool find_functions(struct egl *egl, enum gl_way way, void *library)
 {
-    library_find(library, "eglGetProcAddress", &egl->get);
-    library_find(library, "eglQueryString", &egl->query_string);
-    library_find(library, "eglInitialize", &egl->initialize);
-    library_find(library, "eglTerminate", &egl->terminate);
-    library_find(library, "eglBindAPI", &egl->bind_api);
-    library_find(library, "eglChooseConfig", &egl->choose_config);
-    library_find(library, "eglCreateContext", &egl->create_context);
-    library_find(library, "eglDestroyContext", &egl->destroy_context);
-    library_find(library, "eglMakeCurrent", &egl->make_current);
-    if (!egl->get || !egl->query_string || !egl->initialize || !egl->terminate || !egl->bind_api ||
-        !egl->choose_config || !egl->create_context || !egl->destroy_context || !egl->make_current)
+    static const char *const names[] = {"eglGetProcAddress", "eglQueryString",    "eglInitialize",
+                                        "eglTerminate",      "eglBindAPI",        "eglChooseConfig",
+                                        "eglCreateContext",  "eglDestroyContext", "eglMakeCurrent"};
+    if (!library_find_all(library, names, sizeof names / sizeof *names, egl))
         return false;
     egl->get_platform_display =
         (PFNEGLGETPLATFORMDISPLAYEXTPROC)egl->get("eglGetPlatformDisplayEXT");

@@ -17,6 +17,9 @@ bool library_open(const char *const *files, void **out, struct error *err);
 /* Finds a function of an open library, or one of that name that was loaded before it; NULL: there
  * is none. `out` points to a pointer to the function. */
 void library_find(void *library, const char *name, void *out);
+/* Finds n of them, for a struct that begins with as many pointers, which all have one size in
+ * POSIX. Returns whether all are there. */
+bool library_find_all(void *library, const char *const *names, size_t n, void *out);
 
 /* ---- functions.c: the functions of OpenGL ---- */
 

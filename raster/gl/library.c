@@ -5,13 +5,6 @@
 #include "raster/gl/inside.h"
 
 #ifdef OSMESA_VERSION /* static */
-bool library_open(const char *const *files, void **out, struct error *err)
-{
-    (void)files, (void)err;
-    *out = NULL;
-    return true;
-}
-
 void library_find(void *library, const char *name, void *out)
 {
     void *symbol = NULL;
@@ -51,5 +44,17 @@ void library_find(void *library, const char *name, void *out)
 {
     void *symbol = dlsym(library, name);
     memcpy(out, &symbol, sizeof symbol);
+}
+
+bool library_find_all(void *library, const char *const *names, size_t n, void *out)
+{
+    bool found = true;
+    for (size_t i = 0; i < n; i++) {
+        any_function *function;
+        library_find(library, names[i], &function);
+        memcpy((char *)out + i * sizeof function, &function, sizeof function);
+        found = found && function;
+    }
+    return found;
 }
 #endif

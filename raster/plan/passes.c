@@ -29,7 +29,8 @@ struct reaching_terms {
 };
 
 /* Returns the products of a term, one in each band; NULL: the term does not show. */
-static const double *row_of(const struct reaching_terms *of, const struct shaded_material *shaded, int term)
+static const double *row_of(const struct reaching_terms *of, const struct shaded_material *shaded,
+                            int term)
 {
     const int light = shaded->terms[term].light;
     if (!shaded->shown || (light >= 0 && !of->reaches[light]))

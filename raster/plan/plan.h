@@ -155,7 +155,7 @@ struct passes {
 bool passes_make(const struct plan *plan, struct passes *out, struct error *err);
 void passes_free(struct passes *passes);
 
-/* ---- colours.c ---- */
+/* ---- pass_contents.c ---- */
 
 /* The colours of a material in a pass under one group of lights: products of the spectra of lights
  * and material in parts of full scale, red, green and blue for three bands, and 1. Where there is
@@ -169,14 +169,10 @@ struct pass_colours {
 void pass_colours(const struct plan *plan, const struct shaded_material *shaded, int group,
                   int first_band, double full_scale, struct pass_colours *out);
 
-/* ---- texels.c ---- */
-
 /* Reads the texels of a spectral texture for the bands of a pass: red, green and blue of each, rows
  * from the bottom. Those of bands that do not exist are 0. out has room for all. */
 bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
                  struct error *err);
-
-/* ---- tile.c ---- */
 
 /* The projection that makes a tile of the picture fill clip space; mirrored: y is turned around. */
 struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
@@ -194,7 +190,8 @@ bool plan_put_files(const struct plan *plan, struct json *json, struct error *er
 /* Puts the members on the scene, and on the size and the wavelengths of its picture. */
 void scene_put(const struct plan *plan, struct json *json);
 
-/* ---- beyond_tables.c: spectra that are tables, and end before the picture's wavelengths do ---- */
+/* ---- beyond_tables.c: spectra that are tables, and end before the picture's wavelengths do ----
+ */
 
 enum { BEYOND_TEXT = 384 };
 /* Prints a line for each table that the picture reaches beyond; `to` NULL: none. Returns the number

@@ -4,17 +4,11 @@
 
 /* ---- export ---- */
 
-static bool take_plan(void *of, const struct plan *plan, struct error *err)
-{
-    const struct options *options = of;
-    return export_plan(plan, options->output, err);
-}
-
 static bool run_export(struct options *options, struct error *err)
 {
     if (!options->output)
         return error_usage(err, "export needs -o FOLDER");
-    const struct render_foreign foreign = {.take_plan = take_plan, .of = options};
+    const struct render_foreign foreign = {.take_plan = export_plan, .of = options};
     return render_with_options(options, &(struct render_output){.foreign = &foreign}, NULL, err);
 }
 
@@ -25,12 +19,6 @@ struct judge_options {
     const char *driver;
 };
 
-static bool open_drawn(void *of, const struct plan *plan, int n_buffers, struct renderer **out,
-                       struct error *err)
-{
-    return drawn_open(of, plan, n_buffers, out, err);
-}
-
 static bool run_judge(struct options *options, struct error *err)
 {
     const struct judge_options *own = options->own;
@@ -38,7 +26,7 @@ static bool run_judge(struct options *options, struct error *err)
     if (options->n_operands < 2)
         return error_usage(err, "judge needs SCENE and PIXELS: a folder, or a TIFF");
     names.pixels = options->operands[1];
-    const struct render_foreign foreign = {.open = open_drawn, .of = &names};
+    const struct render_foreign foreign = {.open = drawn_open, .of = &names};
     const struct render_output output = {
         .check_map = own->render.check_map, .outputs = &options->outputs, .foreign = &foreign};
     return render_with_options(options, &output, NULL, err);
@@ -71,11 +59,13 @@ static const struct option judge_rows[] = {
      OWN(TEXT, judge_options, driver), .choices = drivers},
 };
 static const struct option_list judge_list = OPTION_LIST(judge_rows);
-static const struct option_list *const judge_lists[] = {
-    &judge_list,       &scene_options,  &shading_options, &accuracy_options,
-    &sampling_options, &judged_options, &map_option,      &scale_option,
-    &threads_option,   &json_option,    &verbose_option,  &quiet_option,
-    &common_options,   NULL};
+static const struct option_list *const judge_lists[] = {&judge_list,       &scene_options,
+                                                        &shading_options,  &accuracy_options,
+                                                        &sampling_options, &judged_options,
+                                                        &map_option,       &scale_option,
+                                                        &threads_option,   &json_option,
+                                                        &verbose_option,   &quiet_option,
+                                                        &common_options,   NULL};
 const struct command judge_command = {
     .name = "judge",
     .operands = "SCENE PIXELS",

@@ -8,22 +8,30 @@
 #include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
 #include "raster/beside/verify/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/counts/counts.h"
 #include "raster/reference/reference.h"
 
 /* A description that grows. */
 struct description {
     const struct plan *plan;
     double full_scale;
-    const struct file_taker *taker;
-    struct printed scene; /* the lines of scene.txt */
+    const struct folder *folder; /* gets the files; NULL: only their digests are wanted */
+    struct printed scene;        /* the lines of scene.txt */
 };
 
 /* ---- files ---- */
 
-static bool take(const struct description *of, const char *name, const void *bytes, size_t length,
-                 struct error *err)
+static bool write_file(const struct description *of, const char *name, const void *bytes,
+                       size_t length, struct error *err)
 {
-    return !of->taker || of->taker->take(of->taker->of, name, bytes, length, err);
+    char path[sizeof of->folder->path + FILE_NAME + 1];
+    if (!of->folder)
+        return true;
+    if (is_interrupted())
+        return error_failed(err, "interrupted; nothing was written");
+    snprintf(path, sizeof path, "%s/%s", of->folder->path, name);
+    return file_write(path, bytes, length, NULL, err);
 }
 
 /* Adds a complete file. */
@@ -33,7 +41,7 @@ static bool add_file(struct description *to, const char *name, const void *bytes
     char digest[DIGEST_TEXT];
     digest_bytes(bytes, length, digest);
     print(&to->scene, "file %s %zu %s\n", name, length, digest);
-    return take(to, name, bytes, length, err);
+    return write_file(to, name, bytes, length, err);
 }
 
 /* ---- meshes ---- */
@@ -245,18 +253,42 @@ static bool finish(struct description *of, char id[DIGEST_TEXT], struct error *e
         print(&whole, "spectral-scene 1\nid %s\n%s", id, lines);
         bytes = printed_take(&whole, err);
     }
-    const bool done = bytes && take(of, "scene.txt", bytes, whole.length, err);
+    const bool done = bytes && write_file(of, "scene.txt", bytes, whole.length, err);
     free(lines);
     free(bytes);
     return done;
 }
 
-bool scene_describe(const struct plan *plan, double full_scale, const struct file_taker *taker,
-                    char id[DIGEST_TEXT], struct error *err)
+bool scene_describe(const struct lit_scene *lit, const struct folder *folder, char id[DIGEST_TEXT],
+                    struct error *err)
 {
-    struct description of = {.plan = plan, .full_scale = full_scale, .taker = taker};
+    struct description of = {.plan = lit->plan, .folder = folder};
+    bool clips;
+    if (!find_full_scale(lit, &of.full_scale, &clips, err))
+        return false;
     if (print_scene(&of, err))
         return finish(&of, id, err);
     free(printed_end(&of.scene));
     return false;
+}
+
+/* ---- a folder ---- */
+
+bool export_plan(void *options, const struct plan *plan, struct error *err)
+{
+    const char *path = ((const struct options *)options)->output;
+    struct lit_scene lit = {.plan = NULL};
+    struct light_work work;
+    struct folder folder;
+    char id[DIGEST_TEXT];
+    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err);
+    if (done) {
+        guard_hold();
+        done = folder_open_beside(path, &folder, err) && scene_describe(&lit, &folder, id, err) &&
+               folder_keep(&folder, path, err);
+        folder_close(&folder);
+        guard_release();
+    }
+    lit_free(&lit);
+    return done;
 }

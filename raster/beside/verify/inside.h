@@ -11,33 +11,28 @@
 #include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 
-/* ---- describe.c: a scene as files ---- */
+/* ---- export_scene.c: a scene as files ---- */
 
 enum { DIGEST_TEXT = 65, FILE_NAME = 64 };
-/* Gets each file of a scene when it is complete. */
-struct file_taker {
-    bool (*take)(void *of, const char *name, const void *bytes, size_t length, struct error *err);
-    void *of;
-};
-/* Describes all that is to be drawn of a plan: the files of meshes, triangles, textures and passes,
- * and at last scene.txt, which has the digests of all others. id: the SHA-256 of scene.txt without
- * its line "id". taker NULL: only the id is wanted. */
-bool scene_describe(const struct plan *plan, double full_scale, const struct file_taker *taker,
-                    char id[DIGEST_TEXT], struct error *err);
-
-/* ---- export.c ---- */
-
-/* Writes the files of a plan into the folder, which appears whole or not at all. */
-bool export_plan(const struct plan *plan, const char *folder, struct error *err);
+/* Finds the full scale, and describes all that is to be drawn of a plan: the files of meshes,
+ * triangles, textures and passes, and at last scene.txt, which has the digests of all others. id:
+ * the SHA-256 of scene.txt without its line "id". folder: gets the files; NULL: only the id is
+ * wanted. */
+bool scene_describe(const struct lit_scene *lit, const struct folder *folder, char id[DIGEST_TEXT],
+                    struct error *err);
+/* Writes the files of a plan into the output folder of the options, which appears whole or not at
+ * all. */
+bool export_plan(void *options, const struct plan *plan, struct error *err);
 
 /* ---- judge.c ---- */
 
 struct drawn_names {
     const char *pixels, *driver; /* a folder, or a TIFF; the choice of --driver, NULL: none */
 };
-/* Opens pixels as a renderer of the plan: see gl_open. Colours are read pass by pass. */
-bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_buffers,
-                struct renderer **out, struct error *err);
+/* Opens pixels, whose struct drawn_names comes in, as a renderer of the plan: see gl_open. Colours
+ * are read pass by pass. */
+bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
+                struct error *err);
 
 /* ---- read.c: the files that another program wrote ---- */
 

@@ -53,12 +53,9 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
 {
     const struct drawn *of = (struct drawn *)renderer;
     char id[DIGEST_TEXT];
-    double full_scale;
-    bool clips;
     if (!of->folder)
         return true;
-    return find_full_scale(lit, &full_scale, &clips, err) &&
-           scene_describe(of->plan, full_scale, NULL, id, err) &&
+    return scene_describe(lit, NULL, id, err) &&
            (strcmp(id, of->words.id) == 0 ||
             error_at(err, of->words.place,
                      "these pixels were drawn of another scene: expected id %s, found %s (give "
@@ -208,9 +205,10 @@ static bool allocate(struct drawn *of, int n_buffers, struct error *err)
                                  "the pixels of a pass", err);
 }
 
-bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_buffers,
-                struct renderer **out, struct error *err)
+bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
+                struct error *err)
 {
+    const char *driver = ((const struct drawn_names *)names)->driver;
     static const struct renderer_kind kind = {.take_scene = drawn_take_scene,
                                               .aim = drawn_aim,
                                               .draw = drawn_draw,
@@ -227,7 +225,7 @@ bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_
     if (!allocate(of, n_buffers, err) || !open_pixels(of, names, err))
         return false;
     complete_names(&of->renderer.names);
-    of->renderer.driver = *driver_of(names->driver ? names->driver : of->renderer.names.renderer);
+    of->renderer.driver = *driver_of(driver ? driver : of->renderer.names.renderer);
     of->renderer.lacks = (struct renderer_lacks){!of->numbers, !of->depths};
     return true;
 }
