@@ -57,7 +57,7 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
     if (fragment->loose)
         mean.cause = fragment->depth_error < HUGE_VAL ? CAUSE_FAR : CAUSE_THIN;
     out->candidates[out->n_candidates++] = (struct candidate){
-        .surface = (int32_t)(triangle->screen.surface - bounding->fragments.lit->surfaces),
+        .surface = (int32_t)(triangle->screen.surface - bounding->fragments.tile->lit->surfaces),
         .triangle = triangle->screen.triangle,
         .depth = (float)fragment->depth,
         .depth_error = stored_depth_error(fragment->depth_error, fragment->depth),
@@ -91,14 +91,15 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
  * driver is watertight. */
 static bool is_surely_covered(const struct bounding *bounding, const struct seam *seam)
 {
-    return is_closed(seam) && seam->n_covered > 0 && bounding->fragments.lit->driver->watertight;
+    return is_closed(seam) && seam->n_covered > 0 &&
+           bounding->fragments.tile->lit->driver->watertight;
 }
 
 /* Returns whether the reference shows a triangle that should be hidden. OpenGL does not draw it:
  * then nothing explains the pixel. */
 static bool shows_hidden(const struct bounding *bounding, size_t index)
 {
-    const struct lit_scene *lit = bounding->fragments.lit;
+    const struct lit_scene *lit = bounding->fragments.tile->lit;
     const struct picture *picture = &bounding->chunk->picture;
     const int32_t surface = picture->surface[index];
     return surface >= 0 && lit->bounds[surface].hidden &&
@@ -139,7 +140,7 @@ static bool is_settled(const struct bounding *bounding, size_t index)
     const struct fragment *only = &bounding->fragments.fragments[pixel->head];
     const struct screen_triangle *screen = &bounding->fragments.triangles[only->triangle].screen;
     return only->next < 0 && pixel->limit < HUGE_VAL && !only->loose &&
-           picture->surface[index] == screen->surface - bounding->fragments.lit->surfaces &&
+           picture->surface[index] == screen->surface - bounding->fragments.tile->lit->surfaces &&
            picture->triangle[index] == screen->triangle;
 }
 
@@ -195,7 +196,7 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
 static bool allocate(struct bounding *bounding)
 {
     struct chunk *out = bounding->chunk;
-    const struct plan *plan = bounding->fragments.lit->plan;
+    const struct plan *plan = bounding->fragments.tile->lit->plan;
     size_t n_pixels = (size_t)out->picture.at.width * (size_t)out->picture.at.height,
            n_rows = (size_t)plan->max_rows;
     bounding->pixel = pixel_open(&bounding->fragments);
@@ -220,11 +221,10 @@ static bool resolve_all(struct bounding *bounding)
     return true;
 }
 
-static bool find_candidates(const struct lit_scene *lit, const struct rectangle *tile,
-                            struct chunk *chunk)
+static bool find_candidates(const struct tile *tile, struct chunk *chunk)
 {
     struct bounding bounding = {.chunk = chunk,
-                                .fragments = {.lit = lit, .tile = tile, .rows = chunk->picture.at}};
+                                .fragments = {.tile = tile, .rows = chunk->picture.at}};
     bool done = fragments_find(&bounding.fragments) && resolve_all(&bounding);
     fragments_free(&bounding.fragments);
     pixel_close(bounding.pixel);
@@ -242,17 +242,18 @@ static struct rectangle chunk_rows(const struct rectangle *tile, int index)
     return rows;
 }
 
-bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out)
+bool chunk_draw(const struct tile *tile, int index)
 {
+    const struct lit_scene *lit = tile->lit;
     const struct plan *plan = lit->plan;
-    const struct rectangle rows = chunk_rows(tile, index);
+    const struct rectangle rows = chunk_rows(&tile->at, index);
+    struct chunk *out = &tile->chunks[index];
     *out = (struct chunk){.picture = {.at = rows}};
     if (!plan->options.check && !plan->options.store_raster)
         return true;
     return picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
                         &out->picture) &&
-           (!plan->options.check || find_candidates(lit, tile, out));
+           (!plan->options.check || find_candidates(tile, out));
 }
 
 void chunk_free(struct chunk *chunk)

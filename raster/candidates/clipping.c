@@ -117,15 +117,16 @@ static void clip(struct polygon *polygon, const struct clip_plane *plane, int p)
     }
 }
 
-void clip_planes(const struct lit_scene *lit, const struct screen_triangle *screen,
-                 const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES])
+void clip_planes(const struct tile *tile, const struct screen_triangle *screen,
+                 struct clip_plane planes[CLIP_PLANES])
 {
-    const struct plan *plan = lit->plan;
+    const struct plan *plan = tile->lit->plan;
+    const struct rectangle *at = &tile->at;
     double width = plan->view.width, height = plan->view.height;
     double near_w = plan->scene->camera.perspective ? plan->near : 1;
-    double error = largest_e_clip(lit, screen, CLIP_Z);
-    double left = 2 * tile->x / width - 1, right = 2 * (tile->x + tile->width) / width - 1;
-    double top = 1 - 2 * tile->y / height, bottom = 1 - 2 * (tile->y + tile->height) / height;
+    double error = largest_e_clip(tile->lit, screen, CLIP_Z);
+    double left = 2 * at->x / width - 1, right = 2 * (at->x + at->width) / width - 1;
+    double top = 1 - 2 * at->y / height, bottom = 1 - 2 * (at->y + at->height) / height;
     planes[0] = (struct clip_plane){{-1, 0, 0, right}, 0};
     planes[1] = (struct clip_plane){{1, 0, 0, -left}, 0};
     planes[2] = (struct clip_plane){{0, -1, 0, top}, 0};
@@ -135,15 +136,15 @@ void clip_planes(const struct lit_scene *lit, const struct screen_triangle *scre
 }
 
 /* Clips the whole triangle by these planes. */
-static struct polygon clip_whole(const struct lit_scene *lit, const struct screen_triangle *screen,
+static struct polygon clip_whole(const struct tile *tile, const struct screen_triangle *screen,
                                  const struct clip_plane planes[CLIP_PLANES])
 {
     struct corner whole[3];
-    struct polygon out = {.n = 3};
+    struct polygon out = {.tile = tile, .screen = screen, .n = 3};
     whole_corners(screen->surface, screen->vertex, whole);
     for (int i = 0; i < 3; i++) {
         int corner = screen->clockwise ? i : (3 - i) % 3;
-        const float *e_clip = vertex_bounds(lit, screen, corner)->e_clip;
+        const float *e_clip = vertex_bounds(tile->lit, screen, corner)->e_clip;
         out.corner[i] = whole[corner];
         out.cut[i] = (struct cut_corner){.whole = corner};
         for (int k = 0; k < 4; k++)
@@ -154,22 +155,19 @@ static struct polygon clip_whole(const struct lit_scene *lit, const struct scree
     return out;
 }
 
-struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
-                          const struct rectangle *tile)
+struct polygon polygon_of(const struct tile *tile, const struct screen_triangle *screen)
 {
     struct clip_plane planes[CLIP_PLANES];
-    clip_planes(lit, screen, tile, planes);
-    return clip_whole(lit, screen, planes);
+    clip_planes(tile, screen, planes);
+    return clip_whole(tile, screen, planes);
 }
 
-struct polygon doubtful_polygon_of(const struct lit_scene *lit,
-                                   const struct screen_triangle *screen,
-                                   const struct rectangle *tile)
+struct polygon doubtful_polygon_of(const struct tile *tile, const struct screen_triangle *screen)
 {
     struct clip_plane planes[CLIP_PLANES];
     bool any = false;
-    clip_planes(lit, screen, tile, planes);
-    const struct polygon whole = clip_whole(lit, screen, planes);
+    clip_planes(tile, screen, planes);
+    const struct polygon whole = clip_whole(tile, screen, planes);
     for (int p = 4; p < CLIP_PLANES; p++) {
         double deepest = 0, rounding;
         for (int i = 0; i < whole.n; i++) {
@@ -181,36 +179,33 @@ struct polygon doubtful_polygon_of(const struct lit_scene *lit,
         planes[p].offset -= 2 * deepest; /* so that the corner is outside, whatever its error */
         any = any || deepest > 0;
     }
-    return any ? clip_whole(lit, screen, planes) : (struct polygon){.n = 0};
+    return any ? clip_whole(tile, screen, planes) : (struct polygon){.n = 0};
 }
 
 /* ---- bounds of corners ---- */
 
 /* The slack of a corner whose clip coordinates have these errors. A tile's clip space is shifted
  * against the picture's by at most w. */
-static struct slack corner_slack(const struct lit_scene *lit, const double clip[4],
-                                 const double e[4])
+static struct slack corner_slack(const struct plan *plan, const double clip[4], const double e[4])
 {
-    const struct plan *plan = lit->plan;
     struct bounded bounded[4];
     for (int i = 0; i < 4; i++)
         bounded[i] = (struct bounded){clip[i], e[i] + (i < CLIP_Z && plan->tiled ? e[CLIP_W] : 0)};
     return window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
 }
 
-struct slack polygon_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
-                           const struct polygon *polygon, int i)
+struct slack polygon_slack(const struct polygon *polygon, int i)
 {
     const struct cut_corner *cut = &polygon->cut[i];
-    return cut->whole >= 0 ? whole_slack(lit, screen, cut->whole)
-                           : corner_slack(lit, polygon->corner[i].clip, cut->e);
+    const struct lit_scene *lit = polygon->tile->lit;
+    return cut->whole >= 0 ? whole_slack(lit, polygon->screen, cut->whole)
+                           : corner_slack(lit->plan, polygon->corner[i].clip, cut->e);
 }
 
 /* Bounds how far a corner slides in the window; HUGE_VAL: anywhere. */
-static double slide_px(const struct lit_scene *lit, const double clip[4],
-                       const struct cut_corner *cut)
+static double slide_px(const struct view *view, const double clip[4], const struct cut_corner *cut)
 {
-    const double half[2] = {0.5 * lit->plan->view.width, 0.5 * lit->plan->view.height};
+    const double half[2] = {0.5 * view->width, 0.5 * view->height};
     double sums[2] = {0, 0}, of_w = 0;
     for (int v = 0; v < cut->n_slides && v < SLIDES; v++) {
         const double *slide = cut->slides[v];
@@ -225,12 +220,12 @@ static double slide_px(const struct lit_scene *lit, const double clip[4],
 
 /* A corner of the tile, made by a side and by the top or the bottom, is fixed by both, however far
  * the triangle's corners are off. */
-double moved_px(const struct lit_scene *lit, const struct screen_triangle *screen,
-                const struct polygon *polygon, int i)
+double moved_px(const struct polygon *polygon, int i)
 {
+    const struct plan *plan = polygon->tile->lit->plan;
     const struct cut_corner *cut = &polygon->cut[i];
     const double *clip = polygon->corner[i].clip, off[4] = {cut->off, cut->off, 0, 0};
     if (cut->whole < 0 && (cut->planes & 3) != 0 && (cut->planes & 12) != 0)
-        return corner_slack(lit, clip, off).px;
-    return polygon_slack(lit, screen, polygon, i).px + slide_px(lit, clip, cut);
+        return corner_slack(plan, clip, off).px;
+    return polygon_slack(polygon, i).px + slide_px(&plan->view, clip, cut);
 }

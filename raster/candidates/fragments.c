@@ -99,7 +99,7 @@ static const struct bounded_triangle *visited(const struct visit *visit)
  * meet have corners of the same bits there. */
 static void add_edges(const struct visit *visit)
 {
-    const struct lit_scene *lit = visit->of->lit;
+    const struct lit_scene *lit = visit->of->tile->lit;
     const struct screen_triangle *screen = &visited(visit)->screen;
     uint64_t object =
         (uint64_t)(bounds_of(lit, screen)->placed->object - lit->plan->scene->objects);
@@ -173,27 +173,31 @@ static unsigned count_bits(unsigned bits)
     return n;
 }
 
+/* Finds which of n clipped triangles OpenGL may have at a point: bit i stands for number i. */
+static unsigned possible_at(const struct clipped_triangle *clipped, int n, double px, double py)
+{
+    unsigned some = 0;
+    for (int i = 0; i < n; i++)
+        if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
+            some |= 1u << i;
+    return some;
+}
+
 unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
                     double px, double py)
 {
-    const struct clipped_triangle *clipped = &fragments->clipped[triangle->first_clipped];
-    unsigned all = (1u << triangle->n_clipped) - 1, some = 0;
-    for (int32_t i = 0; i < triangle->n_clipped; i++)
-        if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
-            some |= 1u << i;
-    return some == 0 && triangle->cut ? all : some;
+    const int n = triangle->n_clipped;
+    unsigned some =
+        n == 1 ? 1 : possible_at(&fragments->clipped[triangle->first_clipped], n, px, py);
+    return some == 0 && triangle->cut ? (1u << n) - 1 : some;
 }
 
 /* True if OpenGL may set up a sliver there, besides the clipped triangles. */
 static bool is_on_sliver(const struct visit *visit)
 {
     const struct bounded_triangle *triangle = visited(visit);
-    const struct clipped_triangle *sliver =
-        &visit->of->clipped[triangle->first_clipped + triangle->n_clipped];
-    for (int32_t i = 0; i < triangle->n_slivers; i++)
-        if (clipped_presence(&sliver[i], visit->x, visit->y) != IMPOSSIBLE)
-            return true;
-    return false;
+    return possible_at(&visit->of->clipped[triangle->first_clipped + triangle->n_clipped],
+                       triangle->n_slivers, visit->x, visit->y) != 0;
 }
 
 /* True if OpenGL's error has no bound at a point: on a clipped triangle that is too thin for one,
@@ -230,7 +234,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
                                 .depth = depth_at(&triangle->screen, &visit->edges)};
     bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
                          (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
-    if (!visit->of->lit->driver->watertight && is_on_seam(visit)) {
+    if (!visit->of->tile->lit->driver->watertight && is_on_seam(visit)) {
         presence = POSSIBLE;
         if (!triangle->other_side) /* a fragment by each clipped triangle */
             visit->pixel->n_possible += count_bits(clipped) - 1;
@@ -243,7 +247,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
         visit->seam->open = true;
     }
     count_fragment(visit, presence, covered);
-    return bounds_of(visit->of->lit, &triangle->screen)->placed->twin ||
+    return bounds_of(visit->of->tile->lit, &triangle->screen)->placed->twin ||
            add_fragment(visit->of, visit->pixel, &fragment, presence == DEFINITE);
 }
 
@@ -259,8 +263,7 @@ static bool visit_pixel(void *context, int x, int y)
     if (presence == IMPOSSIBLE)
         return true;
     visit->any = true;
-    unsigned clipped =
-        triangle->n_clipped == 1 ? 1 : clipped_at(visit->of, triangle, visit->x, visit->y);
+    unsigned clipped = clipped_at(visit->of, triangle, visit->x, visit->y);
     if (clipped == 0)
         return true;
     size_t pixel = (size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x);
@@ -273,7 +276,7 @@ static bool visit_pixel(void *context, int x, int y)
 static bool visit_triangle(struct fragments *of, int surface, int triangle)
 {
     struct triangle_part parts[TRIANGLE_PARTS];
-    int n = triangle_parts(of->lit, surface, triangle, of->tile, &of->rows, parts);
+    int n = triangle_parts(of->tile, surface, triangle, &of->rows, parts);
     for (int i = 0; i < n; i++) {
         const struct bounded_triangle *bounded = &parts[i].bounded;
         struct visit visit = {
@@ -297,11 +300,11 @@ bool fragments_find(struct fragments *out)
         return false;
     for (size_t i = 0; i < n_pixels; i++)
         out->pixels[i] = (struct fragment_list){.head = -1, .limit = HUGE_VAL};
-    for (int s = 0; s < out->lit->plan->n_instances; s++) {
-        if (!surface_reaches(&out->lit->bounds[s], &out->rows))
+    for (int s = 0; s < out->tile->lit->plan->n_instances; s++) {
+        if (!surface_reaches(&out->tile->lit->bounds[s], &out->rows))
             continue;
-        int n_triangles = out->lit->surfaces[s].instance->n_triangles;
-        const bool *hidden = out->lit->bounds[s].hidden;
+        int n_triangles = out->tile->lit->surfaces[s].instance->n_triangles;
+        const bool *hidden = out->tile->lit->bounds[s].hidden;
         for (int t = 0; t < n_triangles; t++)
             if (!(hidden && hidden[t]) && !visit_triangle(out, s, t))
                 return false;

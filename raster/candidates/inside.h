@@ -56,11 +56,10 @@ struct triangle_part {
 enum { TRIANGLE_PARTS = 2 * SCREEN_TRIANGLES };
 /* Finds the parts of one triangle of a surface that reach `rows`, which are a part of the tile.
  * Returns how many. */
-int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
-                   const struct rectangle *tile, const struct rectangle *rows,
+int triangle_parts(const struct tile *tile, int surface, int triangle, const struct rectangle *rows,
                    struct triangle_part out[TRIANGLE_PARTS]);
 
-/* ---- polygon.c: what clipping makes of a triangle, with the errors that it makes ---- */
+/* ---- clipping.c: what clipping makes of a triangle, with the errors that it makes ---- */
 
 /* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
  * the same place there: the cut depends on how far the ends of the edge are from the plane. Values
@@ -76,6 +75,8 @@ struct cut_corner {
     int whole;                /* 0..2: that corner; -1: it was made by a cut */
 };
 struct polygon {
+    const struct tile *tile;
+    const struct screen_triangle *screen; /* it is what is left of this one */
     int n;
     struct corner corner[CLIP_CORNERS];
     struct cut_corner cut[CLIP_CORNERS];
@@ -83,27 +84,22 @@ struct polygon {
 /* Finds the planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last
  * two are widened by what single precision may be off there, so that no possible pixel is lost;
  * near not so far that w = 0 comes in. That limit loses no pixel: see check_near in vertex.c. */
-void clip_planes(const struct lit_scene *lit, const struct screen_triangle *screen,
-                 const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES]);
+void clip_planes(const struct tile *tile, const struct screen_triangle *screen,
+                 struct clip_plane planes[CLIP_PLANES]);
 /* Clips the whole triangle by all planes. Its corners come in the order in which OpenGL gets them,
  * which decides how it fans the polygon. */
-struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
-                          const struct rectangle *tile);
+struct polygon polygon_of(const struct tile *tile, const struct screen_triangle *screen);
 /* Clips deeper by the near and the far plane where a corner lies so near to one of them that OpenGL
  * may cut it off. n is 0 where there is no such corner. */
-struct polygon doubtful_polygon_of(const struct lit_scene *lit,
-                                   const struct screen_triangle *screen,
-                                   const struct rectangle *tile);
+struct polygon doubtful_polygon_of(const struct tile *tile, const struct screen_triangle *screen);
 /* The bounds of a corner that is not cut, and of any corner: off the plane of its triangle; and how
  * far a corner may be from its place in the window, in this plane, too. */
 const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
                                           const struct screen_triangle *screen, int corner);
 struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
                          int corner);
-struct slack polygon_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
-                           const struct polygon *polygon, int i);
-double moved_px(const struct lit_scene *lit, const struct screen_triangle *screen,
-                const struct polygon *polygon, int i);
+struct slack polygon_slack(const struct polygon *polygon, int i);
+double moved_px(const struct polygon *polygon, int i);
 
 /* ---- presence.c: how sure it is that OpenGL has a fragment at a point ---- */
 
@@ -139,9 +135,8 @@ struct seam {
     bool open;          /* some possible fragment is not counted in the sums */
 };
 struct fragments {
-    const struct lit_scene *lit;
-    const struct rectangle *tile; /* as OpenGL draws it */
-    struct rectangle rows;        /* this chunk's part */
+    const struct tile *tile; /* as OpenGL draws it */
+    struct rectangle rows;   /* this chunk's part */
     struct fragment_list *pixels;
     struct seam *seams; /* of each pixel */
     struct bounded_triangle *triangles;
@@ -151,7 +146,7 @@ struct fragments {
         clipped_capacity;
     int32_t unused; /* list of fragments to use again */
 };
-/* Finds the fragments of all pixels of out->rows; lit, tile and rows are set. False: no memory. */
+/* Finds the fragments of all pixels of out->rows; tile and rows are set. False: no memory. */
 bool fragments_find(struct fragments *out);
 void fragments_free(struct fragments *fragments);
 /* Finds the clipped triangles that OpenGL may have at a point: bit i stands for number i. Beyond
@@ -164,7 +159,6 @@ bool is_closed(const struct seam *seam);
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
 
 /* ---- pixel.c: a triangle at a pixel ---- */
-
 
 /* NULL: no memory. The fragments must outlive it. */
 struct bounded_pixel *pixel_open(const struct fragments *fragments);
@@ -189,12 +183,11 @@ double pixel_steepness(const struct bounded_pixel *pixel);
 
 /* ---- chunk.c: a part of a tile, with its candidates ---- */
 
-/* Draws chunk `index`, counted from the top, of a tile: CHUNK_ROWS rows, fewer in the last chunk.
- * Finds its candidates if the plan asks for a check. A plan that neither checks nor stores the
- * reference's pixels gets no picture: only picture.at is set. Results do not depend on how a
- * picture is cut into chunks. False: no memory. chunk_free accepts what a failure left. */
-bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out);
+/* Draws chunk `index` of a tile: CHUNK_ROWS rows, fewer in the last chunk. Finds its candidates if
+ * the plan asks for a check. A plan that neither checks nor stores the reference's pixels gets no
+ * picture: only picture.at is set. Results do not depend on how a picture is cut into chunks.
+ * False: no memory. chunk_free accepts what a failure left. */
+bool chunk_draw(const struct tile *tile, int index);
 void chunk_free(struct chunk *chunk);
 
 #endif

@@ -39,7 +39,8 @@ struct bounded_pixel {
 
 struct bounded_pixel *pixel_open(const struct fragments *fragments)
 {
-    size_t most = (size_t)fragments->lit->plan->max_rows + 2, n_clipped = fragments->n_clipped;
+    size_t most = (size_t)fragments->tile->lit->plan->max_rows + 2,
+           n_clipped = fragments->n_clipped;
     struct bounded_pixel *out = malloc(sizeof *out);
     if (!out)
         return NULL;
@@ -72,7 +73,7 @@ void pixel_close(struct bounded_pixel *pixel)
  * vertex; texture coordinates still vary. */
 static bool is_flat(const struct bounded_pixel *pixel, size_t attribute)
 {
-    return pixel->fragments->lit->plan->view.shading == FLAT &&
+    return pixel->fragments->tile->lit->plan->view.shading == FLAT &&
            attribute < (size_t)pixel->surface->instance->n_terms;
 }
 
@@ -109,9 +110,9 @@ static struct corner_values cut_values(const struct bounded_pixel *pixel,
 static void add_groups(const struct bounded_pixel *pixel, const struct clipped_triangle *clipped,
                        size_t attribute, struct colour_bound *out)
 {
-    const struct plan *plan = pixel->fragments->lit->plan;
+    const struct plan *plan = pixel->fragments->tile->lit->plan;
     const struct surface_bounds *bounds =
-        bounds_of(pixel->fragments->lit, &pixel->triangle->screen);
+        bounds_of(pixel->fragments->tile->lit, &pixel->triangle->screen);
     out->own_constant = out->own_fixed = 0;
     for (int group = 0; group < plan->n_light_groups; group++) {
         const float *parts = group_weights(pixel->surface, bounds, group);
@@ -146,7 +147,7 @@ static void add_jumps(const struct bounded_pixel *pixel, const struct clipped_tr
 static bool is_grouped(const struct bounded_pixel *pixel, size_t attribute)
 {
     const struct instance *instance = pixel->surface->instance;
-    return pixel->fragments->lit->plan->n_light_groups > 1 &&
+    return pixel->fragments->tile->lit->plan->n_light_groups > 1 &&
            attribute < (size_t)instance->n_terms &&
            instance->terms[attribute].reflection != CONSTANT;
 }
@@ -217,8 +218,7 @@ static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inve
 static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px, double py)
 {
     size_t n_attributes = (size_t)pixel->surface->n_attributes;
-    unsigned clipped =
-        pixel->triangle->n_clipped == 1 ? 1 : clipped_at(pixel->fragments, pixel->triangle, px, py);
+    unsigned clipped = clipped_at(pixel->fragments, pixel->triangle, px, py);
     for (size_t a = 0; a < n_attributes; a++)
         pixel->interpolation[a] = pixel->own[a] = pixel->slopes[a] = 0;
     for (int32_t i = 0; i < pixel->triangle->n_clipped; i++)
@@ -232,7 +232,7 @@ static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px,
 static void take_jumps(struct bounded_pixel *pixel, const struct screen_triangle *screen,
                        const struct surface_bounds *bounds)
 {
-    const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
+    const bool flat = pixel->fragments->tile->lit->plan->view.shading == FLAT;
     pixel->n_gated = 0;
     for (int j = 0; j < 3; j++) {
         const int vertex = flat ? screen->provoking : screen->vertex[j];
@@ -249,7 +249,7 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
 {
     const struct screen_triangle *screen = &triangle->screen;
     const struct surface *surface = screen->surface;
-    const struct surface_bounds *bounds = bounds_of(pixel->fragments->lit, screen);
+    const struct surface_bounds *bounds = bounds_of(pixel->fragments->tile->lit, screen);
     const float *errors = bounds->errors;
     pixel->triangle = triangle;
     pixel->surface = surface;
@@ -283,7 +283,7 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
     if (pixel->triangle != triangle)
         take_triangle(pixel, triangle);
     if (weights_matter || instance->textured)
-        shade(&pixel->fragments->lit->plan->view, screen, share, pixel->attributes, &none);
+        shade(&pixel->fragments->tile->lit->plan->view, screen, share, pixel->attributes, &none);
     interpolate_errors(pixel, share);
     add_bounds(pixel, inverse_w, x + 0.5, y + 0.5);
     if (!instance->textured)
@@ -291,7 +291,7 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
     float e_place[2];
     for (int i = 0; i < 2; i++)
         e_place[i] = pixel->common[instance->n_terms + i] + pixel->own[instance->n_terms + i];
-    pixel->place = texel_point(&instance->texels, pixel->fragments->lit->driver,
+    pixel->place = texel_point(&instance->texels, pixel->fragments->tile->lit->driver,
                                pixel->attributes + instance->n_terms, e_place);
 }
 
@@ -336,7 +336,7 @@ int pixel_gates(const struct bounded_pixel *pixel)
 /* Each bit of `gates` stands for a gated corner. */
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
 {
-    const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
+    const bool flat = pixel->fragments->tile->lit->plan->view.shading == FLAT;
     for (int j = 0; j < 3; j++) {
         if (!pixel->jumps[j])
             continue;
@@ -358,7 +358,7 @@ void pixel_weights(const struct bounded_pixel *pixel, double *rows)
 static double colour_rounding(const struct bounded_pixel *pixel)
 {
     return roundings(4 + 2 * pixel->surface->instance->textured + pixel->shaded->n_colours +
-                     pixel->fragments->lit->plan->n_light_groups);
+                     pixel->fragments->tile->lit->plan->n_light_groups);
 }
 
 /* The errors of a pixel's weights, added up: see struct mean_bound. */

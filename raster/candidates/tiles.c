@@ -15,8 +15,7 @@ struct drawn_tile {
 static void draw_chunk(void *context, int i)
 {
     struct drawn_tile *drawn = context;
-    const struct tile *tile = drawn->tile;
-    if (!chunk_draw(tile->lit, &tile->at, i, &tile->chunks[i]))
+    if (!chunk_draw(drawn->tile, i))
         counter_add(&drawn->failures, 1);
 }
 

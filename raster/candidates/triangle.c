@@ -40,23 +40,28 @@ static bool is_exact(const struct lit_scene *lit, const struct bounded_triangle 
 
 /* OpenGL's origin may be the tile's upper or its lower left corner, of a driver that is not known
  * any corner. A pixel lies beside the triangle by less than 1. */
-static void set_reach(const struct driver *driver, const struct rectangle *tile,
-                      struct clipped_triangle *out)
+static void set_reach(const struct tile *tile, struct clipped_triangle *out)
 {
-    double right = most_of(out->x) - tile->x, below = most_of(out->y) - tile->y,
-           above = tile->y + tile->height - least_of(out->y),
-           left = driver->left_origin ? 0 : tile->x + tile->width - least_of(out->x);
-    out->reach_x = fmin(fmax(right, left), tile->width) + 1;
-    out->reach_y = fmin(fmax(below, above), tile->height) + 1;
+    const struct rectangle *at = &tile->at;
+    double right = most_of(out->x) - at->x, below = most_of(out->y) - at->y,
+           above = at->y + at->height - least_of(out->y),
+           left = tile->lit->driver->left_origin ? 0 : at->x + at->width - least_of(out->x);
+    out->reach_x = fmin(fmax(right, left), at->width) + 1;
+    out->reach_y = fmin(fmax(below, above), at->height) + 1;
 }
 
-static struct clipped_triangle clipped(const struct lit_scene *lit,
-                                       const struct bounded_triangle *from,
-                                       const struct rectangle *tile, const double slack_px[3],
-                                       const double moved[3])
+/* The error with which OpenGL follows an edge in a tile. */
+static double tile_edge_error(const struct tile *tile)
 {
-    struct clipped_triangle out = {.grid_px = edge_error(lit->driver, tile->width, tile->height),
-                                   .value_roundings = lit->driver->value_roundings,
+    return edge_error(tile->lit->driver, tile->at.width, tile->at.height);
+}
+
+static struct clipped_triangle clipped(const struct tile *tile, const struct bounded_triangle *from,
+                                       const double slack_px[3], const double moved[3])
+{
+    const struct driver *driver = tile->lit->driver;
+    struct clipped_triangle out = {.grid_px = tile_edge_error(tile),
+                                   .value_roundings = driver->value_roundings,
                                    .slack = from->slack};
     memcpy(out.x, from->screen.x, sizeof out.x);
     memcpy(out.y, from->screen.y, sizeof out.y);
@@ -64,18 +69,16 @@ static struct clipped_triangle clipped(const struct lit_scene *lit,
     memcpy(out.inverse_w, from->screen.inverse_w, sizeof out.inverse_w);
     memcpy(out.share, from->screen.share, sizeof out.share);
     for (int i = 0; i < 3; i++) {
-        out.slack_px[i] = slack_px[i] + lit->driver->corner_px;
-        out.moved_px[i] = moved[i] + lit->driver->corner_px;
+        out.slack_px[i] = slack_px[i] + driver->corner_px;
+        out.moved_px[i] = moved[i] + driver->corner_px;
     }
-    set_reach(lit->driver, tile, &out);
+    set_reach(tile, &out);
     bound_inverse_w(&out);
     return out;
 }
 
 /* Sets up one triangle of the fan of a polygon, from corners 0, i - 1 and i. */
-static struct clipped_triangle fan_triangle(const struct lit_scene *lit,
-                                            const struct rectangle *tile,
-                                            const struct bounded_triangle *of,
+static struct clipped_triangle fan_triangle(const struct bounded_triangle *of,
                                             const struct polygon *polygon, int i)
 {
     const int corners[3] = {0, i - 1, i};
@@ -83,26 +86,27 @@ static struct clipped_triangle fan_triangle(const struct lit_scene *lit,
     double slack_px[3], moved[3];
     int cuts = 0;
     for (int c = 0; c < 3; c++) {
-        screen_corner(&lit->plan->view, &polygon->corner[corners[c]], c, &part.screen);
-        slack_px[c] = polygon_slack(lit, &of->screen, polygon, corners[c]).px;
-        moved[c] = moved_px(lit, &of->screen, polygon, corners[c]);
+        screen_corner(&polygon->tile->lit->plan->view, &polygon->corner[corners[c]], c,
+                      &part.screen);
+        slack_px[c] = polygon_slack(polygon, corners[c]).px;
+        moved[c] = moved_px(polygon, corners[c]);
         if (polygon->cut[corners[c]].cuts > cuts)
             cuts = polygon->cut[corners[c]].cuts;
     }
-    struct clipped_triangle out = clipped(lit, &part, tile, slack_px, moved);
+    struct clipped_triangle out = clipped(polygon->tile, &part, slack_px, moved);
     out.cuts = cuts;
     return out;
 }
 
 /* Sets up what OpenGL makes besides if it cuts a corner in doubt, but only what is too thin for a
  * bound: the rest is as the triangles that it makes otherwise. Returns how many. */
-static int set_up_slivers(const struct lit_scene *lit, const struct rectangle *tile,
-                          const struct bounded_triangle *triangle, struct clipped_triangle *out)
+static int set_up_slivers(const struct tile *tile, const struct bounded_triangle *triangle,
+                          struct clipped_triangle *out)
 {
-    const struct polygon polygon = doubtful_polygon_of(lit, &triangle->screen, tile);
+    const struct polygon polygon = doubtful_polygon_of(tile, &triangle->screen);
     int n = 0;
     for (int i = 2; i < polygon.n; i++) {
-        out[n] = fan_triangle(lit, tile, triangle, &polygon, i);
+        out[n] = fan_triangle(triangle, &polygon, i);
         n += !(out[n].magnification < HUGE_VAL);
     }
     return n;
@@ -110,34 +114,34 @@ static int set_up_slivers(const struct lit_scene *lit, const struct rectangle *t
 
 /* Sets up the triangles that clipping at the tile's border and in depth makes. Where hardly
  * anything of the triangle is in the tile, it has no bound. */
-static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *tile,
-                        const struct bounded_triangle *triangle, struct clipped_triangle *out)
+static int clip_to_tile(const struct tile *tile, const struct bounded_triangle *triangle,
+                        struct clipped_triangle *out)
 {
-    const struct polygon polygon = polygon_of(lit, &triangle->screen, tile);
+    const struct polygon polygon = polygon_of(tile, &triangle->screen);
     struct bounded_triangle part = *triangle;
     part.slack = (struct slack){0, 0, 0};
     for (int i = 0; i < polygon.n; i++)
-        widen(&part.slack, polygon_slack(lit, &triangle->screen, &polygon, i));
+        widen(&part.slack, polygon_slack(&polygon, i));
     for (int i = 2; i < polygon.n; i++)
-        out[i - 2] = fan_triangle(lit, tile, &part, &polygon, i);
+        out[i - 2] = fan_triangle(&part, &polygon, i);
     if (polygon.n >= 3)
         return polygon.n - 2;
     const double px = triangle->slack.px, slack_px[3] = {px, px, px};
-    out[0] = clipped(lit, triangle, tile, slack_px, slack_px);
+    out[0] = clipped(tile, triangle, slack_px, slack_px);
     out[0].magnification = HUGE_VAL;
     return 1;
 }
 
 /* Sets up the triangles of a part; returns how many. */
-static int set_up(const struct lit_scene *lit, const struct rectangle *tile,
-                  const struct bounded_triangle *triangle, struct clipped_triangle *out)
+static int set_up(const struct tile *tile, const struct bounded_triangle *triangle,
+                  struct clipped_triangle *out)
 {
     double slack_px[3];
     if (triangle->straddles)
-        return clip_to_tile(lit, tile, triangle, out);
+        return clip_to_tile(tile, triangle, out);
     for (int i = 0; i < 3; i++)
-        slack_px[i] = whole_slack(lit, &triangle->screen, i).px;
-    out[0] = clipped(lit, triangle, tile, slack_px, slack_px);
+        slack_px[i] = whole_slack(tile->lit, &triangle->screen, i).px;
+    out[0] = clipped(tile, triangle, slack_px, slack_px);
     return 1;
 }
 
@@ -148,29 +152,25 @@ static double depth_rounding(const struct driver *driver)
 }
 
 /* Corners that are cut off lie nowhere for OpenGL; those that cutting makes are off by slack_px. */
-static void set_edge_errors(const struct lit_scene *lit, const struct rectangle *tile,
-                            struct bounded_triangle *triangle)
+static void set_edge_errors(const struct tile *tile, struct bounded_triangle *triangle)
 {
-    bool exact = is_exact(lit, triangle);
+    const bool exact = is_exact(tile->lit, triangle);
     for (int i = 0; i < 3; i++) {
-        double slack =
-            triangle->straddles ? triangle->slack.px : whole_slack(lit, &triangle->screen, i).px;
-        triangle->edge_px[i] =
-            exact ? 0 : slack + edge_error(lit->driver, tile->width, tile->height);
+        double slack = triangle->straddles ? triangle->slack.px
+                                           : whole_slack(tile->lit, &triangle->screen, i).px;
+        triangle->edge_px[i] = exact ? 0 : slack + tile_edge_error(tile);
     }
 }
 
 /* Sets up a part's triangles, and finds the bounds that hold for all of them but those too thin for
  * one. Where all are too thin, the depth has no bound. */
-static void complete(const struct lit_scene *lit, const struct rectangle *tile,
-                     struct triangle_part *part)
+static void complete(const struct tile *tile, struct triangle_part *part)
 {
     struct bounded_triangle *triangle = &part->bounded;
     double error = -1;
-    triangle->n_clipped = set_up(lit, tile, triangle, part->clipped);
+    triangle->n_clipped = set_up(tile, triangle, part->clipped);
     if (triangle->cut)
-        triangle->n_slivers =
-            set_up_slivers(lit, tile, triangle, part->clipped + triangle->n_clipped);
+        triangle->n_slivers = set_up_slivers(tile, triangle, part->clipped + triangle->n_clipped);
     triangle->slack.px = 0; /* only the corners that OpenGL has in the tile count */
     for (int i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *clipped = &part->clipped[i];
@@ -179,8 +179,8 @@ static void complete(const struct lit_scene *lit, const struct rectangle *tile,
             error = fmax(error, clipped->magnification *
                                     bound_linear(clipped, clipped->z, clipped->slack.depth));
     }
-    triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(lit->driver);
-    set_edge_errors(lit, tile, triangle);
+    triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(tile->lit->driver);
+    set_edge_errors(tile, triangle);
     triangle->edge_on = may_turn(&triangle->screen, triangle->edge_px);
 }
 
@@ -197,14 +197,14 @@ static bool crosses_depth(const struct lit_scene *lit, const struct screen_trian
     return false;
 }
 
-static bool crosses_border(const struct lit_scene *lit, const struct screen_triangle *screen,
-                           const struct rectangle *tile)
+static bool crosses_border(const struct tile *tile, const struct screen_triangle *screen)
 {
+    const struct rectangle *at = &tile->at;
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *v = &screen->surface->vertices[screen->vertex[i]];
-        double slack = whole_slack(lit, screen, i).px;
-        if (v->x - slack < tile->x || v->x + slack > tile->x + tile->width ||
-            v->y - slack < tile->y || v->y + slack > tile->y + tile->height)
+        double slack = whole_slack(tile->lit, screen, i).px;
+        if (v->x - slack < at->x || v->x + slack > at->x + at->width || v->y - slack < at->y ||
+            v->y + slack > at->y + at->height)
             return true;
     }
     return false;
@@ -212,22 +212,22 @@ static bool crosses_border(const struct lit_scene *lit, const struct screen_tria
 
 /* The whole triangle, or where it may be cut in depth the parts that the near and the far plane
  * leave, widened by what single precision may be off. */
-static int place_parts(const struct lit_scene *lit, const struct rectangle *tile,
-                       const struct screen_triangle *whole, bool cut,
+static int place_parts(const struct tile *tile, const struct screen_triangle *whole,
                        struct triangle_part out[TRIANGLE_PARTS])
 {
     struct screen_triangle parts[SCREEN_TRIANGLES];
     struct clip_plane planes[CLIP_PLANES];
-    clip_planes(lit, whole, tile, planes);
-    int n = screen_triangles(&lit->plan->view, whole->surface, whole->triangle, planes + 4,
+    const bool cut = crosses_depth(tile->lit, whole);
+    clip_planes(tile, whole, planes);
+    int n = screen_triangles(&tile->lit->plan->view, whole->surface, whole->triangle, planes + 4,
                              cut ? 2 : 0, parts);
     for (int i = 0; i < n; i++) {
         struct bounded_triangle *triangle = &out[i].bounded;
         *triangle = (struct bounded_triangle){.screen = parts[i], .cut = cut};
-        triangle->straddles = cut || crosses_border(lit, whole, tile);
+        triangle->straddles = cut || crosses_border(tile, whole);
         for (int v = 0; v < 3 && !cut; v++)
-            widen(&triangle->slack, whole_slack(lit, whole, v));
-        complete(lit, tile, &out[i]);
+            widen(&triangle->slack, whole_slack(tile->lit, whole, v));
+        complete(tile, &out[i]);
     }
     return n;
 }
@@ -247,15 +247,13 @@ static int add_other_sides(const struct surface *surface, int n,
     return n_out;
 }
 
-int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
-                   const struct rectangle *tile, const struct rectangle *rows,
+int triangle_parts(const struct tile *tile, int surface, int triangle, const struct rectangle *rows,
                    struct triangle_part out[TRIANGLE_PARTS])
 {
-    const struct surface *of = &lit->surfaces[surface];
+    const struct surface *of = &tile->lit->surfaces[surface];
     struct screen_triangle whole = {.surface = of, .triangle = triangle};
     memcpy(whole.vertex, of->instance->triangles[triangle], sizeof whole.vertex);
-    if (is_beside(of, &lit->bounds[surface], whole.vertex, rows))
+    if (is_beside(of, &tile->lit->bounds[surface], whole.vertex, rows))
         return 0;
-    int n = place_parts(lit, tile, &whole, crosses_depth(lit, &whole), out);
-    return add_other_sides(of, n, out);
+    return add_other_sides(of, place_parts(tile, &whole, out), out);
 }
