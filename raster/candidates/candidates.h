@@ -76,7 +76,7 @@ struct chunk {
     size_t n_ambiguous, n_candidates, n_numbers;
 };
 
-/* ---- tiles.c: the loop over tiles ---- */
+/* ---- chunk.c: the loop over tiles ---- */
 
 /* A tile of a region of the picture. */
 struct tile {

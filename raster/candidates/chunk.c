@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Draws some rows of a tile by the reference. With a check every pixel then gets bounds on OpenGL's
- * error. A pixel that may show several triangles gets candidates, each with its own bounds. */
+/* Draws the tiles of a region, in chunks of some rows, which threads share, by the reference. With
+ * a check every pixel then gets bounds on OpenGL's error. A pixel that may show several triangles
+ * gets candidates, each with its own bounds. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -242,7 +243,7 @@ static struct rectangle chunk_rows(const struct rectangle *tile, int index)
     return rows;
 }
 
-bool chunk_draw(const struct tile *tile, int index)
+static bool chunk_draw(const struct tile *tile, int index)
 {
     const struct lit_scene *lit = tile->lit;
     const struct plan *plan = lit->plan;
@@ -256,11 +257,72 @@ bool chunk_draw(const struct tile *tile, int index)
            (!plan->options.check || find_candidates(tile, out));
 }
 
-void chunk_free(struct chunk *chunk)
+/* Draws chunk `index` of a tile: CHUNK_ROWS rows, fewer in the last chunk. Finds its candidates if
+ * the plan asks for a check. A plan that neither checks nor stores the reference's pixels gets no
+ * picture: only picture.at is set. Results do not depend on how a picture is cut into chunks.
+ * False: no memory. chunk_free accepts what a failure left. */
+static void chunk_free(struct chunk *chunk)
 {
     picture_free(&chunk->picture);
     FREE_ALL(chunk->errors, chunk->own, chunk->mean, chunk->depth_error, chunk->overdraw,
              chunk->steepness, chunk->is_ambiguous, chunk->ambiguous, chunk->candidates,
              chunk->candidate_rows, chunk->candidate_errors, chunk->candidate_own);
     *chunk = (struct chunk){.errors = NULL};
+}
+
+/* ---- tiles ---- */
+
+/* A tile whose chunks are drawn. */
+struct drawn_tile {
+    struct tile *tile;
+    struct counter failures;
+};
+
+static void draw_chunk(void *context, int i)
+{
+    struct drawn_tile *drawn = context;
+    if (!chunk_draw(drawn->tile, i))
+        counter_add(&drawn->failures, 1);
+}
+
+static bool draw_chunks(struct tile *tile, struct error *err)
+{
+    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+    if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
+        return false;
+    struct drawn_tile drawn = {tile, COUNTER};
+    threads_each(tile->lit->plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
+    return drawn.failures.n == 0 ||
+           memory_lacks(err, (double)tile->lit->plan->tile_bytes, "a tile of %d x %d pixels",
+                        tile->at.width, tile->at.height);
+}
+
+static void free_tile(struct tile *tile)
+{
+    for (int i = 0; tile->chunks && i < tile->n_chunks; i++)
+        chunk_free(&tile->chunks[i]);
+    free(tile->chunks);
+}
+
+bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
+               bool (*work)(void *context, const struct tile *tile, struct error *err),
+               void *context, struct error *err)
+{
+    struct tile tile = {.lit = lit, .at = *at};
+    const bool done = draw_chunks(&tile, err) && work(context, &tile, err);
+    free_tile(&tile);
+    return done;
+}
+
+bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
+                bool (*work)(void *context, const struct tile *tile, struct error *err),
+                void *context, struct error *err)
+{
+    const int n = plan_tiles(lit->plan, region);
+    bool done = true;
+    for (int i = 0; done && i < n; i++) {
+        const struct rectangle at = plan_tile(lit->plan, region, i);
+        done = tile_draw(lit, &at, work, context, err);
+    }
+    return done;
 }

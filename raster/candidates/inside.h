@@ -59,59 +59,6 @@ enum { TRIANGLE_PARTS = 2 * SCREEN_TRIANGLES };
 int triangle_parts(const struct tile *tile, int surface, int triangle, const struct rectangle *rows,
                    struct triangle_part out[TRIANGLE_PARTS]);
 
-/* ---- clipping.c: what clipping makes of a triangle, with the errors that it makes ---- */
-
-/* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
- * the same place there: the cut depends on how far the ends of the edge are from the plane. Values
- * that are interpolated keep their plane when a corner slides in the plane of the triangle. */
-enum { SLIDES = 31 }; /* a corner that five planes cut, one after the other */
-struct cut_corner {
-    double e[4];              /* of clip coordinates, off the plane of the triangle */
-    double slides[SLIDES][4]; /* it may be off by any part, up to all, of each of these vectors */
-    int n_slides;             /* SLIDES + 1: too many */
-    double off;               /* distance from the planes that cut it */
-    int planes;               /* those that cut it: bit i for plane i */
-    int cuts;                 /* how many made it; 0: a corner of the triangle */
-    int whole;                /* 0..2: that corner; -1: it was made by a cut */
-};
-struct polygon {
-    const struct tile *tile;
-    const struct screen_triangle *screen; /* it is what is left of this one */
-    int n;
-    struct corner corner[CLIP_CORNERS];
-    struct cut_corner cut[CLIP_CORNERS];
-};
-/* Finds the planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last
- * two are widened by what single precision may be off there, so that no possible pixel is lost;
- * near not so far that w = 0 comes in. That limit loses no pixel: see check_near in vertex.c. */
-void clip_planes(const struct tile *tile, const struct screen_triangle *screen,
-                 struct clip_plane planes[CLIP_PLANES]);
-/* Clips the whole triangle by all planes. Its corners come in the order in which OpenGL gets them,
- * which decides how it fans the polygon. */
-struct polygon polygon_of(const struct tile *tile, const struct screen_triangle *screen);
-/* Clips deeper by the near and the far plane where a corner lies so near to one of them that OpenGL
- * may cut it off. n is 0 where there is no such corner. */
-struct polygon doubtful_polygon_of(const struct tile *tile, const struct screen_triangle *screen);
-/* The bounds of a corner that is not cut, and of any corner: off the plane of its triangle; and how
- * far a corner may be from its place in the window, in this plane, too. */
-const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
-                                          const struct screen_triangle *screen, int corner);
-struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
-                         int corner);
-struct slack polygon_slack(const struct polygon *polygon, int i);
-double moved_px(const struct polygon *polygon, int i);
-
-/* ---- presence.c: how sure it is that OpenGL has a fragment at a point ---- */
-
-enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
-/* Bounds OpenGL's errors in the edge functions at a point, where corners are off by `errors`. */
-void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3]);
-/* The largest of these at any pixel that scan_triangle visits. */
-double most_slack(const struct bounded_triangle *triangle);
-enum presence triangle_presence(const struct bounded_triangle *triangle,
-                                const struct edge_functions *edges, double most);
-enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py);
-
 /* ---- fragments.c: the fragments that OpenGL may have ---- */
 
 /* A fragment that may be seen at a pixel: a link in the pixel's list. */
@@ -180,14 +127,5 @@ struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *
                                float *errors, float *own);
 /* Bounds the change of radiance within a pixel's width, at any wavelength. */
 double pixel_steepness(const struct bounded_pixel *pixel);
-
-/* ---- chunk.c: a part of a tile, with its candidates ---- */
-
-/* Draws chunk `index` of a tile: CHUNK_ROWS rows, fewer in the last chunk. Finds its candidates if
- * the plan asks for a check. A plan that neither checks nor stores the reference's pixels gets no
- * picture: only picture.at is set. Results do not depend on how a picture is cut into chunks.
- * False: no memory. chunk_free accepts what a failure left. */
-bool chunk_draw(const struct tile *tile, int index);
-void chunk_free(struct chunk *chunk);
 
 #endif

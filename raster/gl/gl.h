@@ -126,7 +126,7 @@ struct gl_functions {
 /* Returns false after any error of OpenGL since the last call. */
 bool functions_succeeded(const struct gl_functions *call, struct error *err);
 
-/* ---- program.c: programs of shaders ---- */
+/* ---- gl_program.c: programs of shaders ---- */
 
 /* Prints the first lines of a shader. */
 void program_begin(enum gl_way way, struct printed *to);
@@ -188,7 +188,7 @@ void canvas_read(const struct canvas *canvas, int colour, void *pixels);
 /* Returns whether OpenGL has an extension; a canvas is open. */
 bool contexts_have(const struct contexts *contexts, const char *extension);
 
-/* ---- describe.c: what can be used ---- */
+/* ---- opened.c: what can be used ---- */
 
 struct context_description {
     struct renderer_names names;

@@ -43,63 +43,6 @@ bool egl_open(struct contexts *contexts, int device, bool *found, struct error *
 bool meshes_upload(struct drawing *of, struct error *err);
 bool textures_upload(struct drawing *of, struct error *err);
 
-struct gl {
-    struct drawing base;    /* the first member */
-    struct canvas *colours; /* numbers are drawn there, too, where `numbers` is NULL */
-    struct canvas *numbers; /* of floats, where `colours` has steps */
-    uint8_t *steps;         /* pixels of uint8_t or uint16_t, where `colours` has steps */
-    bool is_stale[2]; /* of `colours` and `numbers`: the buffer holds colours of another tile */
-    struct canvas *current;
-    /* the state of `colours`, which is set only where it changes: */
-    int group;               /* the group of lights that is placed; -1: none */
-    struct pass_colours set; /* colours of lights and of a material */
-    float gloss;             /* of the last material that shines; -1: none did */
-    bool two_sided, mirrored;
-    const struct texture *texture; /* NULL: textures are switched off */
-};
-
-/* ---- open.c ---- */
-
-/* Makes OpenGL draw into these floats from now on; NULL: into steps. `numbers`: not colours. */
-bool gl_draw_into(struct gl *gl, float *floats, bool numbers, struct error *err);
-/* Empties what the current context has drawn of another tile. */
-void gl_clear_stale(struct gl *gl);
-
-/* ---- upload.c ---- */
-
-/* Loads and uploads all spectral textures for the bands of a pass. */
-bool gl_upload_bands(struct gl *gl, int first_band, struct error *err);
-/* The next draw call takes its vertices from an instance's mesh. Returns how many. */
-int gl_bind_mesh(const struct gl *gl, int instance);
-/* The next draw calls show a texture of the plan; NULL: none. */
-void gl_bind_texture(struct gl *gl, const struct texture *texture);
-
-/* ---- pass.c ---- */
-
-/* As struct renderer_kind says. */
-void gl_aim(struct renderer *renderer, const struct rectangle *tile);
-bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-             struct error *err);
-/* Sets the state of a new context that no pass changes. */
-void gl_set_state(const struct gl *gl);
-/* Loads projection and viewport of the aimed tile. */
-void gl_load_view(const struct gl *gl);
-/* Replaces the current matrix of OpenGL. */
-void gl_load_matrix(const struct gl_functions *call, const struct matrix *m);
-/* Empties the colours of the buffer, and leaves textures switched off. */
-void gl_blacken(struct gl *gl);
-
-/* ---- identify.c ---- */
-
-/* As struct renderer_kind says. */
-bool gl_identify(struct renderer *renderer, struct error *err);
-
-/* Finds the names of what draws; a canvas is in use. Refuses a size that is too large for OpenGL,
- * and another driver than the wanted one, which was chosen before the first canvas. wanted: NULL:
- * any. */
-bool contexts_accept(const struct contexts *contexts, const struct rectangle *size,
-                     const char *wanted, struct renderer_names *out, struct error *err);
-
 bool has_extension(const char *list, const char *name); /* list: words; NULL: none */
 
 GLenum canvas_type(const struct canvas *canvas); /* of a channel */

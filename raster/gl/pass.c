@@ -5,17 +5,33 @@
  *
  * A pass has eight lights. More lights take more passes, whose colours are added here; each pass
  * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "data/scene/scene.h"
 #include "raster/gl/inside.h"
 
+struct gl {
+    struct drawing base;    /* the first member */
+    struct canvas *colours; /* numbers are drawn there, too, where `numbers` is NULL */
+    struct canvas *numbers; /* of floats, where `colours` has steps */
+    uint8_t *steps;         /* pixels of uint8_t or uint16_t, where `colours` has steps */
+    bool is_stale[2]; /* of `colours` and `numbers`: the buffer holds colours of another tile */
+    struct canvas *current;
+    /* the state of `colours`, which is set only where it changes: */
+    int group;               /* the group of lights that is placed; -1: none */
+    struct pass_colours set; /* colours of lights and of a material */
+    float gloss;             /* of the last material that shines; -1: none did */
+    bool two_sided, mirrored;
+    const struct texture *texture; /* NULL: textures are switched off */
+};
+
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 
 /* ---- the view ---- */
 
-/* OpenGL keeps matrices by column. */
-void gl_load_matrix(const struct gl_functions *call, const struct matrix *m)
+/* Replaces the current matrix of OpenGL. OpenGL keeps matrices by column. */
+static void load_matrix(const struct gl_functions *call, const struct matrix *m)
 {
     GLdouble columns[16];
     for (int i = 0; i < 4; i++)
@@ -24,30 +40,109 @@ void gl_load_matrix(const struct gl_functions *call, const struct matrix *m)
     call->LoadMatrixd(columns);
 }
 
-void gl_load_view(const struct gl *gl)
+/* Loads projection and viewport of the aimed tile. */
+static void load_view(const struct gl *gl)
 {
     const struct gl_functions *call = gl->base.call;
     const struct matrix projection =
         pass_projection(gl->base.plan, &gl->base.tile, gl->base.contexts->mirrored);
     call->MatrixMode(GL_PROJECTION);
-    gl_load_matrix(call, &projection);
+    load_matrix(call, &projection);
     call->MatrixMode(GL_MODELVIEW);
     drawing_set_viewport(&gl->base);
 }
 
-void gl_aim(struct renderer *renderer, const struct rectangle *tile)
+static void gl_aim(struct renderer *renderer, const struct rectangle *tile)
 {
     struct gl *gl = (struct gl *)renderer;
     gl->base.tile = *tile;
     gl->is_stale[0] = gl->is_stale[1] = true;
-    gl_load_view(gl);
+    load_view(gl);
+}
+
+/* ---- canvases: floats, or counts of 8 or 16 bits ---- */
+
+static bool check_canvas(const struct gl *gl, int needed_bits, struct error *err)
+{
+    GLint red_bits = 0, depth_bits = 0, stencil_bits = 0;
+    gl->base.call->GetIntegerv(GL_RED_BITS, &red_bits);
+    gl->base.call->GetIntegerv(GL_DEPTH_BITS, &depth_bits);
+    gl->base.call->GetIntegerv(GL_STENCIL_BITS, &stencil_bits);
+    return (red_bits == needed_bits && depth_bits >= 24 && stencil_bits >= 8) ||
+           error_unsupported(err,
+                             "%s gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
+                             "and 8 are needed",
+                             gl->base.contexts->name, red_bits, depth_bits, stencil_bits,
+                             needed_bits);
+}
+
+/* Makes OpenGL draw into these floats from now on; NULL: into steps. `numbers`: not colours. Each
+ * type of buffer has a context of its own. One context for both would work, but OSMesa of
+ * Mesa 22.3.6 would make new buffers at every change, and keep the old ones. */
+static bool draw_into(struct gl *gl, float *floats, bool numbers, struct error *err)
+{
+    struct canvas *canvas = numbers && gl->numbers ? gl->numbers : gl->colours;
+    if (!canvas_use(canvas, floats ? floats : (void *)gl->steps, err))
+        return false;
+    if (gl->current == canvas)
+        return true;
+    gl->current = canvas;
+    if (gl->base.lit)
+        load_view(gl);
+    return check_canvas(gl, floats ? 32 : gl->base.plan->options.buffer_bits, err);
+}
+
+/* ---- meshes and textures; a spectral texture gets its texels anew for each pass ---- */
+
+/* The next draw call takes its vertices from an instance's mesh. Returns how many. */
+static int bind_mesh(const struct gl *gl, int instance)
+{
+    const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
+    mesh_bind_vertices(&gl->base, instance);
+    gl->base.call->VertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
+    gl->base.call->NormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
+    if (mesh_bind_coordinates(&gl->base, instance))
+        gl->base.call->TexCoordPointer(COORDINATE_FLOATS, GL_FLOAT, 0, NULL);
+    return mesh_bind_triangles(&gl->base, instance);
+}
+
+static void switch_textures(const struct gl *gl, bool on)
+{
+    (on ? gl->base.call->Enable : gl->base.call->Disable)(GL_TEXTURE_2D);
+    (on ? gl->base.call->EnableClientState
+        : gl->base.call->DisableClientState)(GL_TEXTURE_COORD_ARRAY);
+}
+
+/* The next draw calls show a texture of the plan; NULL: none. */
+static void bind_texture(struct gl *gl, const struct texture *texture)
+{
+    const struct texture *drawn = texture_is_drawn(gl->base.plan, texture) ? texture : NULL;
+    if (!drawn != !gl->texture)
+        switch_textures(gl, drawn != NULL);
+    if (drawn && drawn != gl->texture)
+        texture_bind(&gl->base, (int)(texture - gl->base.plan->textures), 0);
+    gl->texture = drawn;
+}
+
+/* Loads and uploads all spectral textures for the bands of a pass. */
+static bool upload_bands(struct gl *gl, int first_band, struct error *err)
+{
+    for (int i = 0; i < gl->base.plan->n_textures; i++) {
+        const struct texture *texture = &gl->base.plan->textures[i];
+        if (!gl->base.textures[i] || !texture->spectral)
+            continue;
+        bind_texture(gl, texture);
+        if (!texture_upload_bands(&gl->base, i, first_band, err))
+            return false;
+    }
+    return true;
 }
 
 /* ---- state ---- */
 
-/* Clamps are off: colours may exceed 1 on their way through a triangle (Mesa clamps vertex colours
- * by default, even for float buffers). */
-void gl_set_state(const struct gl *gl)
+/* Sets the state of a new context that no pass changes. Clamps are off: colours may exceed 1 on
+ * their way through a triangle (Mesa clamps vertex colours by default, even for float buffers). */
+static void set_state(const struct gl *gl)
 {
     const struct gl_functions *call = gl->base.call;
     call->ClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
@@ -149,31 +244,31 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded,
         call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
     set->shines = colours.shines;
     gl->gloss = gloss;
-    gl_bind_texture(gl, shaded->texture);
+    bind_texture(gl, shaded->texture);
 }
 
 static void draw_instance(struct gl *gl, int instance)
 {
     const struct gl_functions *call = gl->base.call;
     const struct placed_instance *placed = &gl->base.plan->instances[instance];
-    const int n = gl_bind_mesh(gl, instance);
+    const int n = bind_mesh(gl, instance);
     if (gl->two_sided != placed->object->two_sided)
         call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     if (gl->mirrored != placed->instance.mirrored)
         call->FrontFace(placed->instance.mirrored != gl->base.contexts->mirrored ? GL_CW : GL_CCW);
     gl->two_sided = placed->object->two_sided;
     gl->mirrored = placed->instance.mirrored;
-    gl_load_matrix(gl->base.call, &placed->instance.model_view);
+    load_matrix(gl->base.call, &placed->instance.model_view);
     call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
 }
 
-/* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
- * price of a rectangle. */
-void gl_blacken(struct gl *gl)
+/* Empties the colours of the buffer, and leaves textures switched off. Clears the colour by drawing
+ * over it: Mesa fills 16-byte pixels one by one, at ten times the price of a rectangle. */
+static void blacken(struct gl *gl)
 {
     const struct gl_functions *call = gl->base.call;
     if (gl->current == gl->colours) /* the other one never has a texture */
-        gl_bind_texture(gl, NULL);
+        bind_texture(gl, NULL);
     call->Disable(GL_LIGHTING);
     call->Disable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
     call->MatrixMode(GL_PROJECTION);
@@ -190,11 +285,20 @@ void gl_blacken(struct gl *gl)
     call->Enable(GL_LIGHTING);
 }
 
+/* Empties what the current context has drawn of another tile. */
+static void clear_stale(struct gl *gl)
+{
+    bool *is_stale = &gl->is_stale[gl->current != gl->colours];
+    if (*is_stale)
+        blacken(gl);
+    *is_stale = false;
+}
+
 static void draw_pass(struct gl *gl, const struct pass *pass)
 {
     const struct plan *plan = gl->base.plan;
     int shaded = -1;
-    gl_clear_stale(gl);
+    clear_stale(gl);
     gl->base.call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     place_lights(gl, pass->group);
     for (int i = 0; i < plan->n_instances; i++) {
@@ -211,8 +315,8 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
     gl->base.renderer.work.passes++;
 }
 
-bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-             struct error *err)
+static bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
+                    struct error *err)
 {
     struct gl *gl = (struct gl *)renderer;
     float *sum = gl->base.renderer.buffers[buffer];
@@ -220,8 +324,8 @@ bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_
         float *pixels = group == 0 ? sum : gl->base.part;
         if (!group_is_drawn(gl->base.plan, group))
             continue;
-        if (!gl_draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
-            (group == 0 && !gl_upload_bands(gl, first_band, err)))
+        if (!draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
+            (group == 0 && !upload_bands(gl, first_band, err)))
             return false;
         draw_pass(gl, &(struct pass){first_band, group, full_scale});
         if (gl->steps)
@@ -230,4 +334,121 @@ bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_
             pass_add(gl->base.plan, gl->base.part, sum);
     }
     return functions_succeeded(gl->base.call, err);
+}
+
+/* ---- identifying ---- */
+
+static void draw_batch(struct drawing *of, const struct numbered_vertex *corners, int n)
+{
+    of->call->VertexPointer(3, GL_FLOAT, sizeof *corners, corners->position);
+    of->call->ColorPointer(3, GL_FLOAT, sizeof *corners, corners->number);
+    of->call->DrawArrays(GL_TRIANGLES, 0, n);
+}
+
+static void place(struct drawing *of, int instance)
+{
+    load_matrix(of->call, &of->plan->instances[instance].instance.model_view);
+}
+
+static bool draw_instances(struct gl *gl, struct error *err)
+{
+    static const struct numbered_draw by = {place, draw_batch};
+    const struct gl_functions *call = gl->base.call;
+    const bool is_smooth = gl->base.plan->scene->shading != SHADING_FLAT;
+    clear_stale(gl);
+    call->Disable(GL_LIGHTING);
+    call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    if (is_smooth)
+        call->ShadeModel(GL_FLAT);
+    call->Enable(GL_STENCIL_TEST);
+    call->BindBuffer(GL_ARRAY_BUFFER, 0);
+    call->DisableClientState(GL_NORMAL_ARRAY);
+    call->EnableClientState(GL_COLOR_ARRAY);
+    const bool done = numbers_draw(&gl->base, &by, err);
+    call->DisableClientState(GL_COLOR_ARRAY);
+    call->EnableClientState(GL_NORMAL_ARRAY);
+    call->Disable(GL_STENCIL_TEST);
+    call->Enable(GL_LIGHTING);
+    if (is_smooth)
+        call->ShadeModel(GL_SMOOTH);
+    return done;
+}
+
+/* Finds which triangle OpenGL shows at each pixel, its depth, and how many fragments OpenGL has
+ * drawn there: draws all instances once more, with their numbers as flat colours, while the stencil
+ * counts fragments, hidden ones too. Corners, order and matrices are the same, so OpenGL must show
+ * the same triangles as in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
+static bool gl_identify(struct renderer *renderer, struct error *err)
+{
+    struct gl *gl = (struct gl *)renderer;
+    if (!draw_into(gl, gl->base.shown, true, err) || !draw_instances(gl, err))
+        return false;
+    canvas_fill(gl->current);
+    drawing_read_depths(&gl->base);
+    if (!functions_succeeded(gl->base.call, err))
+        return false;
+    /* OSMesa fills the buffer once more when another context becomes current */
+    return !gl->numbers || draw_into(gl, NULL, false, err);
+}
+
+/* ---- opening ---- */
+
+static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
+{
+    const struct plan *plan = gl->base.plan;
+    const bool steps = buffer_steps(plan) > 0;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    return (!steps || MAKE_ARRAY(gl->steps, n * (size_t)plan->options.buffer_bits / 2, err,
+                                 "the pixels of a tile")) &&
+           drawing_open(&gl->base, n_buffers, err) &&
+           drawing_canvas(&gl->base, steps ? plan->options.buffer_bits : 32, 1, &gl->colours,
+                          err) &&
+           (!steps || !plan->options.check ||
+            drawing_canvas(&gl->base, 32, 1, &gl->numbers, err)) &&
+           draw_into(gl, steps ? NULL : gl->base.renderer.buffers[0], false, err) &&
+           drawing_accept(&gl->base, err);
+}
+
+static void gl_close(struct renderer *renderer)
+{
+    struct gl *gl = (struct gl *)renderer;
+    canvas_close(gl->numbers);
+    canvas_close(gl->colours);
+    free(gl->steps);
+    drawing_close(&gl->base);
+}
+
+/* Sets the state of all contexts. */
+static bool set_states(struct gl *gl, struct error *err)
+{
+    set_state(gl);
+    if (gl->numbers) {
+        if (!functions_succeeded(gl->base.call, err) || !draw_into(gl, gl->base.shown, true, err))
+            return false;
+        set_state(gl);
+        return functions_succeeded(gl->base.call, err) &&
+               draw_into(gl, NULL, false, err); /* for uploads */
+    }
+    return functions_succeeded(gl->base.call, err);
+}
+
+bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
+{
+    static const struct renderer_kind kind = {.take_scene = drawing_take_scene,
+                                              .aim = gl_aim,
+                                              .draw = gl_draw,
+                                              .identify = gl_identify,
+                                              .shown = drawing_shown,
+                                              .close = gl_close};
+    struct gl *gl;
+    *out = NULL;
+    if (!MAKE_ARRAY(gl, 1, err, "a renderer"))
+        return false;
+    *out = &gl->base.renderer;
+    gl->base.renderer.kind = &kind;
+    gl->base.plan = plan;
+    gl->base.n_units = 1;
+    gl->group = -1;
+    gl->gloss = -1;
+    return open_canvases(gl, n_buffers, err) && set_states(gl, err);
 }
