@@ -18,6 +18,7 @@ static const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
     return &bounds_of(lit, screen)->vertices[screen->vertex[corner]];
 }
 
+/* The bounds of a corner that is not cut. */
 static struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
                                 int corner)
 {
@@ -191,6 +192,8 @@ static struct polygon polygon_of(const struct tile *tile, const struct screen_tr
     return clip_whole(tile, screen, planes);
 }
 
+/* Clips deeper by the near and the far plane where a corner lies so near to one of them that OpenGL
+ * may cut it off. n is 0 where there is no such corner. */
 static struct polygon doubtful_polygon_of(const struct tile *tile,
                                           const struct screen_triangle *screen)
 {
@@ -249,10 +252,9 @@ static double slide_px(const struct view *view, const double clip[4], const stru
                : HUGE_VAL;
 }
 
-/* How far a corner may be from its place in the window, in the plane of its triangle, too. Clips
- * deeper by the near and the far plane where a corner lies so near to one of them that OpenGL may
- * cut it off. n is 0 where there is no such corner. A corner of the tile, made by a side and by the
- * top or the bottom, is fixed by both, however far the triangle's corners are off. */
+/* How far a corner may be from its place in the window, in the plane of its triangle, too. A corner
+ * of the tile, made by a side and by the top or the bottom, is fixed by both, however far the
+ * triangle's corners are off. */
 static double moved_px(const struct polygon *polygon, int i)
 {
     const struct plan *plan = polygon->tile->lit->plan;

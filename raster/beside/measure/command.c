@@ -117,8 +117,8 @@ static bool run_drivers(struct options *options, struct error *err)
 {
     const struct drivers_options *own = options->own;
     struct driver_list drivers;
-    bool usable = false, done = drivers_list(&drivers, err) &&
-                                (!own->measure || drivers_measure(&drivers, err));
+    bool usable = false,
+         done = drivers_list(&drivers, err) && (!own->measure || drivers_measure(&drivers, err));
     for (int i = 0; done && i < drivers.n; i++)
         usable = usable || drivers.list[i].is;
     done =

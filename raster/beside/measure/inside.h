@@ -92,17 +92,10 @@ int random_below(struct target *target, int n);
 void rectangle_corners(double left, double top, double right, double bottom,
                        const struct target_corner *like, struct target_corner out[6]);
 
-/* mode.c. target_shade makes the next triangles be coloured so; gloss: of a highlight.
- * target_prepare makes what that needs, once, when the canvas is in use. target_point lets OpenGL
- * take corners from memory; NULL: from the bound buffer. */
-bool target_prepare(struct target *target, struct error *err);
+/* Makes the next triangles be coloured so; gloss: of a highlight. */
 void target_shade(const struct target *target, enum target_mode mode, double gloss);
-void target_point(const struct target *target, const struct target_corner *corners);
 
 void measure_coverage(struct target *target, struct traits *out);
-void measure_values(struct target *target, struct traits *out);
-void measure_lighting(struct target *target, struct traits *out);
-bool measure_passes(struct target *target, struct traits *out, struct error *err);
 
 bool drivers_measure(struct driver_list *drivers, struct error *err);
 

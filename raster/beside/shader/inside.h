@@ -13,7 +13,7 @@
  * with more of them a render is not faster, measured on llvmpipe. */
 enum { MOST_PASSES = 4 };
 
-/* ---- program.c ---- */
+/* ---- shader_program.c ---- */
 
 /* The effects that a program has; it has no others. */
 struct program_effects {
@@ -52,29 +52,5 @@ struct shader {
     int n_batches;       /* drawn so far */
     double full_scale;
 };
-
-/* ---- upload.c ---- */
-
-/* Uploads the spectral textures for some passes. */
-bool shader_upload_bands(struct shader *shader, const int *first_bands, int n, struct error *err);
-/* Lets the next draw calls take their vertices from an instance's mesh. Returns their corners. */
-int shader_bind_mesh(const struct shader *shader, int instance);
-/* Lets them show a texture of the plan, which is drawn. */
-void shader_bind_texture(const struct shader *shader, const struct texture *texture);
-
-/* ---- draw.c ---- */
-
-void shader_aim(struct renderer *renderer, const struct rectangle *tile);
-bool shader_expect(struct renderer *renderer, const int *first_bands, int n, struct error *err);
-bool shader_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-                 struct error *err);
-/* Sets the matrix that takes an instance to the tile's clip space. */
-void shader_place(const struct shader *shader, const struct program *program, int instance);
-/* Empties what was drawn of another tile, and all depths. */
-void shader_clear(struct shader *shader);
-
-/* ---- identify.c ---- */
-
-bool shader_identify(struct renderer *renderer, struct error *err);
 
 #endif

@@ -1,15 +1,60 @@
 /* SPDX-License-Identifier: MIT */
 /* Batches of passes: four passes of three bands are drawn at once, in the order in which `draw`
  * will be asked for them. `draw` exchanges its buffer with the one that holds the pass. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/beside/shader/inside.h"
 
+enum { POSITION, NORMAL, COORDINATES, NUMBER = NORMAL }; /* the inputs of the vertex shaders */
+
+/* ---- meshes and textures ---- */
+
+/* Lets the next draw calls take their vertices from an instance's mesh. Returns their corners. */
+static int bind_mesh(const struct shader *shader, int instance)
+{
+    const struct gl_functions *call = shader->base.call;
+    const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
+    mesh_bind_vertices(&shader->base, instance);
+    call->VertexAttribPointer(POSITION, 3, GL_FLOAT, GL_FALSE, step, NULL);
+    call->VertexAttribPointer(NORMAL, 3, GL_FLOAT, GL_FALSE, step,
+                              (const void *)(3 * sizeof(GLfloat))); /* into the bound buffer */
+    if (mesh_bind_coordinates(&shader->base, instance)) {
+        call->EnableVertexAttribArray(COORDINATES);
+        call->VertexAttribPointer(COORDINATES, COORDINATE_FLOATS, GL_FLOAT, GL_FALSE, 0, NULL);
+    } else {
+        call->DisableVertexAttribArray(COORDINATES);
+    }
+    return mesh_bind_triangles(&shader->base, instance);
+}
+
+/* Lets them show a texture of the plan, which is drawn. */
+static void bind_texture(const struct shader *shader, const struct texture *texture)
+{
+    for (int k = 0; k < (texture->spectral ? shader->base.n_units : 1); k++)
+        texture_bind(&shader->base, (int)(texture - shader->base.plan->textures), k);
+}
+
+/* Uploads the spectral textures for some passes. */
+static bool upload_bands(struct shader *shader, const int *first_bands, int n, struct error *err)
+{
+    const struct drawing *of = &shader->base;
+    for (int i = 0; i < of->plan->n_textures; i++)
+        for (int k = 0; k < n; k++) {
+            if (!of->textures[i * of->n_units] || !of->plan->textures[i].spectral)
+                continue;
+            texture_bind(of, i, k);
+            if (!texture_upload_bands(of, i, first_bands[k], err))
+                return false;
+        }
+    return true;
+}
+
 /* ---- the view ---- */
 
-void shader_aim(struct renderer *renderer, const struct rectangle *tile)
+static void shader_aim(struct renderer *renderer, const struct rectangle *tile)
 {
     struct shader *shader = (struct shader *)renderer;
     shader->base.tile = *tile;
@@ -29,8 +74,9 @@ static void set_matrix(const struct shader *shader, int at, const struct matrix 
             : shader->base.call->UniformMatrix3fv)(at, 1, GL_FALSE, columns);
 }
 
-/* The product is made in double and rounded once: all programs get the same numbers. */
-void shader_place(const struct shader *shader, const struct program *program, int instance)
+/* Sets the matrix that takes an instance to the tile's clip space. The product is made in double
+ * and rounded once: all programs get the same numbers. */
+static void place_instance(const struct shader *shader, const struct program *program, int instance)
 {
     const struct instance *placed = &shader->base.plan->instances[instance].instance;
     const struct matrix projection =
@@ -43,7 +89,8 @@ void shader_place(const struct shader *shader, const struct program *program, in
         set_matrix(shader, program->normals, &placed->normal_matrix, 3);
 }
 
-void shader_clear(struct shader *shader)
+/* Empties what was drawn of another tile, and all depths. */
+static void clear(struct shader *shader)
 {
     const GLbitfield colours = shader->stale ? GL_COLOR_BUFFER_BIT : 0;
     shader->base.call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
@@ -120,12 +167,12 @@ static bool draw_instance(struct shader *shader, int instance, int group, struct
     if (!program)
         return false;
     set_material(shader, program, placed->shaded, group);
-    shader_place(shader, program, instance);
+    place_instance(shader, program, instance);
     if (effects.texture != UNTEXTURED)
-        shader_bind_texture(shader, shader->base.plan->materials[placed->shaded].texture);
+        bind_texture(shader, shader->base.plan->materials[placed->shaded].texture);
     shader->base.call->FrontFace(
         placed->instance.mirrored != shader->base.contexts->mirrored ? GL_CW : GL_CCW);
-    const int n = shader_bind_mesh(shader, instance);
+    const int n = bind_mesh(shader, instance);
     shader->base.call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
     shader->base.renderer.work.draw_calls++;
     return true;
@@ -133,7 +180,7 @@ static bool draw_instance(struct shader *shader, int instance, int group, struct
 
 static bool draw_group(struct shader *shader, int group, struct error *err)
 {
-    shader_clear(shader);
+    clear(shader);
     for (int i = 0; i < shader->base.plan->n_instances; i++)
         if (surface_reaches(&shader->base.lit->bounds[i], &shader->base.tile) &&
             !draw_instance(shader, i, group, err))
@@ -157,7 +204,7 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
     const int left = shader->n_order - first;
     shader->batch = first;
     shader->n_batch = left < shader->base.n_units ? left : shader->base.n_units;
-    if (!shader_upload_bands(shader, shader->order + first, shader->n_batch, err))
+    if (!upload_bands(shader, shader->order + first, shader->n_batch, err))
         return false;
     for (int group = 0; group < shader->base.plan->n_light_groups; group++) {
         if (!group_is_drawn(shader->base.plan, group))
@@ -170,7 +217,8 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
     return functions_succeeded(shader->base.call, err);
 }
 
-bool shader_expect(struct renderer *renderer, const int *first_bands, int n, struct error *err)
+static bool shader_expect(struct renderer *renderer, const int *first_bands, int n,
+                          struct error *err)
 {
     struct shader *shader = (struct shader *)renderer;
     if (!MAKE_ARRAY(shader->order, n, err, "%d passes", n))
@@ -180,8 +228,8 @@ bool shader_expect(struct renderer *renderer, const int *first_bands, int n, str
     return true;
 }
 
-bool shader_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-                 struct error *err)
+static bool shader_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
+                        struct error *err)
 {
     struct shader *shader = (struct shader *)renderer;
     int place = 0;
@@ -195,4 +243,131 @@ bool shader_draw(struct renderer *renderer, int buffer, int first_band, double f
     *ready = shader->base.renderer.buffers[buffer];
     shader->base.renderer.buffers[buffer] = pixels;
     return true;
+}
+
+/* ---- identifying ---- */
+
+static void draw_corners(struct drawing *of, const struct numbered_vertex *corners, int n)
+{
+    const struct gl_functions *call = of->call;
+    const GLsizei step = sizeof *corners;
+    call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)n * step, corners, GL_STREAM_DRAW);
+    call->VertexAttribPointer(POSITION, 3, GL_FLOAT, GL_FALSE, step, NULL);
+    call->VertexAttribPointer(NUMBER, 3, GL_FLOAT, GL_FALSE, step,
+                              (const void *)sizeof corners->position); /* into the bound buffer */
+    call->DrawArrays(GL_TRIANGLES, 0, n);
+}
+
+static void place(struct drawing *of, int instance)
+{
+    const struct shader *shader = (const struct shader *)of;
+    place_instance(shader, &shader->numbers, instance);
+}
+
+/* Lets the first n buffers of colours be drawn. */
+static void choose_colours(const struct shader *shader, int n)
+{
+    GLenum colours[MOST_PASSES];
+    for (int i = 0; i < n; i++)
+        colours[i] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
+    shader->base.call->DrawBuffers(n, colours);
+}
+
+/* Finds which triangle OpenGL shows at each pixel, as raster/gl does. All programs compute
+ * positions by the same expression of the same numbers, which is declared invariant. */
+static bool shader_identify(struct renderer *renderer, struct error *err)
+{
+    struct shader *shader = (struct shader *)renderer;
+    static const struct numbered_draw by = {place, draw_corners};
+    if (!program_use_numbers(shader, err))
+        return false;
+    clear(shader);
+    choose_colours(shader, 1);
+    shader->base.call->Enable(GL_STENCIL_TEST);
+    shader->base.call->DisableVertexAttribArray(COORDINATES);
+    shader->base.call->BindBuffer(GL_ARRAY_BUFFER, shader->stream);
+    const bool done = numbers_draw(&shader->base, &by, err);
+    shader->base.call->Disable(GL_STENCIL_TEST);
+    choose_colours(shader, shader->base.n_units);
+    canvas_read(shader->canvas, 0, shader->base.shown);
+    drawing_read_depths(&shader->base);
+    return done && functions_succeeded(shader->base.call, err);
+}
+
+/* ---- opening ---- */
+
+/* Sets the state that no pass changes. */
+static void set_state(struct shader *shader)
+{
+    const struct gl_functions *call = shader->base.call;
+    GLuint array;
+    call->GenVertexArrays(1, &array);
+    call->BindVertexArray(array);
+    call->EnableVertexAttribArray(0);
+    call->EnableVertexAttribArray(1);
+    call->GenBuffers(1, &shader->stream);
+    call->Disable(GL_DITHER);
+    call->Enable(GL_DEPTH_TEST);
+    call->DepthFunc(GL_LESS);
+    call->ClearColor(0, 0, 0, 0);
+    call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
+}
+
+/* Depths can be read by OpenGL, and by OpenGL ES with an extension. */
+static void find_depths(struct drawing *of)
+{
+    of->renderer.lacks.depths = of->plan->options.check && of->plan->options.gl_way == GL_ES &&
+                                !contexts_have(of->contexts, "GL_NV_read_depth_stencil");
+    if (!of->renderer.lacks.depths)
+        return;
+    free(of->depths);
+    of->depths = NULL;
+}
+
+static bool open_all(struct shader *shader, int n_buffers, struct error *err)
+{
+    struct drawing *of = &shader->base;
+    const size_t n = 4 * (size_t)of->plan->tile_width * (size_t)of->plan->tile_height;
+    for (int i = 0; i < of->n_units; i++)
+        if (!MAKE_ARRAY(shader->ready[i], n, err, "the pixels of a tile"))
+            return false;
+    if (!MAKE_ARRAY(shader->programs, program_count(of->plan), err, "the shaders") ||
+        !drawing_open(of, n_buffers, err) ||
+        !drawing_canvas(of, 32, of->n_units, &shader->canvas, err) ||
+        !canvas_use(shader->canvas, shader->ready[0], err))
+        return false;
+    find_depths(of);
+    set_state(shader);
+    return drawing_accept(of, err) && functions_succeeded(of->call, err);
+}
+
+static void shader_close(struct renderer *renderer)
+{
+    struct shader *shader = (struct shader *)renderer;
+    canvas_close(shader->canvas);
+    for (int i = 0; i < MOST_PASSES; i++)
+        free(shader->ready[i]);
+    FREE_ALL(shader->programs, shader->order);
+    drawing_close(&shader->base);
+}
+
+bool shader_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
+{
+    static const struct renderer_kind kind = {.take_scene = drawing_take_scene,
+                                              .aim = shader_aim,
+                                              .expect = shader_expect,
+                                              .draw = shader_draw,
+                                              .identify = shader_identify,
+                                              .shown = drawing_shown,
+                                              .close = shader_close};
+    struct shader *shader;
+    *out = NULL;
+    if (!MAKE_ARRAY(shader, 1, err, "a renderer"))
+        return false;
+    *out = &shader->base.renderer;
+    shader->base.renderer.kind = &kind;
+    shader->base.plan = plan;
+    shader->base.n_units = plan->n_passes < MOST_PASSES ? plan->n_passes : MOST_PASSES;
+    shader->batch = -1;
+    return open_all(shader, n_buffers, err);
 }

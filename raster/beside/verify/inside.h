@@ -34,20 +34,6 @@ struct drawn_names {
 bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
                 struct error *err);
 
-/* ---- read.c: the files that another program wrote ---- */
-
-/* The words of drawn.txt. */
-struct drawn_words {
-    char id[DIGEST_TEXT];
-    struct renderer_names names;
-    struct place place; /* of the id; its path belongs to the caller of drawn_read_words */
-};
-/* Reads the file `path`, which must outlive *out. */
-bool drawn_read_words(const char *path, struct drawn_words *out, struct error *err);
-/* Reads a file of a folder, which must have so many bytes. *found: NULL: it must be there. */
-bool drawn_read_file(const char *folder, const char *name, size_t length, void *out, bool *found,
-                     struct error *err);
-
 struct verify_options {
     struct render_options render; /* the first member */
     const char *junit;
