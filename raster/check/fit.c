@@ -199,14 +199,7 @@ static bool pilots_choose(struct fit *fit, struct error *err)
  * roundings of K pilots move the estimate's g_b . p by at most sqrt(K q), and the prior by at most
  * sqrt(2 q). */
 
-enum {
-    UU,
-    UV,
-    VV,
-    U,
-    V,
-    PLACE_ROWS
-}; /* rows of an estimate: of the sums g g' / n^2 and g d / n^2 */
+enum { UU, UV, VV, U, V }; /* rows of an estimate: of the sums g g' / n^2 and g d / n^2 */
 /* Single precision rounds the sums by less than this part of their largest number, and what they
  * explain of differences up to 10^4 n by less than a hundredth of the bound. */
 static const double sums_error = MAX_PILOTS * 6e-8, estimate_factor = 1.01;

@@ -20,9 +20,6 @@ bool shaded_material_find(struct plan *plan, const struct material *material, in
                           struct error *err);
 bool instances_make(struct plan *plan, const int *halvings, struct error *err); /* NULL: none */
 
-/* left_out.c: puts the work that the scene does not call for, as the list "left_out". */
-void left_out_put(const struct plan *plan, const struct passes *passes, struct json *json);
-
 bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
 
 #endif

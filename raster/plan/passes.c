@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the passes that OpenGL need not draw: all radiance is a sum of weights x spectra x texture,
- * and weights are the same in all bands. Only the materials of instances in view count, and lights
- * that reach these. */
+/* Passes: those that OpenGL need not draw, and what the others draw: the colours of materials, the
+ * texels of spectral textures, and the projection and the pixels of a tile. */
 #include <stdlib.h>
 
-#include "raster/plan/plan.h"
+#include "raster/plan/inside.h"
+
+/* ---- passes that need not be drawn ---- */
+
+/* All radiance is a sum of weights x spectra x texture, and weights are the same in all bands. Only
+ * the materials of instances in view count, and lights that reach these. */
 
 /* Returns the product of a term in channel c of a pass; 0 where there is no such band, and in the
  * pass DARK. */
@@ -93,4 +97,114 @@ void passes_free(struct passes *passes)
 {
     FREE_ALL(passes->frame, passes->first_pass);
     *passes = (struct passes){.frame = NULL};
+}
+
+/* ---- colours ---- */
+
+/* Products of light and material spectra are made in double and become the colours of OpenGL's
+ * lights, with white materials: a fluorescent material, too, is then one pass under eight lights.
+ */
+
+/* row NULL stands for no term. */
+static void band_colour(const struct plan *plan, const double *row, int first_band,
+                        double full_scale, float out[4])
+{
+    for (int c = 0; c < BANDS_PER_PASS; c++)
+        out[c] = row && first_band + c < plan->n_bands ? (float)(row[first_band + c] / full_scale)
+                                                       : 0.0F;
+    out[3] = 1;
+}
+
+static const double *term_row(const struct plan *plan, const struct shaded_material *shaded,
+                              enum reflection reflection, int light)
+{
+    for (int t = 0; t < shaded->n_terms; t++)
+        if (shaded->terms[t].reflection == reflection && shaded->terms[t].light == light)
+            return shaded->made.spectra + (size_t)t * (size_t)plan->n_bands;
+    return NULL;
+}
+
+void pass_colours(const struct plan *plan, const struct shaded_material *shaded, int group,
+                  int first_band, double full_scale, struct pass_colours *out)
+{
+    const double *constant = group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
+    const int first = group * LIGHTS_PER_PASS, left = plan->n_lights - first;
+    const double factor = shaded->texture ? texture_factor(plan, shaded->texture) : 1;
+    if (factor >= 0)
+        full_scale /= factor; /* infinite, and colours 0, where all texels are 0 */
+    *out = (struct pass_colours){.n_lights = left < LIGHTS_PER_PASS ? left : LIGHTS_PER_PASS};
+    band_colour(plan, constant, first_band, full_scale, out->constant);
+    for (int i = 0; i < out->n_lights; i++) {
+        if (plan->is_idle[first + i])
+            continue;
+        const struct eye_light *light = &plan->lights[first + i];
+        const double *specular = term_row(plan, shaded, SPECULAR, light->first);
+        band_colour(plan, term_row(plan, shaded, DIFFUSE, light->first), first_band,
+                    full_scale / light->share, out->diffuse[i]);
+        band_colour(plan, specular, first_band, full_scale / light->share, out->specular[i]);
+        out->shines = out->shines || specular;
+    }
+}
+
+/* ---- texels: the planes of three bands, side by side ---- */
+
+bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
+                 struct error *err)
+{
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    const int left = plan->n_bands - first_band;
+    float *planes;
+    if (!MAKE_ARRAY(planes, BANDS_PER_PASS * n, err, "the texels of %s", texture->image.path))
+        return false;
+    float *const rooms[BANDS_PER_PASS] = {planes, planes + n, planes + 2 * n};
+    const bool done = texture_fill(texture, plan->scene->wavelengths_nm + first_band,
+                                   left < BANDS_PER_PASS ? left : BANDS_PER_PASS, rooms, err);
+    for (size_t i = 0; i < n && done; i++)
+        for (size_t c = 0; c < BANDS_PER_PASS; c++)
+            out[BANDS_PER_PASS * i + c] = rooms[c][i];
+    free(planes);
+    return done;
+}
+
+/* ---- a tile ---- */
+
+/* Makes a row of a projection map [low, high] of the picture's clip space to [-1, 1]. */
+static void aim_row(struct matrix *m, int row, double low, double high)
+{
+    for (int j = 0; j < 4; j++)
+        m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
+}
+
+struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored)
+{
+    const double width = plan->view.width, height = plan->view.height;
+    struct matrix out = plan->view.projection;
+    aim_row(&out, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
+    aim_row(&out, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
+    for (int i = 0; i < 4 && mirrored; i++)
+        out.row[1][i] = -out.row[1][i];
+    return out;
+}
+
+static size_t count_numbers(const struct plan *plan)
+{
+    return 4 * (size_t)plan->tile_width * (size_t)plan->tile_height;
+}
+
+void pass_convert(const struct plan *plan, const void *steps, float *pixels)
+{
+    const size_t n = count_numbers(plan);
+    const uint16_t *words = steps;
+    const uint8_t *bytes = steps;
+    const float whole = (float)buffer_steps(plan);
+    const bool wide = plan->options.buffer_bits == 16;
+    for (size_t i = 0; i < n; i++)
+        pixels[i] = (float)(wide ? words[i] : bytes[i]) / whole;
+}
+
+void pass_add(const struct plan *plan, const float *part, float *sum)
+{
+    const size_t n = count_numbers(plan);
+    for (size_t i = 0; i < n; i++)
+        sum[i] += part[i];
 }

@@ -155,8 +155,6 @@ struct passes {
 bool passes_make(const struct plan *plan, struct passes *out, struct error *err);
 void passes_free(struct passes *passes);
 
-/* ---- pass_contents.c ---- */
-
 /* The colours of a material in a pass under one group of lights: products of the spectra of lights
  * and material in parts of full scale, red, green and blue for three bands, and 1. Where there is
  * no such term, or no such band, a colour is black. */

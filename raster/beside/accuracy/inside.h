@@ -54,34 +54,11 @@ bool compare_point(const struct judged_surface *of, const struct screen_triangle
                    const double at[2], const double share[3], double *attributes,
                    struct compared_point *out);
 
-/* ---- lattice.c: some pixels ---- */
-
-/* A lattice of pixels: each has the same share of the picture, and no row or column has many. */
-struct lattice {
-    int width, height;              /* of the picture */
-    int step, shear, rows, columns; /* pixel (i, j): x = step i + shear j, y = step j */
-};
-struct lattice_pixel {
-    double depth;
-    int32_t surface;                 /* -1: background */
-    struct screen_triangle triangle; /* that is seen */
-};
-struct seen_pixels {
-    struct lattice lattice;
-    struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
-    int n;
-};
-/* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
-bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
-               struct seen_pixels *out, struct error *err);
-/* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
-bool lattice_place(const struct lattice *lattice, int index, double at[2]);
-
 /* ---- estimate.c ---- */
 
 /* Judges about `wanted` pixels of surfaces that are lit. */
 bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
-                    struct accuracy_estimate *out, struct error *err);
+                       struct accuracy_estimate *out, struct error *err);
 
 void accuracy_estimate_free(struct accuracy_estimate *estimate);
 

@@ -155,9 +155,9 @@ static bool refine(const struct options *options, struct plan *plan, struct shad
 
 static bool judge(const struct lit_scene *lit, int pixels, struct notes *notes, struct error *err)
 {
-    if (!notes->shading && (!make_shading(&notes->shading, err) ||
-                            !accuracy_estimate(lit->plan, lit->surfaces, pixels,
-                                               &notes->shading->estimate, err)))
+    if (!notes->shading &&
+        (!make_shading(&notes->shading, err) ||
+         !accuracy_estimate(lit->plan, lit->surfaces, pixels, &notes->shading->estimate, err)))
         return false;
     note_shading(lit->plan, notes);
     return true;

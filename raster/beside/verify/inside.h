@@ -34,12 +34,7 @@ struct drawn_names {
 bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
                 struct error *err);
 
-struct verify_options {
-    struct render_options render; /* the first member */
-    const char *junit;
-};
-
-/* ---- run.c ---- */
+/* ---- command.c ---- */
 
 /* A driver, as the options --gl and --renderer name it. */
 struct verify_driver {
@@ -74,13 +69,6 @@ struct verify_scene {
 };
 /* Large enough for every effect of the built-in scenes, at a tenth of their time. */
 extern const char usual_size[], usual_wavelengths[];
-/* Draws and judges a scene in a process of its own, which a driver may end. Fails where it is
- * interrupted, or the scene is wrong: every other failure is a result. The options are those of the
- * command. */
-bool verify_run(const struct options *options, const struct verify_driver *driver,
-                const struct verify_scene *scene, struct verify_result *out, struct error *err);
-
-/* ---- lists.c ---- */
 
 struct verification {
     struct verify_driver *drivers;
@@ -91,8 +79,6 @@ struct verification {
 };
 /* Finds the drivers and scenes that the options name; without any, all. verification_free accepts
  * what a failure left. */
-bool verification_open(const struct options *options, struct verification *out, struct error *err);
-void verification_free(struct verification *of);
 const struct verify_result *result_of(const struct verification *of, int driver, int scene);
 /* Counts the results of each outcome, and sums up their seconds. */
 struct totals {
