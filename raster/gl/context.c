@@ -21,13 +21,6 @@ static bool refuse_missing(bool osmesa, bool egl, struct error *err)
         osmesa ? of_osmesa : "", osmesa && egl ? ", and no " : "", egl ? of_egl : "");
 }
 
-static void begin_again(struct contexts *contexts)
-{
-    if (contexts->kind)
-        contexts->kind->end(contexts);
-    *contexts = (struct contexts){.way = contexts->way};
-}
-
 static bool open_library(struct contexts *contexts, const char *wanted, struct error *err)
 {
     const bool any = strcmp(wanted, "auto") == 0, shaders = contexts->way != GL_WITHOUT_SHADERS,
@@ -41,7 +34,9 @@ static bool open_library(struct contexts *contexts, const char *wanted, struct e
         return true;
     if (osmesa && !any)
         return refuse_missing(true, false, err);
-    begin_again(contexts);
+    if (contexts->kind)
+        contexts->kind->end(contexts);
+    *contexts = (struct contexts){.way = contexts->way};
     return egl_open(contexts, driver_device(wanted), &found, err) &&
            (found || refuse_missing(any && !shaders, true, err));
 }

@@ -14,13 +14,6 @@ void library_find(void *library, const char *name, void *out)
 #else
 #include <dlfcn.h>
 
-/* Returns whether the last failure only means that there is no such file; the words are those of
- * glibc and of musl. */
-static bool is_missing(const char *reason)
-{
-    return reason && strstr(reason, "No such file or directory");
-}
-
 /* Its functions are for all to see, so that one that was loaded before can stand in the way: this
  * is how a debugger of OpenGL calls, or a test, is placed between. */
 bool library_open(const char *const *files, void **out, struct error *err)
@@ -29,7 +22,8 @@ bool library_open(const char *const *files, void **out, struct error *err)
     for (; *files && !*out; files++) {
         *out = dlopen(*files, RTLD_NOW | RTLD_GLOBAL);
         const char *reason = *out ? NULL : dlerror();
-        if (!*out && !is_missing(reason))
+        /* it is no failure if there is no such file; the words are those of glibc and of musl */
+        if (!*out && !(reason && strstr(reason, "No such file or directory")))
             return error_failed(err, "%s cannot be opened: %.500s", *files,
                                 reason ? reason : "no reason is known");
     }

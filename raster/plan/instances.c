@@ -124,13 +124,6 @@ static int find_whole(struct instance_maker *maker, const struct object *object,
 
 /* ---- meshes as they are drawn ---- */
 
-/* Finds whether a mesh is a solid: closed, with all faces outward. Only built-in shapes are known
- * to be so; an OBJ file may have faces inside out, even where it is closed. */
-static bool find_solid(const struct shape *shape, struct plan_mesh *mesh, struct error *err)
-{
-    return shape->kind == SHAPE_MESH || mesh_find_closed(&mesh->mesh, &mesh->solid, err);
-}
-
 /* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
  * whole: halves and parts that meet have the same numbers where they do. */
 static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struct mesh *mesh,
@@ -146,7 +139,9 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
-    if (find_solid(&whole->shape, &added, err) &&
+    /* Only built-in shapes are known to be solids: an OBJ file may have faces inside out, even
+     * where it is closed. */
+    if ((whole->shape.kind == SHAPE_MESH || mesh_find_closed(&added.mesh, &added.solid, err)) &&
         index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
         array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
         return true;
@@ -266,10 +261,10 @@ static bool add_halves(struct instance_maker *maker, const struct object *object
     if (!partner)
         return add_instance(maker, object, cutting, material, err);
     cutting.side = 0;
-    if (!add_instance(maker, object, cutting, material, err))
-        return false;
-    cutting.side = 1;
-    return add_instance(maker, object, cutting, partner, err);
+    struct cutting other = cutting;
+    other.side = 1;
+    return add_instance(maker, object, cutting, material, err) &&
+           add_instance(maker, object, other, partner, err);
 }
 
 /* ---- several materials on one mesh ---- */

@@ -100,8 +100,7 @@ struct plan {
     int map_bytes; /* of a number in the object map; 0: there is none */
     struct plan_effect effects[MAX_EFFECTS];
     struct plan_work { /* counted where it is done */
-        long materials_loaded, textures_loaded, excitation_integrals, terms;
-        long unseen_instances, idle_lights, undrawn_textures;
+        long excitation_integrals, terms, unseen_instances, idle_lights, undrawn_textures;
     } work;
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every instance */
 };

@@ -21,7 +21,6 @@ static struct texture *add_texture(struct plan *plan, const struct material *mat
     if (!texture_read(spectral ? material->spectral_texture : material->texture, place, new, err))
         return NULL;
     plan->n_textures++;
-    plan->work.textures_loaded++;
     return index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err) ? new : NULL;
 }
 
@@ -88,7 +87,6 @@ static bool make_terms(struct plan *plan, const struct material *material,
                        struct shaded_material *out, struct error *err)
 {
     struct material_terms *made = &out->made;
-    plan->work.materials_loaded++;
     if (!material_terms_make(&plan->illumination, material, made, err))
         return false;
     plan->work.terms += made->n;

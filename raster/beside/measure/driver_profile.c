@@ -109,21 +109,6 @@ static bool check_values(const struct traits *traits, char reason[TRAITS_REASON]
                   traits->power_error, traits->normal_roundings);
 }
 
-/* The depths that were measured are exact in single precision; others round before. A step of 24
- * bits is as large as a rounding of 1. */
-static double depth_roundings_of(const struct traits *traits)
-{
-    return ceil(2 * largest_depth_error(traits)) / 2 + 0.5;
-}
-
-/* The values that were measured change by at least 1 across the target, and lie below 1. Their
- * planes round at the origin, a target away, and in two sums: 8 roundings each, a few more of the
- * set-up. */
-static double roundings_px(void)
-{
-    return roundings(16) * 3 * TARGET;
-}
-
 bool traits_profile(const struct traits *traits, struct driver *out, char reason[TRAITS_REASON])
 {
     const struct driver *most = driver_of(NULL);
@@ -133,8 +118,13 @@ bool traits_profile(const struct traits *traits, struct driver *out, char reason
     out->name = "measured";
     out->is_measured = true;
     out->grid_px = grid_of(traits->edge_px, roundings(most->edge_roundings) * TARGET);
-    out->depth_roundings = depth_roundings_of(traits);
-    out->corner_px = grid_of(traits->value_px, roundings_px());
+    /* The depths that were measured are exact in single precision; others round before. A step of
+     * 24 bits is as large as a rounding of 1. */
+    out->depth_roundings = ceil(2 * largest_depth_error(traits)) / 2 + 0.5;
+    /* The values that were measured change by at least 1 across the target, and lie below 1. Their
+     * planes round at the origin, a target away, and in two sums: 8 roundings each, a few more of
+     * the set-up. */
+    out->corner_px = grid_of(traits->value_px, roundings(16) * 3 * TARGET);
     out->filter_texels = grid_of(traits->filter_texels, roundings(32));
     out->lighting = lighting_of(traits);
     out->watertight = traits->holes == 0 && traits->doubles == 0;

@@ -13,28 +13,35 @@ static const double depth_steps = 16777215;
 
 /* ---- depth ---- */
 
-/* A grid of rectangles with depths on a grid of 1/65536, which single precision holds. */
+enum { SIDE = 4, MANY = TARGET / SIDE, POINTS = MANY * MANY };
+
+/* Draws a small rectangle like each of these corners, and reads the target. */
+static void draw_grid(struct target *target, const struct target_corner like[POINTS])
+{
+    target_clear(target);
+    for (int i = 0; i < POINTS; i++) {
+        struct target_corner corners[6];
+        const int x = SIDE * (i % MANY), y = SIDE * (i / MANY);
+        rectangle_corners(x, y, x + SIDE, y + SIDE, &like[i], corners);
+        target_draw(target, corners, 2);
+    }
+    target_read(target);
+}
+
+/* Depths lie on a grid of 1/65536, which single precision holds. */
 static void measure_depth(struct target *target, struct traits *out)
 {
-    enum { SIDE = 4, MANY = TARGET / SIDE };
-    double depth[MANY][MANY];
-    target_clear(target);
-    for (int y = 0; y < MANY; y++)
-        for (int x = 0; x < MANY; x++) {
-            struct target_corner corners[6], like = {.normal = {0, 0, 1}};
-            depth[y][x] = random_below(target, 65537) / 65536.0;
-            like.position[2] = (float)depth[y][x];
-            rectangle_corners(SIDE * x, SIDE * y, SIDE * (x + 1), SIDE * (y + 1), &like, corners);
-            target_draw(target, corners, 2);
-        }
-    target_read(target);
-    for (int y = 0; y < MANY; y++)
-        for (int x = 0; x < MANY; x++) {
-            const double off =
-                target_depth(target, SIDE * x + 1, SIDE * y + 1) - depth[y][x] * depth_steps;
-            out->depth_low = fmin(out->depth_low, off);
-            out->depth_high = fmax(out->depth_high, off);
-        }
+    struct target_corner like[POINTS];
+    for (int i = 0; i < POINTS; i++)
+        like[i] = (struct target_corner){
+            .position = {0, 0, (float)random_below(target, 65537) / 65536}, .normal = {0, 0, 1}};
+    draw_grid(target, like);
+    for (int i = 0; i < POINTS; i++) {
+        const double off = target_depth(target, SIDE * (i % MANY) + 1, SIDE * (i / MANY) + 1) -
+                           (double)like[i].position[2] * depth_steps;
+        out->depth_low = fmin(out->depth_low, off);
+        out->depth_high = fmax(out->depth_high, off);
+    }
 }
 
 /* ---- colours ---- */
@@ -166,23 +173,10 @@ static void measure_values(struct target *target, struct traits *out)
 
 /* ---- the light at a vertex ---- */
 
-enum { SIDE = 4, MANY = TARGET / SIDE, POINTS = MANY * MANY };
-
-/* Draws a small rectangle for each normal; `seen` gets their red. */
-static void light_points(struct target *target, float normals[POINTS][3], double seen[POINTS])
+/* Returns the red of rectangle i of a grid. */
+static double red_of(const struct target *target, int i)
 {
-    target_clear(target);
-    for (int i = 0; i < POINTS; i++) {
-        struct target_corner corners[6], like = {.position = {0, 0, 0.5F}};
-        const int x = SIDE * (i % MANY), y = SIDE * (i / MANY);
-        for (int j = 0; j < 3; j++)
-            like.normal[j] = normals[i][j];
-        rectangle_corners(x, y, x + SIDE, y + SIDE, &like, corners);
-        target_draw(target, corners, 2);
-    }
-    target_read(target);
-    for (int i = 0; i < POINTS; i++)
-        seen[i] = (double)target->colours[SIDE * (i / MANY) + 1][SIDE * (i % MANY) + 1][0];
+    return (double)target->colours[SIDE * (i / MANY) + 1][SIDE * (i % MANY) + 1][0];
 }
 
 /* Without GL_NORMALIZE a normal (0, 0, h) gives the highlight h^gloss. Values below `least` may be
@@ -190,15 +184,15 @@ static void light_points(struct target *target, float normals[POINTS][3], double
 static void measure_power(struct target *target, double gloss, struct traits *out)
 {
     static const double least = 1e-30;
-    float normals[POINTS][3] = {{0}};
-    double seen[POINTS];
+    struct target_corner like[POINTS];
     for (int i = 0; i < POINTS; i++)
-        normals[i][2] = (float)random_in(target, 0.52, 1);
+        like[i] = (struct target_corner){.position = {0, 0, 0.5F},
+                                         .normal = {0, 0, (float)random_in(target, 0.52, 1)}};
     target_shade(target, TARGET_HIGHLIGHT, gloss);
-    light_points(target, normals, seen);
+    draw_grid(target, like);
     for (int i = 0; i < POINTS; i++) {
-        const double base = (double)normals[i][2], expected = power(base, gloss),
-                     off = fabs(seen[i] / expected - 1);
+        const double base = (double)like[i].normal[2], expected = power(base, gloss),
+                     off = fabs(red_of(target, i) / expected - 1);
         if (expected < least)
             continue;
         out->power_error = fmax(out->power_error, off);
@@ -209,19 +203,19 @@ static void measure_power(struct target *target, double gloss, struct traits *ou
 /* Normals of lengths from 1/1024 to 1024. */
 static void measure_normals(struct target *target, struct traits *out)
 {
-    float normals[POINTS][3];
-    double seen[POINTS];
+    struct target_corner like[POINTS];
     for (int i = 0; i < POINTS; i++) {
         const double length = ldexp(1, random_below(target, 21) - 10);
+        like[i] = (struct target_corner){.position = {0, 0, 0.5F}};
         for (int j = 0; j < 3; j++)
-            normals[i][j] = (float)(length * random_in(target, j < 2 ? -1 : 0.1, 1));
+            like[i].normal[j] = (float)(length * random_in(target, j < 2 ? -1 : 0.1, 1));
     }
     target_shade(target, TARGET_DIFFUSE, 0);
-    light_points(target, normals, seen);
+    draw_grid(target, like);
     for (int i = 0; i < POINTS; i++) {
-        const struct vector normal = {(double)normals[i][0], (double)normals[i][1],
-                                      (double)normals[i][2]};
-        const double off = fabs(seen[i] - normal.z / vector_length(normal));
+        const float *n = like[i].normal;
+        const struct vector normal = {(double)n[0], (double)n[1], (double)n[2]};
+        const double off = fabs(red_of(target, i) - normal.z / vector_length(normal));
         out->normal_roundings = fmax(out->normal_roundings, off / roundings(1));
     }
 }
@@ -270,20 +264,6 @@ static void make_triangles(struct target *target, struct target_corner out[CORNE
     }
 }
 
-static void draw_flat(struct target *target, const struct target_corner corners[CORNERS])
-{
-    target_shade(target, TARGET_FLAT, 0);
-    target_show(target, corners, BUFFERED_TRIANGLES);
-}
-
-static void draw_lit(struct target *target, const struct target_corner corners[CORNERS])
-{
-    target_shade(target, TARGET_DIFFUSE, 0);
-    target_clear(target);
-    target_draw_buffered(target, corners);
-    target_read(target);
-}
-
 static bool measure_passes(struct target *target, struct traits *out, struct error *err)
 {
     struct target_corner *corners;
@@ -294,9 +274,13 @@ static bool measure_passes(struct target *target, struct traits *out, struct err
     target->call->DepthFunc(GL_LESS);
     for (int n = 0; done && n < 3; n++) {
         make_triangles(target, corners);
-        draw_flat(target, corners);
+        target_shade(target, TARGET_FLAT, 0);
+        target_show(target, corners, BUFFERED_TRIANGLES);
         memcpy(flat, target->depths, sizeof target->depths);
-        draw_lit(target, corners);
+        target_shade(target, TARGET_DIFFUSE, 0);
+        target_clear(target);
+        target_draw_buffered(target, corners);
+        target_read(target);
         for (int i = 0; i < TARGET * TARGET; i++) {
             const uint32_t lit = target->depths[i / TARGET][i % TARGET];
             out->seen_pixels += (flat[i] & 0xff) > 0;

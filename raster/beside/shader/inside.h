@@ -30,11 +30,10 @@ struct program {
     int material, batch; /* whose colours it has: of the plan, of struct shader; -1: none */
 };
 struct shader;
-/* Makes the program of some effects unless there is one, and uses it. NULL: a failure. */
+/* Makes the program of some effects, or with NULL the one that draws the numbers of triangles,
+ * unless there is one, and uses it. NULL: a failure. */
 struct program *program_use(struct shader *shader, const struct program_effects *effects,
                             struct error *err);
-/* Does the same with the program that draws the numbers of triangles. */
-struct program *program_use_numbers(struct shader *shader, struct error *err);
 /* Returns how many programs there may be. */
 int program_count(const struct plan *plan);
 

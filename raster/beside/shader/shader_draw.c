@@ -279,7 +279,7 @@ static bool shader_identify(struct renderer *renderer, struct error *err)
 {
     struct shader *shader = (struct shader *)renderer;
     static const struct numbered_draw by = {place, draw_corners};
-    if (!program_use_numbers(shader, err))
+    if (!program_use(shader, NULL, err))
         return false;
     clear(shader);
     choose_colours(shader, 1);

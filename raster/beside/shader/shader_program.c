@@ -134,15 +134,6 @@ static void print_vertex_shader(const struct shader *of, const struct program_ef
 
 /* ---- colours at a pixel ---- */
 
-/* Prints the texel that multiplies the colour of pass k. */
-static void print_texel(const struct program_effects *effects, int k, struct printed *to)
-{
-    if (effects->texture == GREY_TEXTURE)
-        print_text(to, " * vec4(texel.rrr, 1.0)");
-    if (effects->texture == SPECTRAL_TEXTURE)
-        print(to, " * vec4(texture(texels%d, at).rgb, 1.0)", k);
-}
-
 static void print_fragment_shader(const struct shader *of, const struct program_effects *effects,
                                   struct printed *to)
 {
@@ -162,7 +153,10 @@ static void print_fragment_shader(const struct shader *of, const struct program_
               effects->two_sided ? "    colour%d = (gl_FrontFacing ? front[%d] : back[%d])"
                                  : "    colour%d = front[%d]",
               k, k, k);
-        print_texel(effects, k, to);
+        if (effects->texture == GREY_TEXTURE)
+            print_text(to, " * vec4(texel.rrr, 1.0)");
+        if (effects->texture == SPECTRAL_TEXTURE)
+            print(to, " * vec4(texture(texels%d, at).rgb, 1.0)", k);
         print_text(to, ";\n");
     }
     print_text(to, "}\n");
@@ -235,45 +229,45 @@ int program_count(const struct plan *plan)
     return VARIANTS * plan->n_light_groups;
 }
 
+/* Prints the shaders that draw the numbers of triangles. */
+static void print_numbers(enum gl_way way, struct printed *vertex, struct printed *fragment)
+{
+    program_begin(way, vertex);
+    print_text(vertex, "layout(location = 0) in vec3 position;\n"
+                       "layout(location = 1) in vec3 number;\n"
+                       "uniform mat4 to_clip;\n"
+                       "invariant gl_Position;\n"
+                       "flat out vec3 shown;\n"
+                       "void main()\n{\n"
+                       "    gl_Position = to_clip * vec4(position, 1.0);\n"
+                       "    shown = number;\n}\n");
+    program_begin(way, fragment);
+    print_text(fragment, "flat in vec3 shown;\n"
+                         "layout(location = 0) out vec4 colour0;\n"
+                         "void main()\n{\n"
+                         "    colour0 = vec4(shown, 0.0);\n}\n");
+}
+
 struct program *program_use(struct shader *shader, const struct program_effects *effects,
                             struct error *err)
 {
-    const int variant = 6 * effects->shines + 3 * effects->two_sided + (int)effects->texture;
-    struct program *program = &shader->programs[VARIANTS * effects->group + variant];
-    struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
-    if (program->name) {
-        shader->base.call->UseProgram(program->name);
-        return program;
-    }
-    print_vertex_shader(shader, effects, &vertex);
-    print_fragment_shader(shader, effects, &fragment);
-    if (!make(shader, &vertex, &fragment, program, err))
-        return NULL;
-    set_lights(shader, effects->group, program);
-    return program;
-}
-
-struct program *program_use_numbers(struct shader *shader, struct error *err)
-{
     struct program *program = &shader->numbers;
     struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
+    if (effects)
+        program = &shader->programs[VARIANTS * effects->group + 6 * effects->shines +
+                                    3 * effects->two_sided + (int)effects->texture];
     if (program->name) {
         shader->base.call->UseProgram(program->name);
         return program;
     }
-    program_begin(shader->base.plan->options.gl_way, &vertex);
-    print_text(&vertex, "layout(location = 0) in vec3 position;\n"
-                        "layout(location = 1) in vec3 number;\n"
-                        "uniform mat4 to_clip;\n"
-                        "invariant gl_Position;\n"
-                        "flat out vec3 shown;\n"
-                        "void main()\n{\n"
-                        "    gl_Position = to_clip * vec4(position, 1.0);\n"
-                        "    shown = number;\n}\n");
-    program_begin(shader->base.plan->options.gl_way, &fragment);
-    print_text(&fragment, "flat in vec3 shown;\n"
-                          "layout(location = 0) out vec4 colour0;\n"
-                          "void main()\n{\n"
-                          "    colour0 = vec4(shown, 0.0);\n}\n");
-    return make(shader, &vertex, &fragment, program, err) ? program : NULL;
+    if (effects) {
+        print_vertex_shader(shader, effects, &vertex);
+        print_fragment_shader(shader, effects, &fragment);
+    } else
+        print_numbers(shader->base.plan->options.gl_way, &vertex, &fragment);
+    if (!make(shader, &vertex, &fragment, program, err))
+        return NULL;
+    if (effects)
+        set_lights(shader, effects->group, program);
+    return program;
 }

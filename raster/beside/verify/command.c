@@ -278,21 +278,6 @@ static bool run_all(const struct options *options, struct verification *of, stru
 
 /* ---- the report ---- */
 
-static bool write_junit(const struct verification *of, struct options *options, struct error *err)
-{
-    const struct verify_options *own = options->own;
-    struct printed printed = {.text = NULL};
-    verify_junit(of, &printed);
-    return printed_write(&printed, own->junit, &options->outputs, err);
-}
-
-static bool write_json(const struct verification *of, struct options *options, struct error *err)
-{
-    struct json json;
-    verify_json(of, &json);
-    return json_write(&json, options->json, &options->outputs, err);
-}
-
 /* A driver that draws some scenes and fails at others differs from what it should do. */
 static bool conclude(const struct verification *of, struct error *err)
 {
@@ -318,14 +303,23 @@ static bool conclude(const struct verification *of, struct error *err)
 static bool report(const struct verification *of, struct options *options, struct error *err)
 {
     const struct verify_options *own = options->own;
-    struct printed table = {.text = NULL};
+    struct printed table = {.text = NULL}, junit = {.text = NULL};
+    struct json json;
     if (!options->quiet) {
         verify_print(of, &table);
         verify_print_failures(of, options, &table);
     }
-    return printed_show(&table, options_table(options, own->junit), err) &&
-           (!options->json || write_json(of, options, err)) &&
-           (!own->junit || write_junit(of, options, err)) && conclude(of, err);
+    if (!printed_show(&table, options_table(options, own->junit), err))
+        return false;
+    if (options->json) {
+        verify_json(of, &json);
+        if (!json_write(&json, options->json, &options->outputs, err))
+            return false;
+    }
+    if (own->junit)
+        verify_junit(of, &junit);
+    return (!own->junit || printed_write(&junit, own->junit, &options->outputs, err)) &&
+           conclude(of, err);
 }
 
 /* ---- the command ---- */
