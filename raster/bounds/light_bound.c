@@ -103,17 +103,12 @@ static struct path path_to_light(const struct vertex_view *vertex, const struct 
     return path;
 }
 
-static double viewer_turn(const struct vertex_view *vertex)
-{
-    struct bounded distance = {vector_length(vertex->eye), vertex->e_eye};
-    return vertex->view->local_viewer ? turn_of(distance) : 0;
-}
-
 static struct direction half_way(const struct vertex_view *vertex, struct direction towards)
 {
     struct vector sum = half_vector(vertex->view, towards.unit, vertex->eye);
-    struct bounded length = {vector_length(sum),
-                             towards.e_turn + viewer_turn(vertex) + roundings(10)};
+    const struct bounded distance = {vector_length(vertex->eye), vertex->e_eye};
+    const double viewer_turn = vertex->view->local_viewer ? turn_of(distance) : 0;
+    struct bounded length = {vector_length(sum), towards.e_turn + viewer_turn + roundings(10)};
     return (struct direction){vector_normalise(sum), turn_of(length)};
 }
 
@@ -235,13 +230,6 @@ static struct gated falloff(const struct eye_light *light, const struct path *pa
     return out;
 }
 
-/* check_vertex refuses an error that is not finite in single precision. */
-static void add_error(struct bounded weight, double share, float *error)
-{
-    double sum = (double)*error + share * weight.error;
-    *error = sum <= (double)FLT_MAX ? (float)sum : HUGE_VALF;
-}
-
 /* Where the bounds of one side of a vertex are collected: see struct surface_bounds. */
 struct side_bounds {
     float *errors, *jumps, *group; /* the last two may be NULL */
@@ -263,7 +251,9 @@ static void add_weight(struct gated weight, const struct eye_light *light, int i
     } else if (weight.is_unclear) {
         shown.error = weight.open.error + weight.open.value;
     }
-    add_error(shown, light->share, &out->errors[term]);
+    /* check_vertex refuses an error that is not finite in single precision */
+    const double sum = (double)out->errors[term] + light->share * shown.error;
+    out->errors[term] = sum <= (double)FLT_MAX ? (float)sum : HUGE_VALF;
     if (out->group)
         out->group[term] += (float)(light->share * shown.value);
 }

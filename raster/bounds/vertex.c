@@ -266,15 +266,13 @@ bool surface_reaches(const struct surface_bounds *surface, const struct rectangl
 }
 
 /* Highlights and spots have gates. */
-static bool may_be_gated(const struct plan *plan, const struct instance *instance)
+static bool may_be_gated(const struct plan *plan, const struct shaded_material *shaded,
+                         const struct instance *instance)
 {
     for (int i = 0; i < plan->n_lights; i++)
         if (plan->lights[i].spot && reflects(instance, &plan->lights[i]))
             return true;
-    for (int t = 0; t < instance->n_terms; t++)
-        if (instance->terms[t].reflection == SPECULAR)
-            return true;
-    return false;
+    return has_term(shaded, TERM_SPECULAR);
 }
 
 static bool allocate(const struct bounding *of, const struct placed_instance *placed,
@@ -291,7 +289,7 @@ static bool allocate(const struct bounding *of, const struct placed_instance *pl
     const int n = placed->instance.n_vertices;
     const size_t n_weights = surface_attributes(of->surface, n, 0);
     const bool checked = plan->options.check && placed->in_view,
-               gated = checked && may_be_gated(plan, &placed->instance),
+               gated = checked && may_be_gated(plan, bounds->shaded, &placed->instance),
                grouped = checked && plan->n_light_groups > 1;
     return (opened || memory_lacks(err, (double)n_weights * sizeof(double), "%s", name)) &&
            MAKE_ARRAY(bounds->vertices, n, err, "the vertices of %s", name) &&

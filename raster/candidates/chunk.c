@@ -14,7 +14,7 @@
 struct bounding {
     struct fragments fragments;
     struct chunk *chunk;
-    struct bounded_pixel *pixel;
+    struct bounded_pixel pixel;
     size_t capacity[5]; /* of the arrays of the chunk that grow */
 };
 
@@ -50,11 +50,12 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
                  n_rows = (size_t)pixel_rows(triangle->screen.surface->instance);
     if (!has_room(bounding, n_rows))
         return false;
-    pixel_take_place(bounding->pixel, place);
-    pixel_weights(bounding->pixel, out->candidate_rows + first);
+    pixel_take_place(&bounding->pixel, place);
+    put_rows(bounding->pixel.surface->instance, bounding->pixel.attributes, place->place,
+             out->candidate_rows + first, 1);
     struct mean_bound mean =
-        pixel_errors(bounding->pixel, out->candidate_rows + first, 1, out->candidate_errors + first,
-                     out->candidate_own + first);
+        pixel_errors(&bounding->pixel, out->candidate_rows + first, 1,
+                     out->candidate_errors + first, out->candidate_own + first);
     if (fragment->loose)
         mean.cause = fragment->depth_error < HUGE_VAL ? CAUSE_FAR : CAUSE_THIN;
     out->candidates[out->n_candidates++] = (struct candidate){
@@ -77,23 +78,15 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
     struct texel_point choices[TEXEL_CHOICES];
     int n_gates = 1;
     for (int gates = 0; gates < n_gates; gates++) {
-        pixel_bound(bounding->pixel, triangle, x, y, true);
-        n_gates = pixel_gates(bounding->pixel);
-        pixel_turn_gates(bounding->pixel, (unsigned)gates);
-        int n = pixel_choices(bounding->pixel, choices);
+        pixel_bound(&bounding->pixel, triangle, x, y, true);
+        n_gates = pixel_gates(&bounding->pixel);
+        pixel_turn_gates(&bounding->pixel, (unsigned)gates);
+        int n = pixel_choices(&bounding->pixel, choices);
         for (int i = 0; i < n; i++)
             if (!add_candidate(bounding, fragment, &choices[i]))
                 return false;
     }
     return true;
-}
-
-/* Returns whether some triangle must cover the pixel: triangles meet there without a gap, and the
- * driver is watertight. */
-static bool is_surely_covered(const struct bounding *bounding, const struct seam *seam)
-{
-    return is_closed(seam) && seam->n_covered > 0 &&
-           bounding->fragments.tile->lit->driver->watertight;
 }
 
 /* Returns whether the reference shows a triangle that should be hidden. OpenGL does not draw it:
@@ -110,6 +103,7 @@ static bool shows_hidden(const struct bounding *bounding, size_t index)
 static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
 {
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
+    const struct seam *seam = &bounding->fragments.seams[index];
     struct chunk *out = bounding->chunk;
     if (!array_grow(&out->ambiguous, &bounding->capacity[0], out->n_ambiguous + 1,
                     sizeof *out->ambiguous))
@@ -119,8 +113,10 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
         (struct ambiguous_pixel){.pixel = (int32_t)index, .first = (int32_t)out->n_candidates};
     if (shows_hidden(bounding, index))
         return true;
+    /* triangles that meet without a gap surely cover the pixel, if the driver is watertight */
     ambiguous->background =
-        pixel->limit == HUGE_VAL && !is_surely_covered(bounding, &bounding->fragments.seams[index]);
+        pixel->limit == HUGE_VAL && !(is_closed(seam) && seam->n_covered > 0 &&
+                                      bounding->fragments.tile->lit->driver->watertight);
     for (int32_t f = pixel->head; f >= 0; f = bounding->fragments.fragments[f].next)
         if (!add_candidates(bounding, &bounding->fragments.fragments[f], x, y))
             return false;
@@ -157,14 +153,15 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
         return false;
     const struct bounded_triangle *triangle =
         &bounding->fragments.triangles[bounding->fragments.fragments[list->head].triangle];
-    pixel_bound(bounding->pixel, triangle, x, y, false);
-    if (pixel_gates(bounding->pixel) > 1 || pixel_choices(bounding->pixel, choices) > 1)
+    pixel_bound(&bounding->pixel, triangle, x, y, false);
+    if (pixel_gates(&bounding->pixel) > 1 || pixel_choices(&bounding->pixel, choices) > 1)
         return true;
-    pixel_take_place(bounding->pixel, &choices[0]);
-    out->depth_error[index] = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
-    out->steepness[index] = (float)pixel_steepness(bounding->pixel);
-    out->mean[index] = pixel_errors(bounding->pixel, out->picture.rows + index, n_pixels,
-                                    out->errors + index, out->own + index);
+    pixel_take_place(&bounding->pixel, &choices[0]);
+    struct pixel_bounds *bounds = &out->pixels[index];
+    bounds->depth_error = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
+    bounds->steepness = (float)pixel_steepness(&bounding->pixel);
+    bounds->mean = pixel_errors(&bounding->pixel, out->picture.rows + index, n_pixels,
+                                out->errors + index, out->own + index);
     return false;
 }
 
@@ -184,7 +181,7 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
     const struct rectangle *at = &out->picture.at;
     int x = at->x + (int)index % at->width, y = at->y + (int)index / at->width;
     bool settled = is_settled(bounding, index);
-    out->overdraw[index] =
+    out->pixels[index].overdraw =
         overdraw_of(&bounding->fragments.pixels[index], &bounding->fragments.seams[index]);
     if (settled)
         settled = !settle(bounding, index, x, y);
@@ -200,13 +197,10 @@ static bool allocate(struct bounding *bounding)
     const struct plan *plan = bounding->fragments.tile->lit->plan;
     size_t n_pixels = (size_t)out->picture.at.width * (size_t)out->picture.at.height,
            n_rows = (size_t)plan->max_rows;
-    bounding->pixel = pixel_open(&bounding->fragments);
-    return bounding->pixel && memory_make(&out->errors, n_pixels * n_rows, sizeof *out->errors) &&
+    return pixel_open(&bounding->fragments, &bounding->pixel) &&
+           memory_make(&out->errors, n_pixels * n_rows, sizeof *out->errors) &&
            memory_make(&out->own, n_pixels * n_rows, sizeof *out->own) &&
-           memory_make(&out->mean, n_pixels, sizeof *out->mean) &&
-           memory_make(&out->depth_error, n_pixels, sizeof *out->depth_error) &&
-           memory_make(&out->overdraw, n_pixels, sizeof *out->overdraw) &&
-           memory_make(&out->steepness, n_pixels, sizeof *out->steepness) &&
+           memory_make(&out->pixels, n_pixels, sizeof *out->pixels) &&
            memory_make(&out->is_ambiguous, n_pixels, sizeof *out->is_ambiguous);
 }
 
@@ -228,7 +222,7 @@ static bool find_candidates(const struct tile *tile, struct chunk *chunk)
                                 .fragments = {.tile = tile, .rows = chunk->picture.at}};
     bool done = fragments_find(&bounding.fragments) && resolve_all(&bounding);
     fragments_free(&bounding.fragments);
-    pixel_close(bounding.pixel);
+    pixel_close(&bounding.pixel);
     return done;
 }
 
@@ -264,9 +258,9 @@ static bool chunk_draw(const struct tile *tile, int index)
 static void chunk_free(struct chunk *chunk)
 {
     picture_free(&chunk->picture);
-    FREE_ALL(chunk->errors, chunk->own, chunk->mean, chunk->depth_error, chunk->overdraw,
-             chunk->steepness, chunk->is_ambiguous, chunk->ambiguous, chunk->candidates,
-             chunk->candidate_rows, chunk->candidate_errors, chunk->candidate_own);
+    FREE_ALL(chunk->errors, chunk->own, chunk->pixels, chunk->is_ambiguous, chunk->ambiguous,
+             chunk->candidates, chunk->candidate_rows, chunk->candidate_errors,
+             chunk->candidate_own);
     *chunk = (struct chunk){.errors = NULL};
 }
 

@@ -107,8 +107,32 @@ bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
 
 /* ---- pixel.c: a triangle at a pixel ---- */
 
-/* NULL: no memory. The fragments must outlive it. */
-struct bounded_pixel *pixel_open(const struct fragments *fragments);
+/* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
+struct attribute_bound {
+    float constant, fixed, per_d, own_constant, own_fixed, slope;
+};
+
+struct bounded_pixel {
+    const struct fragments *fragments;
+    const struct bounded_triangle *triangle;
+    const struct surface *surface;
+    const struct shaded_material *shaded;
+    const float *corner[3], *provoking; /* errors of the triangle's vertices */
+    const float *jumps[3]; /* of its gated vertices: see struct surface_bounds; of others NULL */
+    int n_gated;
+    double share[3];               /* barycentric coordinates */
+    double brightest;              /* shaded_brightest */
+    double *attributes;            /* these five arrays have room for any surface */
+    float *common, *interpolation; /* errors that bands have in common; their second part */
+    float *own, *slopes;           /* of a band by itself; change within a pixel's width */
+    struct texel_point place; /* in its texture, and the value there unless the texture is varied */
+    double value;
+    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
+    bool *bounded;                  /* [clipped triangle] */
+    size_t max_attributes;          /* of any surface */
+};
+/* False: no memory. The fragments must outlive *out; pixel_close accepts what a failure left. */
+bool pixel_open(const struct fragments *fragments, struct bounded_pixel *out);
 void pixel_close(struct bounded_pixel *pixel);
 /* Computes attributes and their bounds; without a texture, weights only if weights_matter. */
 void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *triangle, int x, int y,
@@ -120,7 +144,6 @@ void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *pla
  * most 8. Turn to one of them, after pixel_bound. */
 int pixel_gates(const struct bounded_pixel *pixel);
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
-void pixel_weights(const struct bounded_pixel *pixel, double *rows); /* see put_rows */
 /* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
  */
 struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,

@@ -3,7 +3,6 @@
  * errors. An error is common to all bands where geometry makes it: positions, lighting, 1 / w and
  * places in a texture are computed once for all of them. Each band's own roundings come on top. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "data/base/base.h"
 #include "data/images/images.h"
@@ -12,59 +11,24 @@
 #include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
 
-/* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
-struct attribute_bound {
-    float constant, fixed, per_d, own_constant, own_fixed, slope;
-};
-
-struct bounded_pixel {
-    const struct fragments *fragments;
-    const struct bounded_triangle *triangle;
-    const struct surface *surface;
-    const struct shaded_material *shaded;
-    const float *corner[3], *provoking; /* errors of the triangle's vertices */
-    const float *jumps[3]; /* of its gated vertices: see struct surface_bounds; of others NULL */
-    int n_gated;
-    double share[3];               /* barycentric coordinates */
-    double brightest;              /* shaded_brightest */
-    double *attributes;            /* these five arrays have room for any surface */
-    float *common, *interpolation; /* errors that bands have in common; their second part */
-    float *own, *slopes;           /* of a band by itself; change within a pixel's width */
-    struct texel_point place; /* in its texture, and the value there unless the texture is varied */
-    double value;
-    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
-    bool *bounded;                  /* [clipped triangle] */
-    size_t max_attributes;          /* of any surface */
-};
-
-struct bounded_pixel *pixel_open(const struct fragments *fragments)
+bool pixel_open(const struct fragments *fragments, struct bounded_pixel *out)
 {
-    size_t most = (size_t)fragments->tile->lit->plan->max_rows + 2,
-           n_clipped = fragments->n_clipped;
-    struct bounded_pixel *out = malloc(sizeof *out);
-    if (!out)
-        return NULL;
-    *out = (struct bounded_pixel){.fragments = fragments,
-                                  .max_attributes = most,
-                                  .bounds = calloc(n_clipped * most + 1, sizeof *out->bounds),
-                                  .bounded = calloc(n_clipped + 1, sizeof *out->bounded),
-                                  .attributes = malloc(most * sizeof *out->attributes),
-                                  .common = malloc(4 * most * sizeof *out->common)};
-    if (!out->bounds || !out->bounded || !out->attributes || !out->common) {
-        pixel_close(out);
-        return NULL;
-    }
+    size_t most = (size_t)fragments->tile->lit->plan->max_rows + 2, n = fragments->n_clipped;
+    *out = (struct bounded_pixel){.fragments = fragments, .max_attributes = most};
+    if (!memory_make(&out->bounds, n * most, sizeof *out->bounds) ||
+        !memory_make(&out->bounded, n, sizeof *out->bounded) ||
+        !memory_make(&out->attributes, most, sizeof *out->attributes) ||
+        !memory_make(&out->common, 4 * most, sizeof *out->common))
+        return false;
     out->interpolation = out->common + most;
     out->own = out->common + 2 * most;
     out->slopes = out->common + 3 * most;
-    return out;
+    return true;
 }
 
 void pixel_close(struct bounded_pixel *pixel)
 {
-    if (!pixel)
-        return;
-    FREE_ALL(pixel->bounds, pixel->bounded, pixel->attributes, pixel->common, pixel);
+    FREE_ALL(pixel->bounds, pixel->bounded, pixel->attributes, pixel->common);
 }
 
 /* ---- bounds of attributes ---- */
@@ -344,11 +308,6 @@ void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
             pixel->attributes[t] += (flat ? 1 : pixel->share[j]) * (double)pixel->jumps[j][t];
         gates >>= 1;
     }
-}
-
-void pixel_weights(const struct bounded_pixel *pixel, double *rows)
-{
-    put_rows(pixel->surface->instance, pixel->attributes, pixel->place.place, rows, 1);
 }
 
 /* Roundings of a colour: its spectrum in single precision (1), weight times spectrum (1), and a

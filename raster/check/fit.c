@@ -364,8 +364,8 @@ static void bound_band(const struct pilots *of, int band)
     struct influence by = influence_on(of, band);
     double kept = by.itself < 0 ? 1 : 1 - by.h[by.itself];
     bool fitted = by.sum > 0 && kept >= 1 - MOST_OF_ITSELF;
-    of->out->scale[band] = fitted ? (float)(1 / kept) : 0;
-    of->out->flushed[band] = (float)(flushed_counts() * (1 + by.sum));
+    of->out->bands[band].scale = fitted ? (float)(1 / kept) : 0;
+    of->out->bands[band].flushed = (float)(flushed_counts() * (1 + by.sum));
     for (int t = 0; t < of->shaded->n_terms; t++) {
         double s = (double)*at(of, of->out->spectra, t, band), own = s * fabs(kept), rest = s,
                rounding = 0;
@@ -378,8 +378,8 @@ static void bound_band(const struct pilots *of, int band)
         *at(of, of->out->own, t, band) = (float)own;
         double left = fabs(rest) + roundings(ESTIMATE_ROUNDINGS) * (s + rounding);
         *at(of, of->out->rest, t, band) = (float)left;
-        of->out->share[band] =
-            fmaxf(of->out->share[band], left > 0 ? (float)(1.000001 * left / s) : 0);
+        of->out->bands[band].share =
+            fmaxf(of->out->bands[band].share, left > 0 ? (float)(1.000001 * left / s) : 0);
     }
 }
 
@@ -391,9 +391,7 @@ static bool allocate(const struct fit *fit, const struct shaded_material *shaded
            MAKE_ARRAY(out->own, n, err, "the bounds of a material") &&
            MAKE_ARRAY(out->rest, n, err, "the bounds of a material") &&
            MAKE_ARRAY(out->gains, shaded->n_terms * MAX_PILOTS, err, "the fit of a material") &&
-           MAKE_ARRAY(out->share, n_bands, err, "the fit of a material") &&
-           MAKE_ARRAY(out->flushed, n_bands, err, "the fit of a material") &&
-           MAKE_ARRAY(out->scale, n_bands, err, "the fit of a material");
+           MAKE_ARRAY(out->bands, n_bands, err, "the fit of a material");
 }
 
 static bool fit_material(const struct fit *fit, int material, struct error *err)
@@ -446,8 +444,8 @@ void fit_free(struct fit *fit)
 {
     for (int m = 0; fit->materials && m < fit->plan->n_materials; m++) {
         struct material_fit *material = &fit->materials[m];
-        FREE_ALL(material->spectra, material->own, material->rest, material->gains, material->share,
-                 material->flushed, material->scale);
+        FREE_ALL(material->spectra, material->own, material->rest, material->gains,
+                 material->bands);
     }
     free(fit->materials);
     *fit = (struct fit){.plan = NULL};
@@ -501,15 +499,15 @@ bool fit_explain(const struct fit *fit, const struct run *run, int band, const f
         place_explain(fit, run, band, estimate, out);
         return true;
     }
-    if (!(material->scale[band] > 0))
+    if (!(material->bands[band].scale > 0))
         return false;
     /* where what is left of the errors of weights is a small share of them, it is at most the same
      * share of the bounds */
-    const float scale = material->scale[band], left = material->share[band],
+    const float scale = material->bands[band].scale, left = material->bands[band].share,
                 share = left <= small_share ? left : 0;
     memset(out->explained, 0, run->n * sizeof *out->explained);
     for (size_t i = 0; i < run->n; i++)
-        out->limit[i] = material->flushed[band];
+        out->limit[i] = material->bands[band].flushed;
     add_rows(run, estimate, material->spectra + at, n_terms, out->explained);
     add_rows(run, run->own, material->own + at, n_terms, out->limit);
     if (!(left <= small_share))

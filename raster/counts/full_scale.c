@@ -212,9 +212,8 @@ static int noisy_light(const struct lit_scene *lit, int surface, size_t at)
     const struct instance *instance = of->instance;
     const int vertex = (int)(at / (size_t)of->n_sides), side = (int)(at % (size_t)of->n_sides);
     int noisy = -1;
-    for (int t = 0; t < instance->n_terms; t++)
-        if (instance->terms[t].reflection == CONSTANT)
-            return -1;
+    if (has_term(lit->bounds[surface].shaded, TERM_CONSTANT))
+        return -1;
     for (int i = 0; i < plan->n_lights; i++) {
         double cosine = reflects(instance, &plan->lights[i])
                             ? light_cosine(of, vertex, side, &plan->lights[i])

@@ -20,6 +20,4 @@ bool shaded_material_find(struct plan *plan, const struct material *material, in
                           struct error *err);
 bool instances_make(struct plan *plan, const int *halvings, struct error *err); /* NULL: none */
 
-bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
-
 #endif

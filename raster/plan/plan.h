@@ -116,7 +116,8 @@ struct rectangle plan_pixels(const struct plan *plan, const struct rectangle *po
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
 bool has_components(const struct plan *plan); /* bands are not single wavelengths */
-void band_name(const struct plan *plan, int band, char out[BAND_NAME]); /* "450 nm", or a label */
+void band_name(const struct plan *plan, int band, char out[BAND_NAME]);   /* "450 nm", or a label */
+bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
 double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */
 /* A surface's name, its material's; -1: "background". object_text adds its object's place. */
 const char *object_name(const struct plan *plan, int surface);

@@ -174,7 +174,7 @@ static void judge_pixel(const struct estimating *of, int index, double *attribut
                         struct judged_point *out)
 {
     const struct lattice_pixel *pixel = &of->seen.pixels[index];
-    struct compared_point point;
+    struct shaded_point points[2];
     double at[2], share[3];
     out->surface = -1;
     if (pixel->surface < 0 || !lattice_place(&of->seen.lattice, index, at))
@@ -184,10 +184,10 @@ static void judge_pixel(const struct estimating *of, int index, double *attribut
                                            &of->surfaces[pixel->surface],
                                            &of->patches[placed->mesh]};
     shares_at(&pixel->triangle, at[0], at[1], share);
-    if (compare_point(&surface, &pixel->triangle, at, share, attributes, &point))
+    if (compare_point(&surface, &pixel->triangle, at, share, attributes, points))
         *out = (struct judged_point){
             pixel->surface, placed->object,
-            (float)measure_difference(of->measure, placed->shaded, &point.drawn, &point.exact)};
+            (float)measure_difference(of->measure, placed->shaded, &points[0], &points[1])};
 }
 
 static void judge_block(void *context, size_t first, size_t end)

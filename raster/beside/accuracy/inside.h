@@ -43,16 +43,13 @@ struct judged_surface {
     const struct surface *surface; /* lit */
     const struct patches *patches; /* of its shape, if there are parameters */
 };
-/* Compares a place of a triangle, with its barycentric coordinates there: the drawn light, and the
- * light of the point of the true surface that the window shows. On a mesh file the facets are true,
- * with interpolated normals (Phong 1975). `attributes`: room for those of two points, twice the
- * plan's max_rows + 2. Returns false where the true surface is not seen. */
-struct compared_point {
-    struct shaded_point drawn, exact;
-};
+/* Finds both lights at a place of a triangle, with its barycentric coordinates there: the drawn
+ * light, and the light of the point of the true surface that the window shows. On a mesh file the
+ * facets are true, with interpolated normals (Phong 1975). `attributes`: room for those of two
+ * points, twice the plan's max_rows + 2. Returns false where the true surface is not seen. */
 bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                    const double at[2], const double share[3], double *attributes,
-                   struct compared_point *out);
+                   struct shaded_point out[2]);
 
 /* ---- estimate.c ---- */
 

@@ -209,13 +209,14 @@ static double texel_of(const struct judged_surface *of, const double *attributes
 
 bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                    const double at[2], const double share[3], double *attributes,
-                   struct compared_point *out)
+                   struct shaded_point out[2])
 {
     double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2;
     struct light_work ignored = {0};
     if (!exact_attributes(of, triangle, at, share, exact))
         return false;
     shade(&of->plan->view, triangle, share, drawn, &ignored);
-    *out = (struct compared_point){{drawn, texel_of(of, drawn)}, {exact, texel_of(of, exact)}};
+    out[0] = (struct shaded_point){drawn, texel_of(of, drawn)};
+    out[1] = (struct shaded_point){exact, texel_of(of, exact)};
     return true;
 }

@@ -65,55 +65,46 @@ static bool refuse(char reason[TRAITS_REASON], const char *format, ...)
 }
 
 /* Refuses what breaks the specification in a way that no bound covers. */
-static bool check_traits(const struct traits *traits, char reason[TRAITS_REASON])
+static bool check_traits(const struct traits *of, char reason[TRAITS_REASON])
 {
-    if (!(traits->edge_px <= most_px))
-        return refuse(reason, "it draws edges off by %.3g pixel; at most 1/16 is allowed",
-                      traits->edge_px);
-    if (!(largest_depth_error(traits) <= most_depth_steps))
-        return refuse(reason,
-                      "it stores depths off by %.4g steps of 24 bits; at most %g are "
-                      "allowed",
-                      largest_depth_error(traits), most_depth_steps);
-    if (traits->provoking != 2)
-        return refuse(reason,
-                      "it takes the colour of a flat triangle from corner %d; the "
-                      "last one is required",
-                      traits->provoking + 1);
-    if (traits->clamps)
-        return refuse(reason, "it clamps colours although clamps are switched off");
-    if (traits->varying_pixels > 0)
-        return refuse(reason,
-                      "its passes do not show the same triangles: %ld of %ld pixels "
-                      "differ between flat and lit ones",
-                      traits->varying_pixels, traits->seen_pixels);
-    return true;
-}
-
-static bool check_values(const struct traits *traits, char reason[TRAITS_REASON])
-{
-    if (!(traits->value_px <= most_px))
-        return refuse(reason,
-                      "it interpolates values as if corners were off by %.3g pixel; at "
-                      "most 1/16 is allowed",
-                      traits->value_px);
-    if (!(traits->filter_texels <= most_filter_texels))
-        return refuse(reason,
-                      "its weights of linear filtering are off by %.3g; at most 1/16 "
-                      "is bounded",
-                      traits->filter_texels);
-    return lighting_of(traits) <= most_lighting ||
-           refuse(reason,
-                  "its lighting is off by %.3g of a highlight and %.3g roundings of a "
-                  "cosine; 1 part in 100000 is allowed",
-                  traits->power_error, traits->normal_roundings);
+    const double depth = largest_depth_error(of);
+    return (of->edge_px <= most_px ||
+            refuse(reason, "it draws edges off by %.3g pixel; at most 1/16 is allowed",
+                   of->edge_px)) &&
+           (depth <= most_depth_steps ||
+            refuse(reason, "it stores depths off by %.4g steps of 24 bits; at most %g are allowed",
+                   depth, most_depth_steps)) &&
+           (of->provoking == 2 || refuse(reason,
+                                         "it takes the colour of a flat triangle from corner %d; "
+                                         "the last one is required",
+                                         of->provoking + 1)) &&
+           (!of->clamps || refuse(reason, "it clamps colours although clamps are switched off")) &&
+           (of->varying_pixels == 0 ||
+            refuse(reason,
+                   "its passes do not show the same triangles: %ld of %ld pixels differ between "
+                   "flat and lit ones",
+                   of->varying_pixels, of->seen_pixels)) &&
+           (of->value_px <= most_px ||
+            refuse(reason,
+                   "it interpolates values as if corners were off by %.3g pixel; at most 1/16 is "
+                   "allowed",
+                   of->value_px)) &&
+           (of->filter_texels <= most_filter_texels ||
+            refuse(reason,
+                   "its weights of linear filtering are off by %.3g; at most 1/16 is bounded",
+                   of->filter_texels)) &&
+           (lighting_of(of) <= most_lighting ||
+            refuse(reason,
+                   "its lighting is off by %.3g of a highlight and %.3g roundings of a cosine; 1 "
+                   "part in 100000 is allowed",
+                   of->power_error, of->normal_roundings));
 }
 
 bool traits_profile(const struct traits *traits, struct driver *out, char reason[TRAITS_REASON])
 {
     const struct driver *most = driver_of(NULL);
     *out = *most;
-    if (!check_traits(traits, reason) || !check_values(traits, reason))
+    if (!check_traits(traits, reason))
         return false;
     out->name = "measured";
     out->is_measured = true;

@@ -150,9 +150,9 @@ static struct program_effects effects_of(const struct shader *shader, int instan
     const struct placed_instance *placed = &plan->instances[instance];
     const struct shaded_material *shaded = &plan->materials[placed->shaded];
     const bool textured = texture_is_drawn(plan, shaded->texture);
-    struct program_effects out = {.group = group, .two_sided = placed->object->two_sided};
-    for (int t = 0; t < shaded->n_terms; t++)
-        out.shines = out.shines || shaded->terms[t].reflection == SPECULAR;
+    struct program_effects out = {.group = group,
+                                  .shines = has_term(shaded, TERM_SPECULAR),
+                                  .two_sided = placed->object->two_sided};
     out.texture = !textured                   ? UNTEXTURED
                   : shaded->texture->spectral ? SPECTRAL_TEXTURE
                                               : GREY_TEXTURE;
