@@ -23,16 +23,6 @@ const struct surface_bounds *bounds_of(const struct lit_scene *lit,
 
 /* ---- position ---- */
 
-/* sum_j |m_ij| |v_j|: the rounding errors of row i are relative to it. */
-static void magnitudes(const struct matrix *m, const double v[4], double out[4])
-{
-    for (int i = 0; i < 4; i++) {
-        out[i] = 0;
-        for (int j = 0; j < 4; j++)
-            out[i] += fabs(m->row[i][j]) * fabs(v[j]);
-    }
-}
-
 /* (a + e) / (b + f) - q = (e - q f) / (b + f), where q = a / b; to first order; b is not 0 */
 static struct bounded bounded_quotient(struct bounded a, struct bounded b)
 {
@@ -132,8 +122,8 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     surface_light(of->view, of->surface, index, work);
     if (!of->bounds->placed->in_view)
         return;
-    magnitudes(&instance->model_view, object, eye_magnitude);
-    magnitudes(&plan->view.projection, eye_magnitude, clip_magnitude);
+    matrix_magnitudes(&instance->model_view, object, eye_magnitude);
+    matrix_magnitudes(&plan->view.projection, eye_magnitude, clip_magnitude);
     bound_place(plan, clip_magnitude, &of->surface->vertices[index], out);
     out->exact =
         of->may_be_exact && is_exact(plan, &of->product, object, &of->surface->vertices[index]);

@@ -94,13 +94,9 @@ struct brightest {
 static double largest_radiance(const struct plan *plan, const struct shaded_material *shaded,
                                const struct brightest *of, int band, size_t *at)
 {
-    size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands;
     double largest = -1;
     for (size_t i = 0; i < of->n; i++) {
-        const double *weights = of->weights + i * of->stride;
-        double radiance = 0;
-        for (size_t t = 0; t < n_terms; t++)
-            radiance += weights[t] * shaded->made.spectra[t * n_bands + (size_t)band];
+        const double radiance = shaded_radiance(plan, shaded, of->weights + i * of->stride, band);
         if (!(radiance <= largest)) { /* NaN counts as larger, so that it is reported */
             largest = radiance;
             *at = i;

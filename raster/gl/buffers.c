@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Geometry is uploaded once. Only this file says how a vertex lies in a buffer. */
+/* Geometry is uploaded once; and drawn once more in numbers. Only this file says how a vertex lies
+ * in a buffer. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -8,31 +9,19 @@
 
 enum { VERTICES, COORDINATES, BUFFERS };
 
-static void copy_vertex(const struct vertex *from, float *to)
-{
-    const struct vector p = from->position, n = from->normal;
-    const double values[VERTEX_FLOATS] = {p.x, p.y, p.z, n.x, n.y, n.z};
-    for (int i = 0; i < VERTEX_FLOATS; i++)
-        to[i] = (float)values[i];
-}
-
-static void copy_coordinates(const struct vertex *from, float *to)
-{
-    to[0] = (float)from->s;
-    to[1] = (float)from->t;
-}
-
-/* Fills a buffer that has no name yet with what `copy` takes from each vertex, n_floats of them. */
+/* Fills a buffer that has no name yet with n_floats numbers of each vertex, from number `first` on.
+ */
 static bool upload_vertices(const struct drawing *of, GLuint *name, const struct mesh *mesh,
-                            size_t n_floats, void (*copy)(const struct vertex *from, float *to),
-                            struct error *err)
+                            size_t first, size_t n_floats, struct error *err)
 {
     const size_t n = (size_t)mesh->n_vertices;
-    float *floats;
+    float *floats, numbers[VERTEX_NUMBERS];
     if (*name || !MAKE_ARRAY(floats, n * n_floats, err, "%zu vertices of a mesh", n))
         return *name;
-    for (size_t i = 0; i < n; i++)
-        copy(&mesh->vertices[i], floats + n_floats * i);
+    for (size_t i = 0; i < n; i++) {
+        vertex_numbers(&mesh->vertices[i], numbers);
+        memcpy(floats + n_floats * i, numbers + first, n_floats * sizeof *floats);
+    }
     of->call->GenBuffers(1, name);
     of->call->BindBuffer(GL_ARRAY_BUFFER, *name);
     of->call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * n_floats * sizeof *floats), floats,
@@ -52,10 +41,9 @@ static bool upload_mesh(const struct drawing *of, int instance, struct error *er
     const int index = of->plan->instances[instance].mesh;
     const struct mesh *mesh = &of->plan->meshes[index].mesh;
     GLuint *buffers = of->objects + BUFFERS * index;
-    return upload_vertices(of, &buffers[VERTICES], mesh, VERTEX_FLOATS, copy_vertex, err) &&
-           (!shows_texture(of, instance) ||
-            upload_vertices(of, &buffers[COORDINATES], mesh, COORDINATE_FLOATS, copy_coordinates,
-                            err));
+    return upload_vertices(of, &buffers[VERTICES], mesh, 0, VERTEX_FLOATS, err) &&
+           (!shows_texture(of, instance) || upload_vertices(of, &buffers[COORDINATES], mesh,
+                                                            VERTEX_FLOATS, COORDINATE_FLOATS, err));
 }
 
 /* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
@@ -133,5 +121,53 @@ bool mesh_bind_coordinates(const struct drawing *of, int instance)
     if (!shows_texture(of, instance))
         return false;
     of->call->BindBuffer(GL_ARRAY_BUFFER, buffer_of(of, instance, COORDINATES));
+    return true;
+}
+
+/* ---- triangles with their numbers as colours ---- */
+
+/* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
+enum { BATCH = 4096 };
+
+static void number_triangle(const struct mesh *mesh, int triangle, int placed,
+                            struct numbered_vertex out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        struct vector p = mesh->vertices[mesh->triangles[triangle][i]].position;
+        out[i] = (struct numbered_vertex){
+            {(float)p.x, (float)p.y, (float)p.z},
+            {(float)(triangle & 0xffff), (float)(triangle >> 16), (float)(placed + 1)}};
+    }
+}
+
+static void draw_instance(struct drawing *of, int instance, const struct numbered_draw *by,
+                          struct numbered_vertex batch[3 * BATCH])
+{
+    const struct mesh *mesh = &of->plan->meshes[of->plan->instances[instance].mesh].mesh;
+    const bool *hidden = of->lit->bounds[instance].hidden;
+    int n = 0;
+    by->place(of, instance);
+    for (int i = 0; i < mesh->n_triangles; i++) {
+        if (hidden && hidden[i])
+            continue;
+        number_triangle(mesh, i, instance, batch + 3 * (size_t)n++);
+        if (n == BATCH) {
+            by->draw(of, batch, 3 * n);
+            n = 0;
+        }
+    }
+    if (n > 0)
+        by->draw(of, batch, 3 * n);
+}
+
+bool numbers_draw(struct drawing *of, const struct numbered_draw *by, struct error *err)
+{
+    struct numbered_vertex *batch;
+    if (!MAKE_ARRAY(batch, 3 * BATCH, err, "%d triangles", BATCH))
+        return false;
+    for (int i = 0; i < of->plan->n_instances; i++)
+        if (surface_reaches(&of->lit->bounds[i], &of->tile))
+            draw_instance(of, i, by, batch);
+    free(batch);
     return true;
 }

@@ -236,8 +236,9 @@ void drawing_close(struct drawing *of);
 bool drawing_canvas(const struct drawing *of, int bits, int n_colours, struct canvas **out,
                     struct error *err);
 /* Takes the names of what draws the plan, and the bounds by which it is judged: an unknown driver
- * is measured first. A canvas is in use. Refuses what contexts_accept and driver_has_threads
- * refuse. The bounds of raster/bounds hold for the shaders of a known driver as for its own
+ * is measured first. A canvas is in use. Refuses a tile that is too large for OpenGL, another
+ * driver than the wanted one, which was chosen before the first canvas, and what driver_has_threads
+ * refuses. The bounds of raster/bounds hold for the shaders of a known driver as for its own
  * lighting: the shaders do the same operations, and both measure the same (test/run/traits.py). */
 bool drawing_accept(struct drawing *of, struct error *err);
 /* As struct renderer_kind says. The first uploads all but the texels of spectral textures into the
@@ -265,8 +266,6 @@ bool mesh_bind_coordinates(const struct drawing *of, int instance);
 void texture_bind(const struct drawing *of, int index, int unit);
 /* Uploads the texels of a spectral texture for the bands of a pass into the bound texture. */
 bool texture_upload_bands(const struct drawing *of, int index, int first_band, struct error *err);
-
-/* ---- numbers.c ---- */
 
 /* A corner of a triangle that is drawn in its number: see shown_of. */
 struct numbered_vertex {

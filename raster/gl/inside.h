@@ -14,11 +14,9 @@ typedef void any_function(void);
 /* Opens the first of the files that is there; NULL ends the list. *out is NULL if none is. The
  * library stays open as long as the program runs: Mesa's may not be closed. */
 bool library_open(const char *const *files, void **out, struct error *err);
-/* Finds a function of an open library, or one of that name that was loaded before it; NULL: there
- * is none. `out` points to a pointer to the function. */
-void library_find(void *library, const char *name, void *out);
-/* Finds n of them, for a struct that begins with as many pointers, which all have one size in
- * POSIX. Returns whether all are there. */
+/* Finds n functions of an open library, or those of that name that were loaded before it, for a
+ * struct that begins with as many pointers, which all have one size in POSIX. Returns whether all
+ * are there. */
 bool library_find_all(void *library, const char *const *names, size_t n, void *out);
 
 /* ---- functions.c: the functions of OpenGL ---- */

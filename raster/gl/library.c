@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Libraries that are opened at run time. The static program opens none: it has no loader. */
+/* Libraries that are opened at run time, and the table of OpenGL's functions. The static program
+ * opens no library: it has no loader. */
 #include <string.h>
 
 #include "raster/gl/inside.h"
 
 #ifdef OSMESA_VERSION /* static */
-void library_find(void *library, const char *name, void *out)
+static void library_find(void *library, const char *name, void *out)
 {
     void *symbol = NULL;
     (void)library, (void)name;
@@ -32,9 +33,10 @@ bool library_open(const char *const *files, void **out, struct error *err)
     return true;
 }
 
-/* ISO C does not allow a cast from an object pointer to a function pointer; POSIX promises that
- * this works. */
-void library_find(void *library, const char *name, void *out)
+/* Finds a function of an open library, or one of that name that was loaded before it; NULL: there
+ * is none. `out` points to a pointer to the function. ISO C does not allow a cast from an object
+ * pointer to a function pointer; POSIX promises that this works. */
+static void library_find(void *library, const char *name, void *out)
 {
     void *symbol = dlsym(library, name);
     memcpy(out, &symbol, sizeof symbol);
@@ -52,3 +54,41 @@ bool library_find_all(void *library, const char *const *names, size_t n, void *o
     return found;
 }
 #endif
+
+/* ---- OpenGL's functions ---- */
+
+static const struct {
+    const char *name;
+    bool fixed, shaders; /* of one of these ways only */
+} functions[] = {
+#define COMMON_NAME(type, name, parameters) {"gl" #name, false, false},
+#define FIXED_NAME(type, name, parameters) {"gl" #name, true, false},
+#define SHADERS_NAME(type, name, parameters) {"gl" #name, false, true},
+    COMMON_FUNCTIONS(COMMON_NAME) FIXED_FUNCTIONS(FIXED_NAME) SHADER_FUNCTIONS(SHADERS_NAME)};
+
+bool functions_find(const struct gl_source *in, enum gl_way way, struct gl_functions *out,
+                    struct error *err)
+{
+    enum { N = sizeof functions / sizeof *functions };
+    any_function *found[N];
+    for (int i = 0; i < N; i++) {
+        const char *name = functions[i].name;
+        found[i] = NULL;
+        if (way == GL_WITHOUT_SHADERS ? functions[i].shaders : functions[i].fixed)
+            continue;
+        if (in->library)
+            library_find(in->library, name, &found[i]);
+        if (!found[i])
+            found[i] = in->get(name);
+        if (!found[i])
+            return error_unsupported(err, "%s has no function %s", in->name, name);
+    }
+    memcpy(out, found, sizeof found); /* all pointers to functions have one size in POSIX */
+    return true;
+}
+
+bool functions_succeeded(const struct gl_functions *call, struct error *err)
+{
+    const GLenum code = call->GetError();
+    return code == GL_NO_ERROR || error_system(err, "OpenGL reports error 0x%04x", code);
+}

@@ -27,27 +27,6 @@ static void identify(const struct contexts *contexts, struct renderer_names *out
     copy_text(&contexts->call, GL_VERSION, out->version);
 }
 
-/* Finds the names of what draws; a canvas is in use. Refuses a size that is too large for OpenGL,
- * and another driver than the wanted one, which was chosen before the first canvas. wanted: NULL:
- * any. */
-static bool contexts_accept(const struct contexts *contexts, const struct rectangle *size,
-                            const char *wanted, struct renderer_names *out, struct error *err)
-{
-    static const char *const any[] = {
-        [GL_WITHOUT_SHADERS] = "gl", [GL_CORE] = "gl-shader", [GL_ES] = "es-shader"};
-    GLint largest[2] = {0, 0};
-    contexts->call.GetIntegerv(GL_MAX_VIEWPORT_DIMS, largest);
-    if (largest[0] < size->width || largest[1] < size->height)
-        return error_unsupported(err, "%s draws at most %d x %d pixels at once", contexts->name,
-                                 largest[0], largest[1]);
-    identify(contexts, out);
-    return !wanted || strncmp(out->renderer, wanted, strlen(wanted)) == 0 ||
-           error_unsupported(err,
-                             "this %s draws with %.100s, not with %s; --renderer %s takes any "
-                             "driver",
-                             out->library, out->renderer, wanted, any[contexts->way]);
-}
-
 bool contexts_describe(const struct context_wish *wish, struct context_description *out,
                        struct error *err)
 {
@@ -129,10 +108,23 @@ static bool choose_driver(const struct drawing *of, const char *gl_renderer, str
 
 bool drawing_accept(struct drawing *of, struct error *err)
 {
-    const struct rectangle tile = {0, 0, of->plan->tile_width, of->plan->tile_height};
+    static const char *const any[] = {
+        [GL_WITHOUT_SHADERS] = "gl", [GL_CORE] = "gl-shader", [GL_ES] = "es-shader"};
+    const struct contexts *contexts = of->contexts;
+    const char *wanted = of->plan->options.gl_driver;
     struct renderer_names *names = &of->renderer.names;
-    return contexts_accept(of->contexts, &tile, of->plan->options.gl_driver, names, err) &&
-           driver_has_threads(names->renderer, &of->before, err) &&
+    GLint largest[2] = {0, 0};
+    of->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, largest);
+    if (largest[0] < of->plan->tile_width || largest[1] < of->plan->tile_height)
+        return error_unsupported(err, "%s draws at most %d x %d pixels at once", contexts->name,
+                                 largest[0], largest[1]);
+    identify(contexts, names);
+    if (wanted && strncmp(names->renderer, wanted, strlen(wanted)) != 0)
+        return error_unsupported(err,
+                                 "this %s draws with %.100s, not with %s; --renderer %s takes any "
+                                 "driver",
+                                 names->library, names->renderer, wanted, any[contexts->way]);
+    return driver_has_threads(names->renderer, &of->before, err) &&
            choose_driver(of, names->renderer, &of->renderer.driver, err);
 }
 

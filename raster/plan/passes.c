@@ -146,7 +146,7 @@ void pass_colours(const struct plan *plan, const struct shaded_material *shaded,
     }
 }
 
-/* ---- texels: the planes of three bands, side by side ---- */
+/* ---- texels: the planes of three bands, side by side; vertices ---- */
 
 bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
                  struct error *err)
@@ -164,6 +164,14 @@ bool pass_texels(const struct plan *plan, struct texture *texture, int first_ban
             out[BANDS_PER_PASS * i + c] = rooms[c][i];
     free(planes);
     return done;
+}
+
+void vertex_numbers(const struct vertex *vertex, float out[VERTEX_NUMBERS])
+{
+    const struct vector p = vertex->position, n = vertex->normal;
+    const double numbers[VERTEX_NUMBERS] = {p.x, p.y, p.z, n.x, n.y, n.z, vertex->s, vertex->t};
+    for (int i = 0; i < VERTEX_NUMBERS; i++)
+        out[i] = (float)numbers[i];
 }
 
 /* ---- a tile ---- */

@@ -119,6 +119,9 @@ bool has_components(const struct plan *plan); /* bands are not single wavelength
 void band_name(const struct plan *plan, int band, char out[BAND_NAME]);   /* "450 nm", or a label */
 bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
 double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */
+/* The radiance of these weights in a band, without the texture. */
+double shaded_radiance(const struct plan *plan, const struct shaded_material *shaded,
+                       const double *weights, int band);
 /* A surface's name, its material's; -1: "background". object_text adds its object's place. */
 const char *object_name(const struct plan *plan, int surface);
 void object_text(const struct plan *plan, int surface, char *out, size_t capacity);
@@ -130,6 +133,8 @@ void plan_free(struct plan *plan);
 
 /* ---- reach.c: what reaches the picture ---- */
 
+/* sum_j |m_ij| |v_j|: the rounding errors of row i are relative to it. */
+void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4]);
 /* The reference lights its vertices: it is in view, or one may be brighter than full scale. */
 bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed);
 bool reflects(const struct instance *instance, const struct eye_light *light); /* by some term */
@@ -172,6 +177,9 @@ void pass_colours(const struct plan *plan, const struct shaded_material *shaded,
 bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
                  struct error *err);
 
+/* The numbers of a vertex as OpenGL gets them: position, normal, texture coordinates. */
+enum { VERTEX_NUMBERS = 8 };
+void vertex_numbers(const struct vertex *vertex, float out[VERTEX_NUMBERS]);
 /* The projection that makes a tile of the picture fill clip space; mirrored: y is turned around. */
 struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
 /* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour

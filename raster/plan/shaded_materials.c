@@ -105,6 +105,16 @@ double shaded_brightest(const struct shaded_material *shaded)
     return most > 0 ? most : 1;
 }
 
+double shaded_radiance(const struct plan *plan, const struct shaded_material *shaded,
+                       const double *weights, int band)
+{
+    double radiance = 0;
+    for (int t = 0; t < shaded->n_terms; t++)
+        radiance +=
+            weights[t] * shaded->made.spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band];
+    return radiance;
+}
+
 static bool find_terms(struct plan *plan, const struct material *material, int *out,
                        struct error *err)
 {

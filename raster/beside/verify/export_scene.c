@@ -46,26 +46,18 @@ static bool add_file(struct description *to, const char *name, const void *bytes
 
 /* ---- meshes ---- */
 
-enum { VERTEX_FLOATS = 8 };
-
 static bool add_vertices(struct description *to, int index, struct error *err)
 {
     const struct mesh *mesh = &to->plan->meshes[index].mesh;
     const size_t n = (size_t)mesh->n_vertices;
     float *floats;
     char name[FILE_NAME];
-    if (!MAKE_ARRAY(floats, n * VERTEX_FLOATS, err, "the corners of a mesh"))
+    if (!MAKE_ARRAY(floats, n * VERTEX_NUMBERS, err, "the corners of a mesh"))
         return false;
-    for (size_t i = 0; i < n; i++) {
-        const struct vertex *v = &mesh->vertices[i];
-        const double values[VERTEX_FLOATS] = {v->position.x, v->position.y, v->position.z,
-                                              v->normal.x,   v->normal.y,   v->normal.z,
-                                              v->s,          v->t};
-        for (size_t k = 0; k < VERTEX_FLOATS; k++)
-            floats[VERTEX_FLOATS * i + k] = (float)values[k];
-    }
+    for (size_t i = 0; i < n; i++)
+        vertex_numbers(&mesh->vertices[i], floats + VERTEX_NUMBERS * i);
     snprintf(name, sizeof name, "vertices-%d.bin", index);
-    const bool done = add_file(to, name, floats, VERTEX_FLOATS * n * sizeof *floats, err);
+    const bool done = add_file(to, name, floats, VERTEX_NUMBERS * n * sizeof *floats, err);
     free(floats);
     return done;
 }
