@@ -237,6 +237,10 @@ static struct rectangle chunk_rows(const struct rectangle *tile, int index)
     return rows;
 }
 
+/* Draws chunk `index` of a tile: CHUNK_ROWS rows, fewer in the last chunk. Finds its candidates if
+ * the plan asks for a check. A plan that neither checks nor stores the reference's pixels gets no
+ * picture: only picture.at is set. Results do not depend on how a picture is cut into chunks.
+ * False: no memory. chunk_free accepts what a failure left. */
 static bool chunk_draw(const struct tile *tile, int index)
 {
     const struct lit_scene *lit = tile->lit;
@@ -251,10 +255,6 @@ static bool chunk_draw(const struct tile *tile, int index)
            (!plan->options.check || find_candidates(tile, out));
 }
 
-/* Draws chunk `index` of a tile: CHUNK_ROWS rows, fewer in the last chunk. Finds its candidates if
- * the plan asks for a check. A plan that neither checks nor stores the reference's pixels gets no
- * picture: only picture.at is set. Results do not depend on how a picture is cut into chunks.
- * False: no memory. chunk_free accepts what a failure left. */
 static void chunk_free(struct chunk *chunk)
 {
     picture_free(&chunk->picture);

@@ -28,7 +28,8 @@ static void edge_slack(const struct edge_functions *edges, const double errors[3
     }
 }
 
-/* scan_triangle visits centres up to the error and 1.5 pixels outside of the bounding box. */
+/* The largest slack at any pixel that scan_triangle visits. scan_triangle visits centres up to the
+ * error and 1.5 pixels outside of the bounding box. */
 static double most_slack(const struct bounded_triangle *triangle)
 {
     const double *x = triangle->screen.x, *y = triangle->screen.y,
@@ -67,8 +68,7 @@ static enum presence triangle_presence(const struct bounded_triangle *triangle,
     return presence == DEFINITE && !(triangle->screen.twice_area > 0) ? POSSIBLE : presence;
 }
 
-/* The largest of these at any pixel that scan_triangle visits. A triangle without area touches its
- * longest edge only. */
+/* A triangle without area touches its longest edge only. */
 static enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py)
 {
     const double *x = triangle->x, *y = triangle->y;

@@ -99,22 +99,15 @@ static float band_floor(const struct block *block, size_t i)
 
 /* ---- pixels with a single candidate ---- */
 
-/* A stretch in one band. */
-struct band_stretch {
-    size_t first, n;
-    int band;
-    float *seen; /* OpenGL's samples */
-};
-
 /* Begins a block of samples. Returns their run. */
-static struct run run_of(const struct check *check, const struct band_stretch *stretch,
+static struct run run_of(const struct check *check, const struct stretch *stretch, float *seen,
                          struct block *block)
 {
     const struct chunk *chunk = check->chunk;
     const size_t first = stretch->first;
     const int32_t surface = chunk->picture.surface[first];
     block->n = stretch->n;
-    block->seen = stretch->seen;
+    block->seen = seen;
     return (struct run){.shaded = surface < 0 ? NULL : check->scene->lit->bounds[surface].shaded,
                         .rows = chunk->picture.rows + first,
                         .errors = chunk->errors + first,
@@ -124,11 +117,11 @@ static struct run run_of(const struct check *check, const struct band_stretch *s
                         .textured = block->textured};
 }
 
-static void learn_stretch(struct check *check, const struct band_stretch *stretch)
+static void learn_stretch(struct check *check, const struct stretch *stretch, int band, float *seen)
 {
     struct block block;
-    struct run run = run_of(check, stretch, &block);
-    learn(check, &run, stretch->band, &block, check->estimates + stretch->first);
+    struct run run = run_of(check, stretch, seen, &block);
+    learn(check, &run, band, &block, check->estimates + stretch->first);
 }
 
 /* Raises the ratios of a block's pixels to those of its samples, within bounds or not. */
@@ -151,18 +144,18 @@ static void raise_floors(const struct block *block, float *restrict floor, float
     }
 }
 
-static void judge_stretch(struct check *check, const struct band_stretch *stretch)
+static void judge_stretch(struct check *check, const struct stretch *stretch, int band, float *seen)
 {
     struct block block;
     struct check_failure failure;
-    struct run run = run_of(check, stretch, &block);
-    bool within = compare(check, &run, stretch->band, check->estimates + stretch->first,
+    struct run run = run_of(check, stretch, seen, &block);
+    bool within = compare(check, &run, band, check->estimates + stretch->first,
                           &check->verdict.samples, &block);
     raise_floors(&block, check->floor + stretch->first, check->band_floor + stretch->first);
     if (check->ratio)
         raise_ratios(check->ratio + stretch->first, &block);
     for (size_t i = 0; i < stretch->n && !within; i++)
-        if (is_outside(&block, i, stretch->band, &failure))
+        if (is_outside(&block, i, band, &failure))
             check_fail(check, stretch->first + i, &failure);
 }
 
@@ -429,8 +422,7 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
          at++) {
         split_channels(pixels + (at->first / width * stride + at->first % width) * 4, at->n, seen);
         for (int c = 0; c < n_channels; c++)
-            (learns ? learn_stretch : judge_stretch)(
-                check, &(struct band_stretch){at->first, at->n, first_band + c, seen[c]});
+            (learns ? learn_stretch : judge_stretch)(check, at, first_band + c, seen[c]);
     }
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {
         const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];

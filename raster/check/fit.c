@@ -62,6 +62,8 @@ static double band_rounding(const struct knowledge *knowledge, int band)
     return sum > dark * fmax(knowledge->brightest, 1) ? sum : 0;
 }
 
+/* Nothing is known but that errors are at most some multiple of roundings. False: no memory;
+ * knowledge_free accepts what is left. */
 static bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out,
                             struct error *err)
 {
@@ -78,8 +80,6 @@ static bool knowledge_begin(const struct fit *fit, int material, struct knowledg
     return true;
 }
 
-/* Nothing is known but that errors are at most some multiple of roundings. False: no memory;
- * knowledge_free accepts what is left. */
 static void knowledge_free(struct knowledge *knowledge)
 {
     FREE_ALL(knowledge->covariance, knowledge->moved);
@@ -168,6 +168,7 @@ static int compare_passes(const void *a, const void *b)
     return *first - *second;
 }
 
+/* Chooses fit->passes. False: no memory. */
 static bool pilots_choose(struct fit *fit, struct error *err)
 {
     const int n_materials = fit->plan->n_materials;
@@ -250,32 +251,12 @@ static void place_add(const struct run *run, const double *difference, float *es
     }
 }
 
-/* The estimate of a pixel. */
-struct place_estimate {
-    double p[2], q; /* of the place; and g' M^-1 g */
-};
-
-static struct place_estimate estimate_of(const struct slope *slope, const float *sums,
-                                         size_t stride)
-{
-    const double *g = slope->g, trace = (double)sums[UU * stride] + (double)sums[VV * stride],
-                 uu = (double)sums[UU * stride] + sums_error * trace +
-                      1 / (slope->e_place[0] * slope->e_place[0]),
-                 vv = (double)sums[VV * stride] + sums_error * trace +
-                      1 / (slope->e_place[1] * slope->e_place[1]),
-                 uv = (double)sums[UV * stride], over = 1 / (uu * vv - uv * uv),
-                 u = (double)sums[U * stride], v = (double)sums[V * stride];
-    return (struct place_estimate){{(vv * u - uv * v) * over, (uu * v - uv * u) * over},
-                                   (vv * g[0] * g[0] - 2 * uv * g[0] * g[1] + uu * g[1] * g[1]) *
-                                       over};
-}
-
-/* Chooses fit->passes. False: no memory. Where the texture bends, or its place has no error,
- * nothing is explained. */
+/* Where the texture bends, or its place has no error, nothing is explained. */
 static void place_explain(const struct fit *fit, const struct run *run, int band,
                           const float *estimate, struct fit_block *out)
 {
     const bool is_pilot = fit_has_pilots(fit, band / BANDS_PER_PASS);
+    const size_t stride = run->stride;
     const double spread = sqrt((double)fit->n_passes * BANDS_PER_PASS) + sqrt(2);
     for (size_t i = 0; i < run->n; i++) {
         const struct slope slope = slope_of(run, i);
@@ -283,10 +264,18 @@ static void place_explain(const struct fit *fit, const struct run *run, int band
         out->limit[i] = out->floor[i] = slope.is_straight ? (float)slope.noise : HUGE_VALF;
         if (!slope.is_straight || !(slope.e_place[0] > 0 && slope.e_place[1] > 0))
             continue;
-        const struct place_estimate found = estimate_of(&slope, estimate + i, run->stride);
-        const double itself = is_pilot ? found.q / (slope.noise * slope.noise) : 0;
-        out->explained[i] = (float)(slope.g[0] * found.p[0] + slope.g[1] * found.p[1]);
-        out->limit[i] = (float)(slope.noise + estimate_factor * spread * sqrt(fmax(0, found.q)));
+        const float *sums = estimate + i;
+        const double *g = slope.g, *e = slope.e_place,
+                     trace = (double)sums[UU * stride] + (double)sums[VV * stride],
+                     uu = (double)sums[UU * stride] + sums_error * trace + 1 / (e[0] * e[0]),
+                     vv = (double)sums[VV * stride] + sums_error * trace + 1 / (e[1] * e[1]),
+                     uv = (double)sums[UV * stride], over = 1 / (uu * vv - uv * uv),
+                     u = (double)sums[U * stride], v = (double)sums[V * stride],
+                     p[2] = {(vv * u - uv * v) * over, (uu * v - uv * u) * over},
+                     q = (vv * g[0] * g[0] - 2 * uv * g[0] * g[1] + uu * g[1] * g[1]) * over,
+                     itself = is_pilot ? q / (slope.noise * slope.noise) : 0;
+        out->explained[i] = (float)(g[0] * p[0] + g[1] * p[1]);
+        out->limit[i] = (float)(slope.noise + estimate_factor * spread * sqrt(fmax(0, q)));
         out->floor[i] = itself < MOST_OF_ITSELF ? out->limit[i] / (float)(1 - itself) : HUGE_VALF;
     }
 }

@@ -274,8 +274,7 @@ bool egl_open(struct contexts *contexts, int device, bool *found, struct error *
         return true;
     if (!find_functions(egl, contexts->way, library))
         return error_unsupported(err, "this EGL is too old: version 1.4 with platforms is needed");
-    const struct gl_source source = {library, egl->get, "EGL's OpenGL"};
     return find_display(egl, device, err) && find_config(egl, contexts->way, err) &&
-           functions_find(&source, contexts->way, &contexts->call, err);
+           functions_find(contexts, library, egl->get, "EGL's OpenGL", err);
 }
 #endif

@@ -19,17 +19,10 @@ bool library_open(const char *const *files, void **out, struct error *err);
  * are there. */
 bool library_find_all(void *library, const char *const *names, size_t n, void *out);
 
-/* ---- functions.c: the functions of OpenGL ---- */
-
-/* Finds the functions of a way, in the library (NULL: none), or by what its own function finds; all
- * others are NULL. Fails with EXIT_SYSTEM if one is missing. `name`: the library's. */
-struct gl_source {
-    void *library;
-    any_function *(*get)(const char *name);
-    const char *name;
-};
-bool functions_find(const struct gl_source *in, enum gl_way way, struct gl_functions *out,
-                    struct error *err);
+/* Finds the functions of the way of *to, in the library (NULL: none), or by what its own function
+ * finds; all others are NULL. Fails with EXIT_SYSTEM if one is missing. `name`: the library's. */
+bool functions_find(struct contexts *to, void *library, any_function *(*get)(const char *name),
+                    const char *name, struct error *err);
 
 /* Open a library; *found: its file is there, otherwise nothing is opened. device: EGL's; -1: none
  * is asked for. */

@@ -66,24 +66,24 @@ static const struct {
 #define SHADERS_NAME(type, name, parameters) {"gl" #name, false, true},
     COMMON_FUNCTIONS(COMMON_NAME) FIXED_FUNCTIONS(FIXED_NAME) SHADER_FUNCTIONS(SHADERS_NAME)};
 
-bool functions_find(const struct gl_source *in, enum gl_way way, struct gl_functions *out,
-                    struct error *err)
+bool functions_find(struct contexts *to, void *library, any_function *(*get)(const char *name),
+                    const char *name, struct error *err)
 {
     enum { N = sizeof functions / sizeof *functions };
     any_function *found[N];
     for (int i = 0; i < N; i++) {
-        const char *name = functions[i].name;
+        const char *function = functions[i].name;
         found[i] = NULL;
-        if (way == GL_WITHOUT_SHADERS ? functions[i].shaders : functions[i].fixed)
+        if (to->way == GL_WITHOUT_SHADERS ? functions[i].shaders : functions[i].fixed)
             continue;
-        if (in->library)
-            library_find(in->library, name, &found[i]);
+        if (library)
+            library_find(library, function, &found[i]);
         if (!found[i])
-            found[i] = in->get(name);
+            found[i] = get(function);
         if (!found[i])
-            return error_unsupported(err, "%s has no function %s", in->name, name);
+            return error_unsupported(err, "%s has no function %s", name, function);
     }
-    memcpy(out, found, sizeof found); /* all pointers to functions have one size in POSIX */
+    memcpy(&to->call, found, sizeof found); /* all pointers to functions have one size in POSIX */
     return true;
 }
 

@@ -107,6 +107,5 @@ bool osmesa_open(struct contexts *contexts, bool *found, struct error *err)
     contexts->name = "OSMesa";
     if (!find_functions(osmesa, &library, found, err))
         return false;
-    const struct gl_source source = {library, osmesa->get, contexts->name};
-    return !*found || functions_find(&source, GL_WITHOUT_SHADERS, &contexts->call, err);
+    return !*found || functions_find(contexts, library, osmesa->get, contexts->name, err);
 }

@@ -208,12 +208,6 @@ static void place_lights(struct gl *gl, int group)
 
 /* ---- drawing ---- */
 
-/* One pass draws up to BANDS_PER_PASS bands, lit by one group of lights. */
-struct pass {
-    int first_band, group;
-    double full_scale;
-};
-
 /* Returns whether a colour is not the one that OpenGL has, which it becomes. */
 static bool is_new(const float colour[4], float set[4])
 {
@@ -222,15 +216,15 @@ static bool is_new(const float colour[4], float set[4])
     return differs;
 }
 
-static void set_material(struct gl *gl, const struct shaded_material *shaded,
-                         const struct pass *pass)
+static void set_material(struct gl *gl, const struct shaded_material *shaded, int group,
+                         int first_band, double full_scale)
 {
     const struct gl_functions *call = gl->base.call;
     struct pass_colours colours, *set = &gl->set;
-    pass_colours(gl->base.plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
+    pass_colours(gl->base.plan, shaded, group, first_band, full_scale, &colours);
     const float gloss = colours.shines ? (float)shaded->material->gloss : gl->gloss;
     for (int i = 0; i < colours.n_lights; i++) {
-        const bool idle = gl->base.plan->is_idle[pass->group * LIGHTS_PER_PASS + i];
+        const bool idle = gl->base.plan->is_idle[group * LIGHTS_PER_PASS + i];
         if (!idle && is_new(colours.diffuse[i], set->diffuse[i]))
             call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
         if (!idle && colours.shines && is_new(colours.specular[i], set->specular[i]))
@@ -294,19 +288,20 @@ static void clear_stale(struct gl *gl)
     *is_stale = false;
 }
 
-static void draw_pass(struct gl *gl, const struct pass *pass)
+/* Draws up to BANDS_PER_PASS bands, lit by one group of lights. */
+static void draw_pass(struct gl *gl, int group, int first_band, double full_scale)
 {
     const struct plan *plan = gl->base.plan;
     int shaded = -1;
     clear_stale(gl);
     gl->base.call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    place_lights(gl, pass->group);
+    place_lights(gl, group);
     for (int i = 0; i < plan->n_instances; i++) {
         const struct placed_instance *placed = &plan->instances[i];
         if (!surface_reaches(&gl->base.lit->bounds[i], &gl->base.tile))
             continue;
         if (placed->shaded != shaded)
-            set_material(gl, &plan->materials[placed->shaded], pass);
+            set_material(gl, &plan->materials[placed->shaded], group, first_band, full_scale);
         shaded = placed->shaded;
         draw_instance(gl, i);
         gl->base.renderer.work.draw_calls++;
@@ -327,7 +322,7 @@ static bool gl_draw(struct renderer *renderer, int buffer, int first_band, doubl
         if (!draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
             (group == 0 && !upload_bands(gl, first_band, err)))
             return false;
-        draw_pass(gl, &(struct pass){first_band, group, full_scale});
+        draw_pass(gl, group, first_band, full_scale);
         if (gl->steps)
             pass_convert(gl->base.plan, gl->steps, pixels);
         if (group > 0)

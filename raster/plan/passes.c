@@ -26,54 +26,41 @@ static bool term_is_same(const struct plan *plan, const double *row, int a, int 
     return true;
 }
 
-/* The terms that may show: of materials in view, and of light that reaches them. */
-struct reaching_terms {
-    const struct plan *plan;
-    bool *reaches; /* of each light: it, or one that it is the first of, reaches something */
-};
-
-/* Returns the products of a term, one in each band; NULL: the term does not show. */
-static const double *row_of(const struct reaching_terms *of, const struct shaded_material *shaded,
-                            int term)
-{
-    const int light = shaded->terms[term].light;
-    if (!shaded->shown || (light >= 0 && !of->reaches[light]))
-        return NULL;
-    return shaded->made.spectra + (size_t)term * (size_t)of->plan->n_bands;
-}
-
 /* Returns whether two passes show the same; b may be DARK. A spectral texture may differ between
- * passes. */
-static bool is_same(const struct reaching_terms *of, int a, int b)
+ * passes. Only terms count that may show, of materials in view; reaches: of each light, it, or one
+ * that it is the first of, reaches something. */
+static bool is_same(const struct plan *plan, const bool *reaches, int a, int b)
 {
-    for (int m = 0; m < of->plan->n_materials; m++) {
-        const struct shaded_material *shaded = &of->plan->materials[m];
-        if (b != DARK && shaded->shown && texture_is_drawn(of->plan, shaded->texture) &&
-            shaded->texture->spectral)
+    for (int m = 0; m < plan->n_materials; m++) {
+        const struct shaded_material *shaded = &plan->materials[m];
+        if (!shaded->shown)
+            continue;
+        if (b != DARK && texture_is_drawn(plan, shaded->texture) && shaded->texture->spectral)
             return false;
         for (int t = 0; t < shaded->n_terms; t++) {
-            const double *row = row_of(of, shaded, t);
-            if (row && !term_is_same(of->plan, row, a, b))
+            const int light = shaded->terms[t].light;
+            if ((light < 0 || reaches[light]) &&
+                !term_is_same(plan, shaded->made.spectra + (size_t)t * (size_t)plan->n_bands, a, b))
                 return false;
         }
     }
     return true;
 }
 
-static void find_frames(const struct reaching_terms *of, struct passes *out)
+static void find_frames(const struct plan *plan, bool *reaches, struct passes *out)
 {
-    const bool complete = of->plan->options.complete;
-    for (int i = 0; i < of->plan->n_lights; i++)
-        if (!of->plan->is_idle[i])
-            of->reaches[of->plan->lights[i].first] = true;
-    for (int pass = 0; pass < of->plan->n_passes; pass++) {
+    const bool complete = plan->options.complete;
+    for (int i = 0; i < plan->n_lights; i++)
+        if (!plan->is_idle[i])
+            reaches[plan->lights[i].first] = true;
+    for (int pass = 0; pass < plan->n_passes; pass++) {
         out->frame[pass] = DARK;
-        if (!complete && is_same(of, pass, DARK)) {
+        if (!complete && is_same(plan, reaches, pass, DARK)) {
             out->n_dark++;
             continue;
         }
         if (complete || out->n_frames == 0 ||
-            !is_same(of, out->first_pass[out->n_frames - 1], pass))
+            !is_same(plan, reaches, out->first_pass[out->n_frames - 1], pass))
             out->first_pass[out->n_frames++] = pass;
         out->frame[pass] = out->n_frames - 1;
     }
@@ -82,14 +69,14 @@ static void find_frames(const struct reaching_terms *of, struct passes *out)
 bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
 {
     const size_t n = (size_t)plan->n_passes;
-    struct reaching_terms of = {.plan = plan};
+    bool *reaches;
     *out = (struct passes){.frame = NULL};
-    const bool done = MAKE_ARRAY(of.reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
+    const bool done = MAKE_ARRAY(reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
                       MAKE_ARRAY(out->frame, n, err, "%zu passes", n) &&
                       MAKE_ARRAY(out->first_pass, n, err, "%zu passes", n);
     if (done)
-        find_frames(&of, out);
-    free(of.reaches);
+        find_frames(plan, reaches, out);
+    free(reaches);
     return done;
 }
 

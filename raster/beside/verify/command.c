@@ -122,6 +122,8 @@ static bool find_scenes(const struct options *options, struct verification *out,
            (add_builtin(out, false, NULL, err) && add_builtin(out, true, NULL, err));
 }
 
+/* Finds the drivers and scenes that the options name; without any, all. verification_free accepts
+ * what a failure left. */
 static bool verification_open(const struct options *options, struct verification *out,
                               struct error *err)
 {
