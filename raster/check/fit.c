@@ -8,13 +8,13 @@
 #include "data/maths/maths.h"
 #include "raster/check/inside.h"
 
-/* True if the pass holds pilots. */
-static bool fit_has_pilots(const struct fit *fit, int pass)
+/* Returns the number of a pass with pilots; -1: it has none. */
+static int pilot_pass(const struct fit *fit, int pass)
 {
     for (int p = 0; p < fit->n_passes; p++)
         if (fit->passes[p] == pass)
-            return true;
-    return false;
+            return p;
+    return -1;
 }
 
 /* ---- the choice of pilots ---- */
@@ -148,7 +148,7 @@ static bool choose_pass(struct choice *choice)
     double largest = 0;
     int best = -1;
     for (int pass = 0; pass < fit->plan->n_passes; pass++) {
-        double most = 0, worth = fit_has_pilots(fit, pass) ? 0 : worth_of(choice, pass, &most);
+        double most = 0, worth = pilot_pass(fit, pass) >= 0 ? 0 : worth_of(choice, pass, &most);
         if (worth > largest && most > binary_logarithm(worthwhile)) {
             largest = worth;
             best = pass;
@@ -255,7 +255,7 @@ static void place_add(const struct run *run, const double *difference, float *es
 static void place_explain(const struct fit *fit, const struct run *run, int band,
                           const float *estimate, struct fit_block *out)
 {
-    const bool is_pilot = fit_has_pilots(fit, band / BANDS_PER_PASS);
+    const bool is_pilot = pilot_pass(fit, band / BANDS_PER_PASS) >= 0;
     const size_t stride = run->stride;
     const double spread = sqrt((double)fit->n_passes * BANDS_PER_PASS) + sqrt(2);
     for (size_t i = 0; i < run->n; i++) {
@@ -447,15 +447,6 @@ static const struct material_fit *material_of(const struct fit *fit, const struc
     return &fit->materials[run->shaded - fit->plan->materials];
 }
 
-/* The number of a pilot band: see struct material_fit. */
-static size_t pilot_of(const struct fit *fit, int band)
-{
-    size_t p = 0;
-    while (fit->passes[p] != band / BANDS_PER_PASS)
-        p++;
-    return p * BANDS_PER_PASS + (size_t)(band % BANDS_PER_PASS);
-}
-
 int fit_rows(const struct plan *plan)
 {
     int rows = plan->max_rows;
@@ -473,7 +464,9 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
         place_add(run, difference, estimate);
         return;
     }
-    const float *gains = material_of(fit, run)->gains + pilot_of(fit, band) * n_terms;
+    const size_t pilot =
+        (size_t)(pilot_pass(fit, band / BANDS_PER_PASS) * BANDS_PER_PASS + band % BANDS_PER_PASS);
+    const float *gains = material_of(fit, run)->gains + pilot * n_terms;
     for (size_t t = 0; t < n_terms; t++)
         for (size_t i = 0; i < run->n; i++)
             estimate[t * run->stride + i] += gains[t] * (float)difference[i];

@@ -11,13 +11,6 @@
 static const struct check_verdict nothing = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
                                              .worst_depth_ratio = -1};
 
-/* A pixel of a tile shows at most one triangle. */
-static size_t most_shown(const struct plan *plan, size_t n_triangles)
-{
-    const size_t pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    return pixels < n_triangles ? pixels : n_triangles;
-}
-
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err)
 {
     const struct plan *plan = scene->lit->plan;
@@ -30,7 +23,9 @@ bool totals_open(const struct check_scene *scene, struct check_totals *out, stru
         out->first[s] = out->n_triangles;
         out->n_triangles += (size_t)plan->instances[s].instance.n_triangles;
     }
-    out->most_shown = most_shown(plan, out->n_triangles);
+    /* a pixel of a tile shows at most one triangle */
+    const size_t pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    out->most_shown = pixels < out->n_triangles ? pixels : out->n_triangles;
     return MAKE_ARRAY(out->varying, out->n_triangles, err, "%zu triangles", out->n_triangles) &&
            MAKE_ARRAY(out->shown, out->most_shown, err, "%zu triangles", out->most_shown);
 }

@@ -56,12 +56,12 @@ static double least_distance(const struct surface *surface, const struct eye_lig
 }
 
 /* Computes an upper bound on the weight of each term at any point that phong shading lights. The
- * bound is infinite if a light that weakens with distance may be too near; *light becomes its
- * index. */
-static void phong_limits(const struct view *view, const struct surface *surface, double *limits,
-                         int *light)
+ * bound is infinite if a light that weakens with distance may be too near. Returns the index of
+ * such a light; -1: there is none. */
+static int phong_limits(const struct view *view, const struct surface *surface, double *limits)
 {
     const struct instance *instance = surface->instance;
+    int light = -1;
     for (int t = 0; t < instance->n_terms; t++)
         limits[t] = instance->terms[t].reflection == CONSTANT;
     for (int i = 0; i < view->n_lights; i++) {
@@ -75,10 +75,11 @@ static void phong_limits(const struct view *view, const struct surface *surface,
             most /= k[0] + k[1] * d + k[2] * d * d;
         }
         if (!isfinite(most))
-            *light = i;
+            light = i;
         for (int t = 0; t < instance->n_terms; t++)
             limits[t] += instance->terms[t].light == from->first ? most : 0;
     }
+    return light;
 }
 
 /* ---- the largest radiance ---- */
@@ -128,22 +129,6 @@ static bool check_radiance(const struct lit_scene *lit, int surface, int band, s
                      vertex, page);
 }
 
-/* Returns false if phong shading has no bound, because of the light of index *light. limits has
- * room for the surface's terms. */
-static bool find_brightest(const struct plan *plan, const struct surface *surface, double *limits,
-                           struct brightest *out, int *light)
-{
-    *light = -1;
-    *out = (struct brightest){surface->weights,
-                              (size_t)surface->instance->n_vertices * (size_t)surface->n_sides,
-                              (size_t)surface->n_attributes};
-    if (plan->scene->shading != SHADING_PHONG)
-        return true;
-    *out = (struct brightest){limits, 1, 0};
-    phong_limits(&plan->view, surface, limits, light);
-    return *light < 0;
-}
-
 /* The largest radiance so far, and whose it is. */
 struct largest {
     double radiance;
@@ -158,9 +143,16 @@ static bool raise_largest(const struct lit_scene *lit, int surface, double *limi
 {
     const struct plan *plan = lit->plan;
     const struct shaded_material *shaded = lit->bounds[surface].shaded;
-    struct brightest brightest;
-    int light;
-    if (!find_brightest(plan, &lit->surfaces[surface], limits, &brightest, &light))
+    const struct surface *of = &lit->surfaces[surface];
+    struct brightest brightest = {of->weights,
+                                  (size_t)of->instance->n_vertices * (size_t)of->n_sides,
+                                  (size_t)of->n_attributes};
+    int light = -1;
+    if (plan->scene->shading == SHADING_PHONG) {
+        light = phong_limits(&plan->view, of, limits);
+        brightest = (struct brightest){limits, 1, 0};
+    }
+    if (light >= 0)
         return plan->options.full_scale > 0 ||
                error_at(
                    err, plan->sources[light]->attenuation_place,

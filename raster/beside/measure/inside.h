@@ -63,10 +63,8 @@ struct target {
     const struct gl_functions *call;
     const struct contexts *contexts;
     struct canvas *canvas;
-    enum gl_way way;
     unsigned programs[TARGET_MODES], buffers[2]; /* names; programs: of ways with shaders */
     float to_clip[16];                           /* by columns */
-    bool flipped, mirrors;                       /* see contexts.h */
     uint64_t random;
     float colours[TARGET][TARGET][4]; /* from the top, as all that follows */
     uint32_t depths[TARGET][TARGET];  /* as OpenGL gives them: see target_depth */

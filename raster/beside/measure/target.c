@@ -69,7 +69,7 @@ static bool make_program(struct target *target, enum target_mode mode, struct er
         [TARGET_DIFFUSE] = "vec3(max(dot(normalize(normal), vec3(0.0, 0.0, 1.0)), 0.0))"};
     const char *flat = mode == TARGET_FLAT ? "flat " : "";
     struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
-    program_begin(target->way, &vertex);
+    program_begin(target->contexts->way, &vertex);
     print(&vertex,
           "layout(location = 0) in vec3 position;\n"
           "layout(location = 1) in vec3 colour;\n"
@@ -85,7 +85,7 @@ static bool make_program(struct target *target, enum target_mode mode, struct er
           "    at = coordinates;\n"
           "    shown = %s;\n}\n",
           flat, colours[mode]);
-    program_begin(target->way, &fragment);
+    program_begin(target->contexts->way, &fragment);
     print(&fragment,
           "in vec2 at;\n%sin vec3 shown;\n"
           "uniform sampler2D texels;\n"
@@ -140,7 +140,7 @@ static void point_inputs(const struct target *target)
 /* Makes what target_shade needs, once, when the canvas is in use. */
 static bool target_prepare(struct target *target, struct error *err)
 {
-    if (target->way != GL_WITHOUT_SHADERS)
+    if (target->contexts->way != GL_WITHOUT_SHADERS)
         return prepare_shaders(target, err);
     prepare_lighting(target);
     return true;
@@ -148,13 +148,13 @@ static bool target_prepare(struct target *target, struct error *err)
 
 void target_shade(const struct target *target, enum target_mode mode, double gloss)
 {
-    (target->way == GL_WITHOUT_SHADERS ? set_lighting : set_program)(target, mode, gloss);
+    (target->contexts->way == GL_WITHOUT_SHADERS ? set_lighting : set_program)(target, mode, gloss);
 }
 
 /* Lets OpenGL take corners from memory; NULL: from the bound buffer. */
 static void target_point(const struct target *target, const struct target_corner *corners)
 {
-    if (target->way == GL_WITHOUT_SHADERS)
+    if (target->contexts->way == GL_WITHOUT_SHADERS)
         point_arrays(target, corners);
     else
         point_inputs(target);
@@ -171,7 +171,7 @@ void target_place(struct target *target, const double projection[16], const doub
                 sum += projection[4 * k + row] * model[4 * column + k];
             target->to_clip[4 * column + row] = (float)sum;
         }
-    if (target->way != GL_WITHOUT_SHADERS)
+    if (target->contexts->way != GL_WITHOUT_SHADERS)
         return;
     call->MatrixMode(GL_PROJECTION);
     call->LoadMatrixd(projection);
@@ -186,7 +186,7 @@ void target_place(struct target *target, const double projection[16], const doub
 static void place_window(struct target *target)
 {
     static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
-    const double up = target->mirrors ? -1 : 1, side = 2.0 / TARGET;
+    const double up = target->contexts->mirrored ? -1 : 1, side = 2.0 / TARGET;
     const double columns[16] = {side, 0, 0, 0, 0, -up * side, 0, 0, 0, 0, 2, 0, -1, up, -1, 1};
     target_place(target, columns, none);
 }
@@ -219,11 +219,8 @@ bool target_open(struct contexts *contexts, struct target **out, struct error *e
         return false;
     target->call = &contexts->call;
     target->contexts = contexts;
-    target->way = contexts->way;
-    target->flipped = contexts->flipped;
-    target->mirrors = contexts->mirrored;
     target->random = 1;
-    if (target->way == GL_ES && !contexts_have(contexts, "GL_NV_read_depth_stencil"))
+    if (target->contexts->way == GL_ES && !contexts_have(contexts, "GL_NV_read_depth_stencil"))
         return error_unsupported(err, "this OpenGL ES cannot read depths, which measurements need");
     if (!target_prepare(target, err))
         return false;
@@ -247,7 +244,7 @@ void target_clear(struct target *target)
 void target_draw(const struct target *target, const struct target_corner *corners, int n_triangles)
 {
     const struct gl_functions *call = target->call;
-    const bool buffered = target->way != GL_WITHOUT_SHADERS;
+    const bool buffered = target->contexts->way != GL_WITHOUT_SHADERS;
     const GLsizeiptr size = 3 * (GLsizeiptr)n_triangles * (GLsizeiptr)sizeof *corners;
     if (buffered) {
         call->BindBuffer(GL_ARRAY_BUFFER, target->buffers[0]);
@@ -292,7 +289,7 @@ void target_show(struct target *target, const struct target_corner *corners, int
 
 static uint32_t depth_stencil(const struct target *target, int x, int y)
 {
-    return target->depths[target->flipped ? y : TARGET - 1 - y][x];
+    return target->depths[target->contexts->flipped ? y : TARGET - 1 - y][x];
 }
 
 uint32_t target_depth(const struct target *target, int x, int y)

@@ -151,7 +151,8 @@ static void measure_filter(struct target *target, struct traits *out)
 {
     const struct gl_functions *call = target->call;
     GLuint name;
-    if (target->way == GL_ES && !contexts_have(target->contexts, "GL_OES_texture_float_linear"))
+    if (target->contexts->way == GL_ES &&
+        !contexts_have(target->contexts, "GL_OES_texture_float_linear"))
         return;
     call->GenTextures(1, &name);
     call->BindTexture(GL_TEXTURE_2D, name);
@@ -239,7 +240,7 @@ enum { CORNERS = 3 * BUFFERED_TRIANGLES };
 /* A frustum of a right angle between 1 and 20; turned, and scaled differently along each axis. */
 static void place_perspective(struct target *target)
 {
-    const double up = target->mirrors ? -1 : 1;
+    const double up = target->contexts->mirrored ? -1 : 1;
     const double projection[16] = {1, 0, 0,          0,  0, up, 0,          0,
                                    0, 0, -21.0 / 19, -1, 0, 0,  -40.0 / 19, 0},
                  model[16] = {0.96, 0.28, 0.1, 0, -0.25, 0.85, 0.3, 0,
@@ -302,7 +303,7 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
     if (done) {
         target->call->GetIntegerv(GL_SUBPIXEL_BITS, &out->subpixel_bits);
         out->depth_bits = 24; /* those of the buffer that canvas_open makes */
-        if (target->way == GL_WITHOUT_SHADERS)
+        if (target->contexts->way == GL_WITHOUT_SHADERS)
             target->call->GetIntegerv(GL_DEPTH_BITS, &out->depth_bits);
         measure_coverage(target, out);
         measure_values(target, out);

@@ -77,8 +77,6 @@ struct verification {
     int n_drivers, n_scenes;
     double seconds;
 };
-/* Finds the drivers and scenes that the options name; without any, all. verification_free accepts
- * what a failure left. */
 const struct verify_result *result_of(const struct verification *of, int driver, int scene);
 /* Counts the results of each outcome, and sums up their seconds. */
 struct totals {
