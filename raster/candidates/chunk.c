@@ -226,17 +226,6 @@ static bool find_candidates(const struct tile *tile, struct chunk *chunk)
     return done;
 }
 
-/* Returns the rectangle of a chunk of the tile. */
-static struct rectangle chunk_rows(const struct rectangle *tile, int index)
-{
-    struct rectangle rows = *tile;
-    rows.y += index * CHUNK_ROWS;
-    rows.height = tile->height - index * CHUNK_ROWS;
-    if (rows.height > CHUNK_ROWS)
-        rows.height = CHUNK_ROWS;
-    return rows;
-}
-
 /* Draws chunk `index` of a tile: CHUNK_ROWS rows, fewer in the last chunk. Finds its candidates if
  * the plan asks for a check. A plan that neither checks nor stores the reference's pixels gets no
  * picture: only picture.at is set. Results do not depend on how a picture is cut into chunks.
@@ -245,7 +234,9 @@ static bool chunk_draw(const struct tile *tile, int index)
 {
     const struct lit_scene *lit = tile->lit;
     const struct plan *plan = lit->plan;
-    const struct rectangle rows = chunk_rows(&tile->at, index);
+    const int above = index * CHUNK_ROWS, left = tile->at.height - above;
+    const struct rectangle rows = {tile->at.x, tile->at.y + above, tile->at.width,
+                                   left < CHUNK_ROWS ? left : CHUNK_ROWS};
     struct chunk *out = &tile->chunks[index];
     *out = (struct chunk){.picture = {.at = rows}};
     if (!plan->options.check && !plan->options.store_raster)
@@ -291,20 +282,15 @@ static bool draw_chunks(struct tile *tile, struct error *err)
                         tile->at.width, tile->at.height);
 }
 
-static void free_tile(struct tile *tile)
-{
-    for (int i = 0; tile->chunks && i < tile->n_chunks; i++)
-        chunk_free(&tile->chunks[i]);
-    free(tile->chunks);
-}
-
 bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
                bool (*work)(void *context, const struct tile *tile, struct error *err),
                void *context, struct error *err)
 {
     struct tile tile = {.lit = lit, .at = *at};
     const bool done = draw_chunks(&tile, err) && work(context, &tile, err);
-    free_tile(&tile);
+    for (int i = 0; tile.chunks && i < tile.n_chunks; i++)
+        chunk_free(&tile.chunks[i]);
+    free(tile.chunks);
     return done;
 }
 

@@ -337,16 +337,6 @@ static void sort_error(const struct bounded_pixel *pixel, size_t t, double value
     sums->texture += fabs(weight) * e_value * mean;
 }
 
-static struct mean_bound mean_of(const struct error_sums *sums)
-{
-    const double most = fmax(sums->light + sums->rounding, fmax(sums->position, sums->texture));
-    return (struct mean_bound){.shared = (float)(sums->light + sums->rounding),
-                               .varying = (float)(sums->position + sums->texture),
-                               .cause = most <= sums->position  ? CAUSE_POSITION
-                                        : most <= sums->texture ? CAUSE_TEXTURE
-                                                                : CAUSE_LIGHT};
-}
-
 /* Bounds the error of the texture's value at the pixel. *largest becomes the largest value there:
  * of a texture that differs from band to band, its largest one. */
 static double value_error(const struct bounded_pixel *pixel, double *largest)
@@ -392,7 +382,13 @@ struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *
         errors[(n_terms + i) * stride] = pixel->place.e_place[i];
         own[(n_terms + i) * stride] = 0;
     }
-    return mean_of(&sums);
+    const double shared = sums.light + sums.rounding,
+                 most = fmax(shared, fmax(sums.position, sums.texture));
+    return (struct mean_bound){.shared = (float)shared,
+                               .varying = (float)(sums.position + sums.texture),
+                               .cause = most <= sums.position  ? CAUSE_POSITION
+                                        : most <= sums.texture ? CAUSE_TEXTURE
+                                                               : CAUSE_LIGHT};
 }
 
 int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES])

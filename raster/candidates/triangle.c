@@ -371,8 +371,7 @@ static int set_up_slivers(const struct tile *tile, const struct bounded_triangle
     return n;
 }
 
-/* Sets up the triangles that clipping at the tile's border and in depth makes. Where hardly
- * anything of the triangle is in the tile, it has no bound. */
+/* Sets up the triangles that clipping at the tile's border and in depth makes. Returns how many. */
 static int clip_to_tile(const struct tile *tile, const struct bounded_triangle *triangle,
                         struct clipped_triangle *out)
 {
@@ -383,24 +382,30 @@ static int clip_to_tile(const struct tile *tile, const struct bounded_triangle *
         widen(&part.slack, polygon_slack(&polygon, i));
     for (int i = 2; i < polygon.n; i++)
         out[i - 2] = fan_triangle(&part, &polygon, i);
-    if (polygon.n >= 3)
-        return polygon.n - 2;
-    const double px = triangle->slack.px, slack_px[3] = {px, px, px};
-    out[0] = clipped(tile, triangle, slack_px, slack_px);
-    out[0].magnification = HUGE_VAL;
-    return 1;
+    return polygon.n < 3 ? 0 : polygon.n - 2;
 }
 
-/* Sets up the triangles of a part; returns how many. */
+static double corner_slack_px(const struct tile *tile, const struct bounded_triangle *triangle,
+                              int i)
+{
+    return triangle->straddles ? triangle->slack.px
+                               : whole_slack(tile->lit, &triangle->screen, i).px;
+}
+
+/* Sets up the triangles of a part; returns how many. Where hardly anything of a clipped triangle is
+ * in the tile, it has no bound. */
 static int set_up(const struct tile *tile, const struct bounded_triangle *triangle,
                   struct clipped_triangle *out)
 {
+    const int n = triangle->straddles ? clip_to_tile(tile, triangle, out) : 0;
     double slack_px[3];
-    if (triangle->straddles)
-        return clip_to_tile(tile, triangle, out);
+    if (n > 0)
+        return n;
     for (int i = 0; i < 3; i++)
-        slack_px[i] = whole_slack(tile->lit, &triangle->screen, i).px;
+        slack_px[i] = corner_slack_px(tile, triangle, i);
     out[0] = clipped(tile, triangle, slack_px, slack_px);
+    if (triangle->straddles)
+        out[0].magnification = HUGE_VAL;
     return 1;
 }
 
@@ -414,11 +419,9 @@ static double depth_rounding(const struct driver *driver)
 static void set_edge_errors(const struct tile *tile, struct bounded_triangle *triangle)
 {
     const bool exact = is_exact(tile->lit, triangle);
-    for (int i = 0; i < 3; i++) {
-        double slack = triangle->straddles ? triangle->slack.px
-                                           : whole_slack(tile->lit, &triangle->screen, i).px;
-        triangle->edge_px[i] = exact ? 0 : slack + tile_edge_error(tile);
-    }
+    for (int i = 0; i < 3; i++)
+        triangle->edge_px[i] =
+            exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
 }
 
 /* Sets up a part's triangles, and finds the bounds that hold for all of them but those too thin for

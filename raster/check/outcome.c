@@ -63,27 +63,9 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
     totals->varying[shown] += varying;
 }
 
-static void totals_add(struct check_totals *picture, struct check_totals *tile)
-{
-    verdict_add(&picture->verdict, &tile->verdict);
-    tile->verdict = nothing;
-    picture->shared += tile->shared;
-    tile->shared = 0;
-    for (size_t i = 0; i < tile->n_shown; i++) {
-        double *varying = &tile->varying[tile->shown[i]];
-        picture->varying[tile->shown[i]] += *varying;
-        *varying = 0;
-    }
-    tile->n_shown = 0;
-    for (int s = 0; s < tile->scene->lit->plan->n_instances; s++)
-        for (int c = 0; c < BOUND_CAUSES; c++) {
-            picture->unchecked[s][c] += tile->unchecked[s][c];
-            tile->unchecked[s][c] = 0;
-        }
-}
-
 void sums_add(struct tile_sums *picture, struct tile_sums *tile)
 {
+    struct check_totals *to = &picture->totals, *from = &tile->totals;
     picture->odd.clipped += tile->odd.clipped;
     picture->odd.undefined += tile->odd.undefined;
     picture->light.points_lit += tile->light.points_lit;
@@ -91,8 +73,23 @@ void sums_add(struct tile_sums *picture, struct tile_sums *tile)
     picture->light.power_functions += tile->light.power_functions;
     tile->odd = (struct odd_samples){0, 0};
     tile->light = (struct light_work){.points_lit = 0};
-    if (tile->totals.scene)
-        totals_add(&picture->totals, &tile->totals);
+    if (!from->scene)
+        return;
+    verdict_add(&to->verdict, &from->verdict);
+    from->verdict = nothing;
+    to->shared += from->shared;
+    from->shared = 0;
+    for (size_t i = 0; i < from->n_shown; i++) {
+        double *varying = &from->varying[from->shown[i]];
+        to->varying[from->shown[i]] += *varying;
+        *varying = 0;
+    }
+    from->n_shown = 0;
+    for (int s = 0; s < from->scene->lit->plan->n_instances; s++)
+        for (int c = 0; c < BOUND_CAUSES; c++) {
+            to->unchecked[s][c] += from->unchecked[s][c];
+            from->unchecked[s][c] = 0;
+        }
 }
 
 /* ---- the mean residual ---- */

@@ -23,22 +23,18 @@ bool has_term(const struct shaded_material *shaded, enum term_kind kind)
     return false;
 }
 
-static bool has_excitation(const struct shaded_material *shaded)
-{
-    return shaded->material->excitation.kind != SPECTRUM_NONE;
-}
-
 /* A material with a partner and the partner count as one. */
 static void count_material(const struct shaded_material *shaded, struct counts *n)
 {
     const struct material *material = shaded->material;
     const struct texture *texture = shaded->texture;
+    const bool has_excitation = material->excitation.kind != SPECTRUM_NONE;
     n->ambient += shaded->made.ambient;
     n->diffuse += has_term(shaded, TERM_DIFFUSE);
     n->specular += has_term(shaded, TERM_SPECULAR);
-    n->with_excitation += has_excitation(shaded);
+    n->with_excitation += has_excitation;
     n->with_matrix += material->donaldson != NULL;
-    n->fluorescent += shaded->made.fluoresces && has_excitation(shaded);
+    n->fluorescent += shaded->made.fluoresces && has_excitation;
     n->bispectral += shaded->made.fluoresces && material->donaldson;
     n->textured += texture && !texture->spectral;
     n->spectrally_textured += texture && texture->spectral;

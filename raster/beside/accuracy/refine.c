@@ -157,14 +157,23 @@ static bool divide(struct refinement *of, struct error *err)
 
 /* ---- all of it ---- */
 
-static bool refine(struct plan *plan, const char *observer, struct refine_result *out,
-                   struct error *err)
+bool refine_options(const struct options *options, struct plan *plan, struct refine_result *out,
+                    struct error *err)
 {
+    enum { USUAL_TRIANGLES = 4000000 };
+    const char *observer = options_detector(options), *scene = plan->scene->path;
     const size_t n = (size_t)plan->scene->n_objects + 1;
     struct refinement of = {.plan = plan, .result = out};
+    if (!options->accuracy)
+        return true;
+    *out = (struct refine_result){
+        .most_triangles = options->max_triangles > 0 ? options->max_triangles : USUAL_TRIANGLES,
+        .triangles_before = plan->n_triangles,
+        .triangles_after = plan->n_triangles};
     const bool done =
-        MAKE_ARRAY(of.halvings, n, err, "the objects of %s", plan->scene->path) &&
-        MAKE_ARRAY(out->objects, n, err, "the objects of %s", plan->scene->path) &&
+        read_wanted("--accuracy", options->accuracy, &out->wanted, err) &&
+        MAKE_ARRAY(of.halvings, n, err, "the objects of %s", scene) &&
+        MAKE_ARRAY(out->objects, n, err, "the objects of %s", scene) &&
         measure_make(plan, out->wanted.unit, observer, &of.measure, err) &&
         (of.measure.known ||
          error_usage(err,
@@ -175,20 +184,6 @@ static bool refine(struct plan *plan, const char *observer, struct refine_result
     measure_free(&of.measure);
     free(of.halvings);
     return done;
-}
-
-bool refine_options(const struct options *options, struct plan *plan, struct refine_result *out,
-                    struct error *err)
-{
-    enum { USUAL_TRIANGLES = 4000000 };
-    if (!options->accuracy)
-        return true;
-    *out = (struct refine_result){
-        .most_triangles = options->max_triangles > 0 ? options->max_triangles : USUAL_TRIANGLES,
-        .triangles_before = plan->n_triangles,
-        .triangles_after = plan->n_triangles};
-    return read_wanted("--accuracy", options->accuracy, &out->wanted, err) &&
-           refine(plan, options_detector(options), out, err);
 }
 
 void refine_result_free(struct refine_result *result)

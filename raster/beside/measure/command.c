@@ -9,20 +9,6 @@ struct drivers_options {
     bool measure;
 };
 
-/* Prints what was measured, and the bounds of a driver that does so. */
-static void print_traits(const struct traits *traits, struct printed *to)
-{
-    struct driver profile;
-    char words[DRIVER_WORDS], reason[TRAITS_REASON];
-    traits_print(traits, to);
-    if (!traits_profile(traits, &profile, reason)) {
-        print(to, "  bounds          none: %s\n", reason);
-        return;
-    }
-    driver_print(&profile, words);
-    print(to, "  bounds          %s\n", words);
-}
-
 /* Returns the profile by which a render judges a driver. */
 static const char *profile_of(const struct context_description *is)
 {
@@ -30,10 +16,13 @@ static const char *profile_of(const struct context_description *is)
     return known == driver_of(NULL) ? "measured" : known->name;
 }
 
-/* Prints the options, and what they choose. */
+/* Prints the options, and what they choose; what was measured, and the bounds of a driver that does
+ * so. */
 static void print_driver(const struct listed_driver *driver, struct printed *to)
 {
     const struct context_description *is = driver->is;
+    struct driver profile;
+    char words[DRIVER_WORDS], reason[TRAITS_REASON];
     print(to, "--gl %s%s%s\n", driver->library, driver->renderer ? " --renderer " : "",
           driver->renderer ? driver->renderer : "");
     if (!is) {
@@ -46,33 +35,33 @@ static void print_driver(const struct listed_driver *driver, struct printed *to)
           is->names.renderer, is->names.library, is->names.version, is->vendor, profile_of(is),
           is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
           is->largest_texture);
-    if (driver->traits)
-        print_traits(driver->traits, to);
+    if (!driver->traits)
+        return;
+    traits_print(driver->traits, to);
+    const bool bounded = traits_profile(driver->traits, &profile, reason);
+    if (bounded)
+        driver_print(&profile, words);
+    print(to, "  bounds          %s%s\n", bounded ? "" : "none: ", bounded ? words : reason);
 }
 
-static void json_traits(const struct traits *traits, struct json *json)
+static void json_bounds(const struct driver *of, struct json *json)
 {
-    struct driver profile;
-    char reason[TRAITS_REASON];
-    const bool bounded = traits_profile(traits, &profile, reason);
-    traits_json(traits, json);
-    json_string(json, "cannot_be_checked", bounded ? NULL : reason);
-    if (!bounded)
-        return;
     json_open(json, "measured_bounds", '{');
-    json_number(json, "edge_px", profile.grid_px);
-    json_number(json, "value_px", profile.corner_px);
-    json_number(json, "depth_steps", profile.depth_roundings);
-    json_number(json, "filter_texels", profile.filter_texels);
-    json_number(json, "lighting", profile.lighting);
-    json_truth(json, "watertight", profile.watertight);
-    json_truth(json, "exact_fill_rule", profile.fill_rule != FILL_ANY);
+    json_number(json, "edge_px", of->grid_px);
+    json_number(json, "value_px", of->corner_px);
+    json_number(json, "depth_steps", of->depth_roundings);
+    json_number(json, "filter_texels", of->filter_texels);
+    json_number(json, "lighting", of->lighting);
+    json_truth(json, "watertight", of->watertight);
+    json_truth(json, "exact_fill_rule", of->fill_rule != FILL_ANY);
     json_close(json, '}');
 }
 
 static void json_driver(const struct listed_driver *driver, struct json *json)
 {
     const struct context_description *is = driver->is;
+    struct driver profile;
+    char reason[TRAITS_REASON];
     json_open(json, NULL, '{');
     json_string(json, "gl", driver->library);
     json_string(json, "renderer", driver->renderer);
@@ -87,8 +76,13 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
         json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
-        if (driver->traits)
-            json_traits(driver->traits, json);
+    }
+    if (is && driver->traits) {
+        const bool bounded = traits_profile(driver->traits, &profile, reason);
+        traits_json(driver->traits, json);
+        json_string(json, "cannot_be_checked", bounded ? NULL : reason);
+        if (bounded)
+            json_bounds(&profile, json);
     }
     json_close(json, '}');
 }

@@ -152,10 +152,12 @@ static void print_row(struct printed *to, const char *trait, const char *allowed
     print(to, "    %-22s %-44s %s\n", trait, measured, allowed);
 }
 
-static void print_coverage(const struct traits *of, struct printed *to)
+void traits_print(const struct traits *of, struct printed *to)
 {
+    static const char *const corners[3] = {"first", "second", "last"};
     char sides[64];
     name_sides(of, sides);
+    print(to, "  %-24s %-44s %s\n", "measured", "", "allowed");
     print_row(to, "edges", "1/16", "off by %.3g pixel (GL_SUBPIXEL_BITS %d)", of->edge_px,
               of->subpixel_bits);
     print_row(to, "centres on edges", "any rule", "%s; %ld of %ld not so", sides, of->odd_centres,
@@ -164,11 +166,6 @@ static void print_coverage(const struct traits *of, struct printed *to)
               of->doubles, of->shared_pixels);
     print_row(to, "without area", "no rule", "%ld pixels, %ld not finite, %ld shown",
               of->sliver_pixels, of->undefined_pixels, of->shown_pixels);
-}
-
-static void print_values(const struct traits *of, struct printed *to)
-{
-    static const char *const corners[3] = {"first", "second", "last"};
     print_row(to, "depth", "-1.5 to 1.5 of 24 bits", "%+.2f to %+.2f steps (GL_DEPTH_BITS %d)",
               of->depth_low, of->depth_high, of->depth_bits);
     print_row(to, "flat colour", "last", "of the %s corner", corners[of->provoking]);
@@ -180,13 +177,6 @@ static void print_values(const struct traits *of, struct printed *to)
     print_row(to, "normals", "1e-05 an operation", "off by %.2g roundings", of->normal_roundings);
     print_row(to, "flat and lit passes", "0", "%ld of %ld pixels differ", of->varying_pixels,
               of->seen_pixels);
-}
-
-void traits_print(const struct traits *traits, struct printed *to)
-{
-    print(to, "  %-24s %-44s %s\n", "measured", "", "allowed");
-    print_coverage(traits, to);
-    print_values(traits, to);
 }
 
 void traits_json(const struct traits *traits, struct json *json)

@@ -167,14 +167,6 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
                      id, of->words.id));
 }
 
-static bool draw_folder(const struct drawn *of, float *out, int first_band, struct error *err)
-{
-    char name[FILE_NAME];
-    snprintf(name, sizeof name, "colours-%d.bin", first_band);
-    return drawn_read_file(of->folder, name, count_pixels(of->plan) * 4 * sizeof *out, out, NULL,
-                           err);
-}
-
 /* ---- a TIFF ---- */
 
 /* Refuses a picture of another size, other bands, or counts. */
@@ -235,8 +227,13 @@ static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, do
                        struct error *err)
 {
     struct drawn *of = (struct drawn *)renderer;
-    return of->folder ? draw_folder(of, renderer->buffers[buffer], first_band, err)
-                      : draw_image(of, renderer->buffers[buffer], first_band, full_scale, err);
+    float *out = renderer->buffers[buffer];
+    char name[FILE_NAME];
+    if (!of->folder)
+        return draw_image(of, out, first_band, full_scale, err);
+    snprintf(name, sizeof name, "colours-%d.bin", first_band);
+    return drawn_read_file(of->folder, name, count_pixels(of->plan) * 4 * sizeof *out, out, NULL,
+                           err);
 }
 
 static bool drawn_identify(struct renderer *renderer, struct error *err)
@@ -288,27 +285,6 @@ static bool open_pixels(struct drawn *of, const struct drawn_names *names, struc
            check_image(of, err);
 }
 
-static void complete_names(struct renderer_names *names)
-{
-    snprintf(names->library, sizeof names->library, "another program");
-    if (!names->renderer[0])
-        snprintf(names->renderer, sizeof names->renderer, "an unnamed renderer");
-    if (!names->version[0])
-        snprintf(names->version, sizeof names->version, "unknown version");
-}
-
-static bool allocate(struct drawn *of, int n_buffers, struct error *err)
-{
-    const struct plan *plan = of->plan;
-    if (plan->tiled)
-        return error_usage(err,
-                           "the pixels of another program are judged in one piece, of at most "
-                           "%d x %d pixels here; choose a smaller --size",
-                           plan->tile_width, plan->tile_height);
-    return renderer_make_buffers(&of->renderer, n_buffers, count_pixels(plan),
-                                 "the pixels of a pass", err);
-}
-
 bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
                 struct error *err)
 {
@@ -326,10 +302,22 @@ bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct rend
     *out = &of->renderer;
     of->renderer.kind = &kind;
     of->plan = plan;
-    if (!allocate(of, n_buffers, err) || !open_pixels(of, names, err))
+    if (plan->tiled)
+        return error_usage(err,
+                           "the pixels of another program are judged in one piece, of at most "
+                           "%d x %d pixels here; choose a smaller --size",
+                           plan->tile_width, plan->tile_height);
+    if (!renderer_make_buffers(&of->renderer, n_buffers, count_pixels(plan), "the pixels of a pass",
+                               err) ||
+        !open_pixels(of, names, err))
         return false;
-    complete_names(&of->renderer.names);
-    of->renderer.driver = *driver_of(driver ? driver : of->renderer.names.renderer);
+    struct renderer_names *by = &of->renderer.names;
+    snprintf(by->library, sizeof by->library, "another program");
+    if (!by->renderer[0])
+        snprintf(by->renderer, sizeof by->renderer, "an unnamed renderer");
+    if (!by->version[0])
+        snprintf(by->version, sizeof by->version, "unknown version");
+    of->renderer.driver = *driver_of(driver ? driver : by->renderer);
     of->renderer.lacks = (struct renderer_lacks){!of->numbers, !of->depths};
     return true;
 }
