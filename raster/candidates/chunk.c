@@ -204,23 +204,14 @@ static bool allocate(struct bounding *bounding)
            memory_make(&out->is_ambiguous, n_pixels, sizeof *out->is_ambiguous);
 }
 
-static bool resolve_all(struct bounding *bounding)
-{
-    const struct rectangle *at = &bounding->chunk->picture.at;
-    size_t n_pixels = (size_t)at->width * (size_t)at->height;
-    if (!allocate(bounding))
-        return false;
-    for (size_t i = 0; i < n_pixels; i++)
-        if (!resolve_pixel(bounding, i))
-            return false;
-    return true;
-}
-
 static bool find_candidates(const struct tile *tile, struct chunk *chunk)
 {
-    struct bounding bounding = {.chunk = chunk,
-                                .fragments = {.tile = tile, .rows = chunk->picture.at}};
-    bool done = fragments_find(&bounding.fragments) && resolve_all(&bounding);
+    const struct rectangle *at = &chunk->picture.at;
+    const size_t n_pixels = (size_t)at->width * (size_t)at->height;
+    struct bounding bounding = {.chunk = chunk, .fragments = {.tile = tile, .rows = *at}};
+    bool done = fragments_find(&bounding.fragments) && allocate(&bounding);
+    for (size_t i = 0; i < n_pixels && done; i++)
+        done = resolve_pixel(&bounding, i);
     fragments_free(&bounding.fragments);
     pixel_close(&bounding.pixel);
     return done;

@@ -236,19 +236,6 @@ static bool check_noise(const struct lit_scene *lit, const struct largest *large
 
 /* ---- the full scale ---- */
 
-static bool find_largest(const struct lit_scene *lit, double *out, struct error *err)
-{
-    const struct plan *plan = lit->plan;
-    double *limits;
-    bool done = MAKE_ARRAY(limits, plan->max_rows, err, "the terms of a material");
-    struct largest largest = {0, -1, 0};
-    for (int s = 0; s < plan->n_instances && done; s++)
-        done = raise_largest(lit, s, limits, &largest, err);
-    free(limits);
-    *out = largest.radiance;
-    return done && check_noise(lit, &largest, err);
-}
-
 /* OpenGL gets colours that are spectra over full scale. Below 2^100 single precision can hold them
  * and their sums. Beside such light everything else is black. */
 static double least_full_scale(const struct plan *plan)
@@ -265,9 +252,15 @@ static double least_full_scale(const struct plan *plan)
 bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    double largest;
-    if (!find_largest(lit, &largest, err))
+    double *limits;
+    struct largest found = {0, -1, 0};
+    bool done = MAKE_ARRAY(limits, plan->max_rows, err, "the terms of a material");
+    for (int s = 0; s < plan->n_instances && done; s++)
+        done = raise_largest(lit, s, limits, &found, err);
+    free(limits);
+    if (!done || !check_noise(lit, &found, err))
         return false;
+    const double largest = found.radiance;
     if (plan->options.bits == 32 && largest > 0 && largest < (double)FLT_MIN / SINGLE_ROUNDOFF)
         return error_at(
             err, plan->instances[0].object->place,

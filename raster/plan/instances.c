@@ -72,32 +72,24 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
     return largest > 0 ? ldexp(1, exponent) : 1;
 }
 
-static bool build_whole(const struct shape *shape, int halvings, struct mesh *out,
-                        struct error *err)
-{
-    bool done = shape_build(shape, out, err);
-    for (; done && halvings > 0; halvings--)
-        done = mesh_halve(out, err);
-    if (!done)
-        return false;
-    if (shape->planar)
-        mesh_planar(out);
-    shape_repeat_texture(shape, out);
-    return true;
-}
-
 static bool add_whole(struct instance_maker *maker, const struct shape *shape, int halvings,
                       struct error *err)
 {
     struct whole whole = {.shape = *shape};
-    if (build_whole(shape, halvings, &whole.mesh, err)) {
+    bool done = shape_build(shape, &whole.mesh, err);
+    for (; done && halvings > 0; halvings--)
+        done = mesh_halve(&whole.mesh, err);
+    if (done) {
+        if (shape->planar)
+            mesh_planar(&whole.mesh);
+        shape_repeat_texture(shape, &whole.mesh);
         whole.centre = centre_of(&whole.mesh);
         whole.unit = mesh_unit(&whole.mesh, whole.centre);
-        if (array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err))
-            return true;
+        done = array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err);
     }
-    mesh_free(&whole.mesh);
-    return false;
+    if (!done)
+        mesh_free(&whole.mesh);
+    return done;
 }
 
 /* The index of an object's mesh, which is built when it is first asked for; -1 after an error. A
@@ -279,18 +271,6 @@ static int count_parts(const struct mesh *mesh)
     return mesh->part ? mesh->n_parts : 1;
 }
 
-static bool index_parts(struct whole *whole, struct error *err)
-{
-    const struct mesh *mesh = &whole->mesh;
-    const int n = count_parts(mesh);
-    for (int part = (int)whole->parts.n_keys; part < n; part++) {
-        const char *name = part_name(mesh, part);
-        if (!index_add(&whole->parts, name, strlen(name), part, err))
-            return false;
-    }
-    return true;
-}
-
 /* Finds the line of the map for each part; use[part] NULL: there is none. A line for a usemtl that
  * the mesh does not have is a mistake. */
 static bool find_uses(const struct object *object, struct whole *whole,
@@ -335,8 +315,12 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
     struct whole *of = &maker->wholes[whole];
     const int n_parts = count_parts(&of->mesh);
     const struct material_assignment **use;
-    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts) &&
-                index_parts(of, err) && find_uses(object, of, use, err);
+    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts);
+    for (int part = (int)of->parts.n_keys; part < n_parts && done; part++) {
+        const char *name = part_name(&of->mesh, part);
+        done = index_add(&of->parts, name, strlen(name), part, err);
+    }
+    done = done && find_uses(object, of, use, err);
     for (int part = 0; done && part < n_parts; part++)
         done = add_part(maker, object, (struct cutting){whole, part, -1}, use[part], err);
     free(use);

@@ -83,20 +83,6 @@ static bool copy_terms(const struct material_terms *made, struct term **out, str
     return true;
 }
 
-static bool make_terms(struct plan *plan, const struct material *material,
-                       struct shaded_material *out, struct error *err)
-{
-    struct material_terms *made = &out->made;
-    if (!material_terms_make(&plan->illumination, material, made, err))
-        return false;
-    plan->work.terms += made->n;
-    plan->work.excitation_integrals += made->excitation_integrals;
-    out->material = material;
-    out->n_terms = made->n;
-    out->n_colours = count_colours(plan, made);
-    return copy_terms(made, &out->terms, err);
-}
-
 double shaded_brightest(const struct shaded_material *shaded)
 {
     double most = 0;
@@ -122,7 +108,16 @@ static bool find_terms(struct plan *plan, const struct material *material, int *
     if (*out >= 0)
         return true;
     *out = plan->n_materials++; /* counted first, so that plan_free reaches it after a failure */
-    return make_terms(plan, material, &plan->materials[*out], err) &&
+    struct shaded_material *shaded = &plan->materials[*out];
+    struct material_terms *made = &shaded->made;
+    if (!material_terms_make(&plan->illumination, material, made, err))
+        return false;
+    plan->work.terms += made->n;
+    plan->work.excitation_integrals += made->excitation_integrals;
+    shaded->material = material;
+    shaded->n_terms = made->n;
+    shaded->n_colours = count_colours(plan, made);
+    return copy_terms(made, &shaded->terms, err) &&
            index_add(&plan->by_material, &material, sizeof material, *out, err);
 }
 

@@ -64,27 +64,24 @@ enum gl_way driver_way(const char *renderer, const char **driver)
     return GL_WITHOUT_SHADERS;
 }
 
-static bool refuse_renderer(const char *option, const char *value, struct error *err)
+bool driver_accepts_renderer(const char *option, const char *value, struct error *err)
 {
     static const char *const known[] = {"gl",     "llvmpipe",         "softpipe",
                                         "raster", "gl-shader:DRIVER", "es-shader:DRIVER"};
+    const size_t length = strlen("gl-shader"); /* es-shader is as long */
+    const char *driver;
+    const bool shaders = driver_way(value, &driver) != GL_WITHOUT_SHADERS;
+    if (shaders && (value[length] == '\0' || (value[length] == ':' && driver)))
+        return true;
+    if ((!shaders && find_driver(value)) || strcmp(value, "gl") == 0 ||
+        strcmp(value, "raster") == 0)
+        return true;
     const struct word typed = {.start = value, .length = strlen(value)};
     struct suggestion suggestion = {.distance = 0};
     for (size_t i = 0; i < sizeof known / sizeof *known; i++)
         suggestion_add(&suggestion, &typed, known[i], strlen(known[i]));
     return error_usage(err, "%s: unknown renderer '%.100s'; %s", option, value,
                        suggestion_end(&suggestion, "known are"));
-}
-
-bool driver_accepts_renderer(const char *option, const char *value, struct error *err)
-{
-    const size_t length = strlen("gl-shader"); /* es-shader is as long */
-    const char *driver;
-    const bool shaders = driver_way(value, &driver) != GL_WITHOUT_SHADERS;
-    if (shaders && (value[length] == '\0' || (value[length] == ':' && driver)))
-        return true;
-    return (!shaders && find_driver(value)) || strcmp(value, "gl") == 0 ||
-           strcmp(value, "raster") == 0 || refuse_renderer(option, value, err);
 }
 
 /* ---- --gl ---- */

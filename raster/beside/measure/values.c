@@ -163,15 +163,6 @@ static void measure_filter(struct target *target, struct traits *out)
     target_shade(target, TARGET_COLOURS, 0);
 }
 
-static void measure_values(struct target *target, struct traits *out)
-{
-    measure_depth(target, out);
-    measure_provoking(target, out);
-    measure_clamp(target, out);
-    measure_interpolation(target, out);
-    measure_filter(target, out);
-}
-
 /* ---- the light at a vertex ---- */
 
 /* Returns the red of rectangle i of a grid. */
@@ -219,15 +210,6 @@ static void measure_normals(struct target *target, struct traits *out)
         const double off = fabs(red_of(target, i) - normal.z / vector_length(normal));
         out->normal_roundings = fmax(out->normal_roundings, off / roundings(1));
     }
-}
-
-static void measure_lighting(struct target *target, struct traits *out)
-{
-    static const double gloss[] = {0.3, 1, 2, 10.5, 40, 128};
-    for (size_t i = 0; i < sizeof gloss / sizeof *gloss; i++)
-        measure_power(target, gloss[i], out);
-    measure_normals(target, out);
-    target_shade(target, TARGET_COLOURS, 0);
 }
 
 /* ---- passes ---- */
@@ -297,6 +279,7 @@ static bool measure_passes(struct target *target, struct traits *out, struct err
 
 bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err)
 {
+    static const double gloss[] = {0.3, 1, 2, 10.5, 40, 128};
     struct target *target;
     *out = (struct traits){.subpixel_bits = 0};
     bool done = target_open(contexts, &target, err);
@@ -306,8 +289,15 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
         if (target->contexts->way == GL_WITHOUT_SHADERS)
             target->call->GetIntegerv(GL_DEPTH_BITS, &out->depth_bits);
         measure_coverage(target, out);
-        measure_values(target, out);
-        measure_lighting(target, out);
+        measure_depth(target, out);
+        measure_provoking(target, out);
+        measure_clamp(target, out);
+        measure_interpolation(target, out);
+        measure_filter(target, out);
+        for (size_t i = 0; i < sizeof gloss / sizeof *gloss; i++)
+            measure_power(target, gloss[i], out);
+        measure_normals(target, out);
+        target_shade(target, TARGET_COLOURS, 0);
         done = measure_passes(target, out, err);
         const GLenum code = target->call->GetError();
         if (done && code != GL_NO_ERROR)

@@ -179,17 +179,6 @@ static void find_variables(const struct shader *of, struct program *program)
         *variables[i].at = of->base.call->GetUniformLocation(program->name, variables[i].name);
 }
 
-static bool make(const struct shader *of, struct printed *vertex, struct printed *fragment,
-                 struct program *out, struct error *err)
-{
-    struct program program = {.material = -1, .batch = -1};
-    if (!program_end(of->base.call, vertex, fragment, &program.name, err))
-        return false;
-    find_variables(of, &program);
-    *out = program;
-    return true;
-}
-
 /* Sets what no pass changes: the lights of the group, and the units of textures. */
 static void set_lights(const struct shader *of, int group, const struct program *program)
 {
@@ -265,8 +254,10 @@ struct program *program_use(struct shader *shader, const struct program_effects 
         print_fragment_shader(shader, effects, &fragment);
     } else
         print_numbers(shader->base.plan->options.gl_way, &vertex, &fragment);
-    if (!make(shader, &vertex, &fragment, program, err))
+    if (!program_end(shader->base.call, &vertex, &fragment, &program->name, err))
         return NULL;
+    program->material = program->batch = -1;
+    find_variables(shader, program);
     if (effects)
         set_lights(shader, effects->group, program);
     return program;

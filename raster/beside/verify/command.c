@@ -113,22 +113,19 @@ static bool add_named(struct verification *to, const char *word, struct error *e
     return add_scene(to, &scene, word, err);
 }
 
-static bool find_scenes(const struct options *options, struct verification *out, struct error *err)
-{
-    for (int i = 0; i < options->n_operands; i++)
-        if (!add_named(out, options->operands[i], err))
-            return false;
-    return options->n_operands > 0 ||
-           (add_builtin(out, false, NULL, err) && add_builtin(out, true, NULL, err));
-}
-
 /* Finds the drivers and scenes that the options name; without any, all. verification_free accepts
  * what a failure left. */
 static bool verification_open(const struct options *options, struct verification *out,
                               struct error *err)
 {
+    const int n_named = options->n_operands;
     *out = (struct verification){.n_drivers = 0};
-    if (!find_scenes(options, out, err) || !find_drivers(options, out, err))
+    for (int i = 0; i < n_named; i++)
+        if (!add_named(out, options->operands[i], err))
+            return false;
+    if ((n_named == 0 &&
+         (!add_builtin(out, false, NULL, err) || !add_builtin(out, true, NULL, err))) ||
+        !find_drivers(options, out, err))
         return false;
     const size_t n = (size_t)out->n_drivers * (size_t)out->n_scenes;
     return MAKE_ARRAY(out->results, n, err, "the results of %zu pictures", n);

@@ -261,9 +261,14 @@ static void drawn_close(struct renderer *renderer)
 
 /* ---- opening ---- */
 
-static bool open_folder(struct drawn *of, struct error *err)
+static bool open_pixels(struct drawn *of, const struct drawn_names *names, struct error *err)
 {
+    struct stat status;
     void *numbers = NULL, *depths = NULL;
+    if (stat(names->pixels, &status) != 0 || !S_ISDIR(status.st_mode))
+        return image_open(names->pixels, (struct place){NULL, 0, 0}, &of->image, err) &&
+               check_image(of, err);
+    of->folder = names->pixels;
     snprintf(of->path, sizeof of->path, "%.4095s/drawn.txt", of->folder);
     const bool done = drawn_read_words(of->path, &of->words, err) &&
                       read_optional(of, "numbers.bin", 4, &numbers, err) &&
@@ -272,17 +277,6 @@ static bool open_folder(struct drawn *of, struct error *err)
     of->depths = depths;
     of->renderer.names = of->words.names;
     return done;
-}
-
-static bool open_pixels(struct drawn *of, const struct drawn_names *names, struct error *err)
-{
-    struct stat status;
-    if (stat(names->pixels, &status) == 0 && S_ISDIR(status.st_mode)) {
-        of->folder = names->pixels;
-        return open_folder(of, err);
-    }
-    return image_open(names->pixels, (struct place){NULL, 0, 0}, &of->image, err) &&
-           check_image(of, err);
 }
 
 bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
