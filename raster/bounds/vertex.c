@@ -218,18 +218,6 @@ static bool check_near(const struct plan *plan, const struct surface *surface,
                triangle + 1, error * plan->unit, plan->scene->camera.near);
 }
 
-static bool check_surface(const struct bounding *of, struct error *err)
-{
-    const struct instance *instance = of->surface->instance;
-    for (int i = 0; i < instance->n_vertices; i++)
-        if (!check_vertex(of->surface, of->bounds, i, err))
-            return false;
-    for (int i = 0; i < instance->n_triangles && of->lit->plan->scene->camera.perspective; i++)
-        if (!check_near(of->lit->plan, of->surface, of->bounds, i, err))
-            return false;
-    return true;
-}
-
 /* ---- surfaces ---- */
 
 /* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye, or
@@ -328,8 +316,12 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     work->vertices_lit += (long)of.vertices_lit.n;
     work->specular_vertices += (long)of.specular_vertices.n;
     work->power_functions += (long)of.power_functions.n;
-    if (!check_surface(&of, err))
-        return false;
+    for (int i = 0; i < placed->instance.n_vertices; i++)
+        if (!check_vertex(of.surface, of.bounds, i, err))
+            return false;
+    for (int i = 0; i < placed->instance.n_triangles && lit->plan->scene->camera.perspective; i++)
+        if (!check_near(lit->plan, of.surface, of.bounds, i, err))
+            return false;
     find_extent(of.surface, of.bounds);
     return !(placed->in_view && lit->plan->options.use_gl) || find_hidden(lit, index, err);
 }

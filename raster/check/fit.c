@@ -372,17 +372,6 @@ static void bound_band(const struct pilots *of, int band)
     }
 }
 
-static bool allocate(const struct fit *fit, const struct shaded_material *shaded,
-                     struct material_fit *out, struct error *err)
-{
-    const size_t n_bands = (size_t)fit->plan->n_bands, n = (size_t)shaded->n_terms * n_bands;
-    return MAKE_ARRAY(out->spectra, n, err, "the spectra of a material") &&
-           MAKE_ARRAY(out->own, n, err, "the bounds of a material") &&
-           MAKE_ARRAY(out->rest, n, err, "the bounds of a material") &&
-           MAKE_ARRAY(out->gains, shaded->n_terms * MAX_PILOTS, err, "the fit of a material") &&
-           MAKE_ARRAY(out->bands, n_bands, err, "the fit of a material");
-}
-
 static bool fit_material(const struct fit *fit, int material, struct error *err)
 {
     const struct shaded_material *shaded = &fit->plan->materials[material];
@@ -407,12 +396,18 @@ static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
     const struct plan *plan = fit->plan;
     for (int m = 0; m < plan->n_materials; m++) {
         const struct shaded_material *shaded = &plan->materials[m];
-        if (!allocate(fit, shaded, &fit->materials[m], err))
+        struct material_fit *out = &fit->materials[m];
+        const size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands,
+                     n = n_terms * n_bands;
+        if (!MAKE_ARRAY(out->spectra, n, err, "the spectra of a material") ||
+            !MAKE_ARRAY(out->own, n, err, "the bounds of a material") ||
+            !MAKE_ARRAY(out->rest, n, err, "the bounds of a material") ||
+            !MAKE_ARRAY(out->gains, n_terms * MAX_PILOTS, err, "the fit of a material") ||
+            !MAKE_ARRAY(out->bands, n_bands, err, "the fit of a material"))
             return false;
-        const size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands;
         for (size_t t = 0; t < n_terms; t++)
             for (size_t band = 0; band < n_bands; band++)
-                fit->materials[m].spectra[band * n_terms + t] =
+                out->spectra[band * n_terms + t] =
                     (float)(shaded->made.spectra[t * n_bands + band] / full_scale * FULL_COUNT);
     }
     return true;

@@ -36,16 +36,6 @@ static bool shows_texture(const struct drawing *of, int instance)
     return texture_is_drawn(of->plan, of->plan->materials[shaded].texture);
 }
 
-static bool upload_mesh(const struct drawing *of, int instance, struct error *err)
-{
-    const int index = of->plan->instances[instance].mesh;
-    const struct mesh *mesh = &of->plan->meshes[index].mesh;
-    GLuint *buffers = of->objects + BUFFERS * index;
-    return upload_vertices(of, &buffers[VERTICES], mesh, 0, VERTEX_FLOATS, err) &&
-           (!shows_texture(of, instance) || upload_vertices(of, &buffers[COORDINATES], mesh,
-                                                            VERTEX_FLOATS, COORDINATE_FLOATS, err));
-}
-
 /* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
  * some of them. 0: there is none yet. */
 static GLuint *index_buffer(const struct drawing *of, int instance)
@@ -75,10 +65,14 @@ static bool upload_triangles(const struct drawing *of, int instance, struct erro
 
 static bool upload_instance(const struct drawing *of, int instance, struct error *err)
 {
-    GLuint *indices = index_buffer(of, instance);
+    const int index = of->plan->instances[instance].mesh;
+    const struct mesh *mesh = &of->plan->meshes[index].mesh;
+    GLuint *buffers = of->objects + BUFFERS * index, *indices = index_buffer(of, instance);
     if (!of->plan->instances[instance].in_view)
         return true;
-    if (!upload_mesh(of, instance, err))
+    if (!upload_vertices(of, &buffers[VERTICES], mesh, 0, VERTEX_FLOATS, err) ||
+        (shows_texture(of, instance) &&
+         !upload_vertices(of, &buffers[COORDINATES], mesh, VERTEX_FLOATS, COORDINATE_FLOATS, err)))
         return false;
     if (*indices)
         return true;

@@ -413,20 +413,6 @@ static void gl_close(struct renderer *renderer)
     drawing_close(&gl->base);
 }
 
-/* Sets the state of all contexts. */
-static bool set_states(struct gl *gl, struct error *err)
-{
-    set_state(gl);
-    if (gl->numbers) {
-        if (!functions_succeeded(gl->base.call, err) || !draw_into(gl, gl->base.shown, true, err))
-            return false;
-        set_state(gl);
-        return functions_succeeded(gl->base.call, err) &&
-               draw_into(gl, NULL, false, err); /* for uploads */
-    }
-    return functions_succeeded(gl->base.call, err);
-}
-
 bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
 {
     static const struct renderer_kind kind = {.take_scene = drawing_take_scene,
@@ -445,5 +431,14 @@ bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, stru
     gl->base.n_units = 1;
     gl->group = -1;
     gl->gloss = -1;
-    return open_canvases(gl, n_buffers, err) && set_states(gl, err);
+    if (!open_canvases(gl, n_buffers, err))
+        return false;
+    set_state(gl);
+    if (!gl->numbers)
+        return functions_succeeded(gl->base.call, err);
+    if (!functions_succeeded(gl->base.call, err) || !draw_into(gl, gl->base.shown, true, err))
+        return false;
+    set_state(gl);
+    return functions_succeeded(gl->base.call, err) &&
+           draw_into(gl, NULL, false, err); /* for uploads */
 }

@@ -47,13 +47,19 @@ static bool is_same(const struct plan *plan, const bool *reaches, int a, int b)
     return true;
 }
 
-static void find_frames(const struct plan *plan, bool *reaches, struct passes *out)
+bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
 {
+    const size_t n = (size_t)plan->n_passes;
     const bool complete = plan->options.complete;
-    for (int i = 0; i < plan->n_lights; i++)
+    bool *reaches;
+    *out = (struct passes){.frame = NULL};
+    const bool done = MAKE_ARRAY(reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
+                      MAKE_ARRAY(out->frame, n, err, "%zu passes", n) &&
+                      MAKE_ARRAY(out->first_pass, n, err, "%zu passes", n);
+    for (int i = 0; i < plan->n_lights && done; i++)
         if (!plan->is_idle[i])
             reaches[plan->lights[i].first] = true;
-    for (int pass = 0; pass < plan->n_passes; pass++) {
+    for (int pass = 0; pass < plan->n_passes && done; pass++) {
         out->frame[pass] = DARK;
         if (!complete && is_same(plan, reaches, pass, DARK)) {
             out->n_dark++;
@@ -64,18 +70,6 @@ static void find_frames(const struct plan *plan, bool *reaches, struct passes *o
             out->first_pass[out->n_frames++] = pass;
         out->frame[pass] = out->n_frames - 1;
     }
-}
-
-bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
-{
-    const size_t n = (size_t)plan->n_passes;
-    bool *reaches;
-    *out = (struct passes){.frame = NULL};
-    const bool done = MAKE_ARRAY(reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
-                      MAKE_ARRAY(out->frame, n, err, "%zu passes", n) &&
-                      MAKE_ARRAY(out->first_pass, n, err, "%zu passes", n);
-    if (done)
-        find_frames(plan, reaches, out);
     free(reaches);
     return done;
 }

@@ -9,36 +9,31 @@
 
 /* ---- textures ---- */
 
-/* Reads a texture, and adds it under its key. */
-static struct texture *add_texture(struct plan *plan, const struct material *material,
-                                   const char *key, struct error *err)
-{
-    const bool spectral = material->spectral_texture != NULL;
-    const struct place place =
-        spectral ? material->spectral_texture_place : material->texture_place;
-    struct texture *new = &plan->textures[plan->n_textures];
-    *new = (struct texture){.spectral = spectral, .linear = material->texture_linear};
-    if (!texture_read(spectral ? material->spectral_texture : material->texture, place, new, err))
-        return NULL;
-    plan->n_textures++;
-    return index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err) ? new : NULL;
-}
-
 /* A texture is read when it is first asked for; NULL after an error. */
 static struct texture *find_texture(struct plan *plan, const struct material *material,
                                     struct error *err)
 {
     const bool spectral = material->spectral_texture != NULL;
     const char *path = spectral ? material->spectral_texture : material->texture;
+    struct texture *texture = &plan->textures[plan->n_textures];
     char *key;
     if (!MAKE_ARRAY(key, strlen(path) + 3, err, "the name of %s", path))
         return NULL;
     sprintf(key, "%c%c%s", spectral ? 's' : 'g', material->texture_linear ? 'l' : 'n', path);
     const int known = index_find(&plan->by_texture, key, strlen(key));
-    struct texture *texture =
-        known >= 0 ? &plan->textures[known] : add_texture(plan, material, key, err);
+    bool done = true;
+    if (known >= 0)
+        texture = &plan->textures[known];
+    else {
+        *texture = (struct texture){.spectral = spectral, .linear = material->texture_linear};
+        done = texture_read(path,
+                            spectral ? material->spectral_texture_place : material->texture_place,
+                            texture, err);
+        plan->n_textures += done;
+        done = done && index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err);
+    }
     free(key);
-    return texture;
+    return done ? texture : NULL;
 }
 
 struct texels plan_texels(const struct texture *texture, int plane)

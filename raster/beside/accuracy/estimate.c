@@ -216,19 +216,6 @@ static bool open_seen(struct estimating *of, struct error *err)
     return true;
 }
 
-static bool judge_pixels(struct estimating *of, struct error *err)
-{
-    enum { BLOCK_PIXELS = 128 };
-    const int n = of->seen.n;
-    if (!open_seen(of, err))
-        return false;
-    threads_blocks(of->plan->options.threads, (size_t)n, BLOCK_PIXELS, judge_block, of);
-    for (int i = 0; i < n && of->failed.n == 0; i++)
-        if (of->points[i].surface >= 0)
-            of->points[of->n_points++] = of->points[i];
-    return of->failed.n == 0 || memory_lacks(err, 0, "the pixels that are judged");
-}
-
 /* ---- conclusions ---- */
 
 static int by_error(const void *a, const void *b)
@@ -294,15 +281,24 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
 bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
                        struct accuracy_estimate *out, struct error *err)
 {
+    enum { BLOCK_PIXELS = 128 };
     const struct plan *plan = measure->plan;
     struct estimating of = {
         .plan = plan, .surfaces = surfaces, .measure = measure, .failed = COUNTER};
     *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
-    const bool done =
+    bool done =
         seen_find(plan, surfaces, wanted, &of.seen, err) &&
         MAKE_ARRAY(of.patches, (size_t)plan->n_meshes + 1, err, "the shapes that are judged") &&
         MAKE_ARRAY(of.points, (size_t)of.seen.n + 1, err, "the pixels that are judged") &&
-        judge_pixels(&of, err) && conclude(&of, out, err);
+        open_seen(&of, err);
+    if (done)
+        threads_blocks(plan->options.threads, (size_t)of.seen.n, BLOCK_PIXELS, judge_block, &of);
+    for (int i = 0; i < of.seen.n && done && of.failed.n == 0; i++)
+        if (of.points[i].surface >= 0)
+            of.points[of.n_points++] = of.points[i];
+    if (of.failed.n > 0)
+        memory_lacks(err, 0, "the pixels that are judged");
+    done = done && of.failed.n == 0 && conclude(&of, out, err);
     for (int i = 0; of.patches && i < plan->n_meshes; i++)
         patches_close(&of.patches[i]);
     free(of.patches);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral drivers: lists what OpenGL can draw here, and the options that choose it. */
 #include <stdio.h>
-#include <unistd.h>
+#include <stdlib.h>
 
 #include "raster/beside/measure/inside.h"
 
@@ -87,36 +87,26 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
     json_close(json, '}');
 }
 
-static bool write_json(struct options *options, const struct driver_list *drivers,
-                       struct error *err)
-{
-    struct json json;
-    json_begin(&json);
-    json_open(&json, "drivers", '[');
-    for (int i = 0; i < drivers->n; i++)
-        json_driver(&drivers->list[i], &json);
-    json_close(&json, ']');
-    return json_write(&json, options->json, &options->outputs, err);
-}
-
-static bool print_drivers(const struct driver_list *drivers, struct error *err)
-{
-    struct printed printed = {.text = NULL};
-    for (int i = 0; i < drivers->n; i++)
-        print_driver(&drivers->list[i], &printed);
-    return printed_show(&printed, STDOUT_FILENO, err);
-}
-
 static bool run_drivers(struct options *options, struct error *err)
 {
     const struct drivers_options *own = options->own;
     struct driver_list drivers;
+    struct json json;
     bool usable = false,
          done = drivers_list(&drivers, err) && (!own->measure || drivers_measure(&drivers, err));
-    for (int i = 0; done && i < drivers.n; i++)
+    (options->json ? json_begin : words_begin)(&json);
+    json_open(&json, "drivers", '[');
+    for (int i = 0; done && i < drivers.n; i++) {
         usable = usable || drivers.list[i].is;
-    done =
-        done && (options->json ? write_json(options, &drivers, err) : print_drivers(&drivers, err));
+        if (options->json)
+            json_driver(&drivers.list[i], &json);
+        else
+            print_driver(&drivers.list[i], &json.printed);
+    }
+    json_close(&json, ']');
+    if (!done)
+        free(printed_end(&json.printed));
+    done = done && json_write(&json, options->json, &options->outputs, err);
     drivers_free(&drivers);
     return done && (usable || error_failed(err, "no OpenGL can draw here; --renderer raster can"));
 }

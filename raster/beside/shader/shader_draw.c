@@ -313,17 +313,6 @@ static void set_state(struct shader *shader)
     call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
 }
 
-/* Depths can be read by OpenGL, and by OpenGL ES with an extension. */
-static void find_depths(struct drawing *of)
-{
-    of->renderer.lacks.depths = of->plan->options.check && of->plan->options.gl_way == GL_ES &&
-                                !contexts_have(of->contexts, "GL_NV_read_depth_stencil");
-    if (!of->renderer.lacks.depths)
-        return;
-    free(of->depths);
-    of->depths = NULL;
-}
-
 static bool open_all(struct shader *shader, int n_buffers, struct error *err)
 {
     struct drawing *of = &shader->base;
@@ -336,7 +325,13 @@ static bool open_all(struct shader *shader, int n_buffers, struct error *err)
         !drawing_canvas(of, 32, of->n_units, &shader->canvas, err) ||
         !canvas_use(shader->canvas, shader->ready[0], err))
         return false;
-    find_depths(of);
+    /* depths can be read by OpenGL, and by OpenGL ES with an extension */
+    of->renderer.lacks.depths = of->plan->options.check && of->plan->options.gl_way == GL_ES &&
+                                !contexts_have(of->contexts, "GL_NV_read_depth_stencil");
+    if (of->renderer.lacks.depths) {
+        free(of->depths);
+        of->depths = NULL;
+    }
     set_state(shader);
     return drawing_accept(of, err) && functions_succeeded(of->call, err);
 }

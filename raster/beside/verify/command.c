@@ -200,17 +200,6 @@ static void put_first(struct options *options, struct option_change change)
     options->n_changes++;
 }
 
-/* Puts a scene in the place of the operands, with the changes that come before the user's. */
-static void place_scene(struct options *options, const struct verify_scene *scene)
-{
-    options->operand = options->operands[0] = scene->path;
-    options->n_operands = 1;
-    if (scene->is_large) {
-        put_first(options, (struct option_change){scene_set_size, usual_size});
-        put_first(options, (struct option_change){scene_set_wavelengths, usual_wavelengths});
-    }
-}
-
 static bool judge(void *context, void *out, struct error *err)
 {
     const struct task *task = context;
@@ -224,7 +213,12 @@ static bool judge(void *context, void *out, struct error *err)
     options.own = &own;
     options.json = options.output = NULL;
     options.quiet = true;
-    place_scene(&options, task->scene);
+    options.operand = options.operands[0] = task->scene->path;
+    options.n_operands = 1;
+    if (task->scene->is_large) {
+        put_first(&options, (struct option_change){scene_set_size, usual_size});
+        put_first(&options, (struct option_change){scene_set_wavelengths, usual_wavelengths});
+    }
     const bool done = render_with_options(&options, &output, NULL, err);
     ((struct verify_result *)out)->seconds = clock_seconds() - start;
     return done;
@@ -323,20 +317,16 @@ static bool report(const struct verification *of, struct options *options, struc
 
 /* ---- the command ---- */
 
-static bool check_options(const struct options *options, struct error *err)
+static bool run_verify(struct options *options, struct error *err)
 {
     const struct verify_options *own = options->own;
+    struct verification of = {.n_drivers = 0};
     if (own->render.renderer && strcmp(own->render.renderer, "raster") == 0)
         return error_usage(err,
                            "the reference needs no verification; --renderer is that of OpenGL");
-    return output_can_open(options->json, err) && output_can_open(own->junit, err);
-}
-
-static bool run_verify(struct options *options, struct error *err)
-{
-    struct verification of = {.n_drivers = 0};
-    const bool done = check_options(options, err) && verification_open(options, &of, err) &&
-                      run_all(options, &of, err) && report(&of, options, err);
+    const bool done = output_can_open(options->json, err) && output_can_open(own->junit, err) &&
+                      verification_open(options, &of, err) && run_all(options, &of, err) &&
+                      report(&of, options, err);
     verification_free(&of);
     return done;
 }
