@@ -165,26 +165,20 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     return false;
 }
 
-/* Returns how many fragments a pixel may have. */
-static struct overdraw overdraw_of(const struct fragment_list *pixel, const struct seam *seam)
-{
-    uint32_t spread = pixel->n_possible - pixel->n_definite;
-    return (struct overdraw){.least = (uint8_t)pixel->n_definite,
-                             .spread = spread < UINT8_MAX ? (uint8_t)spread : UINT8_MAX,
-                             .meant = (uint8_t)(pixel->n_definite + seam->n_covered),
-                             .closed = is_closed(seam)};
-}
-
 static bool resolve_pixel(struct bounding *bounding, size_t index)
 {
     struct chunk *out = bounding->chunk;
     const struct rectangle *at = &out->picture.at;
-    int x = at->x + (int)index % at->width, y = at->y + (int)index / at->width;
-    bool settled = is_settled(bounding, index);
+    const struct fragment_list *pixel = &bounding->fragments.pixels[index];
+    const struct seam *seam = &bounding->fragments.seams[index];
+    const int x = at->x + (int)index % at->width, y = at->y + (int)index / at->width;
+    const uint32_t spread = pixel->n_possible - pixel->n_definite;
     out->pixels[index].overdraw =
-        overdraw_of(&bounding->fragments.pixels[index], &bounding->fragments.seams[index]);
-    if (settled)
-        settled = !settle(bounding, index, x, y);
+        (struct overdraw){.least = (uint8_t)pixel->n_definite,
+                          .spread = spread < UINT8_MAX ? (uint8_t)spread : UINT8_MAX,
+                          .meant = (uint8_t)(pixel->n_definite + seam->n_covered),
+                          .closed = is_closed(seam)};
+    const bool settled = is_settled(bounding, index) && !settle(bounding, index, x, y);
     out->is_ambiguous[index] = !settled;
     return settled || add_ambiguous(bounding, index, x, y);
 }

@@ -11,16 +11,6 @@
  * whole lanes with samples that are 0 and expected to be 0. More lanes do not fit in the
  * registers. */
 
-static size_t fill_lanes(struct block *block)
-{
-    size_t n = block->n;
-    for (; n % LANES != 0; n++) {
-        block->seen[n] = block->bound[n] = block->fit.explained[n] = block->fit.limit[n] = 0;
-        block->expected[n] = 0;
-    }
-    return n;
-}
-
 static double seen_counts(const struct block *block, size_t i)
 {
     return (double)block->seen[i] * FULL_COUNT;
@@ -117,7 +107,12 @@ static bool look_closer(struct check_samples *samples, const struct block *block
 /* Nearly all blocks are within what others were. */
 bool samples_compare(struct check_samples *samples, struct block *block)
 {
-    const size_t all = fill_lanes(block);
+    size_t all = block->n;
+    for (; all % LANES != 0; all++) {
+        block->seen[all] = block->bound[all] = block->fit.explained[all] = block->fit.limit[all] =
+            0;
+        block->expected[all] = 0;
+    }
     const float worst = fminf((float)samples->largest, 0.499F),
                 ratio = (float)samples->worst_ratio, /* at most 1 */
         fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1;

@@ -92,27 +92,6 @@ static void open_entry(const struct plan *plan, int surface, struct json *json)
     json_string(json, "object", name);
 }
 
-static void put_refined(const struct plan *plan, const struct refine_result *refined,
-                        struct json *json)
-{
-    json_open(json, "refined", '{');
-    json_number(json, "wanted", refined->wanted.error);
-    json_number(json, "error_95_before", refined->error_before);
-    json_count(json, "triangles_before", (uint64_t)refined->triangles_before);
-    json_count(json, "triangles_after", (uint64_t)refined->triangles_after);
-    json_count(json, "levels", (uint64_t)refined->levels);
-    json_truth(json, "stopped", refined->stopped);
-    json_open(json, "objects", '[');
-    for (int i = 0; i < refined->n_objects; i++) {
-        open_entry(plan, refined->objects[i].surface, json);
-        json_count(json, "triangles_before", (uint64_t)refined->objects[i].before);
-        json_count(json, "triangles_after", (uint64_t)refined->objects[i].after);
-        json_close(json, '}');
-    }
-    json_close(json, ']');
-    json_close(json, '}');
-}
-
 enum { WORST_IN_WORDS = 8 }; /* objects; JSON has them all */
 
 static void put_accuracy(const struct plan *plan, const struct shading *shading, struct json *json)
@@ -130,8 +109,25 @@ static void put_accuracy(const struct plan *plan, const struct shading *shading,
         json_close(json, '}');
     }
     json_close(json, ']');
-    if (shading->is_refined)
-        put_refined(plan, &shading->refined, json);
+    if (shading->is_refined) {
+        const struct refine_result *refined = &shading->refined;
+        json_open(json, "refined", '{');
+        json_number(json, "wanted", refined->wanted.error);
+        json_number(json, "error_95_before", refined->error_before);
+        json_count(json, "triangles_before", (uint64_t)refined->triangles_before);
+        json_count(json, "triangles_after", (uint64_t)refined->triangles_after);
+        json_count(json, "levels", (uint64_t)refined->levels);
+        json_truth(json, "stopped", refined->stopped);
+        json_open(json, "objects", '[');
+        for (int i = 0; i < refined->n_objects; i++) {
+            open_entry(plan, refined->objects[i].surface, json);
+            json_count(json, "triangles_before", (uint64_t)refined->objects[i].before);
+            json_count(json, "triangles_after", (uint64_t)refined->objects[i].after);
+            json_close(json, '}');
+        }
+        json_close(json, ']');
+        json_close(json, '}');
+    }
     json_close(json, '}');
 }
 

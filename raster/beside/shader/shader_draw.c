@@ -178,43 +178,32 @@ static bool draw_instance(struct shader *shader, int instance, int group, struct
     return true;
 }
 
-static bool draw_group(struct shader *shader, int group, struct error *err)
-{
-    clear(shader);
-    for (int i = 0; i < shader->base.plan->n_instances; i++)
-        if (surface_reaches(&shader->base.lit->bounds[i], &shader->base.tile) &&
-            !draw_instance(shader, i, group, err))
-            return false;
-    shader->base.renderer.work.passes++;
-    return true;
-}
-
-/* Takes the pixels of a batch, and adds them to those of earlier groups. */
-static void take_pixels(struct shader *shader, int group)
-{
-    for (int k = 0; k < shader->n_batch; k++) {
-        canvas_read(shader->canvas, k, group == 0 ? shader->ready[k] : shader->base.part);
-        if (group > 0)
-            pass_add(shader->base.plan, shader->base.part, shader->ready[k]);
-    }
-}
-
 static bool draw_batch(struct shader *shader, int first, struct error *err)
 {
+    struct drawing *of = &shader->base;
+    const struct plan *plan = of->plan;
     const int left = shader->n_order - first;
     shader->batch = first;
-    shader->n_batch = left < shader->base.n_units ? left : shader->base.n_units;
+    shader->n_batch = left < of->n_units ? left : of->n_units;
     if (!upload_bands(shader, shader->order + first, shader->n_batch, err))
         return false;
-    for (int group = 0; group < shader->base.plan->n_light_groups; group++) {
-        if (!group_is_drawn(shader->base.plan, group))
+    for (int group = 0; group < plan->n_light_groups; group++) {
+        if (!group_is_drawn(plan, group))
             continue;
         shader->n_batches++;
-        if (!draw_group(shader, group, err))
-            return false;
-        take_pixels(shader, group);
+        clear(shader);
+        for (int i = 0; i < plan->n_instances; i++)
+            if (surface_reaches(&of->lit->bounds[i], &of->tile) &&
+                !draw_instance(shader, i, group, err))
+                return false;
+        of->renderer.work.passes++;
+        for (int k = 0; k < shader->n_batch; k++) {
+            canvas_read(shader->canvas, k, group == 0 ? shader->ready[k] : of->part);
+            if (group > 0)
+                pass_add(plan, of->part, shader->ready[k]);
+        }
     }
-    return functions_succeeded(shader->base.call, err);
+    return functions_succeeded(of->call, err);
 }
 
 static bool shader_expect(struct renderer *renderer, const int *first_bands, int n,

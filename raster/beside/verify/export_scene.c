@@ -46,56 +46,33 @@ static bool add_file(struct description *to, const char *name, const void *bytes
 
 /* ---- meshes ---- */
 
-static bool add_vertices(struct description *to, int index, struct error *err)
+static bool add_mesh(struct description *to, int index, struct error *err)
 {
     const struct mesh *mesh = &to->plan->meshes[index].mesh;
     const size_t n = (size_t)mesh->n_vertices;
     float *floats;
     char name[FILE_NAME];
+    print(&to->scene, "mesh %d %d %d\n", index, mesh->n_vertices, mesh->n_triangles);
     if (!MAKE_ARRAY(floats, n * VERTEX_NUMBERS, err, "the corners of a mesh"))
         return false;
     for (size_t i = 0; i < n; i++)
         vertex_numbers(&mesh->vertices[i], floats + VERTEX_NUMBERS * i);
     snprintf(name, sizeof name, "vertices-%d.bin", index);
-    const bool done = add_file(to, name, floats, VERTEX_NUMBERS * n * sizeof *floats, err);
+    bool done = add_file(to, name, floats, VERTEX_NUMBERS * n * sizeof *floats, err);
     free(floats);
-    return done;
-}
-
-static bool add_mesh(struct description *to, int index, struct error *err)
-{
-    const struct mesh *mesh = &to->plan->meshes[index].mesh;
-    char name[FILE_NAME];
-    print(&to->scene, "mesh %d %d %d\n", index, mesh->n_vertices, mesh->n_triangles);
     snprintf(name, sizeof name, "triangles-%d.bin", index);
-    return add_vertices(to, index, err) &&
-           add_file(to, name, mesh->triangles, (size_t)mesh->n_triangles * sizeof *mesh->triangles,
-                    err);
+    return done && add_file(to, name, mesh->triangles,
+                            (size_t)mesh->n_triangles * sizeof *mesh->triangles, err);
 }
 
 /* ---- textures ---- */
 
-/* Adds the texels of a spectral texture for each pass. */
-static bool add_texels(struct description *to, int index, struct error *err)
-{
-    struct texture *texture = &to->plan->textures[index];
-    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height * BANDS_PER_PASS;
-    float *texels;
-    bool done = MAKE_ARRAY(texels, n, err, "the texels of %s", texture->image.path);
-    for (int band = 0; band < to->plan->n_bands && done; band += BANDS_PER_PASS) {
-        char name[FILE_NAME];
-        snprintf(name, sizeof name, "texture-%d-%d.bin", index, band);
-        done = pass_texels(to->plan, texture, band, texels, err) &&
-               add_file(to, name, texels, n * sizeof *texels, err);
-    }
-    free(texels);
-    return done;
-}
-
+/* Adds the texels of a texture; of a spectral one, for each pass. */
 static bool add_texture(struct description *to, int index, struct error *err)
 {
-    const struct texture *texture = &to->plan->textures[index];
+    struct texture *texture = &to->plan->textures[index];
     const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    float *texels;
     char name[FILE_NAME];
     if (!texture_is_drawn(to->plan, texture))
         return true;
@@ -103,8 +80,17 @@ static bool add_texture(struct description *to, int index, struct error *err)
           texture->image.height, texture->linear ? "linear" : "nearest",
           texture->spectral ? "spectral" : "grey");
     snprintf(name, sizeof name, "texture-%d.bin", index);
-    return texture->spectral ? add_texels(to, index, err)
-                             : add_file(to, name, texture->plane[0], n * sizeof(float), err);
+    if (!texture->spectral)
+        return add_file(to, name, texture->plane[0], n * sizeof *texels, err);
+    bool done =
+        MAKE_ARRAY(texels, n * BANDS_PER_PASS, err, "the texels of %s", texture->image.path);
+    for (int band = 0; band < to->plan->n_bands && done; band += BANDS_PER_PASS) {
+        snprintf(name, sizeof name, "texture-%d-%d.bin", index, band);
+        done = pass_texels(to->plan, texture, band, texels, err) &&
+               add_file(to, name, texels, n * BANDS_PER_PASS * sizeof *texels, err);
+    }
+    free(texels);
+    return done;
 }
 
 /* ---- passes ---- */
