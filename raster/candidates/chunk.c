@@ -255,25 +255,21 @@ static void draw_chunk(void *context, int i)
         counter_add(&drawn->failures, 1);
 }
 
-static bool draw_chunks(struct tile *tile, struct error *err)
-{
-    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
-    if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
-        return false;
-    struct drawn_tile drawn = {tile, COUNTER};
-    threads_each(tile->lit->plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
-    return drawn.failures.n == 0 ||
-           memory_lacks(err, (double)tile->lit->plan->tile_bytes, "a tile of %d x %d pixels",
-                        tile->at.width, tile->at.height);
-}
-
 bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
                bool (*work)(void *context, const struct tile *tile, struct error *err),
                void *context, struct error *err)
 {
-    struct tile tile = {.lit = lit, .at = *at};
-    const bool done = draw_chunks(&tile, err) && work(context, &tile, err);
-    for (int i = 0; tile.chunks && i < tile.n_chunks; i++)
+    struct tile tile = {
+        .lit = lit, .at = *at, .n_chunks = (at->height + CHUNK_ROWS - 1) / CHUNK_ROWS};
+    struct drawn_tile drawn = {&tile, COUNTER};
+    if (!MAKE_ARRAY(tile.chunks, tile.n_chunks, err, "a tile"))
+        return false;
+    threads_each(lit->plan->options.threads, tile.n_chunks, draw_chunk, &drawn);
+    const bool done = (drawn.failures.n == 0 ||
+                       memory_lacks(err, (double)lit->plan->tile_bytes, "a tile of %d x %d pixels",
+                                    at->width, at->height)) &&
+                      work(context, &tile, err);
+    for (int i = 0; i < tile.n_chunks; i++)
         chunk_free(&tile.chunks[i]);
     free(tile.chunks);
     return done;

@@ -192,21 +192,6 @@ static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px,
         pixel->common[a] += pixel->interpolation[a];
 }
 
-/* Finds the gated vertices. A flat triangle has one vertex that counts, taken for its first. */
-static void take_jumps(struct bounded_pixel *pixel, const struct screen_triangle *screen,
-                       const struct surface_bounds *bounds)
-{
-    const bool flat = pixel->fragments->tile->lit->plan->view.shading == FLAT;
-    pixel->n_gated = 0;
-    for (int j = 0; j < 3; j++) {
-        const int vertex = flat ? screen->provoking : screen->vertex[j];
-        const bool gated = bounds->vertices[vertex].gated[screen->side] && (j == 0 || !flat);
-        pixel->jumps[j] =
-            gated ? bounds->jumps + surface_attributes(pixel->surface, vertex, screen->side) : NULL;
-        pixel->n_gated += gated;
-    }
-}
-
 /* Makes a triangle the pixel's. Neighbouring pixels mostly show the same triangle, so this is
  * called rarely. */
 static void take_triangle(struct bounded_pixel *pixel, const struct bounded_triangle *triangle)
@@ -222,18 +207,15 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
     pixel->brightest = shaded_brightest(pixel->shaded);
-    take_jumps(pixel, screen, bounds);
-}
-
-/* Interpolates the errors of the vertices as the attributes are interpolated. */
-static void interpolate_errors(struct bounded_pixel *pixel, const double share[3])
-{
-    const float *const *corner = pixel->corner;
-    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
-        double error = 0;
-        for (int j = 0; j < 3; j++)
-            error += fabs(share[j]) * (double)corner[j][a];
-        pixel->common[a] = is_flat(pixel, a) ? pixel->provoking[a] : (float)error;
+    /* a flat triangle has one vertex that counts, taken for its first */
+    const bool flat = pixel->fragments->tile->lit->plan->view.shading == FLAT;
+    pixel->n_gated = 0;
+    for (int j = 0; j < 3; j++) {
+        const int vertex = flat ? screen->provoking : screen->vertex[j];
+        const bool gated = bounds->vertices[vertex].gated[screen->side] && (j == 0 || !flat);
+        pixel->jumps[j] =
+            gated ? bounds->jumps + surface_attributes(surface, vertex, screen->side) : NULL;
+        pixel->n_gated += gated;
     }
 }
 
@@ -248,7 +230,12 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
         take_triangle(pixel, triangle);
     if (weights_matter || instance->textured)
         shade(&pixel->fragments->tile->lit->plan->view, screen, share, pixel->attributes, &none);
-    interpolate_errors(pixel, share);
+    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
+        double error = 0; /* of the vertices, interpolated as the attributes are */
+        for (int j = 0; j < 3; j++)
+            error += fabs(share[j]) * (double)pixel->corner[j][a];
+        pixel->common[a] = is_flat(pixel, a) ? pixel->provoking[a] : (float)error;
+    }
     add_bounds(pixel, inverse_w, x + 0.5, y + 0.5);
     if (!instance->textured)
         return;

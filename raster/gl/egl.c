@@ -103,16 +103,6 @@ static bool make_current(const struct egl *egl, EGLContext context, struct error
            error_unsupported(err, "EGL cannot draw without a window");
 }
 
-static void turn_window(const struct canvas *canvas)
-{
-    const struct egl *egl = egl_of(canvas);
-    struct contexts *contexts = canvas->contexts;
-    const char *name = contexts->way == GL_ES ? "GL_EXT_clip_control" : "GL_ARB_clip_control";
-    contexts->mirrored = !egl->clip_control || !contexts_have(contexts, name);
-    if (!contexts->mirrored)
-        egl->clip_control(GL_UPPER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-}
-
 static bool open_canvas(struct canvas *canvas, struct error *err)
 {
     /* without attributes, the compatibility profile */
@@ -133,7 +123,10 @@ static bool open_canvas(struct canvas *canvas, struct error *err)
     canvas->contexts->current = NULL;
     if (!make_current(egl, canvas->context, err) || !make_buffers(canvas, err))
         return false;
-    turn_window(canvas);
+    const char *name = way == GL_ES ? "GL_EXT_clip_control" : "GL_ARB_clip_control";
+    canvas->contexts->mirrored = !egl->clip_control || !contexts_have(canvas->contexts, name);
+    if (!canvas->contexts->mirrored)
+        egl->clip_control(GL_UPPER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
     return true;
 }
 

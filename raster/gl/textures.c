@@ -26,27 +26,21 @@ void texture_bind(const struct drawing *of, int index, int unit)
     of->call->BindTexture(GL_TEXTURE_2D, of->textures[index * of->n_units + unit]);
 }
 
-/* Sets filter and repetition of the bound texture. */
-static void set_state(const struct gl_functions *call, const struct texture *texture)
-{
-    const GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST;
-    call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-    call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-    call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
-    call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
-}
-
 /* A spectral texture has no texels yet. */
 static bool upload(const struct drawing *of, int index, struct error *err)
 {
     const struct texture *texture = &of->plan->textures[index];
     const bool shaders = of->contexts->way != GL_WITHOUT_SHADERS;
+    const GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST;
     if (!fits(of, texture, err))
         return false;
     of->call->GenTextures(of->n_units, of->textures + index * of->n_units);
     for (int unit = 0; unit < (texture->spectral ? of->n_units : 1); unit++) {
         texture_bind(of, index, unit);
-        set_state(of->call, texture);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
     }
     if (!texture->spectral)
         of->call->TexImage2D(GL_TEXTURE_2D, 0, shaders ? GL_R32F : GL_LUMINANCE32F_ARB,

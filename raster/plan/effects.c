@@ -42,21 +42,19 @@ static void count_material(const struct shaded_material *shaded, struct counts *
     n->halves += material->partner || material->partner_name;
 }
 
-static void count_object(const struct object *object, double tessellation, struct counts *n)
-{
-    const struct shape other = shape_tessellated(&object->shape, tessellation);
-    n->two_sided += object->two_sided;
-    n->mapped += object->material_map != NULL;
-    n->tessellated += memcmp(object->shape.parameter, other.parameter, sizeof other.parameter) != 0;
-}
-
 static struct counts count_all(const struct plan *plan)
 {
     struct counts n = {.ambient = 0};
     for (int i = 0; i < plan->n_materials; i++)
         count_material(&plan->materials[i], &n);
-    for (int i = 0; i < plan->scene->n_objects; i++)
-        count_object(&plan->scene->objects[i], plan->scene->tessellation, &n);
+    for (int i = 0; i < plan->scene->n_objects; i++) {
+        const struct object *object = &plan->scene->objects[i];
+        const struct shape *shape = &object->shape,
+                           other = shape_tessellated(shape, plan->scene->tessellation);
+        n.two_sided += object->two_sided;
+        n.mapped += object->material_map != NULL;
+        n.tessellated += memcmp(shape->parameter, other.parameter, sizeof other.parameter) != 0;
+    }
     for (int i = 0; i < plan->n_lights; i++) {
         n.attenuated += plan->lights[i].attenuated;
         n.spots += plan->lights[i].spot;

@@ -167,8 +167,11 @@ static bool reaches_any(const struct plan *plan, const struct eye_light *light)
 
 /* ---- all of it ---- */
 
-static void see_instances(struct plan *plan)
+bool reach_find(struct plan *plan, struct error *err)
 {
+    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights) ||
+        !MAKE_ARRAY(plan->shows_texture, plan->n_textures, err, "%d textures", plan->n_textures))
+        return false;
     for (int i = 0; i < plan->n_instances; i++) {
         struct placed_instance *placed = &plan->instances[i];
         struct shaded_material *shaded = &plan->materials[placed->shaded];
@@ -179,14 +182,6 @@ static void see_instances(struct plan *plan)
         if (shaded->shown && shaded->texture)
             plan->shows_texture[shaded->texture - plan->textures] = true;
     }
-}
-
-bool reach_find(struct plan *plan, struct error *err)
-{
-    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights) ||
-        !MAKE_ARRAY(plan->shows_texture, plan->n_textures, err, "%d textures", plan->n_textures))
-        return false;
-    see_instances(plan);
     for (int i = 0; i < plan->n_textures; i++)
         plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);
     for (int i = 0; i < plan->n_lights; i++) {
