@@ -29,11 +29,6 @@ bool functions_find(struct contexts *to, void *library, any_function *(*get)(con
 bool osmesa_open(struct contexts *contexts, bool *found, struct error *err);
 bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err);
 
-/* buffers.c, textures.c: upload what is drawn. Nothing is uploaded twice, and nothing of an
- * instance out of view. */
-bool meshes_upload(struct drawing *of, struct error *err);
-bool textures_upload(struct drawing *of, struct error *err);
-
 bool has_extension(const char *list, const char *name); /* list: words; NULL: none */
 
 GLenum canvas_type(const struct canvas *canvas); /* of a channel */

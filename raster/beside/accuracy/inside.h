@@ -59,8 +59,4 @@ bool estimate_measured(const struct measure *measure, const struct surface *surf
 
 void accuracy_estimate_free(struct accuracy_estimate *estimate);
 
-/* Refuses a value of --accuracy that is no error: "0.5" is in CIEDE2000, "8counts" in counts of
- * 65535. */
-bool accuracy_accepts(const char *option, const char *value, struct error *err);
-
 #endif

@@ -95,6 +95,4 @@ void target_shade(const struct target *target, enum target_mode mode, double glo
 
 void measure_coverage(struct target *target, struct traits *out);
 
-bool drivers_measure(struct driver_list *drivers, struct error *err);
-
 #endif

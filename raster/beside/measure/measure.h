@@ -41,7 +41,6 @@ struct driver_list {
  * shaders, in processes of their own. Leaves out a driver that a library does not have, or has
  * without being asked for it. The caller always frees *out. */
 bool drivers_list(struct driver_list *out, struct error *err);
-/* Measures each one that is usable: see raster/traits. */
 void drivers_free(struct driver_list *drivers);
 
 #endif

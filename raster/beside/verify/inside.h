@@ -24,16 +24,6 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, ch
  * all. */
 bool export_plan(void *options, const struct plan *plan, struct error *err);
 
-/* ---- judge.c ---- */
-
-struct drawn_names {
-    const char *pixels, *driver; /* a folder, or a TIFF; the choice of --driver, NULL: none */
-};
-/* Opens pixels, whose struct drawn_names comes in, as a renderer of the plan: see gl_open. Colours
- * are read pass by pass. */
-bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
-                struct error *err);
-
 /* ---- command.c ---- */
 
 /* A driver, as the options --gl and --renderer name it. */
