@@ -276,14 +276,6 @@ unsigned clipped_at(const struct fragments *fragments, const struct bounded_tria
     return some == 0 && triangle->cut ? (1u << n) - 1 : some;
 }
 
-/* True if OpenGL may set up a sliver there, besides the clipped triangles. */
-static bool is_on_sliver(const struct visit *visit)
-{
-    const struct bounded_triangle *triangle = visited(visit);
-    return possible_at(&visit->of->clipped[triangle->first_clipped + triangle->n_clipped],
-                       triangle->n_slivers, visit->x, visit->y) != 0;
-}
-
 /* True if OpenGL's error has no bound at a point: on a clipped triangle that is too thin for one,
  * where depth has none either, or so far away that roundings of 1 / w, made where it is larger, may
  * be nearly all of it. */
@@ -296,7 +288,9 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
         sum += visit->edges.e[i];
         inverse_w += visit->edges.e[i] * triangle->screen.inverse_w[i];
     }
-    *thin = is_on_sliver(visit);
+    /* OpenGL may set up a sliver there, besides the clipped triangles */
+    *thin = possible_at(&visit->of->clipped[triangle->first_clipped + triangle->n_clipped],
+                        triangle->n_slivers, visit->x, visit->y) != 0;
     for (int32_t i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *part = &visit->of->clipped[triangle->first_clipped + i];
         const struct colour_bound *bound = &part->inverse_w_bound;

@@ -27,16 +27,6 @@ static struct slack whole_slack(const struct lit_scene *lit, const struct screen
                           (double)vertex->slack_w};
 }
 
-/* The largest error of a clip coordinate (CLIP_XY, CLIP_Z, CLIP_W) of any corner. */
-static double largest_e_clip(const struct lit_scene *lit, const struct screen_triangle *screen,
-                             int coordinate)
-{
-    double e[3];
-    for (int i = 0; i < 3; i++)
-        e[i] = (double)vertex_bounds(lit, screen, i)->e_clip[coordinate];
-    return most_of(e);
-}
-
 /* ---- cuts ---- */
 
 /* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
@@ -59,11 +49,6 @@ struct polygon {
     struct corner corner[CLIP_CORNERS];
     struct cut_corner cut[CLIP_CORNERS];
 };
-static double plane_distance(const struct clip_plane *plane, const double clip[4])
-{
-    return plane->normal[0] * clip[0] + plane->normal[1] * clip[1] + plane->normal[2] * clip[2] +
-           plane->normal[3] * clip[3] + plane->offset;
-}
 
 /* Returns a corner's distance from a plane, with a bound on OpenGL's error in it: of the corner's
  * place, and of the sum of four products. A tile's clip space is shifted by at most w, which comes
@@ -71,7 +56,10 @@ static double plane_distance(const struct clip_plane *plane, const double clip[4
 static struct bounded corner_distance(const struct clip_plane *plane, const double clip[4],
                                       const struct cut_corner *cut, double *rounding)
 {
-    struct bounded out = {fabs(plane_distance(plane, clip)), fabs(plane->offset)};
+    const double *normal = plane->normal, distance = normal[0] * clip[0] + normal[1] * clip[1] +
+                                                     normal[2] * clip[2] + normal[3] * clip[3] +
+                                                     plane->offset;
+    struct bounded out = {fabs(distance), fabs(plane->offset)};
     *rounding = roundings(4) * fabs(clip[CLIP_W]);
     for (int i = 0; i < 4; i++) {
         *rounding += roundings(4) * fabs(plane->normal[i] * clip[i]);
@@ -152,7 +140,9 @@ static void clip_planes(const struct tile *tile, const struct screen_triangle *s
     const struct rectangle *at = &tile->at;
     double width = plan->view.width, height = plan->view.height;
     double near_w = plan->scene->camera.perspective ? plan->near : 1;
-    double error = largest_e_clip(tile->lit, screen, CLIP_Z);
+    double error = 0; /* the largest of any corner's z */
+    for (int i = 0; i < 3; i++)
+        error = fmax(error, (double)vertex_bounds(tile->lit, screen, i)->e_clip[CLIP_Z]);
     double left = 2 * at->x / width - 1, right = 2 * (at->x + at->width) / width - 1;
     double top = 1 - 2 * at->y / height, bottom = 1 - 2 * (at->y + at->height) / height;
     planes[0] = (struct clip_plane){{-1, 0, 0, right}, 0};

@@ -43,18 +43,8 @@ static bool open_library(struct contexts *contexts, const char *wanted, struct e
 
 #ifdef OSMESA_VERSION /* built in; Mesa crashes when asked for another driver */
 static const char *const only_driver = "softpipe";
-static bool is_built_in(const char *wanted, struct error *err)
-{
-    return strcmp(wanted, "osmesa") == 0 || strcmp(wanted, "auto") == 0 ||
-           error_unsupported(err, "the static program has an OSMesa of its own, and no EGL");
-}
 #else
 static const char *const only_driver = NULL;
-static bool is_built_in(const char *wanted, struct error *err)
-{
-    (void)wanted, (void)err;
-    return true;
-}
 #endif
 
 bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err)
@@ -70,7 +60,9 @@ bool contexts_open(const struct context_wish *wish, struct contexts **out, struc
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
     if (driver)
         setenv("GALLIUM_DRIVER", driver, 1);
-    return is_built_in(wanted, err) && open_library(*out, wanted, err);
+    if (only_driver && strcmp(wanted, "osmesa") != 0 && strcmp(wanted, "auto") != 0)
+        return error_unsupported(err, "the static program has an OSMesa of its own, and no EGL");
+    return open_library(*out, wanted, err);
 }
 
 void contexts_close(struct contexts *contexts)

@@ -209,12 +209,6 @@ struct shading {
     struct accuracy_estimate estimate; /* unless it was refined */
 };
 
-/* Returns the error of the picture as it is drawn. */
-static const struct accuracy_estimate *estimate_of(const struct shading *shading)
-{
-    return shading->is_refined ? &shading->refined.estimate : &shading->estimate;
-}
-
 static const char *unit_of(const struct accuracy_estimate *estimate)
 {
     return estimate->unit == MEASURE_COUNTS ? "counts" : "CIEDE2000";
@@ -289,7 +283,8 @@ enum { WORST_IN_WORDS = 8 }; /* objects; JSON has them all */
 
 static void put_accuracy(const struct plan *plan, const struct shading *shading, struct json *json)
 {
-    const struct accuracy_estimate *estimate = estimate_of(shading);
+    const struct accuracy_estimate *estimate = /* of the picture as it is drawn */
+        shading->is_refined ? &shading->refined.estimate : &shading->estimate;
     json_open(json, "accuracy", '{');
     json_string(json, "unit", unit_of(estimate));
     json_number(json, "error_95", estimate->known ? estimate->quantile_95 : (double)NAN);

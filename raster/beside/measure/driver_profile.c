@@ -48,12 +48,6 @@ static double largest_depth_error(const struct traits *traits)
     return fmax(-traits->depth_low, traits->depth_high);
 }
 
-static bool draws_left_bottom(const struct traits *traits)
-{
-    return traits->draws[SIDE_LEFT] && traits->draws[SIDE_BOTTOM] && !traits->draws[SIDE_RIGHT] &&
-           !traits->draws[SIDE_TOP] && traits->odd_centres == 0;
-}
-
 static bool refuse(char reason[TRAITS_REASON], const char *format, ...) PRINTF_LIKE(2, 3);
 static bool refuse(char reason[TRAITS_REASON], const char *format, ...)
 {
@@ -119,24 +113,16 @@ bool traits_profile(const struct traits *traits, struct driver *out, char reason
     out->filter_texels = grid_of(traits->filter_texels, roundings(32));
     out->lighting = lighting_of(traits);
     out->watertight = traits->holes == 0 && traits->doubles == 0;
-    out->fill_rule =
-        draws_left_bottom(traits) && out->grid_px <= 1.0 / 512 ? FILL_LEFT_BOTTOM : FILL_ANY;
+    const bool *draws = traits->draws, left_bottom = draws[SIDE_LEFT] && draws[SIDE_BOTTOM] &&
+                                                     !draws[SIDE_RIGHT] && !draws[SIDE_TOP] &&
+                                                     traits->odd_centres == 0;
+    out->fill_rule = left_bottom && out->grid_px <= 1.0 / 512 ? FILL_LEFT_BOTTOM : FILL_ANY;
     return true;
 }
 
 /* ---- the table ---- */
 
 static const char *const side_names[SIDES] = {"left", "right", "top", "bottom"};
-
-static void name_sides(const struct traits *traits, char out[64])
-{
-    int length = 0;
-    out[0] = '\0';
-    for (int i = 0; i < SIDES; i++)
-        if (traits->draws[i])
-            length += snprintf(out + length, (size_t)(64 - length), "%s%s", length ? ", " : "",
-                               side_names[i]);
-}
 
 /* One row: a trait, its measurement, and the rule. */
 static void print_row(struct printed *to, const char *trait, const char *allowed,
@@ -155,8 +141,11 @@ static void print_row(struct printed *to, const char *trait, const char *allowed
 void traits_print(const struct traits *of, struct printed *to)
 {
     static const char *const corners[3] = {"first", "second", "last"};
-    char sides[64];
-    name_sides(of, sides);
+    char sides[64] = "";
+    for (size_t i = 0, length = 0; i < SIDES; i++)
+        if (of->draws[i])
+            length += (size_t)snprintf(sides + length, sizeof sides - length, "%s%s",
+                                       length ? ", " : "", side_names[i]);
     print(to, "  %-24s %-44s %s\n", "measured", "", "allowed");
     print_row(to, "edges", "1/16", "off by %.3g pixel (GL_SUBPIXEL_BITS %d)", of->edge_px,
               of->subpixel_bits);

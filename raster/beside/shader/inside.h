@@ -15,6 +15,7 @@ enum { MOST_PASSES = 4 };
 
 /* ---- shader_program.c ---- */
 
+enum { VARIANTS = 12 }; /* of the programs of a group: shines, two_sided, texture */
 /* The effects that a program has; it has no others. */
 struct program_effects {
     int group; /* of lights */
@@ -34,15 +35,13 @@ struct shader;
  * unless there is one, and uses it. NULL: a failure. */
 struct program *program_use(struct shader *shader, const struct program_effects *effects,
                             struct error *err);
-/* Returns how many programs there may be. */
-int program_count(const struct plan *plan);
 
 /* ---- shared ---- */
 
 struct shader {
     struct drawing base; /* the first member; of several passes, which are drawn at once */
     struct canvas *canvas;
-    struct program *programs, numbers; /* programs: program_count; owned */
+    struct program *programs, numbers; /* programs: VARIANTS of each group; owned */
     unsigned stream;                   /* the buffer of numbered vertices */
     float *ready[MOST_PASSES];         /* pixels as those of buffers; owned */
     bool stale;

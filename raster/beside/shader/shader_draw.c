@@ -309,7 +309,7 @@ static bool open_all(struct shader *shader, int n_buffers, struct error *err)
     for (int i = 0; i < of->n_units; i++)
         if (!MAKE_ARRAY(shader->ready[i], n, err, "the pixels of a tile"))
             return false;
-    if (!MAKE_ARRAY(shader->programs, program_count(of->plan), err, "the shaders") ||
+    if (!MAKE_ARRAY(shader->programs, VARIANTS * of->plan->n_light_groups, err, "the shaders") ||
         !drawing_open(of, n_buffers, err) ||
         !drawing_canvas(of, 32, of->n_units, &shader->canvas, err) ||
         !canvas_use(shader->canvas, shader->ready[0], err))

@@ -211,13 +211,6 @@ static void set_lights(const struct shader *of, int group, const struct program 
 
 /* ---- the programs ---- */
 
-enum { VARIANTS = 12 }; /* of a group: shines, two_sided, texture */
-
-int program_count(const struct plan *plan)
-{
-    return VARIANTS * plan->n_light_groups;
-}
-
 /* Prints the shaders that draw the numbers of triangles. */
 static void print_numbers(enum gl_way way, struct printed *vertex, struct printed *fragment)
 {
