@@ -74,7 +74,7 @@ double edge_error(const struct driver *driver, int width, int height);
 /* True if the triangle may turn the other way, where its corners may each be off by e pixels. */
 bool may_turn(const struct screen_triangle *triangle, const double e[3]);
 
-/* ---- texel.c: a texture at a point ---- */
+/* ---- texel_bound.c: a texture at a point ---- */
 
 struct texel_point { /* in texels, with bounds */
     double place[2];

@@ -13,7 +13,7 @@ bool exact_sum(const double *terms, int n);
 bool exact_row(const double row[4], const double v[4]);
 bool exact_product(const struct matrix *a, const struct matrix *b);
 
-/* ---- vertex.c, light.c: vertices ---- */
+/* ---- vertex.c, light_bound.c: vertices ---- */
 
 /* The distance of the upper 3x3 from the rigid matrix that OpenGL takes it for; 0: for none. */
 double distance_from_rigid(const struct matrix *m);

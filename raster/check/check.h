@@ -199,7 +199,7 @@ struct check {
      * infinite: it has no bound; negative: it shows the background */
     float *floor, *band_floor;
     float *ratio;               /* the largest error / bound; NULL: no map is wanted */
-    float *estimates;           /* [row][pixel]: see fit.h */
+    float *estimates;           /* [row][pixel]: see fit_rows */
     float *candidate_estimates; /* [candidate][row] */
 };
 /* Opens the check of a chunk. Scene and chunk must outlive it. On failure *out is zeroed. */

@@ -23,7 +23,7 @@
 #include "raster/renderers/renderers.h"
 #include "spectral.h"
 
-/* ---- functions.c: the functions of OpenGL ---- */
+/* ---- library.c: the functions of OpenGL ---- */
 
 /* Each calls EACH(type of the result, name without "gl", parameters): the functions that every
  * OpenGL and OpenGL ES has; those of lighting without shaders; those of shaders. */

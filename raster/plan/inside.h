@@ -12,7 +12,8 @@ double texture_factor(const struct plan *plan, const struct texture *texture);
 
 bool reach_find(struct plan *plan, struct error *err); /* reach.c: fills what it says in */
 void plan_effects(struct plan *plan);                  /* effects.c: fills plan->effects */
-/* lights.c. Lists the lights that shine; forgets those that light nothing, when all is made. */
+/* plan_lights.c. Lists the lights that shine; forgets those that light nothing, when all is made.
+ */
 bool lights_list(struct plan *plan, struct error *err);
 bool lights_drop_idle(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */

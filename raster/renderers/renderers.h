@@ -18,7 +18,7 @@ struct plan;
 enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
 struct driver {
     const char *name; /* what GL_RENDERER begins with; "unknown": the worst of all others;
-                         "measured": see raster/traits */
+                         "measured": see raster/beside/measure */
     bool is_measured;
     double grid_px; /* corners are moved to a grid before edges are followed: by up to this */
     double edge_roundings;  /* of the largest window coordinate, while an edge is followed */
@@ -41,7 +41,7 @@ void driver_print(const struct driver *driver, char out[DRIVER_WORDS]);
 /* The way in which OpenGL draws: with lighting of its own (OpenGL 1.x); with our shaders, by OpenGL
  * 3.3 core or by OpenGL ES 3.0. */
 enum gl_way { GL_WITHOUT_SHADERS, GL_CORE, GL_ES, GL_WAYS };
-/* choice.c. Accepts the words of --renderer: "gl", "llvmpipe", "softpipe", "raster"; "gl-shader"
+/* driver.c. Accepts the words of --renderer: "gl", "llvmpipe", "softpipe", "raster"; "gl-shader"
  * and "es-shader", alone or with ":llvmpipe" or ":softpipe". */
 bool driver_accepts_renderer(const char *option, const char *value, struct error *err);
 /* Returns the way of such a word, NULL: none was given. *driver: Mesa's; NULL: any. */
@@ -50,8 +50,8 @@ enum gl_way driver_way(const char *renderer, const char **driver);
 bool driver_accepts_library(const char *option, const char *value, struct error *err);
 int driver_device(const char *library); /* N of "egl:N"; -1 of other words */
 
-/* threads.c. Threads of this process: of llvmpipe, and those that have this thread's name, which a
- * new thread has until it takes its own. */
+/* driver_threads.c. Threads of this process: of llvmpipe, and those that have this thread's name,
+ * which a new thread has until it takes its own. */
 struct driver_threads {
     long of_llvmpipe, unnamed;
 };

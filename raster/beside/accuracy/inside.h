@@ -6,7 +6,7 @@
 #include "data/mesh/mesh.h"
 #include "raster/beside/accuracy/accuracy.h"
 
-/* ---- measure.c: differences as a detector sees them ---- */
+/* ---- shading_error.c: differences as a detector sees them ---- */
 
 struct measure {
     const struct plan *plan;
@@ -33,7 +33,7 @@ struct shaded_point {
 double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
                           const struct shaded_point *b);
 
-/* ---- exact.c: the true surface ---- */
+/* ---- per_pixel.c: the true surface ---- */
 
 /* A surface whose shading is judged, and the surface that its mesh approximates. */
 struct judged_surface {

@@ -6,7 +6,7 @@
 #include "data/base/base.h"
 #include "raster/beside/measure/measure.h"
 
-/* ---- traits.c ---- */
+/* ---- values.c ---- */
 
 enum { SIDE_LEFT, SIDE_RIGHT, SIDE_TOP, SIDE_BOTTOM, SIDES };
 struct traits {
@@ -26,14 +26,14 @@ struct traits {
     bool clamps;          /* colours above 1, although clamps are switched off */
     double power_error, power_ratio; /* of highlights: relative; as a multiple of its bound */
     double normal_roundings;         /* of diffuse light under GL_NORMALIZE */
-    /* passes.c */
+    /* values.c */
     long seen_pixels, varying_pixels; /* where lit and flat drawings differ in coverage or depth */
 };
 /* Draws and measures. Fails with EXIT_SYSTEM where OpenGL cannot draw. The canvas that the caller
  * uses must be used again afterwards. */
 bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err);
 
-/* ---- profile.c ---- */
+/* ---- driver_profile.c ---- */
 
 /* Makes the profile. Returns false, and the reason as "it ...", where the specification does not
  * allow what was measured, or no bound covers it. */

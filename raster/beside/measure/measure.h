@@ -13,7 +13,7 @@
 #include "raster/renderers/renderers.h"
 #include "spectral.h"
 
-/* ---- traits.c ---- */
+/* ---- values.c ---- */
 
 /* Makes the profile of a driver from measurements: see struct drawing_ways. */
 bool driver_measure(struct contexts *contexts, const char *gl_renderer, struct driver *out,

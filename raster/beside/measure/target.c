@@ -7,7 +7,7 @@
 /* ---- how corners become colours ---- */
 
 /* How the corners of a target's triangles become colours: by OpenGL's own lighting and textures, or
- * by shaders that do what those of raster/shader do. */
+ * by shaders that do what those of raster/beside/shader do. */
 
 enum { POSITION, COLOUR, NORMAL, COORDINATES, INPUTS };
 
@@ -160,7 +160,7 @@ static void target_point(const struct target *target, const struct target_corner
         point_inputs(target);
 }
 
-/* Shaders get the product, rounded once, as those of raster/shader do. */
+/* Shaders get the product, rounded once, as those of raster/beside/shader do. */
 void target_place(struct target *target, const double projection[16], const double model[16])
 {
     const struct gl_functions *call = target->call;
