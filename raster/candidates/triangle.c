@@ -278,15 +278,6 @@ static void widen(struct slack *to, struct slack by)
 
 /* ---- triangles that OpenGL sets up ---- */
 
-/* True if all corners lie on the driver's grid, without any error. Corners of cuts do not. */
-static bool is_exact(const struct lit_scene *lit, const struct bounded_triangle *triangle)
-{
-    bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
-    for (int i = 0; i < 3; i++)
-        exact = exact && vertex_bounds(lit, &triangle->screen, i)->exact;
-    return exact;
-}
-
 /* OpenGL's origin may be the tile's upper or its lower left corner, of a driver that is not known
  * any corner. A pixel lies beside the triangle by less than 1. */
 static void set_reach(const struct tile *tile, struct clipped_triangle *out)
@@ -408,7 +399,11 @@ static double depth_rounding(const struct driver *driver)
 /* Corners that are cut off lie nowhere for OpenGL; those that cutting makes are off by slack_px. */
 static void set_edge_errors(const struct tile *tile, struct bounded_triangle *triangle)
 {
-    const bool exact = is_exact(tile->lit, triangle);
+    const struct lit_scene *lit = tile->lit;
+    /* all corners lie on the driver's grid, without any error; those of cuts do not */
+    bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
+    for (int i = 0; i < 3; i++)
+        exact = exact && vertex_bounds(lit, &triangle->screen, i)->exact;
     for (int i = 0; i < 3; i++)
         triangle->edge_px[i] =
             exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
@@ -484,21 +479,6 @@ static int place_parts(const struct tile *tile, const struct screen_triangle *wh
     return n;
 }
 
-/* Triangles seen edge-on may show their other side as well. */
-static int add_other_sides(const struct surface *surface, int n,
-                           struct triangle_part parts[TRIANGLE_PARTS])
-{
-    int n_out = n;
-    for (int i = 0; i < n && surface->n_sides == 2; i++)
-        if (parts[i].bounded.edge_on) {
-            struct bounded_triangle *other = &parts[n_out].bounded;
-            parts[n_out++] = parts[i];
-            other->other_side = true;
-            other->screen.side = !other->screen.side;
-        }
-    return n_out;
-}
-
 int triangle_parts(const struct tile *tile, int surface, int triangle, const struct rectangle *rows,
                    struct triangle_part out[TRIANGLE_PARTS])
 {
@@ -507,5 +487,14 @@ int triangle_parts(const struct tile *tile, int surface, int triangle, const str
     memcpy(whole.vertex, of->instance->triangles[triangle], sizeof whole.vertex);
     if (is_beside(of, &tile->lit->bounds[surface], whole.vertex, rows))
         return 0;
-    return add_other_sides(of, place_parts(tile, &whole, out), out);
+    const int n = place_parts(tile, &whole, out);
+    int n_out = n;
+    for (int i = 0; i < n && of->n_sides == 2; i++)
+        if (out[i].bounded.edge_on) { /* it may show its other side as well */
+            struct bounded_triangle *other = &out[n_out].bounded;
+            out[n_out++] = out[i];
+            other->other_side = true;
+            other->screen.side = !other->screen.side;
+        }
+    return n_out;
 }

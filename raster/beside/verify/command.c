@@ -19,9 +19,8 @@ struct verify_options {
 static bool add_driver(struct verification *to, const char *library, const char *renderer,
                        struct error *err)
 {
-    struct verify_driver driver = {.names = {.library = ""}};
+    struct verify_driver driver = {.renderer = renderer};
     snprintf(driver.library, sizeof driver.library, "%s", library);
-    snprintf(driver.renderer, sizeof driver.renderer, "%s", renderer ? renderer : "");
     return array_add(&to->drivers, &to->n_drivers, &driver, sizeof driver, err);
 }
 
@@ -156,8 +155,8 @@ struct totals totals_of(const struct verify_result *results, int n)
 
 void driver_options(const struct verify_driver *driver, char out[64])
 {
-    snprintf(out, 64, " --gl %s%s%s", driver->library, driver->renderer[0] ? " --renderer " : "",
-             driver->renderer);
+    snprintf(out, 64, " --gl %s%s%s", driver->library, driver->renderer ? " --renderer " : "",
+             driver->renderer ? driver->renderer : "");
 }
 
 /* ---- one scene on one driver ---- */
@@ -209,7 +208,7 @@ static bool judge(void *context, void *out, struct error *err)
     memset(out, 0, sizeof(struct verify_result));
     struct verify_options own = *(const struct verify_options *)task->options->own;
     own.render.gl = task->driver->library;
-    own.render.renderer = task->driver->renderer[0] ? task->driver->renderer : NULL;
+    own.render.renderer = task->driver->renderer;
     options.own = &own;
     options.json = options.output = NULL;
     options.quiet = true;

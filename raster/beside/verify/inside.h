@@ -28,9 +28,10 @@ bool export_plan(void *options, const struct plan *plan, struct error *err);
 
 /* A driver, as the options --gl and --renderer name it. */
 struct verify_driver {
-    char library[16], renderer[24]; /* renderer: empty: the one that comes without --renderer */
-    struct renderer_names names;    /* known when a scene was drawn */
-    char profile[16];               /* whose bounds the check uses; likewise */
+    char library[16];
+    const char *renderer;        /* NULL: the one that comes without --renderer */
+    struct renderer_names names; /* known when a scene was drawn */
+    char profile[16];            /* whose bounds the check uses; likewise */
 };
 enum { /* those of a check; or no picture was drawn */
        VERIFY_AGREED = OUTCOME_AGREED,

@@ -169,7 +169,7 @@ void verify_json(const struct verification *of, struct json *json)
         const struct verify_driver *by = &of->drivers[d];
         json_open(json, NULL, '{');
         json_string(json, "gl", by->library);
-        json_string(json, "renderer", by->renderer[0] ? by->renderer : NULL);
+        json_string(json, "renderer", by->renderer);
         json_string(json, "gl_library", by->names.library);
         json_string(json, "gl_renderer", by->names.renderer);
         json_string(json, "gl_version", by->names.version);
