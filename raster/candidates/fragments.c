@@ -11,7 +11,7 @@
 
 /* ---- presence ---- */
 
-/* Whether OpenGL has a fragment at a point: not, perhaps, or for sure. With p the point and a, b
+/* OpenGL has a fragment at a point not, perhaps, or for sure. With p the point and a, b
  * two corners minus p, moving a by up to e and b by up to f in x and y changes the edge function a
  * x b by at most e |b|_1 + f |a|_1 + 2 e f: the slack. */
 enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* What renderers through OpenGL share: what they upload, the library as it describes itself, the
- * driver by which it is judged, the tile that is aimed at, and the pixels that are read back.
- * Geometry is uploaded once, and drawn once more in numbers. Only this file says how a vertex lies
- * in a buffer. */
+/* Renderers through OpenGL share this: uploads, the library as it describes itself, the driver by
+ * which it is judged, the tile that is aimed at, and the pixels that are read back. Geometry is
+ * uploaded once, and drawn once more in numbers. Only this file says how a vertex lies in a buffer.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -86,7 +86,8 @@ static bool upload_instance(const struct drawing *of, int instance, struct error
     return upload_triangles(of, instance, err);
 }
 
-/* Uploads what is drawn. Nothing is uploaded twice, and nothing of an instance out of view. */
+/* Uploads all meshes that are drawn. Nothing is uploaded twice, and nothing of an instance out of
+ * view. */
 static bool meshes_upload(struct drawing *of, struct error *err)
 {
     const int n = of->plan->n_instances, n_meshes = of->plan->n_meshes;

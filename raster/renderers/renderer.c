@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What renderers share: buffers of pixels, and a pixel's triangle, from the colours that it was
+/* Renderers share these: buffers of pixels, and a pixel's triangle, from the colours that it was
  * drawn in. */
 #include <stdlib.h>
 

@@ -88,7 +88,7 @@ struct renderer_lacks {
 enum { MOST_BUFFERS = 8 };
 struct renderer {
     const struct renderer_kind *kind;
-    /* What was last drawn into each buffer, until something is drawn there again; other threads may
+    /* Each buffer has its last drawing, until something is drawn there again; other threads may
      * read it meanwhile: radiances divided by full_scale, rounded to the nearest step where the
      * colour buffer has steps; 4 floats a pixel, rows of the plan's tile_width from the top; owned
      */
