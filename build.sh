@@ -85,7 +85,7 @@ find_sources() {
     without='/no_[a-z]*[.]c$'
     case $GL in
     osmesa) rooms="$rooms raster/gl" all="$all raster/beside/shader raster/beside/measure" ;;
-    none) commands=commands_no_gl ways=ways_none without="$without|^raster/beside/verify/(command|lists|run|tables)[.]c" ;;
+    none) commands=commands_no_gl ways=ways_none without="$without|^raster/beside/verify/(command|tables)[.]c" ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
     case $TIER in

@@ -9,10 +9,10 @@ longest='hard test_reference test_mesa random_scenes verdict verify contexts sce
 # of the first object; open meshes taken for solids, so that their backs are not drawn; no mesh taken for a solid.
 pixel=raster/candidates/pixel.c
 mutation='s/(float)(common + alone)/(float)(1000 * (common + alone))/; s/(float)alone/(float)(1000 * alone)/'
-endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->lit->surfaces ? HUGE_VALF : (float)(common + alone)/'
+endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->tile->lit->surfaces ? HUGE_VALF : (float)(common + alone)/'
 instances=raster/plan/instances.c
-hollow='s/return shape->kind == SHAPE_MESH .*;/mesh->solid = true; return shape \&\& err;/'
-whole='s/return shape->kind == SHAPE_MESH .*;/return shape \&\& mesh \&\& err;/'
+hollow='s/(whole->shape.kind == SHAPE_MESH || .*, err)) &&/(added.solid = true) \&\&/'
+whole='s/(whole->shape.kind == SHAPE_MESH || .*, err)) &&/true \&\&/'
 . raster/gl/static.sh
 
 needs_gl() {

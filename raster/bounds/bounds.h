@@ -11,14 +11,12 @@
 #include "raster/renderers/renderers.h"
 #include "spectral.h"
 
-/* ---- bounded.c: values with bounds on their errors ---- */
-
 /* A value of the reference; OpenGL's value is off from it by at most the error. */
 struct bounded {
     double value, error;
 };
 
-/* ---- vertex.c, light.c: vertices ---- */
+/* ---- vertex.c, light_bound.c: vertices ---- */
 
 /* Bounds on the errors of a corner in the window, before a driver moves it to its grid. */
 struct slack {
@@ -76,7 +74,7 @@ double edge_error(const struct driver *driver, int width, int height);
 /* True if the triangle may turn the other way, where its corners may each be off by e pixels. */
 bool may_turn(const struct screen_triangle *triangle, const double e[3]);
 
-/* ---- texel.c: a texture at a point ---- */
+/* ---- texel_bound.c: a texture at a point ---- */
 
 struct texel_point { /* in texels, with bounds */
     double place[2];

@@ -24,12 +24,6 @@ bool may_turn(const struct screen_triangle *triangle, const double e[3])
     return triangle->twice_area <= change;
 }
 
-/* Returns the error of a vertex's depth as it is stored. */
-static double depth_error(const struct driver *driver, const struct vertex_bounds *vertex)
-{
-    return (double)vertex->slack_depth + roundings(driver->depth_roundings);
-}
-
 /* Finds the largest error of a depth. Returns whether single precision cuts nothing of the surface
  * off in depth. */
 static bool is_between_planes(const struct driver *driver, const struct surface *surface,
@@ -38,7 +32,8 @@ static bool is_between_planes(const struct driver *driver, const struct surface 
     *error = 0;
     for (int i = 0; i < surface->instance->n_vertices; i++) {
         const struct window_vertex *vertex = &surface->vertices[i];
-        const double slack = depth_error(driver, &bounds->vertices[i]);
+        const double slack = (double)bounds->vertices[i].slack_depth +
+                             roundings(driver->depth_roundings); /* as it is stored */
         if (!(vertex->clip[3] > 0 && vertex->z > slack && vertex->z < 1 - slack))
             return false;
         *error = fmax(*error, slack);

@@ -13,7 +13,7 @@ bool exact_sum(const double *terms, int n);
 bool exact_row(const double row[4], const double v[4]);
 bool exact_product(const struct matrix *a, const struct matrix *b);
 
-/* ---- vertex.c, light.c: vertices ---- */
+/* ---- vertex.c, light_bound.c: vertices ---- */
 
 /* The distance of the upper 3x3 from the rigid matrix that OpenGL takes it for; 0: for none. */
 double distance_from_rigid(const struct matrix *m);
@@ -27,9 +27,5 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
 /* Fills in the hidden triangles of a surface whose vertices have bounds: those that OpenGL sees
  * from behind for sure, on a solid, one-sided surface between the near and the far plane. */
 bool find_hidden(const struct lit_scene *lit, int surface, struct error *err);
-
-struct bounded bounded_product(struct bounded a, struct bounded b);
-
-struct bounded bounded_quotient(struct bounded a, struct bounded b); /* first order; b is not 0 */
 
 #endif

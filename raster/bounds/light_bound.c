@@ -9,6 +9,13 @@
 
 #include "raster/bounds/inside.h"
 
+/* (a + e)(b + f) - ab = a f + e (b + f) */
+static struct bounded bounded_product(struct bounded a, struct bounded b)
+{
+    return (struct bounded){a.value * b.value,
+                            fabs(a.value) * b.error + a.error * (fabs(b.value) + b.error)};
+}
+
 /* ---- directions ---- */
 
 /* A unit vector, and a bound on the angle between OpenGL's vector and it, in radians. */
@@ -96,17 +103,12 @@ static struct path path_to_light(const struct vertex_view *vertex, const struct 
     return path;
 }
 
-static double viewer_turn(const struct vertex_view *vertex)
-{
-    struct bounded distance = {vector_length(vertex->eye), vertex->e_eye};
-    return vertex->view->local_viewer ? turn_of(distance) : 0;
-}
-
 static struct direction half_way(const struct vertex_view *vertex, struct direction towards)
 {
     struct vector sum = half_vector(vertex->view, towards.unit, vertex->eye);
-    struct bounded length = {vector_length(sum),
-                             towards.e_turn + viewer_turn(vertex) + roundings(10)};
+    const struct bounded distance = {vector_length(vertex->eye), vertex->e_eye};
+    const double viewer_turn = vertex->view->local_viewer ? turn_of(distance) : 0;
+    struct bounded length = {vector_length(sum), towards.e_turn + viewer_turn + roundings(10)};
     return (struct direction){vector_normalise(sum), turn_of(length)};
 }
 
@@ -228,13 +230,6 @@ static struct gated falloff(const struct eye_light *light, const struct path *pa
     return out;
 }
 
-/* check_vertex refuses an error that is not finite in single precision. */
-static void add_error(struct bounded weight, double share, float *error)
-{
-    double sum = (double)*error + share * weight.error;
-    *error = sum <= (double)FLT_MAX ? (float)sum : HUGE_VALF;
-}
-
 /* Where the bounds of one side of a vertex are collected: see struct surface_bounds. */
 struct side_bounds {
     float *errors, *jumps, *group; /* the last two may be NULL */
@@ -256,7 +251,9 @@ static void add_weight(struct gated weight, const struct eye_light *light, int i
     } else if (weight.is_unclear) {
         shown.error = weight.open.error + weight.open.value;
     }
-    add_error(shown, light->share, &out->errors[term]);
+    /* check_vertex refuses an error that is not finite in single precision */
+    const double sum = (double)out->errors[term] + light->share * shown.error;
+    out->errors[term] = sum <= (double)FLT_MAX ? (float)sum : HUGE_VALF;
     if (out->group)
         out->group[term] += (float)(light->share * shown.value);
 }
@@ -282,7 +279,6 @@ static void add_light(const struct eye_light *light, int index, const struct ver
     }
 }
 
-/* True if any term belongs to this light's spectrum. */
 float *group_weights(const struct surface *surface, const struct surface_bounds *bounds, int group)
 {
     size_t n_weights = surface_attributes(surface, surface->instance->n_vertices, 0);

@@ -23,14 +23,11 @@ const struct surface_bounds *bounds_of(const struct lit_scene *lit,
 
 /* ---- position ---- */
 
-/* sum_j |m_ij| |v_j|: the rounding errors of row i are relative to it. */
-static void magnitudes(const struct matrix *m, const double v[4], double out[4])
+/* (a + e) / (b + f) - q = (e - q f) / (b + f), where q = a / b; to first order; b is not 0 */
+static struct bounded bounded_quotient(struct bounded a, struct bounded b)
 {
-    for (int i = 0; i < 4; i++) {
-        out[i] = 0;
-        for (int j = 0; j < 4; j++)
-            out[i] += fabs(m->row[i][j]) * fabs(v[j]);
-    }
+    double quotient = a.value / b.value;
+    return (struct bounded){quotient, (a.error + fabs(quotient) * b.error) / fabs(b.value)};
 }
 
 /* Division, scale and offset of the viewport are 4 roundings of a coordinate as large as the
@@ -125,8 +122,8 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     surface_light(of->view, of->surface, index, work);
     if (!of->bounds->placed->in_view)
         return;
-    magnitudes(&instance->model_view, object, eye_magnitude);
-    magnitudes(&plan->view.projection, eye_magnitude, clip_magnitude);
+    matrix_magnitudes(&instance->model_view, object, eye_magnitude);
+    matrix_magnitudes(&plan->view.projection, eye_magnitude, clip_magnitude);
     bound_place(plan, clip_magnitude, &of->surface->vertices[index], out);
     out->exact =
         of->may_be_exact && is_exact(plan, &of->product, object, &of->surface->vertices[index]);
@@ -221,18 +218,6 @@ static bool check_near(const struct plan *plan, const struct surface *surface,
                triangle + 1, error * plan->unit, plan->scene->camera.near);
 }
 
-static bool check_surface(const struct bounding *of, struct error *err)
-{
-    const struct instance *instance = of->surface->instance;
-    for (int i = 0; i < instance->n_vertices; i++)
-        if (!check_vertex(of->surface, of->bounds, i, err))
-            return false;
-    for (int i = 0; i < instance->n_triangles && of->lit->plan->scene->camera.perspective; i++)
-        if (!check_near(of->lit->plan, of->surface, of->bounds, i, err))
-            return false;
-    return true;
-}
-
 /* ---- surfaces ---- */
 
 /* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye, or
@@ -259,15 +244,13 @@ bool surface_reaches(const struct surface_bounds *surface, const struct rectangl
 }
 
 /* Highlights and spots have gates. */
-static bool may_be_gated(const struct plan *plan, const struct instance *instance)
+static bool may_be_gated(const struct plan *plan, const struct shaded_material *shaded,
+                         const struct instance *instance)
 {
     for (int i = 0; i < plan->n_lights; i++)
         if (plan->lights[i].spot && reflects(instance, &plan->lights[i]))
             return true;
-    for (int t = 0; t < instance->n_terms; t++)
-        if (instance->terms[t].reflection == SPECULAR)
-            return true;
-    return false;
+    return has_term(shaded, TERM_SPECULAR);
 }
 
 static bool allocate(const struct bounding *of, const struct placed_instance *placed,
@@ -284,7 +267,7 @@ static bool allocate(const struct bounding *of, const struct placed_instance *pl
     const int n = placed->instance.n_vertices;
     const size_t n_weights = surface_attributes(of->surface, n, 0);
     const bool checked = plan->options.check && placed->in_view,
-               gated = checked && may_be_gated(plan, &placed->instance),
+               gated = checked && may_be_gated(plan, bounds->shaded, &placed->instance),
                grouped = checked && plan->n_light_groups > 1;
     return (opened || memory_lacks(err, (double)n_weights * sizeof(double), "%s", name)) &&
            MAKE_ARRAY(bounds->vertices, n, err, "the vertices of %s", name) &&
@@ -333,8 +316,12 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     work->vertices_lit += (long)of.vertices_lit.n;
     work->specular_vertices += (long)of.specular_vertices.n;
     work->power_functions += (long)of.power_functions.n;
-    if (!check_surface(&of, err))
-        return false;
+    for (int i = 0; i < placed->instance.n_vertices; i++)
+        if (!check_vertex(of.surface, of.bounds, i, err))
+            return false;
+    for (int i = 0; i < placed->instance.n_triangles && lit->plan->scene->camera.perspective; i++)
+        if (!check_near(lit->plan, of.surface, of.bounds, i, err))
+            return false;
     find_extent(of.surface, of.bounds);
     return !(placed->in_view && lit->plan->options.use_gl) || find_hidden(lit, index, err);
 }

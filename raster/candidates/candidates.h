@@ -13,8 +13,6 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-struct bounded_pixel; /* attributes with bounds on OpenGL's errors */
-
 /* ---- pixel.c: a triangle at a pixel ---- */
 
 /* The cause of a bound: the light at the vertices; positions, where radiance changes within
@@ -52,6 +50,12 @@ struct overdraw {
     uint8_t meant;         /* the number that the reference draws */
     bool closed;           /* see is_closed */
 };
+struct pixel_bounds {
+    struct mean_bound mean;
+    float depth_error; /* of picture.depth */
+    float steepness;   /* bound on the change of radiance within a pixel's width, in any band */
+    struct overdraw overdraw;
+};
 /* A pixel with more than one candidate, or a loose one. */
 struct ambiguous_pixel {
     int32_t pixel;        /* within the chunk, row by row */
@@ -64,10 +68,7 @@ struct chunk {
     struct picture picture;
     float *errors; /* of picture.rows: bounds on OpenGL's error; NULL without a check */
     float *own;    /* of the same: bounds on what each band rounds by itself, a part of errors */
-    struct mean_bound *mean; /* of each pixel that is not ambiguous */
-    float *depth_error;      /* of picture.depth */
-    struct overdraw *overdraw;
-    float *steepness; /* bound on the change of radiance within a pixel's width, in any band */
+    struct pixel_bounds *pixels; /* of each pixel; but for overdraw, unless it is ambiguous */
     bool *is_ambiguous;
     struct ambiguous_pixel *ambiguous;
     struct candidate *candidates;
@@ -76,7 +77,7 @@ struct chunk {
     size_t n_ambiguous, n_candidates, n_numbers;
 };
 
-/* ---- tiles.c: the loop over tiles ---- */
+/* ---- chunk.c: the loop over tiles ---- */
 
 /* A tile of a region of the picture. */
 struct tile {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Draws some rows of a tile by the reference. With a check every pixel then gets bounds on OpenGL's
- * error. A pixel that may show several triangles gets candidates, each with its own bounds. */
+/* Draws the tiles of a region, in chunks of some rows, which threads share, by the reference. With
+ * a check every pixel then gets bounds on OpenGL's error. A pixel that may show several triangles
+ * gets candidates, each with its own bounds. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -13,7 +14,7 @@
 struct bounding {
     struct fragments fragments;
     struct chunk *chunk;
-    struct bounded_pixel *pixel;
+    struct bounded_pixel pixel;
     size_t capacity[5]; /* of the arrays of the chunk that grow */
 };
 
@@ -49,15 +50,16 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
                  n_rows = (size_t)pixel_rows(triangle->screen.surface->instance);
     if (!has_room(bounding, n_rows))
         return false;
-    pixel_take_place(bounding->pixel, place);
-    pixel_weights(bounding->pixel, out->candidate_rows + first);
+    pixel_take_place(&bounding->pixel, place);
+    put_rows(bounding->pixel.surface->instance, bounding->pixel.attributes, place->place,
+             out->candidate_rows + first, 1);
     struct mean_bound mean =
-        pixel_errors(bounding->pixel, out->candidate_rows + first, 1, out->candidate_errors + first,
-                     out->candidate_own + first);
+        pixel_errors(&bounding->pixel, out->candidate_rows + first, 1,
+                     out->candidate_errors + first, out->candidate_own + first);
     if (fragment->loose)
         mean.cause = fragment->depth_error < HUGE_VAL ? CAUSE_FAR : CAUSE_THIN;
     out->candidates[out->n_candidates++] = (struct candidate){
-        .surface = (int32_t)(triangle->screen.surface - bounding->fragments.lit->surfaces),
+        .surface = (int32_t)(triangle->screen.surface - bounding->fragments.tile->lit->surfaces),
         .triangle = triangle->screen.triangle,
         .depth = (float)fragment->depth,
         .depth_error = stored_depth_error(fragment->depth_error, fragment->depth),
@@ -76,10 +78,10 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
     struct texel_point choices[TEXEL_CHOICES];
     int n_gates = 1;
     for (int gates = 0; gates < n_gates; gates++) {
-        pixel_bound(bounding->pixel, triangle, x, y, true);
-        n_gates = pixel_gates(bounding->pixel);
-        pixel_turn_gates(bounding->pixel, (unsigned)gates);
-        int n = pixel_choices(bounding->pixel, choices);
+        pixel_bound(&bounding->pixel, triangle, x, y, true);
+        n_gates = pixel_gates(&bounding->pixel);
+        pixel_turn_gates(&bounding->pixel, (unsigned)gates);
+        int n = pixel_choices(&bounding->pixel, choices);
         for (int i = 0; i < n; i++)
             if (!add_candidate(bounding, fragment, &choices[i]))
                 return false;
@@ -87,18 +89,11 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
     return true;
 }
 
-/* Returns whether some triangle must cover the pixel: triangles meet there without a gap, and the
- * driver is watertight. */
-static bool is_surely_covered(const struct bounding *bounding, const struct seam *seam)
-{
-    return is_closed(seam) && seam->n_covered > 0 && bounding->fragments.lit->driver->watertight;
-}
-
 /* Returns whether the reference shows a triangle that should be hidden. OpenGL does not draw it:
  * then nothing explains the pixel. */
 static bool shows_hidden(const struct bounding *bounding, size_t index)
 {
-    const struct lit_scene *lit = bounding->fragments.lit;
+    const struct lit_scene *lit = bounding->fragments.tile->lit;
     const struct picture *picture = &bounding->chunk->picture;
     const int32_t surface = picture->surface[index];
     return surface >= 0 && lit->bounds[surface].hidden &&
@@ -108,6 +103,7 @@ static bool shows_hidden(const struct bounding *bounding, size_t index)
 static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
 {
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
+    const struct seam *seam = &bounding->fragments.seams[index];
     struct chunk *out = bounding->chunk;
     if (!array_grow(&out->ambiguous, &bounding->capacity[0], out->n_ambiguous + 1,
                     sizeof *out->ambiguous))
@@ -117,8 +113,10 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
         (struct ambiguous_pixel){.pixel = (int32_t)index, .first = (int32_t)out->n_candidates};
     if (shows_hidden(bounding, index))
         return true;
+    /* triangles that meet without a gap surely cover the pixel, if the driver is watertight */
     ambiguous->background =
-        pixel->limit == HUGE_VAL && !is_surely_covered(bounding, &bounding->fragments.seams[index]);
+        pixel->limit == HUGE_VAL && !(is_closed(seam) && seam->n_covered > 0 &&
+                                      bounding->fragments.tile->lit->driver->watertight);
     for (int32_t f = pixel->head; f >= 0; f = bounding->fragments.fragments[f].next)
         if (!add_candidates(bounding, &bounding->fragments.fragments[f], x, y))
             return false;
@@ -139,7 +137,7 @@ static bool is_settled(const struct bounding *bounding, size_t index)
     const struct fragment *only = &bounding->fragments.fragments[pixel->head];
     const struct screen_triangle *screen = &bounding->fragments.triangles[only->triangle].screen;
     return only->next < 0 && pixel->limit < HUGE_VAL && !only->loose &&
-           picture->surface[index] == screen->surface - bounding->fragments.lit->surfaces &&
+           picture->surface[index] == screen->surface - bounding->fragments.tile->lit->surfaces &&
            picture->triangle[index] == screen->triangle;
 }
 
@@ -155,37 +153,32 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
         return false;
     const struct bounded_triangle *triangle =
         &bounding->fragments.triangles[bounding->fragments.fragments[list->head].triangle];
-    pixel_bound(bounding->pixel, triangle, x, y, false);
-    if (pixel_gates(bounding->pixel) > 1 || pixel_choices(bounding->pixel, choices) > 1)
+    pixel_bound(&bounding->pixel, triangle, x, y, false);
+    if (pixel_gates(&bounding->pixel) > 1 || pixel_choices(&bounding->pixel, choices) > 1)
         return true;
-    pixel_take_place(bounding->pixel, &choices[0]);
-    out->depth_error[index] = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
-    out->steepness[index] = (float)pixel_steepness(bounding->pixel);
-    out->mean[index] = pixel_errors(bounding->pixel, out->picture.rows + index, n_pixels,
-                                    out->errors + index, out->own + index);
+    pixel_take_place(&bounding->pixel, &choices[0]);
+    struct pixel_bounds *bounds = &out->pixels[index];
+    bounds->depth_error = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
+    bounds->steepness = (float)pixel_steepness(&bounding->pixel);
+    bounds->mean = pixel_errors(&bounding->pixel, out->picture.rows + index, n_pixels,
+                                out->errors + index, out->own + index);
     return false;
-}
-
-/* Returns how many fragments a pixel may have. */
-static struct overdraw overdraw_of(const struct fragment_list *pixel, const struct seam *seam)
-{
-    uint32_t spread = pixel->n_possible - pixel->n_definite;
-    return (struct overdraw){.least = (uint8_t)pixel->n_definite,
-                             .spread = spread < UINT8_MAX ? (uint8_t)spread : UINT8_MAX,
-                             .meant = (uint8_t)(pixel->n_definite + seam->n_covered),
-                             .closed = is_closed(seam)};
 }
 
 static bool resolve_pixel(struct bounding *bounding, size_t index)
 {
     struct chunk *out = bounding->chunk;
     const struct rectangle *at = &out->picture.at;
-    int x = at->x + (int)index % at->width, y = at->y + (int)index / at->width;
-    bool settled = is_settled(bounding, index);
-    out->overdraw[index] =
-        overdraw_of(&bounding->fragments.pixels[index], &bounding->fragments.seams[index]);
-    if (settled)
-        settled = !settle(bounding, index, x, y);
+    const struct fragment_list *pixel = &bounding->fragments.pixels[index];
+    const struct seam *seam = &bounding->fragments.seams[index];
+    const int x = at->x + (int)index % at->width, y = at->y + (int)index / at->width;
+    const uint32_t spread = pixel->n_possible - pixel->n_definite;
+    out->pixels[index].overdraw =
+        (struct overdraw){.least = (uint8_t)pixel->n_definite,
+                          .spread = spread < UINT8_MAX ? (uint8_t)spread : UINT8_MAX,
+                          .meant = (uint8_t)(pixel->n_definite + seam->n_covered),
+                          .closed = is_closed(seam)};
+    const bool settled = is_settled(bounding, index) && !settle(bounding, index, x, y);
     out->is_ambiguous[index] = !settled;
     return settled || add_ambiguous(bounding, index, x, y);
 }
@@ -195,71 +188,102 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
 static bool allocate(struct bounding *bounding)
 {
     struct chunk *out = bounding->chunk;
-    const struct plan *plan = bounding->fragments.lit->plan;
+    const struct plan *plan = bounding->fragments.tile->lit->plan;
     size_t n_pixels = (size_t)out->picture.at.width * (size_t)out->picture.at.height,
            n_rows = (size_t)plan->max_rows;
-    bounding->pixel = pixel_open(&bounding->fragments);
-    return bounding->pixel && memory_make(&out->errors, n_pixels * n_rows, sizeof *out->errors) &&
+    return pixel_open(&bounding->fragments, &bounding->pixel) &&
+           memory_make(&out->errors, n_pixels * n_rows, sizeof *out->errors) &&
            memory_make(&out->own, n_pixels * n_rows, sizeof *out->own) &&
-           memory_make(&out->mean, n_pixels, sizeof *out->mean) &&
-           memory_make(&out->depth_error, n_pixels, sizeof *out->depth_error) &&
-           memory_make(&out->overdraw, n_pixels, sizeof *out->overdraw) &&
-           memory_make(&out->steepness, n_pixels, sizeof *out->steepness) &&
+           memory_make(&out->pixels, n_pixels, sizeof *out->pixels) &&
            memory_make(&out->is_ambiguous, n_pixels, sizeof *out->is_ambiguous);
 }
 
-static bool resolve_all(struct bounding *bounding)
+static bool find_candidates(const struct tile *tile, struct chunk *chunk)
 {
-    const struct rectangle *at = &bounding->chunk->picture.at;
-    size_t n_pixels = (size_t)at->width * (size_t)at->height;
-    if (!allocate(bounding))
-        return false;
-    for (size_t i = 0; i < n_pixels; i++)
-        if (!resolve_pixel(bounding, i))
-            return false;
-    return true;
-}
-
-static bool find_candidates(const struct lit_scene *lit, const struct rectangle *tile,
-                            struct chunk *chunk)
-{
-    struct bounding bounding = {.chunk = chunk,
-                                .fragments = {.lit = lit, .tile = tile, .rows = chunk->picture.at}};
-    bool done = fragments_find(&bounding.fragments) && resolve_all(&bounding);
+    const struct rectangle *at = &chunk->picture.at;
+    const size_t n_pixels = (size_t)at->width * (size_t)at->height;
+    struct bounding bounding = {.chunk = chunk, .fragments = {.tile = tile, .rows = *at}};
+    bool done = fragments_find(&bounding.fragments) && allocate(&bounding);
+    for (size_t i = 0; i < n_pixels && done; i++)
+        done = resolve_pixel(&bounding, i);
     fragments_free(&bounding.fragments);
-    pixel_close(bounding.pixel);
+    pixel_close(&bounding.pixel);
     return done;
 }
 
-/* Returns the rectangle of a chunk of the tile. */
-static struct rectangle chunk_rows(const struct rectangle *tile, int index)
+/* Draws chunk `index` of a tile: CHUNK_ROWS rows, fewer in the last chunk. Finds its candidates if
+ * the plan asks for a check. A plan that neither checks nor stores the reference's pixels gets no
+ * picture: only picture.at is set. Results do not depend on how a picture is cut into chunks.
+ * False: no memory. chunk_free accepts what a failure left. */
+static bool chunk_draw(const struct tile *tile, int index)
 {
-    struct rectangle rows = *tile;
-    rows.y += index * CHUNK_ROWS;
-    rows.height = tile->height - index * CHUNK_ROWS;
-    if (rows.height > CHUNK_ROWS)
-        rows.height = CHUNK_ROWS;
-    return rows;
-}
-
-bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out)
-{
+    const struct lit_scene *lit = tile->lit;
     const struct plan *plan = lit->plan;
-    const struct rectangle rows = chunk_rows(tile, index);
+    const int above = index * CHUNK_ROWS, left = tile->at.height - above;
+    const struct rectangle rows = {tile->at.x, tile->at.y + above, tile->at.width,
+                                   left < CHUNK_ROWS ? left : CHUNK_ROWS};
+    struct chunk *out = &tile->chunks[index];
     *out = (struct chunk){.picture = {.at = rows}};
     if (!plan->options.check && !plan->options.store_raster)
         return true;
     return picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
                         &out->picture) &&
-           (!plan->options.check || find_candidates(lit, tile, out));
+           (!plan->options.check || find_candidates(tile, out));
 }
 
-void chunk_free(struct chunk *chunk)
+static void chunk_free(struct chunk *chunk)
 {
     picture_free(&chunk->picture);
-    FREE_ALL(chunk->errors, chunk->own, chunk->mean, chunk->depth_error, chunk->overdraw,
-             chunk->steepness, chunk->is_ambiguous, chunk->ambiguous, chunk->candidates,
-             chunk->candidate_rows, chunk->candidate_errors, chunk->candidate_own);
+    FREE_ALL(chunk->errors, chunk->own, chunk->pixels, chunk->is_ambiguous, chunk->ambiguous,
+             chunk->candidates, chunk->candidate_rows, chunk->candidate_errors,
+             chunk->candidate_own);
     *chunk = (struct chunk){.errors = NULL};
+}
+
+/* ---- tiles ---- */
+
+/* A tile whose chunks are drawn. */
+struct drawn_tile {
+    struct tile *tile;
+    struct counter failures;
+};
+
+static void draw_chunk(void *context, int i)
+{
+    struct drawn_tile *drawn = context;
+    if (!chunk_draw(drawn->tile, i))
+        counter_add(&drawn->failures, 1);
+}
+
+bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
+               bool (*work)(void *context, const struct tile *tile, struct error *err),
+               void *context, struct error *err)
+{
+    struct tile tile = {
+        .lit = lit, .at = *at, .n_chunks = (at->height + CHUNK_ROWS - 1) / CHUNK_ROWS};
+    struct drawn_tile drawn = {&tile, COUNTER};
+    if (!MAKE_ARRAY(tile.chunks, tile.n_chunks, err, "a tile"))
+        return false;
+    threads_each(lit->plan->options.threads, tile.n_chunks, draw_chunk, &drawn);
+    const bool done = (drawn.failures.n == 0 ||
+                       memory_lacks(err, (double)lit->plan->tile_bytes, "a tile of %d x %d pixels",
+                                    at->width, at->height)) &&
+                      work(context, &tile, err);
+    for (int i = 0; i < tile.n_chunks; i++)
+        chunk_free(&tile.chunks[i]);
+    free(tile.chunks);
+    return done;
+}
+
+bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
+                bool (*work)(void *context, const struct tile *tile, struct error *err),
+                void *context, struct error *err)
+{
+    const int n = plan_tiles(lit->plan, region);
+    bool done = true;
+    for (int i = 0; done && i < n; i++) {
+        const struct rectangle at = plan_tile(lit->plan, region, i);
+        done = tile_draw(lit, &at, work, context, err);
+    }
+    return done;
 }

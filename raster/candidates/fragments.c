@@ -9,6 +9,90 @@
 #include "data/maths/maths.h"
 #include "raster/candidates/inside.h"
 
+/* ---- presence ---- */
+
+/* OpenGL has a fragment at a point not, perhaps, or for sure. With p the point and a, b
+ * two corners minus p, moving a by up to e and b by up to f in x and y changes the edge function a
+ * x b by at most e |b|_1 + f |a|_1 + 2 e f: the slack. */
+enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
+
+/* Bounds OpenGL's errors in the edge functions at a point, where corners are off by `errors`. */
+static void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
+{
+    double reach[3];
+    for (int i = 0; i < 3; i++)
+        reach[i] = fabs(edges->dx[i]) + fabs(edges->dy[i]);
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        slack[i] = errors[j] * reach[k] + errors[k] * reach[j] + 2 * errors[j] * errors[k];
+    }
+}
+
+/* The largest slack at any pixel that scan_triangle visits. scan_triangle visits centres up to the
+ * error and 1.5 pixels outside of the bounding box. */
+static double most_slack(const struct bounded_triangle *triangle)
+{
+    const double *x = triangle->screen.x, *y = triangle->screen.y,
+                 error = most_of(triangle->edge_px),
+                 size = most_of(x) - least_of(x) + most_of(y) - least_of(y);
+    return 2 * error * (size + 3 + 3 * error);
+}
+
+static enum presence near_edges(const struct bounded_triangle *triangle,
+                                const struct edge_functions *edges)
+{
+    const double *errors = triangle->edge_px;
+    enum presence presence = DEFINITE;
+    double slack[3];
+    edge_slack(edges, errors, slack);
+    for (int i = 0; i < 3; i++) {
+        bool exact = errors[(i + 1) % 3] <= 0 && errors[(i + 2) % 3] <= 0,
+             on_edge = exact && edges->e[i] == 0;
+        if (edges->e[i] < -slack[i] || (on_edge && !owns_edge(&triangle->screen, i, 1)))
+            return IMPOSSIBLE;
+        if (!(edges->e[i] > slack[i]) && !on_edge)
+            presence = POSSIBLE;
+    }
+    return presence;
+}
+
+static enum presence triangle_presence(const struct bounded_triangle *triangle,
+                                       const struct edge_functions *edges, double most)
+{
+    const double *e = edges->e;
+    enum presence presence = DEFINITE;
+    if (e[0] < -most || e[1] < -most || e[2] < -most)
+        return IMPOSSIBLE;
+    if (!(e[0] > most && e[1] > most && e[2] > most))
+        presence = near_edges(triangle, edges);
+    return presence == DEFINITE && !(triangle->screen.twice_area > 0) ? POSSIBLE : presence;
+}
+
+/* A triangle without area touches its longest edge only. */
+static enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py)
+{
+    const double *x = triangle->x, *y = triangle->y;
+    struct edge_functions edges;
+    double slack[3], errors[3];
+    for (int i = 0; i < 3; i++)
+        errors[i] = triangle->moved_px[i] + triangle->grid_px;
+    const double error = most_of(errors);
+    if (least_of(x) - error > px || px > most_of(x) + error || least_of(y) - error > py ||
+        py > most_of(y) + error)
+        return IMPOSSIBLE;
+    edges_at(x, y, px, py, &edges);
+    edge_slack(&edges, errors, slack);
+    double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
+    enum presence presence = DEFINITE;
+    for (int i = 0; i < 3; i++) {
+        if (turn * edges.e[i] < -slack[i])
+            return IMPOSSIBLE;
+        if (!(turn * edges.e[i] > slack[i]))
+            presence = POSSIBLE;
+    }
+    return presence;
+}
+
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
 {
     if (needed <= *capacity)
@@ -99,7 +183,7 @@ static const struct bounded_triangle *visited(const struct visit *visit)
  * meet have corners of the same bits there. */
 static void add_edges(const struct visit *visit)
 {
-    const struct lit_scene *lit = visit->of->lit;
+    const struct lit_scene *lit = visit->of->tile->lit;
     const struct screen_triangle *screen = &visited(visit)->screen;
     uint64_t object =
         (uint64_t)(bounds_of(lit, screen)->placed->object - lit->plan->scene->objects);
@@ -173,27 +257,23 @@ static unsigned count_bits(unsigned bits)
     return n;
 }
 
+/* Finds which of n clipped triangles OpenGL may have at a point: bit i stands for number i. */
+static unsigned possible_at(const struct clipped_triangle *clipped, int n, double px, double py)
+{
+    unsigned some = 0;
+    for (int i = 0; i < n; i++)
+        if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
+            some |= 1u << i;
+    return some;
+}
+
 unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
                     double px, double py)
 {
-    const struct clipped_triangle *clipped = &fragments->clipped[triangle->first_clipped];
-    unsigned all = (1u << triangle->n_clipped) - 1, some = 0;
-    for (int32_t i = 0; i < triangle->n_clipped; i++)
-        if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
-            some |= 1u << i;
-    return some == 0 && triangle->cut ? all : some;
-}
-
-/* True if OpenGL may set up a sliver there, besides the clipped triangles. */
-static bool is_on_sliver(const struct visit *visit)
-{
-    const struct bounded_triangle *triangle = visited(visit);
-    const struct clipped_triangle *sliver =
-        &visit->of->clipped[triangle->first_clipped + triangle->n_clipped];
-    for (int32_t i = 0; i < triangle->n_slivers; i++)
-        if (clipped_presence(&sliver[i], visit->x, visit->y) != IMPOSSIBLE)
-            return true;
-    return false;
+    const int n = triangle->n_clipped;
+    unsigned some =
+        n == 1 ? 1 : possible_at(&fragments->clipped[triangle->first_clipped], n, px, py);
+    return some == 0 && triangle->cut ? (1u << n) - 1 : some;
 }
 
 /* True if OpenGL's error has no bound at a point: on a clipped triangle that is too thin for one,
@@ -208,7 +288,9 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
         sum += visit->edges.e[i];
         inverse_w += visit->edges.e[i] * triangle->screen.inverse_w[i];
     }
-    *thin = is_on_sliver(visit);
+    /* OpenGL may set up a sliver there, besides the clipped triangles */
+    *thin = possible_at(&visit->of->clipped[triangle->first_clipped + triangle->n_clipped],
+                        triangle->n_slivers, visit->x, visit->y) != 0;
     for (int32_t i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *part = &visit->of->clipped[triangle->first_clipped + i];
         const struct colour_bound *bound = &part->inverse_w_bound;
@@ -230,7 +312,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
                                 .depth = depth_at(&triangle->screen, &visit->edges)};
     bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
                          (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
-    if (!visit->of->lit->driver->watertight && is_on_seam(visit)) {
+    if (!visit->of->tile->lit->driver->watertight && is_on_seam(visit)) {
         presence = POSSIBLE;
         if (!triangle->other_side) /* a fragment by each clipped triangle */
             visit->pixel->n_possible += count_bits(clipped) - 1;
@@ -243,7 +325,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
         visit->seam->open = true;
     }
     count_fragment(visit, presence, covered);
-    return bounds_of(visit->of->lit, &triangle->screen)->placed->twin ||
+    return bounds_of(visit->of->tile->lit, &triangle->screen)->placed->twin ||
            add_fragment(visit->of, visit->pixel, &fragment, presence == DEFINITE);
 }
 
@@ -259,8 +341,7 @@ static bool visit_pixel(void *context, int x, int y)
     if (presence == IMPOSSIBLE)
         return true;
     visit->any = true;
-    unsigned clipped =
-        triangle->n_clipped == 1 ? 1 : clipped_at(visit->of, triangle, visit->x, visit->y);
+    unsigned clipped = clipped_at(visit->of, triangle, visit->x, visit->y);
     if (clipped == 0)
         return true;
     size_t pixel = (size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x);
@@ -273,7 +354,7 @@ static bool visit_pixel(void *context, int x, int y)
 static bool visit_triangle(struct fragments *of, int surface, int triangle)
 {
     struct triangle_part parts[TRIANGLE_PARTS];
-    int n = triangle_parts(of->lit, surface, triangle, of->tile, &of->rows, parts);
+    int n = triangle_parts(of->tile, surface, triangle, &of->rows, parts);
     for (int i = 0; i < n; i++) {
         const struct bounded_triangle *bounded = &parts[i].bounded;
         struct visit visit = {
@@ -297,11 +378,11 @@ bool fragments_find(struct fragments *out)
         return false;
     for (size_t i = 0; i < n_pixels; i++)
         out->pixels[i] = (struct fragment_list){.head = -1, .limit = HUGE_VAL};
-    for (int s = 0; s < out->lit->plan->n_instances; s++) {
-        if (!surface_reaches(&out->lit->bounds[s], &out->rows))
+    for (int s = 0; s < out->tile->lit->plan->n_instances; s++) {
+        if (!surface_reaches(&out->tile->lit->bounds[s], &out->rows))
             continue;
-        int n_triangles = out->lit->surfaces[s].instance->n_triangles;
-        const bool *hidden = out->lit->bounds[s].hidden;
+        int n_triangles = out->tile->lit->surfaces[s].instance->n_triangles;
+        const bool *hidden = out->tile->lit->bounds[s].hidden;
         for (int t = 0; t < n_triangles; t++)
             if (!(hidden && hidden[t]) && !visit_triangle(out, s, t))
                 return false;

@@ -56,65 +56,8 @@ struct triangle_part {
 enum { TRIANGLE_PARTS = 2 * SCREEN_TRIANGLES };
 /* Finds the parts of one triangle of a surface that reach `rows`, which are a part of the tile.
  * Returns how many. */
-int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
-                   const struct rectangle *tile, const struct rectangle *rows,
+int triangle_parts(const struct tile *tile, int surface, int triangle, const struct rectangle *rows,
                    struct triangle_part out[TRIANGLE_PARTS]);
-
-/* ---- polygon.c: what clipping makes of a triangle, with the errors that it makes ---- */
-
-/* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
- * the same place there: the cut depends on how far the ends of the edge are from the plane. Values
- * that are interpolated keep their plane when a corner slides in the plane of the triangle. */
-enum { SLIDES = 31 }; /* a corner that five planes cut, one after the other */
-struct cut_corner {
-    double e[4];              /* of clip coordinates, off the plane of the triangle */
-    double slides[SLIDES][4]; /* it may be off by any part, up to all, of each of these vectors */
-    int n_slides;             /* SLIDES + 1: too many */
-    double off;               /* distance from the planes that cut it */
-    int planes;               /* those that cut it: bit i for plane i */
-    int cuts;                 /* how many made it; 0: a corner of the triangle */
-    int whole;                /* 0..2: that corner; -1: it was made by a cut */
-};
-struct polygon {
-    int n;
-    struct corner corner[CLIP_CORNERS];
-    struct cut_corner cut[CLIP_CORNERS];
-};
-/* Finds the planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last
- * two are widened by what single precision may be off there, so that no possible pixel is lost;
- * near not so far that w = 0 comes in. That limit loses no pixel: see check_near in vertex.c. */
-void clip_planes(const struct lit_scene *lit, const struct screen_triangle *screen,
-                 const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES]);
-/* Clips the whole triangle by all planes. Its corners come in the order in which OpenGL gets them,
- * which decides how it fans the polygon. */
-struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
-                          const struct rectangle *tile);
-/* Clips deeper by the near and the far plane where a corner lies so near to one of them that OpenGL
- * may cut it off. n is 0 where there is no such corner. */
-struct polygon doubtful_polygon_of(const struct lit_scene *lit,
-                                   const struct screen_triangle *screen,
-                                   const struct rectangle *tile);
-/* The bounds of a corner that is not cut, and of any corner: off the plane of its triangle; and how
- * far a corner may be from its place in the window, in this plane, too. */
-const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
-                                          const struct screen_triangle *screen, int corner);
-struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
-                         int corner);
-struct slack polygon_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
-                           const struct polygon *polygon, int i);
-double moved_px(const struct lit_scene *lit, const struct screen_triangle *screen,
-                const struct polygon *polygon, int i);
-
-/* ---- presence.c: how sure it is that OpenGL has a fragment at a point ---- */
-
-enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
-/* Bounds OpenGL's errors in the edge functions at a point, where corners are off by `errors`. */
-void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3]);
-/* The largest of these at any pixel that scan_triangle visits. */
-double most_slack(const struct bounded_triangle *triangle);
-enum presence triangle_presence(const struct bounded_triangle *triangle,
-                                const struct edge_functions *edges, double most);
-enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py);
 
 /* ---- fragments.c: the fragments that OpenGL may have ---- */
 
@@ -139,9 +82,8 @@ struct seam {
     bool open;          /* some possible fragment is not counted in the sums */
 };
 struct fragments {
-    const struct lit_scene *lit;
-    const struct rectangle *tile; /* as OpenGL draws it */
-    struct rectangle rows;        /* this chunk's part */
+    const struct tile *tile; /* as OpenGL draws it */
+    struct rectangle rows;   /* this chunk's part */
     struct fragment_list *pixels;
     struct seam *seams; /* of each pixel */
     struct bounded_triangle *triangles;
@@ -151,7 +93,7 @@ struct fragments {
         clipped_capacity;
     int32_t unused; /* list of fragments to use again */
 };
-/* Finds the fragments of all pixels of out->rows; lit, tile and rows are set. False: no memory. */
+/* Finds the fragments of all pixels of out->rows; tile and rows are set. False: no memory. */
 bool fragments_find(struct fragments *out);
 void fragments_free(struct fragments *fragments);
 /* Finds the clipped triangles that OpenGL may have at a point: bit i stands for number i. Beyond
@@ -165,9 +107,32 @@ bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
 
 /* ---- pixel.c: a triangle at a pixel ---- */
 
+/* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
+struct attribute_bound {
+    float constant, fixed, per_d, own_constant, own_fixed, slope;
+};
 
-/* NULL: no memory. The fragments must outlive it. */
-struct bounded_pixel *pixel_open(const struct fragments *fragments);
+struct bounded_pixel {
+    const struct fragments *fragments;
+    const struct bounded_triangle *triangle;
+    const struct surface *surface;
+    const struct shaded_material *shaded;
+    const float *corner[3], *provoking; /* errors of the triangle's vertices */
+    const float *jumps[3]; /* of its gated vertices: see struct surface_bounds; of others NULL */
+    int n_gated;
+    double share[3];               /* barycentric coordinates */
+    double brightest;              /* shaded_brightest */
+    double *attributes;            /* these five arrays have room for any surface */
+    float *common, *interpolation; /* errors that bands have in common; their second part */
+    float *own, *slopes;           /* of a band by itself; change within a pixel's width */
+    struct texel_point place; /* in its texture, and the value there unless the texture is varied */
+    double value;
+    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
+    bool *bounded;                  /* [clipped triangle] */
+    size_t max_attributes;          /* of any surface */
+};
+/* False: no memory. The fragments must outlive *out; pixel_close accepts what a failure left. */
+bool pixel_open(const struct fragments *fragments, struct bounded_pixel *out);
 void pixel_close(struct bounded_pixel *pixel);
 /* Computes attributes and their bounds; without a texture, weights only if weights_matter. */
 void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *triangle, int x, int y,
@@ -179,22 +144,11 @@ void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *pla
  * most 8. Turn to one of them, after pixel_bound. */
 int pixel_gates(const struct bounded_pixel *pixel);
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
-void pixel_weights(const struct bounded_pixel *pixel, double *rows); /* see put_rows */
 /* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
  */
 struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,
                                float *errors, float *own);
 /* Bounds the change of radiance within a pixel's width, at any wavelength. */
 double pixel_steepness(const struct bounded_pixel *pixel);
-
-/* ---- chunk.c: a part of a tile, with its candidates ---- */
-
-/* Draws chunk `index`, counted from the top, of a tile: CHUNK_ROWS rows, fewer in the last chunk.
- * Finds its candidates if the plan asks for a check. A plan that neither checks nor stores the
- * reference's pixels gets no picture: only picture.at is set. Results do not depend on how a
- * picture is cut into chunks. False: no memory. chunk_free accepts what a failure left. */
-bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out);
-void chunk_free(struct chunk *chunk);
 
 #endif

@@ -3,7 +3,6 @@
  * errors. An error is common to all bands where geometry makes it: positions, lighting, 1 / w and
  * places in a texture are computed once for all of them. Each band's own roundings come on top. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "data/base/base.h"
 #include "data/images/images.h"
@@ -12,58 +11,24 @@
 #include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"
 
-/* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
-struct attribute_bound {
-    float constant, fixed, per_d, own_constant, own_fixed, slope;
-};
-
-struct bounded_pixel {
-    const struct fragments *fragments;
-    const struct bounded_triangle *triangle;
-    const struct surface *surface;
-    const struct shaded_material *shaded;
-    const float *corner[3], *provoking; /* errors of the triangle's vertices */
-    const float *jumps[3]; /* of its gated vertices: see struct surface_bounds; of others NULL */
-    int n_gated;
-    double share[3];               /* barycentric coordinates */
-    double brightest;              /* shaded_brightest */
-    double *attributes;            /* these five arrays have room for any surface */
-    float *common, *interpolation; /* errors that bands have in common; their second part */
-    float *own, *slopes;           /* of a band by itself; change within a pixel's width */
-    struct texel_point place; /* in its texture, and the value there unless the texture is varied */
-    double value;
-    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
-    bool *bounded;                  /* [clipped triangle] */
-    size_t max_attributes;          /* of any surface */
-};
-
-struct bounded_pixel *pixel_open(const struct fragments *fragments)
+bool pixel_open(const struct fragments *fragments, struct bounded_pixel *out)
 {
-    size_t most = (size_t)fragments->lit->plan->max_rows + 2, n_clipped = fragments->n_clipped;
-    struct bounded_pixel *out = malloc(sizeof *out);
-    if (!out)
-        return NULL;
-    *out = (struct bounded_pixel){.fragments = fragments,
-                                  .max_attributes = most,
-                                  .bounds = calloc(n_clipped * most + 1, sizeof *out->bounds),
-                                  .bounded = calloc(n_clipped + 1, sizeof *out->bounded),
-                                  .attributes = malloc(most * sizeof *out->attributes),
-                                  .common = malloc(4 * most * sizeof *out->common)};
-    if (!out->bounds || !out->bounded || !out->attributes || !out->common) {
-        pixel_close(out);
-        return NULL;
-    }
+    size_t most = (size_t)fragments->tile->lit->plan->max_rows + 2, n = fragments->n_clipped;
+    *out = (struct bounded_pixel){.fragments = fragments, .max_attributes = most};
+    if (!memory_make(&out->bounds, n * most, sizeof *out->bounds) ||
+        !memory_make(&out->bounded, n, sizeof *out->bounded) ||
+        !memory_make(&out->attributes, most, sizeof *out->attributes) ||
+        !memory_make(&out->common, 4 * most, sizeof *out->common))
+        return false;
     out->interpolation = out->common + most;
     out->own = out->common + 2 * most;
     out->slopes = out->common + 3 * most;
-    return out;
+    return true;
 }
 
 void pixel_close(struct bounded_pixel *pixel)
 {
-    if (!pixel)
-        return;
-    FREE_ALL(pixel->bounds, pixel->bounded, pixel->attributes, pixel->common, pixel);
+    FREE_ALL(pixel->bounds, pixel->bounded, pixel->attributes, pixel->common);
 }
 
 /* ---- bounds of attributes ---- */
@@ -72,7 +37,7 @@ void pixel_close(struct bounded_pixel *pixel)
  * vertex; texture coordinates still vary. */
 static bool is_flat(const struct bounded_pixel *pixel, size_t attribute)
 {
-    return pixel->fragments->lit->plan->view.shading == FLAT &&
+    return pixel->fragments->tile->lit->plan->view.shading == FLAT &&
            attribute < (size_t)pixel->surface->instance->n_terms;
 }
 
@@ -109,9 +74,9 @@ static struct corner_values cut_values(const struct bounded_pixel *pixel,
 static void add_groups(const struct bounded_pixel *pixel, const struct clipped_triangle *clipped,
                        size_t attribute, struct colour_bound *out)
 {
-    const struct plan *plan = pixel->fragments->lit->plan;
+    const struct plan *plan = pixel->fragments->tile->lit->plan;
     const struct surface_bounds *bounds =
-        bounds_of(pixel->fragments->lit, &pixel->triangle->screen);
+        bounds_of(pixel->fragments->tile->lit, &pixel->triangle->screen);
     out->own_constant = out->own_fixed = 0;
     for (int group = 0; group < plan->n_light_groups; group++) {
         const float *parts = group_weights(pixel->surface, bounds, group);
@@ -146,7 +111,7 @@ static void add_jumps(const struct bounded_pixel *pixel, const struct clipped_tr
 static bool is_grouped(const struct bounded_pixel *pixel, size_t attribute)
 {
     const struct instance *instance = pixel->surface->instance;
-    return pixel->fragments->lit->plan->n_light_groups > 1 &&
+    return pixel->fragments->tile->lit->plan->n_light_groups > 1 &&
            attribute < (size_t)instance->n_terms &&
            instance->terms[attribute].reflection != CONSTANT;
 }
@@ -217,8 +182,7 @@ static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inve
 static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px, double py)
 {
     size_t n_attributes = (size_t)pixel->surface->n_attributes;
-    unsigned clipped =
-        pixel->triangle->n_clipped == 1 ? 1 : clipped_at(pixel->fragments, pixel->triangle, px, py);
+    unsigned clipped = clipped_at(pixel->fragments, pixel->triangle, px, py);
     for (size_t a = 0; a < n_attributes; a++)
         pixel->interpolation[a] = pixel->own[a] = pixel->slopes[a] = 0;
     for (int32_t i = 0; i < pixel->triangle->n_clipped; i++)
@@ -228,28 +192,13 @@ static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px,
         pixel->common[a] += pixel->interpolation[a];
 }
 
-/* Finds the gated vertices. A flat triangle has one vertex that counts, taken for its first. */
-static void take_jumps(struct bounded_pixel *pixel, const struct screen_triangle *screen,
-                       const struct surface_bounds *bounds)
-{
-    const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
-    pixel->n_gated = 0;
-    for (int j = 0; j < 3; j++) {
-        const int vertex = flat ? screen->provoking : screen->vertex[j];
-        const bool gated = bounds->vertices[vertex].gated[screen->side] && (j == 0 || !flat);
-        pixel->jumps[j] =
-            gated ? bounds->jumps + surface_attributes(pixel->surface, vertex, screen->side) : NULL;
-        pixel->n_gated += gated;
-    }
-}
-
 /* Makes a triangle the pixel's. Neighbouring pixels mostly show the same triangle, so this is
  * called rarely. */
 static void take_triangle(struct bounded_pixel *pixel, const struct bounded_triangle *triangle)
 {
     const struct screen_triangle *screen = &triangle->screen;
     const struct surface *surface = screen->surface;
-    const struct surface_bounds *bounds = bounds_of(pixel->fragments->lit, screen);
+    const struct surface_bounds *bounds = bounds_of(pixel->fragments->tile->lit, screen);
     const float *errors = bounds->errors;
     pixel->triangle = triangle;
     pixel->surface = surface;
@@ -258,18 +207,15 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
     pixel->brightest = shaded_brightest(pixel->shaded);
-    take_jumps(pixel, screen, bounds);
-}
-
-/* Interpolates the errors of the vertices as the attributes are interpolated. */
-static void interpolate_errors(struct bounded_pixel *pixel, const double share[3])
-{
-    const float *const *corner = pixel->corner;
-    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
-        double error = 0;
-        for (int j = 0; j < 3; j++)
-            error += fabs(share[j]) * (double)corner[j][a];
-        pixel->common[a] = is_flat(pixel, a) ? pixel->provoking[a] : (float)error;
+    /* a flat triangle has one vertex that counts, taken for its first */
+    const bool flat = pixel->fragments->tile->lit->plan->view.shading == FLAT;
+    pixel->n_gated = 0;
+    for (int j = 0; j < 3; j++) {
+        const int vertex = flat ? screen->provoking : screen->vertex[j];
+        const bool gated = bounds->vertices[vertex].gated[screen->side] && (j == 0 || !flat);
+        pixel->jumps[j] =
+            gated ? bounds->jumps + surface_attributes(surface, vertex, screen->side) : NULL;
+        pixel->n_gated += gated;
     }
 }
 
@@ -283,15 +229,20 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
     if (pixel->triangle != triangle)
         take_triangle(pixel, triangle);
     if (weights_matter || instance->textured)
-        shade(&pixel->fragments->lit->plan->view, screen, share, pixel->attributes, &none);
-    interpolate_errors(pixel, share);
+        shade(&pixel->fragments->tile->lit->plan->view, screen, share, pixel->attributes, &none);
+    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
+        double error = 0; /* of the vertices, interpolated as the attributes are */
+        for (int j = 0; j < 3; j++)
+            error += fabs(share[j]) * (double)pixel->corner[j][a];
+        pixel->common[a] = is_flat(pixel, a) ? pixel->provoking[a] : (float)error;
+    }
     add_bounds(pixel, inverse_w, x + 0.5, y + 0.5);
     if (!instance->textured)
         return;
     float e_place[2];
     for (int i = 0; i < 2; i++)
         e_place[i] = pixel->common[instance->n_terms + i] + pixel->own[instance->n_terms + i];
-    pixel->place = texel_point(&instance->texels, pixel->fragments->lit->driver,
+    pixel->place = texel_point(&instance->texels, pixel->fragments->tile->lit->driver,
                                pixel->attributes + instance->n_terms, e_place);
 }
 
@@ -336,7 +287,7 @@ int pixel_gates(const struct bounded_pixel *pixel)
 /* Each bit of `gates` stands for a gated corner. */
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
 {
-    const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
+    const bool flat = pixel->fragments->tile->lit->plan->view.shading == FLAT;
     for (int j = 0; j < 3; j++) {
         if (!pixel->jumps[j])
             continue;
@@ -346,11 +297,6 @@ void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
     }
 }
 
-void pixel_weights(const struct bounded_pixel *pixel, double *rows)
-{
-    put_rows(pixel->surface->instance, pixel->attributes, pixel->place.place, rows, 1);
-}
-
 /* Roundings of a colour: its spectrum in single precision (1), weight times spectrum (1), and a
  * texture's value and its product (2); two more for the arithmetic of the bound itself. Materials
  * are white, so that their products are exact. Each colour and each pass that is added rounds once.
@@ -358,7 +304,7 @@ void pixel_weights(const struct bounded_pixel *pixel, double *rows)
 static double colour_rounding(const struct bounded_pixel *pixel)
 {
     return roundings(4 + 2 * pixel->surface->instance->textured + pixel->shaded->n_colours +
-                     pixel->fragments->lit->plan->n_light_groups);
+                     pixel->fragments->tile->lit->plan->n_light_groups);
 }
 
 /* The errors of a pixel's weights, added up: see struct mean_bound. */
@@ -376,16 +322,6 @@ static void sort_error(const struct bounded_pixel *pixel, size_t t, double value
     sums->rounding += colour_rounding(pixel) * fabs(weight) * spectrum;
     sums->position += (double)(pixel->interpolation[t] + pixel->own[t]) * spectrum;
     sums->texture += fabs(weight) * e_value * mean;
-}
-
-static struct mean_bound mean_of(const struct error_sums *sums)
-{
-    const double most = fmax(sums->light + sums->rounding, fmax(sums->position, sums->texture));
-    return (struct mean_bound){.shared = (float)(sums->light + sums->rounding),
-                               .varying = (float)(sums->position + sums->texture),
-                               .cause = most <= sums->position  ? CAUSE_POSITION
-                                        : most <= sums->texture ? CAUSE_TEXTURE
-                                                                : CAUSE_LIGHT};
 }
 
 /* Bounds the error of the texture's value at the pixel. *largest becomes the largest value there:
@@ -433,7 +369,13 @@ struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *
         errors[(n_terms + i) * stride] = pixel->place.e_place[i];
         own[(n_terms + i) * stride] = 0;
     }
-    return mean_of(&sums);
+    const double shared = sums.light + sums.rounding,
+                 most = fmax(shared, fmax(sums.position, sums.texture));
+    return (struct mean_bound){.shared = (float)shared,
+                               .varying = (float)(sums.position + sums.texture),
+                               .cause = most <= sums.position  ? CAUSE_POSITION
+                                        : most <= sums.texture ? CAUSE_TEXTURE
+                                                               : CAUSE_LIGHT};
 }
 
 int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES])

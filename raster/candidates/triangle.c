@@ -1,12 +1,261 @@
 /* SPDX-License-Identifier: MIT */
 /* A triangle as it lies in a tile: the reference's, cut where single precision may cut it, with the
- * bounds that hold for all of it; and the triangles that OpenGL sets up for it. */
+ * bounds that hold for all of it; and the triangles that OpenGL sets up for it, whose corners
+ * clipping makes, with the errors that it makes. */
 #include <math.h>
 #include <string.h>
 
 #include "data/maths/maths.h"
 #include "raster/candidates/inside.h"
+#include "raster/plan/plan.h"
 #include "raster/renderers/renderers.h"
+
+/* ---- corners of the triangle ---- */
+
+static const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
+                                                 const struct screen_triangle *screen, int corner)
+{
+    return &bounds_of(lit, screen)->vertices[screen->vertex[corner]];
+}
+
+/* The bounds of a corner that is not cut. */
+static struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
+                                int corner)
+{
+    const struct vertex_bounds *vertex = vertex_bounds(lit, screen, corner);
+    return (struct slack){(double)vertex->slack_px, (double)vertex->slack_depth,
+                          (double)vertex->slack_w};
+}
+
+/* ---- cuts ---- */
+
+/* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
+ * the same place there: the cut depends on how far the ends of the edge are from the plane. Values
+ * that are interpolated keep their plane when a corner slides in the plane of the triangle. */
+enum { SLIDES = 31 }; /* a corner that five planes cut, one after the other */
+struct cut_corner {
+    double e[4];              /* of clip coordinates, off the plane of the triangle */
+    double slides[SLIDES][4]; /* it may be off by any part, up to all, of each of these vectors */
+    int n_slides;             /* SLIDES + 1: too many */
+    double off;               /* distance from the planes that cut it */
+    int planes;               /* those that cut it: bit i for plane i */
+    int cuts;                 /* how many made it; 0: a corner of the triangle */
+    int whole;                /* 0..2: that corner; -1: it was made by a cut */
+};
+struct polygon {
+    const struct tile *tile;
+    const struct screen_triangle *screen; /* it is what is left of this one */
+    int n;
+    struct corner corner[CLIP_CORNERS];
+    struct cut_corner cut[CLIP_CORNERS];
+};
+
+/* Returns a corner's distance from a plane, with a bound on OpenGL's error in it: of the corner's
+ * place, and of the sum of four products. A tile's clip space is shifted by at most w, which comes
+ * into the sum. The offset is only ours. */
+static struct bounded corner_distance(const struct clip_plane *plane, const double clip[4],
+                                      const struct cut_corner *cut, double *rounding)
+{
+    const double *normal = plane->normal, distance = normal[0] * clip[0] + normal[1] * clip[1] +
+                                                     normal[2] * clip[2] + normal[3] * clip[3] +
+                                                     plane->offset;
+    struct bounded out = {fabs(distance), fabs(plane->offset)};
+    *rounding = roundings(4) * fabs(clip[CLIP_W]);
+    for (int i = 0; i < 4; i++) {
+        *rounding += roundings(4) * fabs(plane->normal[i] * clip[i]);
+        out.error += fabs(plane->normal[i]) * cut->e[i];
+    }
+    for (int v = 0; v < cut->n_slides && v < SLIDES; v++) {
+        const double *slide = cut->slides[v], *n = plane->normal;
+        out.error += fabs(n[0] * slide[0] + n[1] * slide[1] + n[2] * slide[2] + n[3] * slide[3]);
+    }
+    out.error += *rounding;
+    return out;
+}
+
+/* Adds the slides of a corner, times a factor. */
+static void add_slides(struct cut_corner *to, const double slides[][4], int n, double factor)
+{
+    for (int v = 0; v < n; v++) {
+        for (int i = 0; i < 4 && to->n_slides < SLIDES; i++)
+            to->slides[to->n_slides][i] = factor * slides[v][i];
+        to->n_slides += to->n_slides <= SLIDES;
+    }
+}
+
+/* Finds the errors of a corner that a cut makes between corners a and b. OpenGL starts at the end
+ * that is nearer to the plane, and adds a part of the edge: it rounds the edge, the product and the
+ * sum. */
+static struct cut_corner cut_edge(const struct clip_plane *plane, const struct polygon *from, int a,
+                                  int b, const double clip[4])
+{
+    const double *p = from->corner[a].clip, *q = from->corner[b].clip;
+    const struct cut_corner *of_p = &from->cut[a], *of_q = &from->cut[b];
+    double rounding_p, rounding_q, rounded = 0;
+    const struct bounded at_p = corner_distance(plane, p, of_p, &rounding_p),
+                         at_q = corner_distance(plane, q, of_q, &rounding_q);
+    const double apart = at_p.value + at_q.value, t = apart > 0 ? at_p.value / apart : 0,
+                 error = (1 - t) * at_p.error + t * at_q.error,
+                 e_t = apart > 2 * error ? error / (apart - error) + roundings(2) : 1;
+    struct cut_corner out = {.cuts = 1 + (of_p->cuts > of_q->cuts ? of_p->cuts : of_q->cuts),
+                             .planes = of_p->planes & of_q->planes,
+                             .whole = -1};
+    const double edge[1][4] = {{q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]}};
+    add_slides(&out, of_p->slides, of_p->n_slides, 1 - t);
+    add_slides(&out, of_q->slides, of_q->n_slides, t);
+    add_slides(&out, edge, 1, e_t);
+    for (int i = 0; i < 4; i++) {
+        double step = fabs(clip[i] - (t < 0.5 ? p[i] : q[i])),
+               rounding = roundings(1) * (2 * step + fabs(clip[i]));
+        out.e[i] = (1 - t) * of_p->e[i] + t * of_q->e[i] + rounding;
+        rounded += rounding;
+    }
+    out.off =
+        fmax((1 - t) * rounding_p + t * rounding_q, (1 - t) * of_p->off + t * of_q->off) + rounded;
+    return out;
+}
+
+/* Cuts by plane number p. */
+static void clip(struct polygon *polygon, const struct clip_plane *plane, int p)
+{
+    const struct polygon from = *polygon;
+    polygon->n = clip_polygon(plane, from.corner, from.n, polygon->corner);
+    for (int i = 0; i < polygon->n; i++) {
+        int inner = polygon->corner[i].inner, outer = polygon->corner[i].outer;
+        polygon->cut[i] = from.cut[inner];
+        if (inner == outer)
+            continue;
+        polygon->cut[i] = cut_edge(plane, &from, inner, outer, polygon->corner[i].clip);
+        polygon->cut[i].planes |= 1 << p;
+    }
+}
+
+/* Finds the planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last
+ * two are widened by what single precision may be off there, so that no possible pixel is lost;
+ * near not so far that w = 0 comes in. That limit loses no pixel: see check_near in vertex.c. */
+static void clip_planes(const struct tile *tile, const struct screen_triangle *screen,
+                        struct clip_plane planes[CLIP_PLANES])
+{
+    const struct plan *plan = tile->lit->plan;
+    const struct rectangle *at = &tile->at;
+    double width = plan->view.width, height = plan->view.height;
+    double near_w = plan->scene->camera.perspective ? plan->near : 1;
+    double error = 0; /* the largest of any corner's z */
+    for (int i = 0; i < 3; i++)
+        error = fmax(error, (double)vertex_bounds(tile->lit, screen, i)->e_clip[CLIP_Z]);
+    double left = 2 * at->x / width - 1, right = 2 * (at->x + at->width) / width - 1;
+    double top = 1 - 2 * at->y / height, bottom = 1 - 2 * (at->y + at->height) / height;
+    planes[0] = (struct clip_plane){{-1, 0, 0, right}, 0};
+    planes[1] = (struct clip_plane){{1, 0, 0, -left}, 0};
+    planes[2] = (struct clip_plane){{0, -1, 0, top}, 0};
+    planes[3] = (struct clip_plane){{0, 1, 0, -bottom}, 0};
+    planes[4] = (struct clip_plane){{0, 0, 1, 1}, fmin(2 * error, 0.25 * near_w)};
+    planes[5] = (struct clip_plane){{0, 0, -1, 1}, 2 * error};
+}
+
+/* Clips the whole triangle by these planes. */
+static struct polygon clip_whole(const struct tile *tile, const struct screen_triangle *screen,
+                                 const struct clip_plane planes[CLIP_PLANES])
+{
+    struct corner whole[3];
+    struct polygon out = {.tile = tile, .screen = screen, .n = 3};
+    whole_corners(screen->surface, screen->vertex, whole);
+    for (int i = 0; i < 3; i++) {
+        int corner = screen->clockwise ? i : (3 - i) % 3;
+        const float *e_clip = vertex_bounds(tile->lit, screen, corner)->e_clip;
+        out.corner[i] = whole[corner];
+        out.cut[i] = (struct cut_corner){.whole = corner};
+        for (int k = 0; k < 4; k++)
+            out.cut[i].e[k] = (double)e_clip[k];
+    }
+    for (int p = 0; p < CLIP_PLANES && out.n > 0; p++)
+        clip(&out, &planes[p], p);
+    return out;
+}
+
+/* Clips the whole triangle by all planes. Its corners come in the order in which OpenGL gets them,
+ * which decides how it fans the polygon. */
+static struct polygon polygon_of(const struct tile *tile, const struct screen_triangle *screen)
+{
+    struct clip_plane planes[CLIP_PLANES];
+    clip_planes(tile, screen, planes);
+    return clip_whole(tile, screen, planes);
+}
+
+/* Clips deeper by the near and the far plane where a corner lies so near to one of them that OpenGL
+ * may cut it off. n is 0 where there is no such corner. */
+static struct polygon doubtful_polygon_of(const struct tile *tile,
+                                          const struct screen_triangle *screen)
+{
+    struct clip_plane planes[CLIP_PLANES];
+    bool any = false;
+    clip_planes(tile, screen, planes);
+    const struct polygon whole = clip_whole(tile, screen, planes);
+    for (int p = 4; p < CLIP_PLANES; p++) {
+        double deepest = 0, rounding;
+        for (int i = 0; i < whole.n; i++) {
+            const struct bounded from =
+                corner_distance(&planes[p], whole.corner[i].clip, &whole.cut[i], &rounding);
+            if ((whole.cut[i].planes >> p & 1) == 0 && from.value <= from.error)
+                deepest = fmax(deepest, from.error);
+        }
+        planes[p].offset -= 2 * deepest; /* so that the corner is outside, whatever its error */
+        any = any || deepest > 0;
+    }
+    return any ? clip_whole(tile, screen, planes) : (struct polygon){.n = 0};
+}
+
+/* ---- bounds of corners ---- */
+
+/* The slack of a corner whose clip coordinates have these errors. A tile's clip space is shifted
+ * against the picture's by at most w. */
+static struct slack corner_slack(const struct plan *plan, const double clip[4], const double e[4])
+{
+    struct bounded bounded[4];
+    for (int i = 0; i < 4; i++)
+        bounded[i] = (struct bounded){clip[i], e[i] + (i < CLIP_Z && plan->tiled ? e[CLIP_W] : 0)};
+    return window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
+}
+
+/* The bounds of any corner, off the plane of its triangle. */
+static struct slack polygon_slack(const struct polygon *polygon, int i)
+{
+    const struct cut_corner *cut = &polygon->cut[i];
+    const struct lit_scene *lit = polygon->tile->lit;
+    return cut->whole >= 0 ? whole_slack(lit, polygon->screen, cut->whole)
+                           : corner_slack(lit->plan, polygon->corner[i].clip, cut->e);
+}
+
+/* Bounds how far a corner slides in the window; HUGE_VAL: anywhere. */
+static double slide_px(const struct view *view, const double clip[4], const struct cut_corner *cut)
+{
+    const double half[2] = {0.5 * view->width, 0.5 * view->height};
+    double sums[2] = {0, 0}, of_w = 0;
+    for (int v = 0; v < cut->n_slides && v < SLIDES; v++) {
+        const double *slide = cut->slides[v];
+        for (int i = 0; i < 2; i++)
+            sums[i] += fabs(slide[i] - clip[i] / clip[3] * slide[3]);
+        of_w += fabs(slide[3]);
+    }
+    return cut->n_slides <= SLIDES && of_w < clip[3]
+               ? fmax(half[0] * sums[0], half[1] * sums[1]) / (clip[3] - of_w)
+               : HUGE_VAL;
+}
+
+/* How far a corner may be from its place in the window, in the plane of its triangle, too. A corner
+ * of the tile, made by a side and by the top or the bottom, is fixed by both, however far the
+ * triangle's corners are off. */
+static double moved_px(const struct polygon *polygon, int i)
+{
+    const struct plan *plan = polygon->tile->lit->plan;
+    const struct cut_corner *cut = &polygon->cut[i];
+    const double *clip = polygon->corner[i].clip, off[4] = {cut->off, cut->off, 0, 0};
+    if (cut->whole < 0 && (cut->planes & 3) != 0 && (cut->planes & 12) != 0)
+        return corner_slack(plan, clip, off).px;
+    return polygon_slack(polygon, i).px + slide_px(&plan->view, clip, cut);
+}
+
+/* ---- triangles in a tile ---- */
 
 /* True where nothing of a triangle in front of the eye reaches a pixel centre of the rows. Centres
  * lie half a pixel inside, so that slack below that is of no matter. */
@@ -29,34 +278,30 @@ static void widen(struct slack *to, struct slack by)
 
 /* ---- triangles that OpenGL sets up ---- */
 
-/* True if all corners lie on the driver's grid, without any error. Corners of cuts do not. */
-static bool is_exact(const struct lit_scene *lit, const struct bounded_triangle *triangle)
-{
-    bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
-    for (int i = 0; i < 3; i++)
-        exact = exact && vertex_bounds(lit, &triangle->screen, i)->exact;
-    return exact;
-}
-
 /* OpenGL's origin may be the tile's upper or its lower left corner, of a driver that is not known
  * any corner. A pixel lies beside the triangle by less than 1. */
-static void set_reach(const struct driver *driver, const struct rectangle *tile,
-                      struct clipped_triangle *out)
+static void set_reach(const struct tile *tile, struct clipped_triangle *out)
 {
-    double right = most_of(out->x) - tile->x, below = most_of(out->y) - tile->y,
-           above = tile->y + tile->height - least_of(out->y),
-           left = driver->left_origin ? 0 : tile->x + tile->width - least_of(out->x);
-    out->reach_x = fmin(fmax(right, left), tile->width) + 1;
-    out->reach_y = fmin(fmax(below, above), tile->height) + 1;
+    const struct rectangle *at = &tile->at;
+    double right = most_of(out->x) - at->x, below = most_of(out->y) - at->y,
+           above = at->y + at->height - least_of(out->y),
+           left = tile->lit->driver->left_origin ? 0 : at->x + at->width - least_of(out->x);
+    out->reach_x = fmin(fmax(right, left), at->width) + 1;
+    out->reach_y = fmin(fmax(below, above), at->height) + 1;
 }
 
-static struct clipped_triangle clipped(const struct lit_scene *lit,
-                                       const struct bounded_triangle *from,
-                                       const struct rectangle *tile, const double slack_px[3],
-                                       const double moved[3])
+/* The error with which OpenGL follows an edge in a tile. */
+static double tile_edge_error(const struct tile *tile)
 {
-    struct clipped_triangle out = {.grid_px = edge_error(lit->driver, tile->width, tile->height),
-                                   .value_roundings = lit->driver->value_roundings,
+    return edge_error(tile->lit->driver, tile->at.width, tile->at.height);
+}
+
+static struct clipped_triangle clipped(const struct tile *tile, const struct bounded_triangle *from,
+                                       const double slack_px[3], const double moved[3])
+{
+    const struct driver *driver = tile->lit->driver;
+    struct clipped_triangle out = {.grid_px = tile_edge_error(tile),
+                                   .value_roundings = driver->value_roundings,
                                    .slack = from->slack};
     memcpy(out.x, from->screen.x, sizeof out.x);
     memcpy(out.y, from->screen.y, sizeof out.y);
@@ -64,18 +309,16 @@ static struct clipped_triangle clipped(const struct lit_scene *lit,
     memcpy(out.inverse_w, from->screen.inverse_w, sizeof out.inverse_w);
     memcpy(out.share, from->screen.share, sizeof out.share);
     for (int i = 0; i < 3; i++) {
-        out.slack_px[i] = slack_px[i] + lit->driver->corner_px;
-        out.moved_px[i] = moved[i] + lit->driver->corner_px;
+        out.slack_px[i] = slack_px[i] + driver->corner_px;
+        out.moved_px[i] = moved[i] + driver->corner_px;
     }
-    set_reach(lit->driver, tile, &out);
+    set_reach(tile, &out);
     bound_inverse_w(&out);
     return out;
 }
 
 /* Sets up one triangle of the fan of a polygon, from corners 0, i - 1 and i. */
-static struct clipped_triangle fan_triangle(const struct lit_scene *lit,
-                                            const struct rectangle *tile,
-                                            const struct bounded_triangle *of,
+static struct clipped_triangle fan_triangle(const struct bounded_triangle *of,
                                             const struct polygon *polygon, int i)
 {
     const int corners[3] = {0, i - 1, i};
@@ -83,61 +326,67 @@ static struct clipped_triangle fan_triangle(const struct lit_scene *lit,
     double slack_px[3], moved[3];
     int cuts = 0;
     for (int c = 0; c < 3; c++) {
-        screen_corner(&lit->plan->view, &polygon->corner[corners[c]], c, &part.screen);
-        slack_px[c] = polygon_slack(lit, &of->screen, polygon, corners[c]).px;
-        moved[c] = moved_px(lit, &of->screen, polygon, corners[c]);
+        screen_corner(&polygon->tile->lit->plan->view, &polygon->corner[corners[c]], c,
+                      &part.screen);
+        slack_px[c] = polygon_slack(polygon, corners[c]).px;
+        moved[c] = moved_px(polygon, corners[c]);
         if (polygon->cut[corners[c]].cuts > cuts)
             cuts = polygon->cut[corners[c]].cuts;
     }
-    struct clipped_triangle out = clipped(lit, &part, tile, slack_px, moved);
+    struct clipped_triangle out = clipped(polygon->tile, &part, slack_px, moved);
     out.cuts = cuts;
     return out;
 }
 
 /* Sets up what OpenGL makes besides if it cuts a corner in doubt, but only what is too thin for a
  * bound: the rest is as the triangles that it makes otherwise. Returns how many. */
-static int set_up_slivers(const struct lit_scene *lit, const struct rectangle *tile,
-                          const struct bounded_triangle *triangle, struct clipped_triangle *out)
+static int set_up_slivers(const struct tile *tile, const struct bounded_triangle *triangle,
+                          struct clipped_triangle *out)
 {
-    const struct polygon polygon = doubtful_polygon_of(lit, &triangle->screen, tile);
+    const struct polygon polygon = doubtful_polygon_of(tile, &triangle->screen);
     int n = 0;
     for (int i = 2; i < polygon.n; i++) {
-        out[n] = fan_triangle(lit, tile, triangle, &polygon, i);
+        out[n] = fan_triangle(triangle, &polygon, i);
         n += !(out[n].magnification < HUGE_VAL);
     }
     return n;
 }
 
-/* Sets up the triangles that clipping at the tile's border and in depth makes. Where hardly
- * anything of the triangle is in the tile, it has no bound. */
-static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *tile,
-                        const struct bounded_triangle *triangle, struct clipped_triangle *out)
+/* Sets up the triangles that clipping at the tile's border and in depth makes. Returns how many. */
+static int clip_to_tile(const struct tile *tile, const struct bounded_triangle *triangle,
+                        struct clipped_triangle *out)
 {
-    const struct polygon polygon = polygon_of(lit, &triangle->screen, tile);
+    const struct polygon polygon = polygon_of(tile, &triangle->screen);
     struct bounded_triangle part = *triangle;
     part.slack = (struct slack){0, 0, 0};
     for (int i = 0; i < polygon.n; i++)
-        widen(&part.slack, polygon_slack(lit, &triangle->screen, &polygon, i));
+        widen(&part.slack, polygon_slack(&polygon, i));
     for (int i = 2; i < polygon.n; i++)
-        out[i - 2] = fan_triangle(lit, tile, &part, &polygon, i);
-    if (polygon.n >= 3)
-        return polygon.n - 2;
-    const double px = triangle->slack.px, slack_px[3] = {px, px, px};
-    out[0] = clipped(lit, triangle, tile, slack_px, slack_px);
-    out[0].magnification = HUGE_VAL;
-    return 1;
+        out[i - 2] = fan_triangle(&part, &polygon, i);
+    return polygon.n < 3 ? 0 : polygon.n - 2;
 }
 
-/* Sets up the triangles of a part; returns how many. */
-static int set_up(const struct lit_scene *lit, const struct rectangle *tile,
-                  const struct bounded_triangle *triangle, struct clipped_triangle *out)
+static double corner_slack_px(const struct tile *tile, const struct bounded_triangle *triangle,
+                              int i)
 {
+    return triangle->straddles ? triangle->slack.px
+                               : whole_slack(tile->lit, &triangle->screen, i).px;
+}
+
+/* Sets up the triangles of a part; returns how many. Where hardly anything of a clipped triangle is
+ * in the tile, it has no bound. */
+static int set_up(const struct tile *tile, const struct bounded_triangle *triangle,
+                  struct clipped_triangle *out)
+{
+    const int n = triangle->straddles ? clip_to_tile(tile, triangle, out) : 0;
     double slack_px[3];
-    if (triangle->straddles)
-        return clip_to_tile(lit, tile, triangle, out);
+    if (n > 0)
+        return n;
     for (int i = 0; i < 3; i++)
-        slack_px[i] = whole_slack(lit, &triangle->screen, i).px;
-    out[0] = clipped(lit, triangle, tile, slack_px, slack_px);
+        slack_px[i] = corner_slack_px(tile, triangle, i);
+    out[0] = clipped(tile, triangle, slack_px, slack_px);
+    if (triangle->straddles)
+        out[0].magnification = HUGE_VAL;
     return 1;
 }
 
@@ -148,29 +397,27 @@ static double depth_rounding(const struct driver *driver)
 }
 
 /* Corners that are cut off lie nowhere for OpenGL; those that cutting makes are off by slack_px. */
-static void set_edge_errors(const struct lit_scene *lit, const struct rectangle *tile,
-                            struct bounded_triangle *triangle)
+static void set_edge_errors(const struct tile *tile, struct bounded_triangle *triangle)
 {
-    bool exact = is_exact(lit, triangle);
-    for (int i = 0; i < 3; i++) {
-        double slack =
-            triangle->straddles ? triangle->slack.px : whole_slack(lit, &triangle->screen, i).px;
+    const struct lit_scene *lit = tile->lit;
+    /* all corners lie on the driver's grid, without any error; those of cuts do not */
+    bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
+    for (int i = 0; i < 3; i++)
+        exact = exact && vertex_bounds(lit, &triangle->screen, i)->exact;
+    for (int i = 0; i < 3; i++)
         triangle->edge_px[i] =
-            exact ? 0 : slack + edge_error(lit->driver, tile->width, tile->height);
-    }
+            exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
 }
 
 /* Sets up a part's triangles, and finds the bounds that hold for all of them but those too thin for
  * one. Where all are too thin, the depth has no bound. */
-static void complete(const struct lit_scene *lit, const struct rectangle *tile,
-                     struct triangle_part *part)
+static void complete(const struct tile *tile, struct triangle_part *part)
 {
     struct bounded_triangle *triangle = &part->bounded;
     double error = -1;
-    triangle->n_clipped = set_up(lit, tile, triangle, part->clipped);
+    triangle->n_clipped = set_up(tile, triangle, part->clipped);
     if (triangle->cut)
-        triangle->n_slivers =
-            set_up_slivers(lit, tile, triangle, part->clipped + triangle->n_clipped);
+        triangle->n_slivers = set_up_slivers(tile, triangle, part->clipped + triangle->n_clipped);
     triangle->slack.px = 0; /* only the corners that OpenGL has in the tile count */
     for (int i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *clipped = &part->clipped[i];
@@ -179,8 +426,8 @@ static void complete(const struct lit_scene *lit, const struct rectangle *tile,
             error = fmax(error, clipped->magnification *
                                     bound_linear(clipped, clipped->z, clipped->slack.depth));
     }
-    triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(lit->driver);
-    set_edge_errors(lit, tile, triangle);
+    triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(tile->lit->driver);
+    set_edge_errors(tile, triangle);
     triangle->edge_on = may_turn(&triangle->screen, triangle->edge_px);
 }
 
@@ -197,14 +444,14 @@ static bool crosses_depth(const struct lit_scene *lit, const struct screen_trian
     return false;
 }
 
-static bool crosses_border(const struct lit_scene *lit, const struct screen_triangle *screen,
-                           const struct rectangle *tile)
+static bool crosses_border(const struct tile *tile, const struct screen_triangle *screen)
 {
+    const struct rectangle *at = &tile->at;
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *v = &screen->surface->vertices[screen->vertex[i]];
-        double slack = whole_slack(lit, screen, i).px;
-        if (v->x - slack < tile->x || v->x + slack > tile->x + tile->width ||
-            v->y - slack < tile->y || v->y + slack > tile->y + tile->height)
+        double slack = whole_slack(tile->lit, screen, i).px;
+        if (v->x - slack < at->x || v->x + slack > at->x + at->width || v->y - slack < at->y ||
+            v->y + slack > at->y + at->height)
             return true;
     }
     return false;
@@ -212,50 +459,42 @@ static bool crosses_border(const struct lit_scene *lit, const struct screen_tria
 
 /* The whole triangle, or where it may be cut in depth the parts that the near and the far plane
  * leave, widened by what single precision may be off. */
-static int place_parts(const struct lit_scene *lit, const struct rectangle *tile,
-                       const struct screen_triangle *whole, bool cut,
+static int place_parts(const struct tile *tile, const struct screen_triangle *whole,
                        struct triangle_part out[TRIANGLE_PARTS])
 {
     struct screen_triangle parts[SCREEN_TRIANGLES];
     struct clip_plane planes[CLIP_PLANES];
-    clip_planes(lit, whole, tile, planes);
-    int n = screen_triangles(&lit->plan->view, whole->surface, whole->triangle, planes + 4,
+    const bool cut = crosses_depth(tile->lit, whole);
+    clip_planes(tile, whole, planes);
+    int n = screen_triangles(&tile->lit->plan->view, whole->surface, whole->triangle, planes + 4,
                              cut ? 2 : 0, parts);
     for (int i = 0; i < n; i++) {
         struct bounded_triangle *triangle = &out[i].bounded;
         *triangle = (struct bounded_triangle){.screen = parts[i], .cut = cut};
-        triangle->straddles = cut || crosses_border(lit, whole, tile);
+        triangle->straddles = cut || crosses_border(tile, whole);
         for (int v = 0; v < 3 && !cut; v++)
-            widen(&triangle->slack, whole_slack(lit, whole, v));
-        complete(lit, tile, &out[i]);
+            widen(&triangle->slack, whole_slack(tile->lit, whole, v));
+        complete(tile, &out[i]);
     }
     return n;
 }
 
-/* Triangles seen edge-on may show their other side as well. */
-static int add_other_sides(const struct surface *surface, int n,
-                           struct triangle_part parts[TRIANGLE_PARTS])
+int triangle_parts(const struct tile *tile, int surface, int triangle, const struct rectangle *rows,
+                   struct triangle_part out[TRIANGLE_PARTS])
 {
+    const struct surface *of = &tile->lit->surfaces[surface];
+    struct screen_triangle whole = {.surface = of, .triangle = triangle};
+    memcpy(whole.vertex, of->instance->triangles[triangle], sizeof whole.vertex);
+    if (is_beside(of, &tile->lit->bounds[surface], whole.vertex, rows))
+        return 0;
+    const int n = place_parts(tile, &whole, out);
     int n_out = n;
-    for (int i = 0; i < n && surface->n_sides == 2; i++)
-        if (parts[i].bounded.edge_on) {
-            struct bounded_triangle *other = &parts[n_out].bounded;
-            parts[n_out++] = parts[i];
+    for (int i = 0; i < n && of->n_sides == 2; i++)
+        if (out[i].bounded.edge_on) { /* it may show its other side as well */
+            struct bounded_triangle *other = &out[n_out].bounded;
+            out[n_out++] = out[i];
             other->other_side = true;
             other->screen.side = !other->screen.side;
         }
     return n_out;
-}
-
-int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
-                   const struct rectangle *tile, const struct rectangle *rows,
-                   struct triangle_part out[TRIANGLE_PARTS])
-{
-    const struct surface *of = &lit->surfaces[surface];
-    struct screen_triangle whole = {.surface = of, .triangle = triangle};
-    memcpy(whole.vertex, of->instance->triangles[triangle], sizeof whole.vertex);
-    if (is_beside(of, &lit->bounds[surface], whole.vertex, rows))
-        return 0;
-    int n = place_parts(lit, tile, &whole, crosses_depth(lit, &whole), out);
-    return add_other_sides(of, n, out);
 }

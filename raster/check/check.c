@@ -99,19 +99,15 @@ static float band_floor(const struct block *block, size_t i)
 
 /* ---- pixels with a single candidate ---- */
 
-/* A stretch in one band. */
-struct band_stretch {
-    size_t first, n;
-    int band;
-    float *seen; /* OpenGL's samples */
-};
-
-static struct run run_of(const struct check *check, const struct band_stretch *stretch,
+/* Begins a block of samples. Returns their run. */
+static struct run run_of(const struct check *check, const struct stretch *stretch, float *seen,
                          struct block *block)
 {
     const struct chunk *chunk = check->chunk;
     const size_t first = stretch->first;
     const int32_t surface = chunk->picture.surface[first];
+    block->n = stretch->n;
+    block->seen = seen;
     return (struct run){.shaded = surface < 0 ? NULL : check->scene->lit->bounds[surface].shaded,
                         .rows = chunk->picture.rows + first,
                         .errors = chunk->errors + first,
@@ -121,13 +117,11 @@ static struct run run_of(const struct check *check, const struct band_stretch *s
                         .textured = block->textured};
 }
 
-static void learn_stretch(struct check *check, const struct band_stretch *stretch)
+static void learn_stretch(struct check *check, const struct stretch *stretch, int band, float *seen)
 {
     struct block block;
-    struct run run = run_of(check, stretch, &block);
-    block.n = stretch->n;
-    block.seen = stretch->seen;
-    learn(check, &run, stretch->band, &block, check->estimates + stretch->first);
+    struct run run = run_of(check, stretch, seen, &block);
+    learn(check, &run, band, &block, check->estimates + stretch->first);
 }
 
 /* Raises the ratios of a block's pixels to those of its samples, within bounds or not. */
@@ -150,20 +144,18 @@ static void raise_floors(const struct block *block, float *restrict floor, float
     }
 }
 
-static void judge_stretch(struct check *check, const struct band_stretch *stretch)
+static void judge_stretch(struct check *check, const struct stretch *stretch, int band, float *seen)
 {
     struct block block;
     struct check_failure failure;
-    struct run run = run_of(check, stretch, &block);
-    block.n = stretch->n;
-    block.seen = stretch->seen;
-    bool within = compare(check, &run, stretch->band, check->estimates + stretch->first,
+    struct run run = run_of(check, stretch, seen, &block);
+    bool within = compare(check, &run, band, check->estimates + stretch->first,
                           &check->verdict.samples, &block);
     raise_floors(&block, check->floor + stretch->first, check->band_floor + stretch->first);
     if (check->ratio)
         raise_ratios(check->ratio + stretch->first, &block);
     for (size_t i = 0; i < stretch->n && !within; i++)
-        if (is_outside(&block, i, stretch->band, &failure))
+        if (is_outside(&block, i, band, &failure))
             check_fail(check, stretch->first + i, &failure);
 }
 
@@ -297,7 +289,8 @@ static bool is_smooth(const struct check *check, const struct tile *tile, size_t
     const size_t width = (size_t)chunk->picture.at.width, n_pixels = chunk_pixels(chunk);
     const size_t column = pixel % width;
     const int32_t surface = chunk->picture.surface[pixel];
-    if ((double)chunk->steepness[pixel] * FULL_COUNT > SMOOTH_COUNTS * check->scene->full_scale)
+    if ((double)chunk->pixels[pixel].steepness * FULL_COUNT >
+        SMOOTH_COUNTS * check->scene->full_scale)
         return false;
     if ((column > 0 && !surely_shows(chunk, pixel - 1, surface)) ||
         (column < width - 1 && !surely_shows(chunk, pixel + 1, surface)))
@@ -337,7 +330,7 @@ static void settle_all(struct check *check, struct check_totals *totals)
             check->floor[i] = check->band_floor[i] = -1;
         else
             totals_note(totals, picture->surface[i], picture->triangle[i], (double)check->floor[i],
-                        &chunk->mean[i]);
+                        &chunk->pixels[i].mean);
     }
     for (size_t i = 0; i < chunk->n_ambiguous; i++)
         settle(check, i, totals);
@@ -417,17 +410,8 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
     return true;
 }
 
-/* Functions that treat the samples of a pass. */
-struct treatment {
-    void (*stretch)(struct check *check, const struct band_stretch *stretch);
-    void (*ambiguous)(struct check *check, const struct ambiguous_pixel *pixel, int band,
-                      float seen);
-};
-
-/* Treats the samples of the bands from first_band on. `pixels` is the chunk's first pixel, 4 floats
- * each, rows `stride` pixels apart. */
-static void treat_pass(struct check *check, const struct treatment *treatment, int first_band,
-                       const float *pixels, size_t stride)
+void check_pass(struct check *check, int first_band, const float *pixels, size_t stride,
+                bool learns)
 {
     const struct chunk *chunk = check->chunk;
     const size_t width = (size_t)chunk->picture.at.width;
@@ -438,28 +422,15 @@ static void treat_pass(struct check *check, const struct treatment *treatment, i
          at++) {
         split_channels(pixels + (at->first / width * stride + at->first % width) * 4, at->n, seen);
         for (int c = 0; c < n_channels; c++)
-            treatment->stretch(check,
-                               &(struct band_stretch){at->first, at->n, first_band + c, seen[c]});
+            (learns ? learn_stretch : judge_stretch)(check, at, first_band + c, seen[c]);
     }
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {
         const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];
         const size_t at = (size_t)pixel->pixel, x = at % width, y = at / width;
         for (int c = 0; c < n_channels; c++)
-            treatment->ambiguous(check, pixel, first_band + c,
-                                 pixels[(y * stride + x) * 4 + (size_t)c]);
+            (learns ? learn_ambiguous : judge_ambiguous)(check, pixel, first_band + c,
+                                                         pixels[(y * stride + x) * 4 + (size_t)c]);
     }
-}
-
-void check_pilots(struct check *check, int first_band, const float *pixels, size_t stride)
-{
-    static const struct treatment treatment = {learn_stretch, learn_ambiguous};
-    treat_pass(check, &treatment, first_band, pixels, stride);
-}
-
-void check_pass(struct check *check, int first_band, const float *pixels, size_t stride)
-{
-    static const struct treatment treatment = {judge_stretch, judge_ambiguous};
-    treat_pass(check, &treatment, first_band, pixels, stride);
 }
 
 void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals)

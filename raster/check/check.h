@@ -34,9 +34,11 @@ enum { MAX_PILOT_PASSES = 3, MAX_PILOTS = MAX_PILOT_PASSES * BANDS_PER_PASS };
 struct material_fit {
     float *spectra, *own, *rest; /* [band][term] */
     float *gains;                /* [pilot][term] */
-    float *share;   /* [band] rest_tb / spectrum_tb of the term where that is largest */
-    float *flushed; /* [band] what results flushed to zero may add, in counts */
-    float *scale;   /* [band] 1 / (1 - h_bb), or 0: the band is not fitted */
+    struct band_fit {
+        float share;   /* rest_tb / spectrum_tb of the term where that is largest */
+        float flushed; /* what results flushed to zero may add, in counts */
+        float scale;   /* 1 / (1 - h_bb), or 0: the band is not fitted */
+    } * bands;
 };
 struct fit {
     const struct plan *plan;
@@ -204,7 +206,7 @@ struct check {
      * infinite: it has no bound; negative: it shows the background */
     float *floor, *band_floor;
     float *ratio;               /* the largest error / bound; NULL: no map is wanted */
-    float *estimates;           /* [row][pixel]: see fit.h */
+    float *estimates;           /* [row][pixel]: see fit_rows */
     float *candidate_estimates; /* [candidate][row] */
 };
 /* Opens the check of a chunk. Scene and chunk must outlive it. On failure *out is zeroed. */
@@ -214,12 +216,11 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
  * called before the first pass. */
 void check_identity(struct check *check, const struct renderer *renderer,
                     const struct rectangle *tile);
-/* Learns from a pass with pilots; to be called for all of these before the first check_pass.
- * `pixels` is the chunk's first pixel, 4 floats each, rows `stride` pixels apart, in units of
- * full_scale. */
-void check_pilots(struct check *check, int first_band, const float *pixels, size_t stride);
-/* Judges the bands of a pass, with the same arguments. */
-void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
+/* Judges the bands of a pass; if it `learns`, learns from a pass with pilots, to be called for all
+ * of these before. `pixels` is the chunk's first pixel, 4 floats each, rows `stride` pixels apart,
+ * in units of full_scale. */
+void check_pass(struct check *check, int first_band, const float *pixels, size_t stride,
+                bool learns);
 /* Settles ambiguous pixels, and adds the chunk's verdict to its tile's totals. The tile has the
  * chunk and its neighbours, all of them drawn. */
 void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals);

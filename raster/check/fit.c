@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Gains and bounds of each material, and what they say of a run of pixels. */
+/* The fit of each material: its pilots, gains and bounds, and what they say of a run of pixels. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -7,6 +7,278 @@
 #include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/check/inside.h"
+
+/* Returns the number of a pass with pilots; -1: it has none. */
+static int pilot_pass(const struct fit *fit, int pass)
+{
+    for (int p = 0; p < fit->n_passes; p++)
+        if (fit->passes[p] == pass)
+            return p;
+    return -1;
+}
+
+/* ---- the choice of pilots ---- */
+
+/* Chooses the pilots. Knowledge of the errors of weights is a covariance V; a band narrows it
+ * as one measurement does (Kalman 1960): with a for the band's spectra and r for its roundings, the
+ * product of the standard deviations shrinks by the square root of 1 + a V a / r^2. Pass by pass,
+ * the one is taken that narrows the errors of all materials most. */
+
+/* Before any band is seen, a weight may be off by this many times its own roundings. The number
+ * only steers the choice of pilots and gains: the bounds hold for every gain. */
+static const double prior = 1024;
+/* Bands that are darker than this part of the brightest one, or than this part of a count, teach
+ * nothing: no error of theirs matters, and their gains would be beyond single precision. */
+static const double dark = 0x1p-30;
+/* A further pass is worth its memory if it narrows the errors of some material by a fifth. */
+static const double worthwhile = 1.25;
+
+/* Knowledge of the errors of a material's weights. */
+struct knowledge {
+    const struct material_fit *material;
+    int n_terms, n_bands;
+    double brightest;   /* the largest sum of a band's spectra */
+    double *covariance; /* [term][term]; owned */
+    double *moved;      /* covariance x spectra of the band that came last; owned */
+};
+
+static double in_band(const struct knowledge *of, int term, int band)
+{
+    return (double)of->material->spectra[(size_t)band * (size_t)of->n_terms + (size_t)term];
+}
+
+static double band_sum(const struct knowledge *knowledge, int band)
+{
+    double sum = 0;
+    for (int t = 0; t < knowledge->n_terms; t++)
+        sum += in_band(knowledge, t, band);
+    return sum;
+}
+
+/* The sum of a band's spectra: its rounding if each term rounds by 1. 0: too dark to teach us. */
+static double band_rounding(const struct knowledge *knowledge, int band)
+{
+    double sum = band_sum(knowledge, band);
+    return sum > dark * fmax(knowledge->brightest, 1) ? sum : 0;
+}
+
+/* Nothing is known but that errors are at most some multiple of roundings. False: no memory;
+ * knowledge_free accepts what is left. */
+static bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out,
+                            struct error *err)
+{
+    const size_t n = (size_t)fit->plan->materials[material].n_terms;
+    *out = (struct knowledge){
+        .material = &fit->materials[material], .n_terms = (int)n, .n_bands = fit->plan->n_bands};
+    if (!MAKE_ARRAY(out->covariance, n * n, err, "the fit of a material") ||
+        !MAKE_ARRAY(out->moved, n, err, "the fit of a material"))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        out->covariance[i * n + i] = prior * prior;
+    for (int band = 0; band < out->n_bands; band++)
+        out->brightest = fmax(out->brightest, band_sum(out, band));
+    return true;
+}
+
+static void knowledge_free(struct knowledge *knowledge)
+{
+    FREE_ALL(knowledge->covariance, knowledge->moved);
+}
+
+/* Takes a band into account. Returns by how much that narrows the errors, as a binary logarithm of
+ * the product of standard deviations; 0 for a band that is black. */
+static double knowledge_add(struct knowledge *knowledge, int band)
+{
+    const int n = knowledge->n_terms;
+    const double rounding = band_rounding(knowledge, band), noise = rounding * rounding;
+    double signal = 0;
+    if (!(noise > 0))
+        return 0;
+    for (int i = 0; i < n; i++) {
+        knowledge->moved[i] = 0;
+        for (int j = 0; j < n; j++)
+            knowledge->moved[i] += knowledge->covariance[i * n + j] * in_band(knowledge, j, band);
+        signal += knowledge->moved[i] * in_band(knowledge, i, band);
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            knowledge->covariance[i * n + j] -=
+                knowledge->moved[i] * knowledge->moved[j] / (noise + signal);
+    return 0.5 * binary_logarithm(1 + signal / noise);
+}
+
+/* ---- pilots ---- */
+
+/* The state of the choice. */
+struct choice {
+    struct fit *fit;
+    struct knowledge *known; /* of each material, from the passes chosen so far */
+    double *saved;           /* room for the largest covariance */
+};
+
+static double add_pass(const struct fit *fit, struct knowledge *known, int pass)
+{
+    double narrowed = 0;
+    for (int band = pass * BANDS_PER_PASS;
+         band < (pass + 1) * BANDS_PER_PASS && band < fit->plan->n_bands; band++)
+        narrowed += knowledge_add(known, band);
+    return narrowed;
+}
+
+/* Returns by how much a pass would narrow the errors of all materials; *most: of one of them. */
+static double worth_of(struct choice *choice, int pass, double *most)
+{
+    double sum = 0;
+    for (int m = 0; m < choice->fit->plan->n_materials; m++) {
+        struct knowledge *known = &choice->known[m];
+        size_t size = (size_t)known->n_terms * (size_t)known->n_terms * sizeof *known->covariance;
+        memcpy(choice->saved, known->covariance, size);
+        double narrowed = add_pass(choice->fit, known, pass);
+        memcpy(known->covariance, choice->saved, size);
+        sum += narrowed;
+        *most = fmax(*most, narrowed);
+    }
+    return sum;
+}
+
+/* Adds the pass that is worth most. Returns false where none is worth its memory. */
+static bool choose_pass(struct choice *choice)
+{
+    struct fit *fit = choice->fit;
+    double largest = 0;
+    int best = -1;
+    for (int pass = 0; pass < fit->plan->n_passes; pass++) {
+        double most = 0, worth = pilot_pass(fit, pass) >= 0 ? 0 : worth_of(choice, pass, &most);
+        if (worth > largest && most > binary_logarithm(worthwhile)) {
+            largest = worth;
+            best = pass;
+        }
+    }
+    if (best < 0)
+        return false;
+    for (int m = 0; m < fit->plan->n_materials; m++)
+        add_pass(fit, &choice->known[m], best);
+    fit->passes[fit->n_passes++] = best;
+    return fit->n_passes < MAX_PILOT_PASSES;
+}
+
+static int compare_passes(const void *a, const void *b)
+{
+    const int *first = a, *second = b;
+    return *first - *second;
+}
+
+/* Chooses fit->passes. False: no memory. */
+static bool pilots_choose(struct fit *fit, struct error *err)
+{
+    const int n_materials = fit->plan->n_materials;
+    size_t most = 0;
+    struct choice choice = {.fit = fit};
+    bool done = MAKE_ARRAY(choice.known, n_materials, err, "the fit of materials");
+    for (int m = 0; m < n_materials && done; m++) {
+        size_t n = (size_t)fit->plan->materials[m].n_terms;
+        most = n > most ? n : most;
+        done = knowledge_begin(fit, m, &choice.known[m], err);
+    }
+    done = done && MAKE_ARRAY(choice.saved, most * most, err, "the fit of materials");
+    while (done && choose_pass(&choice))
+        ;
+    qsort(fit->passes, (size_t)fit->n_passes, sizeof *fit->passes, compare_passes);
+    for (int m = 0; m < n_materials && choice.known; m++)
+        knowledge_free(&choice.known[m]);
+    FREE_ALL(choice.known, choice.saved);
+    return done;
+}
+
+/* ---- places: surfaces whose texture differs from band to band ---- */
+
+/* One place explains all bands. Where a texture differs from band to band, OpenGL's place in it is
+ * off by the same p = (across, up) in every band. With g for the slope of a band's radiance there
+ * and n for a bound on everything else, d_b = g_b . p + n_b. Least squares over the pilots k, with
+ * a bound e on p as prior knowledge, estimate p by M^-1 sum_k g_k d_k / n_k^2, where M = sum_k g_k
+ * g_k' / n_k^2 + diag(1 / e^2). Let q = g_b' M^-1 g_b. By the inequality of Cauchy and Schwarz the
+ * roundings of K pilots move the estimate's g_b . p by at most sqrt(K q), and the prior by at most
+ * sqrt(2 q). */
+
+enum { UU, UV, VV, U, V }; /* rows of an estimate: of the sums g g' / n^2 and g d / n^2 */
+/* Single precision rounds the sums by less than this part of their largest number, and what they
+ * explain of differences up to 10^4 n by less than a hundredth of the bound. */
+static const double sums_error = MAX_PILOTS * 6e-8, estimate_factor = 1.01;
+
+static bool has_places(const struct shaded_material *shaded)
+{
+    return shaded->texture && shaded->texture->spectral;
+}
+
+/* A pilot that explains more than this part of itself, says nothing. */
+#define MOST_OF_ITSELF 0.96875
+
+/* A pixel in a band, in counts. */
+struct slope {
+    double g[2], noise;
+    double e_place[2];
+    bool is_straight; /* within the bounds of the place; otherwise nothing else is set */
+};
+
+static struct slope slope_of(const struct run *run, size_t i)
+{
+    const struct textured_sample *sample = &run->textured[i];
+    const struct texel_value *texel = &sample->texel;
+    const size_t u = (size_t)run->shaded->n_terms * run->stride + i, v = u + run->stride;
+    if (!texel->is_straight)
+        return (struct slope){.is_straight = false};
+    return (struct slope){.g = {sample->radiance * texel->across, sample->radiance * texel->up},
+                          .noise = sample->error * (texel->value + texel->error) +
+                                   fabs(sample->radiance) * texel->rest + flushed_counts(),
+                          .e_place = {(double)run->errors[u], (double)run->errors[v]},
+                          .is_straight = true};
+}
+
+static void place_add(const struct run *run, const double *difference, float *estimate)
+{
+    for (size_t i = 0; i < run->n; i++) {
+        const struct slope slope = slope_of(run, i);
+        if (!slope.is_straight)
+            continue;
+        const double over = 1 / (slope.noise * slope.noise), *g = slope.g;
+        const double sums[PLACE_ROWS] = {[UU] = g[0] * g[0] * over,
+                                         [UV] = g[0] * g[1] * over,
+                                         [VV] = g[1] * g[1] * over,
+                                         [U] = g[0] * difference[i] * over,
+                                         [V] = g[1] * difference[i] * over};
+        for (size_t k = 0; k < PLACE_ROWS; k++)
+            estimate[k * run->stride + i] += (float)sums[k];
+    }
+}
+
+/* Where the texture bends, or its place has no error, nothing is explained. */
+static void place_explain(const struct fit *fit, const struct run *run, int band,
+                          const float *estimate, struct fit_block *out)
+{
+    const bool is_pilot = pilot_pass(fit, band / BANDS_PER_PASS) >= 0;
+    const size_t stride = run->stride;
+    const double spread = sqrt((double)fit->n_passes * BANDS_PER_PASS) + sqrt(2);
+    for (size_t i = 0; i < run->n; i++) {
+        const struct slope slope = slope_of(run, i);
+        out->explained[i] = 0;
+        out->limit[i] = out->floor[i] = slope.is_straight ? (float)slope.noise : HUGE_VALF;
+        if (!slope.is_straight || !(slope.e_place[0] > 0 && slope.e_place[1] > 0))
+            continue;
+        const float *sums = estimate + i;
+        const double *g = slope.g, *e = slope.e_place,
+                     trace = (double)sums[UU * stride] + (double)sums[VV * stride],
+                     uu = (double)sums[UU * stride] + sums_error * trace + 1 / (e[0] * e[0]),
+                     vv = (double)sums[VV * stride] + sums_error * trace + 1 / (e[1] * e[1]),
+                     uv = (double)sums[UV * stride], over = 1 / (uu * vv - uv * uv),
+                     u = (double)sums[U * stride], v = (double)sums[V * stride],
+                     p[2] = {(vv * u - uv * v) * over, (uu * v - uv * u) * over},
+                     q = (vv * g[0] * g[0] - 2 * uv * g[0] * g[1] + uu * g[1] * g[1]) * over,
+                     itself = is_pilot ? q / (slope.noise * slope.noise) : 0;
+        out->explained[i] = (float)(g[0] * p[0] + g[1] * p[1]);
+        out->limit[i] = (float)(slope.noise + estimate_factor * spread * sqrt(fmax(0, q)));
+        out->floor[i] = itself < MOST_OF_ITSELF ? out->limit[i] / (float)(1 - itself) : HUGE_VALF;
+    }
+}
 
 /* ---- a material ---- */
 
@@ -81,8 +353,8 @@ static void bound_band(const struct pilots *of, int band)
     struct influence by = influence_on(of, band);
     double kept = by.itself < 0 ? 1 : 1 - by.h[by.itself];
     bool fitted = by.sum > 0 && kept >= 1 - MOST_OF_ITSELF;
-    of->out->scale[band] = fitted ? (float)(1 / kept) : 0;
-    of->out->flushed[band] = (float)(flushed_counts() * (1 + by.sum));
+    of->out->bands[band].scale = fitted ? (float)(1 / kept) : 0;
+    of->out->bands[band].flushed = (float)(flushed_counts() * (1 + by.sum));
     for (int t = 0; t < of->shaded->n_terms; t++) {
         double s = (double)*at(of, of->out->spectra, t, band), own = s * fabs(kept), rest = s,
                rounding = 0;
@@ -95,22 +367,9 @@ static void bound_band(const struct pilots *of, int band)
         *at(of, of->out->own, t, band) = (float)own;
         double left = fabs(rest) + roundings(ESTIMATE_ROUNDINGS) * (s + rounding);
         *at(of, of->out->rest, t, band) = (float)left;
-        of->out->share[band] =
-            fmaxf(of->out->share[band], left > 0 ? (float)(1.000001 * left / s) : 0);
+        of->out->bands[band].share =
+            fmaxf(of->out->bands[band].share, left > 0 ? (float)(1.000001 * left / s) : 0);
     }
-}
-
-static bool allocate(const struct fit *fit, const struct shaded_material *shaded,
-                     struct material_fit *out, struct error *err)
-{
-    const size_t n_bands = (size_t)fit->plan->n_bands, n = (size_t)shaded->n_terms * n_bands;
-    return MAKE_ARRAY(out->spectra, n, err, "the spectra of a material") &&
-           MAKE_ARRAY(out->own, n, err, "the bounds of a material") &&
-           MAKE_ARRAY(out->rest, n, err, "the bounds of a material") &&
-           MAKE_ARRAY(out->gains, shaded->n_terms * MAX_PILOTS, err, "the fit of a material") &&
-           MAKE_ARRAY(out->share, n_bands, err, "the fit of a material") &&
-           MAKE_ARRAY(out->flushed, n_bands, err, "the fit of a material") &&
-           MAKE_ARRAY(out->scale, n_bands, err, "the fit of a material");
 }
 
 static bool fit_material(const struct fit *fit, int material, struct error *err)
@@ -137,12 +396,18 @@ static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
     const struct plan *plan = fit->plan;
     for (int m = 0; m < plan->n_materials; m++) {
         const struct shaded_material *shaded = &plan->materials[m];
-        if (!allocate(fit, shaded, &fit->materials[m], err))
+        struct material_fit *out = &fit->materials[m];
+        const size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands,
+                     n = n_terms * n_bands;
+        if (!MAKE_ARRAY(out->spectra, n, err, "the spectra of a material") ||
+            !MAKE_ARRAY(out->own, n, err, "the bounds of a material") ||
+            !MAKE_ARRAY(out->rest, n, err, "the bounds of a material") ||
+            !MAKE_ARRAY(out->gains, n_terms * MAX_PILOTS, err, "the fit of a material") ||
+            !MAKE_ARRAY(out->bands, n_bands, err, "the fit of a material"))
             return false;
-        const size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands;
         for (size_t t = 0; t < n_terms; t++)
             for (size_t band = 0; band < n_bands; band++)
-                fit->materials[m].spectra[band * n_terms + t] =
+                out->spectra[band * n_terms + t] =
                     (float)(shaded->made.spectra[t * n_bands + band] / full_scale * FULL_COUNT);
     }
     return true;
@@ -163,19 +428,11 @@ void fit_free(struct fit *fit)
 {
     for (int m = 0; fit->materials && m < fit->plan->n_materials; m++) {
         struct material_fit *material = &fit->materials[m];
-        FREE_ALL(material->spectra, material->own, material->rest, material->gains, material->share,
-                 material->flushed, material->scale);
+        FREE_ALL(material->spectra, material->own, material->rest, material->gains,
+                 material->bands);
     }
     free(fit->materials);
     *fit = (struct fit){.plan = NULL};
-}
-
-bool fit_has_pilots(const struct fit *fit, int pass)
-{
-    for (int p = 0; p < fit->n_passes; p++)
-        if (fit->passes[p] == pass)
-            return true;
-    return false;
 }
 
 /* ---- a run of pixels ---- */
@@ -183,15 +440,6 @@ bool fit_has_pilots(const struct fit *fit, int pass)
 static const struct material_fit *material_of(const struct fit *fit, const struct run *run)
 {
     return &fit->materials[run->shaded - fit->plan->materials];
-}
-
-/* The number of a pilot band: see struct material_fit. */
-static size_t pilot_of(const struct fit *fit, int band)
-{
-    size_t p = 0;
-    while (fit->passes[p] != band / BANDS_PER_PASS)
-        p++;
-    return p * BANDS_PER_PASS + (size_t)(band % BANDS_PER_PASS);
 }
 
 int fit_rows(const struct plan *plan)
@@ -211,7 +459,9 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
         place_add(run, difference, estimate);
         return;
     }
-    const float *gains = material_of(fit, run)->gains + pilot_of(fit, band) * n_terms;
+    const size_t pilot =
+        (size_t)(pilot_pass(fit, band / BANDS_PER_PASS) * BANDS_PER_PASS + band % BANDS_PER_PASS);
+    const float *gains = material_of(fit, run)->gains + pilot * n_terms;
     for (size_t t = 0; t < n_terms; t++)
         for (size_t i = 0; i < run->n; i++)
             estimate[t * run->stride + i] += gains[t] * (float)difference[i];
@@ -226,15 +476,15 @@ bool fit_explain(const struct fit *fit, const struct run *run, int band, const f
         place_explain(fit, run, band, estimate, out);
         return true;
     }
-    if (!(material->scale[band] > 0))
+    if (!(material->bands[band].scale > 0))
         return false;
     /* where what is left of the errors of weights is a small share of them, it is at most the same
      * share of the bounds */
-    const float scale = material->scale[band], left = material->share[band],
+    const float scale = material->bands[band].scale, left = material->bands[band].share,
                 share = left <= small_share ? left : 0;
     memset(out->explained, 0, run->n * sizeof *out->explained);
     for (size_t i = 0; i < run->n; i++)
-        out->limit[i] = material->flushed[band];
+        out->limit[i] = material->bands[band].flushed;
     add_rows(run, estimate, material->spectra + at, n_terms, out->explained);
     add_rows(run, run->own, material->own + at, n_terms, out->limit);
     if (!(left <= small_share))

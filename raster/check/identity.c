@@ -32,7 +32,7 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
     const struct chunk *chunk = check->chunk;
     bool background = chunk->picture.surface[pixel] < 0;
     double depth = background ? 1 : (double)(float)chunk->picture.depth[pixel],
-           error = background ? 0 : (double)chunk->depth_error[pixel];
+           error = background ? 0 : (double)chunk->pixels[pixel].depth_error;
     struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
     if (lacks->numbers || (shown->surface == chunk->picture.surface[pixel] &&
                            (background || shown->triangle == chunk->picture.triangle[pixel]))) {
@@ -73,7 +73,7 @@ static void identify_ambiguous(struct check *check, size_t index, const struct s
  * too few or too many: such pixels are counted. */
 static void count_fragments(struct check *check, size_t pixel, const struct shown *shown)
 {
-    const struct overdraw *overdraw = &check->chunk->overdraw[pixel];
+    const struct overdraw *overdraw = &check->chunk->pixels[pixel].overdraw;
     uint8_t above = (uint8_t)(shown->fragments - overdraw->least),
             off = (uint8_t)(shown->fragments - overdraw->meant);
     bool leaks = overdraw->closed && off != 0, possible = above <= overdraw->spread;

@@ -11,13 +11,6 @@
 static const struct check_verdict nothing = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
                                              .worst_depth_ratio = -1};
 
-/* A pixel of a tile shows at most one triangle. */
-static size_t most_shown(const struct plan *plan, size_t n_triangles)
-{
-    const size_t pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    return pixels < n_triangles ? pixels : n_triangles;
-}
-
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err)
 {
     const struct plan *plan = scene->lit->plan;
@@ -30,7 +23,9 @@ bool totals_open(const struct check_scene *scene, struct check_totals *out, stru
         out->first[s] = out->n_triangles;
         out->n_triangles += (size_t)plan->instances[s].instance.n_triangles;
     }
-    out->most_shown = most_shown(plan, out->n_triangles);
+    /* a pixel of a tile shows at most one triangle */
+    const size_t pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    out->most_shown = pixels < out->n_triangles ? pixels : out->n_triangles;
     return MAKE_ARRAY(out->varying, out->n_triangles, err, "%zu triangles", out->n_triangles) &&
            MAKE_ARRAY(out->shown, out->most_shown, err, "%zu triangles", out->most_shown);
 }
@@ -68,27 +63,9 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
     totals->varying[shown] += varying;
 }
 
-static void totals_add(struct check_totals *picture, struct check_totals *tile)
-{
-    verdict_add(&picture->verdict, &tile->verdict);
-    tile->verdict = nothing;
-    picture->shared += tile->shared;
-    tile->shared = 0;
-    for (size_t i = 0; i < tile->n_shown; i++) {
-        double *varying = &tile->varying[tile->shown[i]];
-        picture->varying[tile->shown[i]] += *varying;
-        *varying = 0;
-    }
-    tile->n_shown = 0;
-    for (int s = 0; s < tile->scene->lit->plan->n_instances; s++)
-        for (int c = 0; c < BOUND_CAUSES; c++) {
-            picture->unchecked[s][c] += tile->unchecked[s][c];
-            tile->unchecked[s][c] = 0;
-        }
-}
-
 void sums_add(struct tile_sums *picture, struct tile_sums *tile)
 {
+    struct check_totals *to = &picture->totals, *from = &tile->totals;
     picture->odd.clipped += tile->odd.clipped;
     picture->odd.undefined += tile->odd.undefined;
     picture->light.points_lit += tile->light.points_lit;
@@ -96,8 +73,23 @@ void sums_add(struct tile_sums *picture, struct tile_sums *tile)
     picture->light.power_functions += tile->light.power_functions;
     tile->odd = (struct odd_samples){0, 0};
     tile->light = (struct light_work){.points_lit = 0};
-    if (tile->totals.scene)
-        totals_add(&picture->totals, &tile->totals);
+    if (!from->scene)
+        return;
+    verdict_add(&to->verdict, &from->verdict);
+    from->verdict = nothing;
+    to->shared += from->shared;
+    from->shared = 0;
+    for (size_t i = 0; i < from->n_shown; i++) {
+        double *varying = &from->varying[from->shown[i]];
+        to->varying[from->shown[i]] += *varying;
+        *varying = 0;
+    }
+    from->n_shown = 0;
+    for (int s = 0; s < from->scene->lit->plan->n_instances; s++)
+        for (int c = 0; c < BOUND_CAUSES; c++) {
+            to->unchecked[s][c] += from->unchecked[s][c];
+            from->unchecked[s][c] = 0;
+        }
 }
 
 /* ---- the mean residual ---- */

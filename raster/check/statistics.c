@@ -11,16 +11,6 @@
  * whole lanes with samples that are 0 and expected to be 0. More lanes do not fit in the
  * registers. */
 
-static size_t fill_lanes(struct block *block)
-{
-    size_t n = block->n;
-    for (; n % LANES != 0; n++) {
-        block->seen[n] = block->bound[n] = block->fit.explained[n] = block->fit.limit[n] = 0;
-        block->expected[n] = 0;
-    }
-    return n;
-}
-
 static double seen_counts(const struct block *block, size_t i)
 {
     return (double)block->seen[i] * FULL_COUNT;
@@ -48,18 +38,13 @@ static void differ(struct check_samples *samples, const float *restrict seen,
     }
 }
 
-/* Limits that all samples of a block may be within. */
-struct within {
-    float difference;       /* the largest magnitude of a difference */
-    float ratio, fit_ratio; /* the largest error / bound, rest / limit */
-};
-
 /* Returns whether all samples are counts, which need not be clamped, and within these limits; NaN
- * is not. */
-static bool are_within(const struct block *block, const struct within *limits, size_t all)
+ * is not. worst: the largest magnitude of a difference; ratios: the largest error / bound, rest /
+ * limit. */
+static bool are_within(const struct block *block, float worst, float ratio, float fit_ratio,
+                       size_t all)
 {
-    const float *seen = block->seen, worst = limits->difference, ratio = limits->ratio,
-                fit_ratio = limits->fit_ratio;
+    const float *seen = block->seen;
     int odd = 0;
     for (size_t i = 0; i < all; i++) {
         const float difference = block->difference[i], rest = difference - block->fit.explained[i],
@@ -122,13 +107,18 @@ static bool look_closer(struct check_samples *samples, const struct block *block
 /* Nearly all blocks are within what others were. */
 bool samples_compare(struct check_samples *samples, struct block *block)
 {
-    const size_t all = fill_lanes(block);
-    const struct within usual = {.difference = fminf((float)samples->largest, 0.499F),
-                                 .ratio = (float)samples->worst_ratio, /* at most 1 */
-                                 .fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1};
+    size_t all = block->n;
+    for (; all % LANES != 0; all++) {
+        block->seen[all] = block->bound[all] = block->fit.explained[all] = block->fit.limit[all] =
+            0;
+        block->expected[all] = 0;
+    }
+    const float worst = fminf((float)samples->largest, 0.499F),
+                ratio = (float)samples->worst_ratio, /* at most 1 */
+        fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1;
     samples->n += block->n;
     differ(samples, block->seen, block->expected, block->difference, all);
-    if (!are_within(block, &usual, all))
+    if (!are_within(block, worst, ratio, fit_ratio, all))
         return look_closer(samples, block);
     count_close(samples, block);
     return true;

@@ -2,7 +2,8 @@
 /* Computes the expected sample of a pixel. A radiance is a sum over terms of weight x spectrum.
  *
  * The bound of a sample, in counts, is the sum over terms of (error of the weight) x spectrum.
- * raster/bounds/light_bound.c, raster/bounds/plane.c and raster/candidates/pixel.c derive the errors. */
+ * raster/bounds/light_bound.c, raster/bounds/plane.c and raster/candidates/pixel.c derive the
+ * errors. */
 #include <math.h>
 #include <string.h>
 

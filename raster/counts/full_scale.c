@@ -8,7 +8,7 @@
 #include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "data/scene/scene.h"
-#include "raster/counts/inside.h"
+#include "raster/counts/counts.h"
 
 /* ---- upper bounds for Phong shading ---- */
 
@@ -56,12 +56,12 @@ static double least_distance(const struct surface *surface, const struct eye_lig
 }
 
 /* Computes an upper bound on the weight of each term at any point that phong shading lights. The
- * bound is infinite if a light that weakens with distance may be too near; *light becomes its
- * index. */
-static void phong_limits(const struct view *view, const struct surface *surface, double *limits,
-                         int *light)
+ * bound is infinite if a light that weakens with distance may be too near. Returns the index of
+ * such a light; -1: there is none. */
+static int phong_limits(const struct view *view, const struct surface *surface, double *limits)
 {
     const struct instance *instance = surface->instance;
+    int light = -1;
     for (int t = 0; t < instance->n_terms; t++)
         limits[t] = instance->terms[t].reflection == CONSTANT;
     for (int i = 0; i < view->n_lights; i++) {
@@ -75,10 +75,11 @@ static void phong_limits(const struct view *view, const struct surface *surface,
             most /= k[0] + k[1] * d + k[2] * d * d;
         }
         if (!isfinite(most))
-            *light = i;
+            light = i;
         for (int t = 0; t < instance->n_terms; t++)
             limits[t] += instance->terms[t].light == from->first ? most : 0;
     }
+    return light;
 }
 
 /* ---- the largest radiance ---- */
@@ -94,13 +95,9 @@ struct brightest {
 static double largest_radiance(const struct plan *plan, const struct shaded_material *shaded,
                                const struct brightest *of, int band, size_t *at)
 {
-    size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands;
     double largest = -1;
     for (size_t i = 0; i < of->n; i++) {
-        const double *weights = of->weights + i * of->stride;
-        double radiance = 0;
-        for (size_t t = 0; t < n_terms; t++)
-            radiance += weights[t] * shaded->made.spectra[t * n_bands + (size_t)band];
+        const double radiance = shaded_radiance(plan, shaded, of->weights + i * of->stride, band);
         if (!(radiance <= largest)) { /* NaN counts as larger, so that it is reported */
             largest = radiance;
             *at = i;
@@ -132,22 +129,6 @@ static bool check_radiance(const struct lit_scene *lit, int surface, int band, s
                      vertex, page);
 }
 
-/* Returns false if phong shading has no bound, because of the light of index *light. limits has
- * room for the surface's terms. */
-static bool find_brightest(const struct plan *plan, const struct surface *surface, double *limits,
-                           struct brightest *out, int *light)
-{
-    *light = -1;
-    *out = (struct brightest){surface->weights,
-                              (size_t)surface->instance->n_vertices * (size_t)surface->n_sides,
-                              (size_t)surface->n_attributes};
-    if (plan->scene->shading != SHADING_PHONG)
-        return true;
-    *out = (struct brightest){limits, 1, 0};
-    phong_limits(&plan->view, surface, limits, light);
-    return *light < 0;
-}
-
 /* The largest radiance so far, and whose it is. */
 struct largest {
     double radiance;
@@ -162,9 +143,16 @@ static bool raise_largest(const struct lit_scene *lit, int surface, double *limi
 {
     const struct plan *plan = lit->plan;
     const struct shaded_material *shaded = lit->bounds[surface].shaded;
-    struct brightest brightest;
-    int light;
-    if (!find_brightest(plan, &lit->surfaces[surface], limits, &brightest, &light))
+    const struct surface *of = &lit->surfaces[surface];
+    struct brightest brightest = {of->weights,
+                                  (size_t)of->instance->n_vertices * (size_t)of->n_sides,
+                                  (size_t)of->n_attributes};
+    int light = -1;
+    if (plan->scene->shading == SHADING_PHONG) {
+        light = phong_limits(&plan->view, of, limits);
+        brightest = (struct brightest){limits, 1, 0};
+    }
+    if (light >= 0)
         return plan->options.full_scale > 0 ||
                error_at(
                    err, plan->sources[light]->attenuation_place,
@@ -180,6 +168,50 @@ static bool raise_largest(const struct lit_scene *lit, int surface, double *limi
             *largest = (struct largest){radiance, surface, at};
     }
     return true;
+}
+
+/* ---- noise ---- */
+
+/* A light that grazes a surface exactly leaves a cosine that should be 0, and is some 1e-17. Its
+ * sign decides whether the surface has a highlight. */
+
+/* Normal and direction are each transformed and normalised in double precision, with less than 16
+ * roundings of their components, and multiplied. */
+static const double noise_cosine = 64 * DOUBLE_ROUNDOFF;
+
+/* Returns the cosine between the normal of a vertex, on a side, and the direction of a light. */
+static double light_cosine(const struct surface *surface, int vertex, int side,
+                           const struct eye_light *light)
+{
+    const struct instance *instance = surface->instance;
+    const struct vertex *point = &instance->vertices[vertex];
+    const struct vector eye = matrix_point(&instance->model_view, point->position),
+                        normal = vector_normalise(
+                            matrix_direction(&instance->normal_matrix, point->normal));
+    return (side == 1 ? -1 : 1) * vector_dot(normal, incidence_at(light, eye).towards);
+}
+
+/* Returns the index of a light, if the radiance of weights `at` of a surface (a vertex and a side)
+ * comes only from lights that graze it, so that it is rounding noise; otherwise -1. */
+static int noisy_light(const struct lit_scene *lit, int surface, size_t at)
+{
+    const struct plan *plan = lit->plan;
+    const struct surface *of = &lit->surfaces[surface];
+    const struct instance *instance = of->instance;
+    const int vertex = (int)(at / (size_t)of->n_sides), side = (int)(at % (size_t)of->n_sides);
+    int noisy = -1;
+    if (has_term(lit->bounds[surface].shaded, TERM_CONSTANT))
+        return -1;
+    for (int i = 0; i < plan->n_lights; i++) {
+        double cosine = reflects(instance, &plan->lights[i])
+                            ? light_cosine(of, vertex, side, &plan->lights[i])
+                            : 0;
+        if (cosine > noise_cosine)
+            return -1;
+        if (cosine > 0)
+            noisy = i;
+    }
+    return noisy;
 }
 
 /* Refuses noise as the largest radiance: a picture of it would mean nothing. */
@@ -202,18 +234,7 @@ static bool check_noise(const struct lit_scene *lit, const struct largest *large
         largest->radiance, place.path, place.line);
 }
 
-static bool find_largest(const struct lit_scene *lit, double *out, struct error *err)
-{
-    const struct plan *plan = lit->plan;
-    double *limits;
-    bool done = MAKE_ARRAY(limits, plan->max_rows, err, "the terms of a material");
-    struct largest largest = {0, -1, 0};
-    for (int s = 0; s < plan->n_instances && done; s++)
-        done = raise_largest(lit, s, limits, &largest, err);
-    free(limits);
-    *out = largest.radiance;
-    return done && check_noise(lit, &largest, err);
-}
+/* ---- the full scale ---- */
 
 /* OpenGL gets colours that are spectra over full scale. Below 2^100 single precision can hold them
  * and their sums. Beside such light everything else is black. */
@@ -231,9 +252,15 @@ static double least_full_scale(const struct plan *plan)
 bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    double largest;
-    if (!find_largest(lit, &largest, err))
+    double *limits;
+    struct largest found = {0, -1, 0};
+    bool done = MAKE_ARRAY(limits, plan->max_rows, err, "the terms of a material");
+    for (int s = 0; s < plan->n_instances && done; s++)
+        done = raise_largest(lit, s, limits, &found, err);
+    free(limits);
+    if (!done || !check_noise(lit, &found, err))
         return false;
+    const double largest = found.radiance;
     if (plan->options.bits == 32 && largest > 0 && largest < (double)FLT_MIN / SINGLE_ROUNDOFF)
         return error_at(
             err, plan->instances[0].object->place,

@@ -5,15 +5,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "raster/counts/inside.h"
+#include "raster/counts/counts.h"
 
 /* ---- samples of a page ---- */
-
-/* Returns whether a page can hold the value. No page can hold NaN. */
-static bool is_storable(double value)
-{
-    return fabs(value) <= (double)FLT_MAX;
-}
 
 enum { COUNTS_PER_BYTE = FULL_COUNT / UINT8_MAX };
 
@@ -61,7 +55,7 @@ static void tame(const struct stored_band *band, double *counts, size_t n, doubl
 {
     const double scale = page_scale(band);
     for (size_t i = 0; i < n; i++) {
-        const bool storable = is_storable(counts[i] * scale);
+        const bool storable = fabs(counts[i] * scale) <= (double)FLT_MAX; /* NaN is not */
         odd->clipped += counts[i] >= limit;
         odd->undefined += !storable;
         counts[i] = holds_counts(band) ? counts_clamp(counts[i]) : storable ? counts[i] : 0;

@@ -21,13 +21,6 @@ static bool refuse_missing(bool osmesa, bool egl, struct error *err)
         osmesa ? of_osmesa : "", osmesa && egl ? ", and no " : "", egl ? of_egl : "");
 }
 
-static void begin_again(struct contexts *contexts)
-{
-    if (contexts->kind)
-        contexts->kind->end(contexts);
-    *contexts = (struct contexts){.way = contexts->way};
-}
-
 static bool open_library(struct contexts *contexts, const char *wanted, struct error *err)
 {
     const bool any = strcmp(wanted, "auto") == 0, shaders = contexts->way != GL_WITHOUT_SHADERS,
@@ -41,25 +34,17 @@ static bool open_library(struct contexts *contexts, const char *wanted, struct e
         return true;
     if (osmesa && !any)
         return refuse_missing(true, false, err);
-    begin_again(contexts);
+    if (contexts->kind)
+        contexts->kind->end(contexts);
+    *contexts = (struct contexts){.way = contexts->way};
     return egl_open(contexts, driver_device(wanted), &found, err) &&
            (found || refuse_missing(any && !shaders, true, err));
 }
 
 #ifdef OSMESA_VERSION /* built in; Mesa crashes when asked for another driver */
 static const char *const only_driver = "softpipe";
-static bool is_built_in(const char *wanted, struct error *err)
-{
-    return strcmp(wanted, "osmesa") == 0 || strcmp(wanted, "auto") == 0 ||
-           error_unsupported(err, "the static program has an OSMesa of its own, and no EGL");
-}
 #else
 static const char *const only_driver = NULL;
-static bool is_built_in(const char *wanted, struct error *err)
-{
-    (void)wanted, (void)err;
-    return true;
-}
 #endif
 
 bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err)
@@ -75,7 +60,9 @@ bool contexts_open(const struct context_wish *wish, struct contexts **out, struc
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
     if (driver)
         setenv("GALLIUM_DRIVER", driver, 1);
-    return is_built_in(wanted, err) && open_library(*out, wanted, err);
+    if (only_driver && strcmp(wanted, "osmesa") != 0 && strcmp(wanted, "auto") != 0)
+        return error_unsupported(err, "the static program has an OSMesa of its own, and no EGL");
+    return open_library(*out, wanted, err);
 }
 
 void contexts_close(struct contexts *contexts)

@@ -33,8 +33,7 @@ bool contexts_devices(int *out, struct error *err)
 #include <EGL/eglext.h>
 
 struct egl {
-    EGLDisplay display;
-    EGLConfig config;
+    /* of the library: see find_functions */
     PFNEGLGETPROCADDRESSPROC get;
     PFNEGLQUERYSTRINGPROC query_string;
     PFNEGLINITIALIZEPROC initialize;
@@ -44,9 +43,12 @@ struct egl {
     PFNEGLCREATECONTEXTPROC create_context;
     PFNEGLDESTROYCONTEXTPROC destroy_context;
     PFNEGLMAKECURRENTPROC make_current;
+    /* of extensions */
     PFNEGLGETPLATFORMDISPLAYEXTPROC get_platform_display;
     PFNEGLQUERYDEVICESEXTPROC query_devices; /* NULL: EGL has no devices */
     PFNGLCLIPCONTROLPROC clip_control;       /* of OpenGL; NULL: it has none */
+    EGLDisplay display;
+    EGLConfig config;
 };
 
 static const struct egl *egl_of(const struct canvas *canvas)
@@ -101,16 +103,6 @@ static bool make_current(const struct egl *egl, EGLContext context, struct error
            error_unsupported(err, "EGL cannot draw without a window");
 }
 
-static void turn_window(const struct canvas *canvas)
-{
-    const struct egl *egl = egl_of(canvas);
-    struct contexts *contexts = canvas->contexts;
-    const char *name = contexts->way == GL_ES ? "GL_EXT_clip_control" : "GL_ARB_clip_control";
-    contexts->mirrored = !egl->clip_control || !contexts_have(contexts, name);
-    if (!contexts->mirrored)
-        egl->clip_control(GL_UPPER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-}
-
 static bool open_canvas(struct canvas *canvas, struct error *err)
 {
     /* without attributes, the compatibility profile */
@@ -131,7 +123,10 @@ static bool open_canvas(struct canvas *canvas, struct error *err)
     canvas->contexts->current = NULL;
     if (!make_current(egl, canvas->context, err) || !make_buffers(canvas, err))
         return false;
-    turn_window(canvas);
+    const char *name = way == GL_ES ? "GL_EXT_clip_control" : "GL_ARB_clip_control";
+    canvas->contexts->mirrored = !egl->clip_control || !contexts_have(canvas->contexts, name);
+    if (!canvas->contexts->mirrored)
+        egl->clip_control(GL_UPPER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
     return true;
 }
 
@@ -222,17 +217,10 @@ static bool find_config(struct egl *egl, enum gl_way way, struct error *err)
 /* Finds EGL's functions; false if one is missing. */
 static bool find_functions(struct egl *egl, enum gl_way way, void *library)
 {
-    library_find(library, "eglGetProcAddress", &egl->get);
-    library_find(library, "eglQueryString", &egl->query_string);
-    library_find(library, "eglInitialize", &egl->initialize);
-    library_find(library, "eglTerminate", &egl->terminate);
-    library_find(library, "eglBindAPI", &egl->bind_api);
-    library_find(library, "eglChooseConfig", &egl->choose_config);
-    library_find(library, "eglCreateContext", &egl->create_context);
-    library_find(library, "eglDestroyContext", &egl->destroy_context);
-    library_find(library, "eglMakeCurrent", &egl->make_current);
-    if (!egl->get || !egl->query_string || !egl->initialize || !egl->terminate || !egl->bind_api ||
-        !egl->choose_config || !egl->create_context || !egl->destroy_context || !egl->make_current)
+    static const char *const names[] = {"eglGetProcAddress", "eglQueryString",    "eglInitialize",
+                                        "eglTerminate",      "eglBindAPI",        "eglChooseConfig",
+                                        "eglCreateContext",  "eglDestroyContext", "eglMakeCurrent"};
+    if (!library_find_all(library, names, sizeof names / sizeof *names, egl))
         return false;
     egl->get_platform_display =
         (PFNEGLGETPLATFORMDISPLAYEXTPROC)egl->get("eglGetPlatformDisplayEXT");
@@ -279,8 +267,7 @@ bool egl_open(struct contexts *contexts, int device, bool *found, struct error *
         return true;
     if (!find_functions(egl, contexts->way, library))
         return error_unsupported(err, "this EGL is too old: version 1.4 with platforms is needed");
-    const struct gl_source source = {library, egl->get, "EGL's OpenGL"};
     return find_display(egl, device, err) && find_config(egl, contexts->way, err) &&
-           functions_find(&source, contexts->way, &contexts->call, err);
+           functions_find(contexts, library, egl->get, "EGL's OpenGL", err);
 }
 #endif

@@ -23,7 +23,7 @@
 #include "raster/renderers/renderers.h"
 #include "spectral.h"
 
-/* ---- functions.c: the functions of OpenGL ---- */
+/* ---- library.c: the functions of OpenGL ---- */
 
 /* Each calls EACH(type of the result, name without "gl", parameters): the functions that every
  * OpenGL and OpenGL ES has; those of lighting without shaders; those of shaders. */
@@ -126,7 +126,7 @@ struct gl_functions {
 /* Returns false after any error of OpenGL since the last call. */
 bool functions_succeeded(const struct gl_functions *call, struct error *err);
 
-/* ---- program.c: programs of shaders ---- */
+/* ---- gl_program.c: programs of shaders ---- */
 
 /* Prints the first lines of a shader. */
 void program_begin(enum gl_way way, struct printed *to);
@@ -188,7 +188,7 @@ void canvas_read(const struct canvas *canvas, int colour, void *pixels);
 /* Returns whether OpenGL has an extension; a canvas is open. */
 bool contexts_have(const struct contexts *contexts, const char *extension);
 
-/* ---- describe.c: what can be used ---- */
+/* ---- opened.c: what can be used ---- */
 
 struct context_description {
     struct renderer_names names;
@@ -209,75 +209,75 @@ struct canvas {
     void *pixels;
 };
 
-/* ---- opened.c ---- */
+/* ---- opened.c: what renderers through OpenGL share ---- */
 
+/* A room embeds it as the first member of a struct of its own. */
+struct drawing {
+    struct renderer renderer; /* the first member */
+    const struct plan *plan;
+    const struct lit_scene *lit; /* NULL: not taken yet */
+    struct contexts *contexts;
+    const struct gl_functions *call;
+    struct driver_threads before; /* the first context */
+    /* names of the buffer objects of meshes, 0: not in view; of triangles: each mesh's, then those
+     * of instances that hide some; of the objects of each texture, 0: not drawn; owned */
+    unsigned *objects, *indices, *textures;
+    int n_units; /* objects of each texture: one for each pass that is drawn at once */
+    /* 4 floats a pixel: of some lights, NULL: one pass has all; numbers, NULL: no check; owned */
+    float *part, *shown;
+    uint32_t *depths; /* 24 bits of depth, 8 of stencil; NULL: no check, or not to be read; owned */
+    struct rectangle tile;
+};
+/* Makes buffers, and opens the library that the plan asks for. drawing_close frees all with the
+ * struct that begins with *of, also after a failure; its canvases are closed before. */
+bool drawing_open(struct drawing *of, int n_buffers, struct error *err);
+void drawing_close(struct drawing *of);
+/* Opens a canvas of the size of a tile: see canvas_open. */
+bool drawing_canvas(const struct drawing *of, int bits, int n_colours, struct canvas **out,
+                    struct error *err);
 /* Takes the names of what draws the plan, and the bounds by which it is judged: an unknown driver
- * is measured first. A canvas is in use. Refuses what contexts_accept and driver_has_threads
- * refuse. The bounds of raster/bounds hold for the shaders of a known driver as for its own
+ * is measured first. A canvas is in use. Refuses a tile that is too large for OpenGL, another
+ * driver than the wanted one, which was chosen before the first canvas, and what driver_has_threads
+ * refuses. The bounds of raster/bounds hold for the shaders of a known driver as for its own
  * lighting: the shaders do the same operations, and both measure the same (traits.py). */
-bool opened_accept(struct renderer *renderer, const struct plan *plan, struct contexts *contexts,
-                   const struct driver_threads *before, struct error *err);
-/* Returns what the pixel x, y of a tile of the plan's size shows: numbers from the top, depths
- * (NULL: none) from the bottom unless `flipped`. */
-struct shown shown_at(const struct plan *plan, const float *numbers, const uint32_t *depths,
-                      bool flipped, int x, int y);
-
-/* ---- buffers.c ---- */
+bool drawing_accept(struct drawing *of, struct error *err);
+/* As struct renderer_kind says. The first uploads all but the texels of spectral textures into the
+ * current context. */
+bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err);
+struct shown drawing_shown(const struct renderer *renderer, int x, int y);
+void drawing_set_viewport(const struct drawing *of); /* of the tile */
+void drawing_read_depths(const struct drawing *of);  /* if they are wanted */
 
 /* Floats of a vertex in its two buffers: position and normal; texture coordinates, which only
  * textured meshes have. */
 enum { VERTEX_FLOATS = 6, COORDINATE_FLOATS = 2 };
-/* Nothing is uploaded twice, and nothing of an instance out of view. */
-struct vertex_buffers {
-    const struct gl_functions *call;
-    const struct plan *plan;
-    const struct lit_scene *lit;
-    unsigned *objects; /* names of the buffer objects: some for each mesh; 0: not in view */
-    unsigned *indices; /* of triangles: each mesh's, then those of instances that hide some */
-};
-/* Uploads vertices and triangles for OpenGL's current context. All three must outlive *out.
- * vertex_buffers_free accepts what a failure left; the names end with their context. */
-bool vertex_buffers_fill(const struct gl_functions *call, const struct lit_scene *lit,
-                         struct vertex_buffers *out, struct error *err);
-void vertex_buffers_free(struct vertex_buffers *buffers);
 /* Binds the triangles of an instance. Returns how many corners they have. */
-int vertex_buffers_bind(const struct vertex_buffers *of, int instance);
+int mesh_bind_triangles(const struct drawing *of, int instance);
 /* Bind the buffer of positions and normals, and that of texture coordinates; the latter returns
  * false where the instance shows no texture. */
-void vertex_buffers_bind_vertices(const struct vertex_buffers *of, int instance);
-bool vertex_buffers_bind_coordinates(const struct vertex_buffers *of, int instance);
+void mesh_bind_vertices(const struct drawing *of, int instance);
+bool mesh_bind_coordinates(const struct drawing *of, int instance);
 
-/* ---- textures.c ---- */
-
-/* Refuses a texture that is too large for OpenGL. */
-bool texture_fits(const struct gl_functions *call, const struct texture *texture,
-                  struct error *err);
-/* Sets filter and repetition of the bound texture. */
-void texture_repeats(const struct gl_functions *call, const struct texture *texture);
+/* Binds an object of a texture of the plan to its unit. */
+void texture_bind(const struct drawing *of, int index, int unit);
 /* Uploads the texels of a spectral texture for the bands of a pass into the bound texture. */
-bool texture_upload_bands(const struct gl_functions *call, const struct plan *plan,
-                          struct texture *texture, int first_band, struct error *err);
-
-/* ---- numbers.c ---- */
+bool texture_upload_bands(const struct drawing *of, int index, int first_band, struct error *err);
 
 /* A corner of a triangle that is drawn in its number: see shown_of. */
 struct numbered_vertex {
     float position[3], number[3];
 };
-/* Draws all instances that reach a tile: places each, and gives its triangles that are not hidden
+/* Draws all instances that reach the tile: places each, and gives its triangles that are not hidden
  * to `draw`, some at a time. */
 struct numbered_draw {
-    void (*place)(void *of, int instance);
-    void (*draw)(void *of, const struct numbered_vertex *corners, int n);
-    void *of;
+    void (*place)(struct drawing *of, int instance);
+    void (*draw)(struct drawing *of, const struct numbered_vertex *corners, int n);
 };
-bool numbers_draw(const struct lit_scene *lit, const struct rectangle *tile,
-                  const struct numbered_draw *by, struct error *err);
+bool numbers_draw(struct drawing *of, const struct numbered_draw *by, struct error *err);
 
 /* Writes name, version and driver of the library that is used by default. */
 void gl_library(char *out, size_t capacity);
-/* Opens OpenGL for a plan: see struct drawing_ways. n_buffers: at most MOST_BUFFERS. */
-enum { MOST_BUFFERS = 8 };
+/* Opens OpenGL for a plan: see struct drawing_ways. */
 bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err);
 
 #endif

@@ -1,18 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Libraries that are opened at run time. The static program opens none: it has no loader. */
+/* Libraries that are opened at run time, and the table of OpenGL's functions. The static program
+ * opens no library: it has no loader. */
 #include <string.h>
 
 #include "raster/gl/inside.h"
 
 #ifdef OSMESA_VERSION /* static */
-bool library_open(const char *const *files, void **out, struct error *err)
-{
-    (void)files, (void)err;
-    *out = NULL;
-    return true;
-}
-
-void library_find(void *library, const char *name, void *out)
+static void library_find(void *library, const char *name, void *out)
 {
     void *symbol = NULL;
     (void)library, (void)name;
@@ -20,13 +14,6 @@ void library_find(void *library, const char *name, void *out)
 }
 #else
 #include <dlfcn.h>
-
-/* Returns whether the last failure only means that there is no such file; the words are those of
- * glibc and of musl. */
-static bool is_missing(const char *reason)
-{
-    return reason && strstr(reason, "No such file or directory");
-}
 
 /* Its functions are for all to see, so that one that was loaded before can stand in the way: this
  * is how a debugger of OpenGL calls, or a test, is placed between. */
@@ -36,7 +23,8 @@ bool library_open(const char *const *files, void **out, struct error *err)
     for (; *files && !*out; files++) {
         *out = dlopen(*files, RTLD_NOW | RTLD_GLOBAL);
         const char *reason = *out ? NULL : dlerror();
-        if (!*out && !is_missing(reason))
+        /* it is no failure if there is no such file; the words are those of glibc and of musl */
+        if (!*out && !(reason && strstr(reason, "No such file or directory")))
             return error_failed(err, "%s cannot be opened: %.500s", *files,
                                 reason ? reason : "no reason is known");
     }
@@ -45,11 +33,62 @@ bool library_open(const char *const *files, void **out, struct error *err)
     return true;
 }
 
-/* ISO C does not allow a cast from an object pointer to a function pointer; POSIX promises that
- * this works. */
-void library_find(void *library, const char *name, void *out)
+/* Finds a function of an open library, or one of that name that was loaded before it; NULL: there
+ * is none. `out` points to a pointer to the function. ISO C does not allow a cast from an object
+ * pointer to a function pointer; POSIX promises that this works. */
+static void library_find(void *library, const char *name, void *out)
 {
     void *symbol = dlsym(library, name);
     memcpy(out, &symbol, sizeof symbol);
 }
+
+bool library_find_all(void *library, const char *const *names, size_t n, void *out)
+{
+    bool found = true;
+    for (size_t i = 0; i < n; i++) {
+        any_function *function;
+        library_find(library, names[i], &function);
+        memcpy((char *)out + i * sizeof function, &function, sizeof function);
+        found = found && function;
+    }
+    return found;
+}
 #endif
+
+/* ---- OpenGL's functions ---- */
+
+static const struct {
+    const char *name;
+    bool fixed, shaders; /* of one of these ways only */
+} functions[] = {
+#define COMMON_NAME(type, name, parameters) {"gl" #name, false, false},
+#define FIXED_NAME(type, name, parameters) {"gl" #name, true, false},
+#define SHADERS_NAME(type, name, parameters) {"gl" #name, false, true},
+    COMMON_FUNCTIONS(COMMON_NAME) FIXED_FUNCTIONS(FIXED_NAME) SHADER_FUNCTIONS(SHADERS_NAME)};
+
+bool functions_find(struct contexts *to, void *library, any_function *(*get)(const char *name),
+                    const char *name, struct error *err)
+{
+    enum { N = sizeof functions / sizeof *functions };
+    any_function *found[N];
+    for (int i = 0; i < N; i++) {
+        const char *function = functions[i].name;
+        found[i] = NULL;
+        if (to->way == GL_WITHOUT_SHADERS ? functions[i].shaders : functions[i].fixed)
+            continue;
+        if (library)
+            library_find(library, function, &found[i]);
+        if (!found[i])
+            found[i] = get(function);
+        if (!found[i])
+            return error_unsupported(err, "%s has no function %s", name, function);
+    }
+    memcpy(&to->call, found, sizeof found); /* all pointers to functions have one size in POSIX */
+    return true;
+}
+
+bool functions_succeeded(const struct gl_functions *call, struct error *err)
+{
+    const GLenum code = call->GetError();
+    return code == GL_NO_ERROR || error_system(err, "OpenGL reports error 0x%04x", code);
+}

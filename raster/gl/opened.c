@@ -1,39 +1,409 @@
 /* SPDX-License-Identifier: MIT */
-/* An open OpenGL: the driver by which it is judged, and the pixels that it has shown. */
+/* Renderers through OpenGL share this: uploads, the library as it describes itself, the driver by
+ * which it is judged, the tile that is aimed at, and the pixels that are read back. Geometry is
+ * uploaded once, and drawn once more in numbers. Only this file says how a vertex lies in a buffer.
+ */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/mesh/mesh.h"
 #include "raster/gl/inside.h"
+
+/* ---- meshes ---- */
+
+enum { VERTICES, COORDINATES, BUFFERS };
+
+/* Fills a buffer that has no name yet with n_floats numbers of each vertex, from number `first` on.
+ */
+static bool upload_vertices(const struct drawing *of, GLuint *name, const struct mesh *mesh,
+                            size_t first, size_t n_floats, struct error *err)
+{
+    const size_t n = (size_t)mesh->n_vertices;
+    float *floats, numbers[VERTEX_NUMBERS];
+    if (*name || !MAKE_ARRAY(floats, n * n_floats, err, "%zu vertices of a mesh", n))
+        return *name;
+    for (size_t i = 0; i < n; i++) {
+        vertex_numbers(&mesh->vertices[i], numbers);
+        memcpy(floats + n_floats * i, numbers + first, n_floats * sizeof *floats);
+    }
+    of->call->GenBuffers(1, name);
+    of->call->BindBuffer(GL_ARRAY_BUFFER, *name);
+    of->call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * n_floats * sizeof *floats), floats,
+                         GL_STATIC_DRAW);
+    free(floats);
+    return true;
+}
+
+static bool shows_texture(const struct drawing *of, int instance)
+{
+    const int shaded = of->plan->instances[instance].shaded;
+    return texture_is_drawn(of->plan, of->plan->materials[shaded].texture);
+}
+
+/* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
+ * some of them. 0: there is none yet. */
+static GLuint *index_buffer(const struct drawing *of, int instance)
+{
+    return &of->indices[of->lit->bounds[instance].hidden ? of->plan->n_meshes + instance
+                                                         : of->plan->instances[instance].mesh];
+}
+
+/* Fills the bound buffer with the triangles of an instance that are not hidden. */
+static bool upload_triangles(const struct drawing *of, int instance, struct error *err)
+{
+    const struct mesh *mesh = &of->plan->meshes[of->plan->instances[instance].mesh].mesh;
+    const bool *hidden = of->lit->bounds[instance].hidden;
+    const size_t size = sizeof *mesh->triangles;
+    size_t n = 0;
+    char *indices;
+    if (!MAKE_ARRAY(indices, (size_t)mesh->n_triangles * size, err, "the triangles of %s",
+                    object_name(of->plan, instance)))
+        return false;
+    for (int i = 0; i < mesh->n_triangles; i++)
+        if (!hidden || !hidden[i])
+            memcpy(indices + size * n++, mesh->triangles[i], size);
+    of->call->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(n * size), indices, GL_STATIC_DRAW);
+    free(indices);
+    return true;
+}
+
+static bool upload_instance(const struct drawing *of, int instance, struct error *err)
+{
+    const int index = of->plan->instances[instance].mesh;
+    const struct mesh *mesh = &of->plan->meshes[index].mesh;
+    GLuint *buffers = of->objects + BUFFERS * index, *indices = index_buffer(of, instance);
+    if (!of->plan->instances[instance].in_view)
+        return true;
+    if (!upload_vertices(of, &buffers[VERTICES], mesh, 0, VERTEX_FLOATS, err) ||
+        (shows_texture(of, instance) &&
+         !upload_vertices(of, &buffers[COORDINATES], mesh, VERTEX_FLOATS, COORDINATE_FLOATS, err)))
+        return false;
+    if (*indices)
+        return true;
+    of->call->GenBuffers(1, indices);
+    of->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *indices);
+    return upload_triangles(of, instance, err);
+}
+
+/* Uploads all meshes that are drawn. Nothing is uploaded twice, and nothing of an instance out of
+ * view. */
+static bool meshes_upload(struct drawing *of, struct error *err)
+{
+    const int n = of->plan->n_instances, n_meshes = of->plan->n_meshes;
+    if (!MAKE_ARRAY(of->objects, BUFFERS * n_meshes, err, "%d meshes", n_meshes) ||
+        !MAKE_ARRAY(of->indices, n_meshes + n, err, "%d objects", n))
+        return false;
+    for (int i = 0; i < n; i++)
+        if (!upload_instance(of, i, err))
+            return false;
+    return true;
+}
+
+static unsigned buffer_of(const struct drawing *of, int instance, int which)
+{
+    return of->objects[BUFFERS * of->plan->instances[instance].mesh + which];
+}
+
+int mesh_bind_triangles(const struct drawing *of, int instance)
+{
+    of->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(of, instance));
+    return 3 * (of->plan->instances[instance].instance.n_triangles -
+                of->lit->bounds[instance].n_hidden);
+}
+
+void mesh_bind_vertices(const struct drawing *of, int instance)
+{
+    of->call->BindBuffer(GL_ARRAY_BUFFER, buffer_of(of, instance, VERTICES));
+}
+
+bool mesh_bind_coordinates(const struct drawing *of, int instance)
+{
+    if (!shows_texture(of, instance))
+        return false;
+    of->call->BindBuffer(GL_ARRAY_BUFFER, buffer_of(of, instance, COORDINATES));
+    return true;
+}
+
+/* ---- triangles with their numbers as colours ---- */
+
+/* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
+enum { BATCH = 4096 };
+
+static void number_triangle(const struct mesh *mesh, int triangle, int placed,
+                            struct numbered_vertex out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        struct vector p = mesh->vertices[mesh->triangles[triangle][i]].position;
+        out[i] = (struct numbered_vertex){
+            {(float)p.x, (float)p.y, (float)p.z},
+            {(float)(triangle & 0xffff), (float)(triangle >> 16), (float)(placed + 1)}};
+    }
+}
+
+static void draw_instance(struct drawing *of, int instance, const struct numbered_draw *by,
+                          struct numbered_vertex batch[3 * BATCH])
+{
+    const struct mesh *mesh = &of->plan->meshes[of->plan->instances[instance].mesh].mesh;
+    const bool *hidden = of->lit->bounds[instance].hidden;
+    int n = 0;
+    by->place(of, instance);
+    for (int i = 0; i < mesh->n_triangles; i++) {
+        if (hidden && hidden[i])
+            continue;
+        number_triangle(mesh, i, instance, batch + 3 * (size_t)n++);
+        if (n == BATCH) {
+            by->draw(of, batch, 3 * n);
+            n = 0;
+        }
+    }
+    if (n > 0)
+        by->draw(of, batch, 3 * n);
+}
+
+bool numbers_draw(struct drawing *of, const struct numbered_draw *by, struct error *err)
+{
+    struct numbered_vertex *batch;
+    if (!MAKE_ARRAY(batch, 3 * BATCH, err, "%d triangles", BATCH))
+        return false;
+    for (int i = 0; i < of->plan->n_instances; i++)
+        if (surface_reaches(&of->lit->bounds[i], &of->tile))
+            draw_instance(of, i, by, batch);
+    free(batch);
+    return true;
+}
+
+/* ---- textures ---- */
+
+/* Textures as OpenGL keeps them. Texels are of single precision: Mesa filters texels of 8 bits with
+ * weights of 8 bits. */
+
+static bool fits(const struct drawing *of, const struct texture *texture, struct error *err)
+{
+    GLint largest = 0;
+    of->call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    if (texture->image.width > largest || texture->image.height > largest)
+        return error_system(err, "%.500s: this OpenGL has textures of at most %d texels a side",
+                            texture->image.path, largest);
+    /* OpenGL ES filters floats where an extension allows it */
+    return !texture->linear || of->contexts->way != GL_ES ||
+           contexts_have(of->contexts, "GL_OES_texture_float_linear") ||
+           error_unsupported(err, "%.500s: this OpenGL ES does not filter floats; add `nearest`",
+                             texture->image.path);
+}
+
+void texture_bind(const struct drawing *of, int index, int unit)
+{
+    if (of->contexts->way != GL_WITHOUT_SHADERS)
+        of->call->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
+    of->call->BindTexture(GL_TEXTURE_2D, of->textures[index * of->n_units + unit]);
+}
+
+/* A spectral texture has no texels yet. */
+static bool upload_texture(const struct drawing *of, int index, struct error *err)
+{
+    const struct texture *texture = &of->plan->textures[index];
+    const bool shaders = of->contexts->way != GL_WITHOUT_SHADERS;
+    const GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST;
+    if (!fits(of, texture, err))
+        return false;
+    of->call->GenTextures(of->n_units, of->textures + index * of->n_units);
+    for (int unit = 0; unit < (texture->spectral ? of->n_units : 1); unit++) {
+        texture_bind(of, index, unit);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    }
+    if (!texture->spectral)
+        of->call->TexImage2D(GL_TEXTURE_2D, 0, shaders ? GL_R32F : GL_LUMINANCE32F_ARB,
+                             texture->image.width, texture->image.height, 0,
+                             shaders ? GL_RED : GL_LUMINANCE, GL_FLOAT, texture->plane[0]);
+    return true;
+}
+
+static bool textures_upload(struct drawing *of, struct error *err)
+{
+    const int n = of->plan->n_textures;
+    if (!MAKE_ARRAY(of->textures, n * of->n_units, err, "%d textures", n))
+        return false;
+    for (int i = 0; i < n; i++)
+        if (texture_is_drawn(of->plan, &of->plan->textures[i]) && !upload_texture(of, i, err))
+            return false;
+    return true;
+}
+
+bool texture_upload_bands(const struct drawing *of, int index, int first_band, struct error *err)
+{
+    struct texture *texture = &of->plan->textures[index];
+    const int width = texture->image.width, height = texture->image.height;
+    float *texels;
+    const bool done = MAKE_ARRAY(texels, (size_t)width * (size_t)height * BANDS_PER_PASS, err,
+                                 "the texels of %s", texture->image.path) &&
+                      pass_texels(of->plan, texture, first_band, texels, err);
+    if (done)
+        of->call->TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT,
+                             texels);
+    free(texels);
+    return done;
+}
+
+/* ---- a library as it describes itself ---- */
+
+#ifdef OSMESA_VERSION /* built in; asking a context of softpipe would take tens of milliseconds */
+static const char built_in[] = "OSMesa " OSMESA_VERSION " (softpipe), built in";
+#else
+static const char *const built_in = NULL;
+#endif
+
+static void copy_text(const struct gl_functions *call, GLenum name, char out[128])
+{
+    snprintf(out, 128, "%s", (const char *)call->GetString(name));
+}
+
+static void identify(const struct contexts *contexts, struct renderer_names *out)
+{
+    snprintf(out->library, sizeof out->library, "%s", contexts->name);
+    copy_text(&contexts->call, GL_RENDERER, out->renderer);
+    copy_text(&contexts->call, GL_VERSION, out->version);
+}
+
+bool contexts_describe(const struct context_wish *wish, struct context_description *out,
+                       struct error *err)
+{
+    struct contexts *contexts;
+    struct canvas *canvas = NULL;
+    GLfloat pixel[4];
+    const struct canvas_size size = {.bits = 32, .width = 1, .height = 1, .n_colours = 1};
+    const bool done = contexts_open(wish, &contexts, err) &&
+                      canvas_open(contexts, &size, &canvas, err) && canvas_use(canvas, pixel, err);
+    if (done) {
+        const struct gl_functions *call = &contexts->call;
+        identify(contexts, &out->names);
+        copy_text(call, GL_VENDOR, out->vendor);
+        call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, out->largest_viewport);
+        call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &out->largest_texture);
+    }
+    canvas_close(canvas);
+    contexts_close(contexts);
+    return done;
+}
+
+void gl_library(char *out, size_t capacity)
+{
+    const struct context_wish wish = {.threads = 1};
+    struct context_description is;
+    struct error err = {.status = EXIT_AGREED};
+    if (built_in)
+        snprintf(out, capacity, "%s", built_in);
+    else if (contexts_describe(&wish, &is, &err))
+        snprintf(out, capacity, "%s %s (%s)", is.names.library, is.names.version,
+                 is.names.renderer);
+    else
+        snprintf(out, capacity, "OpenGL cannot draw: spectral drivers prints why");
+}
+
+/* ---- opening ---- */
+
+bool drawing_open(struct drawing *of, int n_buffers, struct error *err)
+{
+    const struct plan *plan = of->plan;
+    const struct context_wish wish = {plan->options.gl_library, plan->options.gl_driver,
+                                      plan->options.threads, plan->options.gl_way};
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    if (!renderer_make_buffers(&of->renderer, n_buffers, n, "the pixels of a tile", err) ||
+        !(plan->n_light_groups == 1 || MAKE_ARRAY(of->part, 4 * n, err, "the pixels of a tile")) ||
+        !(!plan->options.check || (MAKE_ARRAY(of->shown, 4 * n, err, "the numbers of a tile") &&
+                                   MAKE_ARRAY(of->depths, n, err, "the depths of a tile"))))
+        return false;
+    driver_count_threads(&of->before);
+    if (!contexts_open(&wish, &of->contexts, err))
+        return false;
+    of->call = &of->contexts->call;
+    return true;
+}
+
+bool drawing_canvas(const struct drawing *of, int bits, int n_colours, struct canvas **out,
+                    struct error *err)
+{
+    const struct canvas_size size = {bits, of->plan->tile_width, of->plan->tile_height, n_colours};
+    return canvas_open(of->contexts, &size, out, err);
+}
 
 /* Finds the driver by which the pixels are judged: a known one, or, where they are judged, one that
  * is measured. */
-static bool choose_driver(const struct plan *plan, struct contexts *contexts,
-                          const char *gl_renderer, struct driver *out, struct error *err)
+static bool choose_driver(const struct drawing *of, const char *gl_renderer, struct driver *out,
+                          struct error *err)
 {
     const struct driver *known = driver_of(gl_renderer);
     *out = *known;
-    if (known != driver_of(NULL) || !plan->options.check)
+    if (known != driver_of(NULL) || !of->plan->options.check)
         return true;
     if (!drawing_ways.measure)
         return error_unsupported(err,
                                  "%s is not known, and this program cannot measure it; --no-check "
                                  "draws without a check",
                                  gl_renderer);
-    return drawing_ways.measure(contexts, gl_renderer, out, err);
+    return drawing_ways.measure(of->contexts, gl_renderer, out, err);
 }
 
-bool opened_accept(struct renderer *renderer, const struct plan *plan, struct contexts *contexts,
-                   const struct driver_threads *before, struct error *err)
+bool drawing_accept(struct drawing *of, struct error *err)
 {
-    const struct rectangle tile = {0, 0, plan->tile_width, plan->tile_height};
-    struct renderer_names *names = &renderer->names;
-    return contexts_accept(contexts, &tile, plan->options.gl_driver, names, err) &&
-           driver_has_threads(names->renderer, before, err) &&
-           choose_driver(plan, contexts, names->renderer, &renderer->driver, err);
+    static const char *const any[] = {
+        [GL_WITHOUT_SHADERS] = "gl", [GL_CORE] = "gl-shader", [GL_ES] = "es-shader"};
+    const struct contexts *contexts = of->contexts;
+    const char *wanted = of->plan->options.gl_driver;
+    struct renderer_names *names = &of->renderer.names;
+    GLint largest[2] = {0, 0};
+    of->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, largest);
+    if (largest[0] < of->plan->tile_width || largest[1] < of->plan->tile_height)
+        return error_unsupported(err, "%s draws at most %d x %d pixels at once", contexts->name,
+                                 largest[0], largest[1]);
+    identify(contexts, names);
+    if (wanted && strncmp(names->renderer, wanted, strlen(wanted)) != 0)
+        return error_unsupported(err,
+                                 "this %s draws with %.100s, not with %s; --renderer %s takes any "
+                                 "driver",
+                                 names->library, names->renderer, wanted, any[contexts->way]);
+    return driver_has_threads(names->renderer, &of->before, err) &&
+           choose_driver(of, names->renderer, &of->renderer.driver, err);
 }
 
-struct shown shown_at(const struct plan *plan, const float *numbers, const uint32_t *depths,
-                      bool flipped, int x, int y)
+bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err)
 {
-    const size_t width = (size_t)plan->tile_width,
-                 row = (size_t)(flipped ? y : plan->tile_height - 1 - y);
-    return shown_of(plan->n_instances, numbers + 4 * ((size_t)y * width + (size_t)x),
-                    depths ? depths[row * width + (size_t)x] : 0);
+    struct drawing *of = (struct drawing *)renderer;
+    of->lit = lit;
+    return meshes_upload(of, err) && textures_upload(of, err) && functions_succeeded(of->call, err);
+}
+
+void drawing_close(struct drawing *of)
+{
+    contexts_close(of->contexts);
+    FREE_ALL(of->objects, of->indices, of->textures, of->part, of->shown, of->depths);
+    renderer_free(&of->renderer);
+}
+
+/* ---- a tile ---- */
+
+/* A smaller tile lies in the first rows of the buffer. */
+void drawing_set_viewport(const struct drawing *of)
+{
+    of->call->Viewport(0, of->contexts->flipped ? 0 : of->plan->tile_height - of->tile.height,
+                       of->tile.width, of->tile.height);
+}
+
+void drawing_read_depths(const struct drawing *of)
+{
+    if (of->depths)
+        of->call->ReadPixels(0, 0, of->plan->tile_width, of->plan->tile_height, GL_DEPTH_STENCIL,
+                             GL_UNSIGNED_INT_24_8, of->depths);
+}
+
+struct shown drawing_shown(const struct renderer *renderer, int x, int y)
+{
+    const struct drawing *of = (const struct drawing *)renderer;
+    const size_t width = (size_t)of->plan->tile_width,
+                 row = (size_t)(of->contexts->flipped ? y : of->plan->tile_height - 1 - y);
+    return shown_of(of->plan->n_instances, of->shown + 4 * ((size_t)y * width + (size_t)x),
+                    of->depths ? of->depths[row * width + (size_t)x] : 0);
 }

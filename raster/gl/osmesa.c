@@ -80,17 +80,15 @@ static bool find_functions(struct osmesa *out, void **library, bool *found, stru
 static bool find_functions(struct osmesa *out, void **library, bool *found, struct error *err)
 {
     static const char *const files[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so", NULL};
+    static const char *const names[] = {"OSMesaCreateContextExt", "OSMesaDestroyContext",
+                                        "OSMesaMakeCurrent", "OSMesaPixelStore",
+                                        "OSMesaGetProcAddress"};
     if (!library_open(files, library, err))
         return false;
     *found = *library != NULL;
     if (!*found)
         return true;
-    library_find(*library, "OSMesaCreateContextExt", &out->create);
-    library_find(*library, "OSMesaDestroyContext", &out->destroy);
-    library_find(*library, "OSMesaMakeCurrent", &out->make_current);
-    library_find(*library, "OSMesaPixelStore", &out->pixel_store);
-    library_find(*library, "OSMesaGetProcAddress", &out->get);
-    return (out->create && out->destroy && out->make_current && out->pixel_store && out->get) ||
+    return library_find_all(*library, names, sizeof names / sizeof *names, out) ||
            error_unsupported(err, "libOSMesa lacks a function of OSMesa 8");
 }
 #endif
@@ -109,6 +107,5 @@ bool osmesa_open(struct contexts *contexts, bool *found, struct error *err)
     contexts->name = "OSMesa";
     if (!find_functions(osmesa, &library, found, err))
         return false;
-    const struct gl_source source = {library, osmesa->get, contexts->name};
-    return !*found || functions_find(&source, GL_WITHOUT_SHADERS, &contexts->call, err);
+    return !*found || functions_find(contexts, library, osmesa->get, contexts->name, err);
 }

@@ -5,92 +5,188 @@
  *
  * A pass has eight lights. More lights take more passes, whose colours are added here; each pass
  * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "data/scene/scene.h"
 #include "raster/gl/inside.h"
 
+struct gl {
+    struct drawing base;    /* the first member */
+    struct canvas *colours; /* numbers are drawn there, too, where `numbers` is NULL */
+    struct canvas *numbers; /* of floats, where `colours` has steps */
+    uint8_t *steps;         /* pixels of uint8_t or uint16_t, where `colours` has steps */
+    bool is_stale[2]; /* of `colours` and `numbers`: the buffer holds colours of another tile */
+    struct canvas *current;
+    /* the state of `colours`, which is set only where it changes: */
+    int group;               /* the group of lights that is placed; -1: none */
+    struct pass_colours set; /* colours of lights and of a material */
+    float gloss;             /* of the last material that shines; -1: none did */
+    bool two_sided, mirrored;
+    const struct texture *texture; /* NULL: textures are switched off */
+};
+
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 
 /* ---- the view ---- */
 
-/* OpenGL keeps matrices by column. */
-void gl_load_matrix(const struct gl *gl, const struct matrix *m)
+/* Replaces the current matrix of OpenGL. OpenGL keeps matrices by column. */
+static void load_matrix(const struct gl_functions *call, const struct matrix *m)
 {
     GLdouble columns[16];
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++)
             columns[4 * j + i] = m->row[i][j];
-    gl->call->LoadMatrixd(columns);
+    call->LoadMatrixd(columns);
 }
 
-void gl_load_view(const struct gl *gl)
+/* Loads projection and viewport of the aimed tile. */
+static void load_view(const struct gl *gl)
 {
-    const struct rectangle *tile = &gl->tile;
-    const struct matrix projection = pass_projection(gl->plan, tile, gl->contexts->mirrored);
-    gl->call->MatrixMode(GL_PROJECTION);
-    gl_load_matrix(gl, &projection);
-    gl->call->MatrixMode(GL_MODELVIEW);
-    /* a smaller tile lies in the first rows of the buffer */
-    gl->call->Viewport(0, gl->contexts->flipped ? 0 : gl->plan->tile_height - tile->height,
-                       tile->width, tile->height);
+    const struct gl_functions *call = gl->base.call;
+    const struct matrix projection =
+        pass_projection(gl->base.plan, &gl->base.tile, gl->base.contexts->mirrored);
+    call->MatrixMode(GL_PROJECTION);
+    load_matrix(call, &projection);
+    call->MatrixMode(GL_MODELVIEW);
+    drawing_set_viewport(&gl->base);
 }
 
-void gl_aim(struct renderer *renderer, const struct rectangle *tile)
+static void gl_aim(struct renderer *renderer, const struct rectangle *tile)
 {
     struct gl *gl = (struct gl *)renderer;
-    gl->tile = *tile;
+    gl->base.tile = *tile;
     gl->is_stale[0] = gl->is_stale[1] = true;
-    gl_load_view(gl);
+    load_view(gl);
+}
+
+/* ---- canvases: floats, or counts of 8 or 16 bits ---- */
+
+static bool check_canvas(const struct gl *gl, int needed_bits, struct error *err)
+{
+    GLint red_bits = 0, depth_bits = 0, stencil_bits = 0;
+    gl->base.call->GetIntegerv(GL_RED_BITS, &red_bits);
+    gl->base.call->GetIntegerv(GL_DEPTH_BITS, &depth_bits);
+    gl->base.call->GetIntegerv(GL_STENCIL_BITS, &stencil_bits);
+    return (red_bits == needed_bits && depth_bits >= 24 && stencil_bits >= 8) ||
+           error_unsupported(err,
+                             "%s gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
+                             "and 8 are needed",
+                             gl->base.contexts->name, red_bits, depth_bits, stencil_bits,
+                             needed_bits);
+}
+
+/* Makes OpenGL draw into these floats from now on; NULL: into steps. `numbers`: not colours. Each
+ * type of buffer has a context of its own. One context for both would work, but OSMesa of
+ * Mesa 22.3.6 would make new buffers at every change, and keep the old ones. */
+static bool draw_into(struct gl *gl, float *floats, bool numbers, struct error *err)
+{
+    struct canvas *canvas = numbers && gl->numbers ? gl->numbers : gl->colours;
+    if (!canvas_use(canvas, floats ? floats : (void *)gl->steps, err))
+        return false;
+    if (gl->current == canvas)
+        return true;
+    gl->current = canvas;
+    if (gl->base.lit)
+        load_view(gl);
+    return check_canvas(gl, floats ? 32 : gl->base.plan->options.buffer_bits, err);
+}
+
+/* ---- meshes and textures; a spectral texture gets its texels anew for each pass ---- */
+
+/* The next draw call takes its vertices from an instance's mesh. Returns how many. */
+static int bind_mesh(const struct gl *gl, int instance)
+{
+    const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
+    mesh_bind_vertices(&gl->base, instance);
+    gl->base.call->VertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
+    gl->base.call->NormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
+    if (mesh_bind_coordinates(&gl->base, instance))
+        gl->base.call->TexCoordPointer(COORDINATE_FLOATS, GL_FLOAT, 0, NULL);
+    return mesh_bind_triangles(&gl->base, instance);
+}
+
+static void switch_textures(const struct gl *gl, bool on)
+{
+    (on ? gl->base.call->Enable : gl->base.call->Disable)(GL_TEXTURE_2D);
+    (on ? gl->base.call->EnableClientState
+        : gl->base.call->DisableClientState)(GL_TEXTURE_COORD_ARRAY);
+}
+
+/* The next draw calls show a texture of the plan; NULL: none. */
+static void bind_texture(struct gl *gl, const struct texture *texture)
+{
+    const struct texture *drawn = texture_is_drawn(gl->base.plan, texture) ? texture : NULL;
+    if (!drawn != !gl->texture)
+        switch_textures(gl, drawn != NULL);
+    if (drawn && drawn != gl->texture)
+        texture_bind(&gl->base, (int)(texture - gl->base.plan->textures), 0);
+    gl->texture = drawn;
+}
+
+/* Loads and uploads all spectral textures for the bands of a pass. */
+static bool upload_bands(struct gl *gl, int first_band, struct error *err)
+{
+    for (int i = 0; i < gl->base.plan->n_textures; i++) {
+        const struct texture *texture = &gl->base.plan->textures[i];
+        if (!gl->base.textures[i] || !texture->spectral)
+            continue;
+        bind_texture(gl, texture);
+        if (!texture_upload_bands(&gl->base, i, first_band, err))
+            return false;
+    }
+    return true;
 }
 
 /* ---- state ---- */
 
-/* Clamps are off: colours may exceed 1 on their way through a triangle (Mesa clamps vertex colours
- * by default, even for float buffers). */
-void gl_set_state(const struct gl *gl)
+/* Sets the state of a new context that no pass changes. Clamps are off: colours may exceed 1 on
+ * their way through a triangle (Mesa clamps vertex colours by default, even for float buffers). */
+static void set_state(const struct gl *gl)
 {
-    gl->call->ClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
-    gl->call->ClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
-    gl->call->ClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
-    gl->call->Disable(GL_DITHER);
-    gl->call->Enable(GL_DEPTH_TEST);
-    gl->call->DepthFunc(GL_LESS);
-    gl->call->ShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
-    gl->call->Enable(GL_NORMALIZE);
-    gl->call->Enable(GL_LIGHTING);
-    gl->call->LightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
-    gl->call->LightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, gl->plan->scene->local_viewer);
-    gl->call->Materialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
-    gl->call->Materialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
-    gl->call->ClearColor(0, 0, 0, 0);
-    if (gl->plan->options.check)
-        gl->call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP); /* for gl_identify */
-    if (gl->contexts->mirrored)
-        gl->call->FrontFace(GL_CW);
-    gl->call->MatrixMode(GL_MODELVIEW);
-    gl->call->EnableClientState(GL_VERTEX_ARRAY);
-    gl->call->EnableClientState(GL_NORMAL_ARRAY);
+    const struct gl_functions *call = gl->base.call;
+    call->ClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
+    call->ClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
+    call->ClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
+    call->Disable(GL_DITHER);
+    call->Enable(GL_DEPTH_TEST);
+    call->DepthFunc(GL_LESS);
+    call->ShadeModel(gl->base.plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
+    call->Enable(GL_NORMALIZE);
+    call->Enable(GL_LIGHTING);
+    call->LightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
+    call->LightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, gl->base.plan->scene->local_viewer);
+    call->Materialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
+    call->Materialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
+    call->ClearColor(0, 0, 0, 0);
+    if (gl->base.plan->options.check)
+        call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP); /* for gl_identify */
+    if (gl->base.contexts->mirrored)
+        call->FrontFace(GL_CW);
+    call->MatrixMode(GL_MODELVIEW);
+    call->EnableClientState(GL_VERTEX_ARRAY);
+    call->EnableClientState(GL_NORMAL_ARRAY);
 }
 
 static void place_light(const struct gl *gl, GLenum name, const struct eye_light *light,
                         const struct light *source)
 {
+    const struct gl_functions *call = gl->base.call;
     struct vector at = light->position, axis = light->axis;
     GLfloat position[4] = {(GLfloat)at.x, (GLfloat)at.y, (GLfloat)at.z,
                            source->directional ? 0.0F : 1.0F};
     GLfloat direction[3] = {(GLfloat)axis.x, (GLfloat)axis.y, (GLfloat)axis.z};
     static const GLenum attenuations[] = {GL_CONSTANT_ATTENUATION, GL_LINEAR_ATTENUATION,
                                           GL_QUADRATIC_ATTENUATION};
-    gl->call->Enable(name);
-    gl->call->Lightfv(name, GL_AMBIENT, black);
-    gl->call->Lightfv(name, GL_POSITION, position);
+    call->Enable(name);
+    call->Lightfv(name, GL_AMBIENT, black);
+    call->Lightfv(name, GL_POSITION, position);
     for (int i = 0; i < 3; i++)
-        gl->call->Lightf(name, attenuations[i], (GLfloat)light->attenuation[i]);
-    gl->call->Lightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
-    gl->call->Lightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
+        call->Lightf(name, attenuations[i], (GLfloat)light->attenuation[i]);
+    call->Lightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
+    call->Lightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
     if (light->spot)
-        gl->call->Lightfv(name, GL_SPOT_DIRECTION, direction);
+        call->Lightfv(name, GL_SPOT_DIRECTION, direction);
 }
 
 /* Places the lights of a group, in eye coordinates, unless they are placed already. */
@@ -99,24 +195,18 @@ static void place_lights(struct gl *gl, int group)
     if (gl->group == group)
         return;
     gl->group = group;
-    gl->call->LoadIdentity();
+    gl->base.call->LoadIdentity();
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
         int light = group * LIGHTS_PER_PASS + i;
-        if (light < gl->plan->n_lights && !gl->plan->is_idle[light])
-            place_light(gl, GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light],
-                        gl->plan->sources[light]);
-        else if (gl->plan->n_light_groups > 1)
-            gl->call->Disable(GL_LIGHT0 + (GLenum)i);
+        if (light < gl->base.plan->n_lights && !gl->base.plan->is_idle[light])
+            place_light(gl, GL_LIGHT0 + (GLenum)i, &gl->base.plan->lights[light],
+                        gl->base.plan->sources[light]);
+        else if (gl->base.plan->n_light_groups > 1)
+            gl->base.call->Disable(GL_LIGHT0 + (GLenum)i);
     }
 }
 
 /* ---- drawing ---- */
-
-/* One pass draws up to BANDS_PER_PASS bands, lit by one group of lights. */
-struct pass {
-    int first_band, group;
-    double full_scale;
-};
 
 /* Returns whether a colour is not the one that OpenGL has, which it becomes. */
 static bool is_new(const float colour[4], float set[4])
@@ -126,104 +216,229 @@ static bool is_new(const float colour[4], float set[4])
     return differs;
 }
 
-static void set_material(struct gl *gl, const struct shaded_material *shaded,
-                         const struct pass *pass)
+static void set_material(struct gl *gl, const struct shaded_material *shaded, int group,
+                         int first_band, double full_scale)
 {
+    const struct gl_functions *call = gl->base.call;
     struct pass_colours colours, *set = &gl->set;
-    pass_colours(gl->plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
+    pass_colours(gl->base.plan, shaded, group, first_band, full_scale, &colours);
     const float gloss = colours.shines ? (float)shaded->material->gloss : gl->gloss;
     for (int i = 0; i < colours.n_lights; i++) {
-        const bool idle = gl->plan->is_idle[pass->group * LIGHTS_PER_PASS + i];
+        const bool idle = gl->base.plan->is_idle[group * LIGHTS_PER_PASS + i];
         if (!idle && is_new(colours.diffuse[i], set->diffuse[i]))
-            gl->call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
+            call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
         if (!idle && colours.shines && is_new(colours.specular[i], set->specular[i]))
-            gl->call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
+            call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
     }
     if (is_new(colours.constant, set->constant))
-        gl->call->Materialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
+        call->Materialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
     if (colours.shines != set->shines)
-        gl->call->Materialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
+        call->Materialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
     if (gloss != gl->gloss)
-        gl->call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
+        call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
     set->shines = colours.shines;
     gl->gloss = gloss;
-    gl_bind_texture(gl, shaded->texture);
+    bind_texture(gl, shaded->texture);
 }
 
 static void draw_instance(struct gl *gl, int instance)
 {
-    const struct placed_instance *placed = &gl->plan->instances[instance];
-    const int n = gl_bind_mesh(gl, instance);
+    const struct gl_functions *call = gl->base.call;
+    const struct placed_instance *placed = &gl->base.plan->instances[instance];
+    const int n = bind_mesh(gl, instance);
     if (gl->two_sided != placed->object->two_sided)
-        gl->call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
+        call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     if (gl->mirrored != placed->instance.mirrored)
-        gl->call->FrontFace(placed->instance.mirrored != gl->contexts->mirrored ? GL_CW : GL_CCW);
+        call->FrontFace(placed->instance.mirrored != gl->base.contexts->mirrored ? GL_CW : GL_CCW);
     gl->two_sided = placed->object->two_sided;
     gl->mirrored = placed->instance.mirrored;
-    gl_load_matrix(gl, &placed->instance.model_view);
-    gl->call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
+    load_matrix(gl->base.call, &placed->instance.model_view);
+    call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
 }
 
-/* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
- * price of a rectangle. */
-void gl_blacken(struct gl *gl)
+/* Empties the colours of the buffer, and leaves textures switched off. Clears the colour by drawing
+ * over it: Mesa fills 16-byte pixels one by one, at ten times the price of a rectangle. */
+static void blacken(struct gl *gl)
 {
+    const struct gl_functions *call = gl->base.call;
     if (gl->current == gl->colours) /* the other one never has a texture */
-        gl_bind_texture(gl, NULL);
-    gl->call->Disable(GL_LIGHTING);
-    gl->call->Disable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
-    gl->call->MatrixMode(GL_PROJECTION);
-    gl->call->PushMatrix();
-    gl->call->LoadIdentity();
-    gl->call->MatrixMode(GL_MODELVIEW);
-    gl->call->LoadIdentity();
-    gl->call->Color4f(0, 0, 0, 0);
-    gl->call->Rectf(-1, -1, 1, 1);
-    gl->call->MatrixMode(GL_PROJECTION);
-    gl->call->PopMatrix();
-    gl->call->MatrixMode(GL_MODELVIEW);
-    gl->call->Enable(GL_DEPTH_TEST);
-    gl->call->Enable(GL_LIGHTING);
+        bind_texture(gl, NULL);
+    call->Disable(GL_LIGHTING);
+    call->Disable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
+    call->MatrixMode(GL_PROJECTION);
+    call->PushMatrix();
+    call->LoadIdentity();
+    call->MatrixMode(GL_MODELVIEW);
+    call->LoadIdentity();
+    call->Color4f(0, 0, 0, 0);
+    call->Rectf(-1, -1, 1, 1);
+    call->MatrixMode(GL_PROJECTION);
+    call->PopMatrix();
+    call->MatrixMode(GL_MODELVIEW);
+    call->Enable(GL_DEPTH_TEST);
+    call->Enable(GL_LIGHTING);
 }
 
-static void draw_pass(struct gl *gl, const struct pass *pass)
+/* Empties what the current context has drawn of another tile. */
+static void clear_stale(struct gl *gl)
 {
-    const struct plan *plan = gl->plan;
+    bool *is_stale = &gl->is_stale[gl->current != gl->colours];
+    if (*is_stale)
+        blacken(gl);
+    *is_stale = false;
+}
+
+/* Draws up to BANDS_PER_PASS bands, lit by one group of lights. */
+static void draw_pass(struct gl *gl, int group, int first_band, double full_scale)
+{
+    const struct plan *plan = gl->base.plan;
     int shaded = -1;
-    gl_clear_stale(gl);
-    gl->call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    place_lights(gl, pass->group);
+    clear_stale(gl);
+    gl->base.call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    place_lights(gl, group);
     for (int i = 0; i < plan->n_instances; i++) {
         const struct placed_instance *placed = &plan->instances[i];
-        if (!surface_reaches(&gl->lit->bounds[i], &gl->tile))
+        if (!surface_reaches(&gl->base.lit->bounds[i], &gl->base.tile))
             continue;
         if (placed->shaded != shaded)
-            set_material(gl, &plan->materials[placed->shaded], pass);
+            set_material(gl, &plan->materials[placed->shaded], group, first_band, full_scale);
         shaded = placed->shaded;
         draw_instance(gl, i);
-        gl->renderer.work.draw_calls++;
+        gl->base.renderer.work.draw_calls++;
     }
     canvas_fill(gl->current);
-    gl->renderer.work.passes++;
+    gl->base.renderer.work.passes++;
 }
 
-bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-             struct error *err)
+static bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
+                    struct error *err)
 {
     struct gl *gl = (struct gl *)renderer;
-    float *sum = gl->buffers[buffer];
-    for (int group = 0; group < gl->plan->n_light_groups; group++) {
-        float *pixels = group == 0 ? sum : gl->part;
-        if (!group_is_drawn(gl->plan, group))
+    float *sum = gl->base.renderer.buffers[buffer];
+    for (int group = 0; group < gl->base.plan->n_light_groups; group++) {
+        float *pixels = group == 0 ? sum : gl->base.part;
+        if (!group_is_drawn(gl->base.plan, group))
             continue;
-        if (!gl_draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
-            (group == 0 && !gl_upload_bands(gl, first_band, err)))
+        if (!draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
+            (group == 0 && !upload_bands(gl, first_band, err)))
             return false;
-        draw_pass(gl, &(struct pass){first_band, group, full_scale});
+        draw_pass(gl, group, first_band, full_scale);
         if (gl->steps)
-            pass_convert(gl->plan, gl->steps, pixels);
+            pass_convert(gl->base.plan, gl->steps, pixels);
         if (group > 0)
-            pass_add(gl->plan, gl->part, sum);
+            pass_add(gl->base.plan, gl->base.part, sum);
     }
-    return functions_succeeded(gl->call, err);
+    return functions_succeeded(gl->base.call, err);
+}
+
+/* ---- identifying ---- */
+
+static void draw_batch(struct drawing *of, const struct numbered_vertex *corners, int n)
+{
+    of->call->VertexPointer(3, GL_FLOAT, sizeof *corners, corners->position);
+    of->call->ColorPointer(3, GL_FLOAT, sizeof *corners, corners->number);
+    of->call->DrawArrays(GL_TRIANGLES, 0, n);
+}
+
+static void place(struct drawing *of, int instance)
+{
+    load_matrix(of->call, &of->plan->instances[instance].instance.model_view);
+}
+
+static bool draw_instances(struct gl *gl, struct error *err)
+{
+    static const struct numbered_draw by = {place, draw_batch};
+    const struct gl_functions *call = gl->base.call;
+    const bool is_smooth = gl->base.plan->scene->shading != SHADING_FLAT;
+    clear_stale(gl);
+    call->Disable(GL_LIGHTING);
+    call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    if (is_smooth)
+        call->ShadeModel(GL_FLAT);
+    call->Enable(GL_STENCIL_TEST);
+    call->BindBuffer(GL_ARRAY_BUFFER, 0);
+    call->DisableClientState(GL_NORMAL_ARRAY);
+    call->EnableClientState(GL_COLOR_ARRAY);
+    const bool done = numbers_draw(&gl->base, &by, err);
+    call->DisableClientState(GL_COLOR_ARRAY);
+    call->EnableClientState(GL_NORMAL_ARRAY);
+    call->Disable(GL_STENCIL_TEST);
+    call->Enable(GL_LIGHTING);
+    if (is_smooth)
+        call->ShadeModel(GL_SMOOTH);
+    return done;
+}
+
+/* Finds which triangle OpenGL shows at each pixel, its depth, and how many fragments OpenGL has
+ * drawn there: draws all instances once more, with their numbers as flat colours, while the stencil
+ * counts fragments, hidden ones too. Corners, order and matrices are the same, so OpenGL must show
+ * the same triangles as in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
+static bool gl_identify(struct renderer *renderer, struct error *err)
+{
+    struct gl *gl = (struct gl *)renderer;
+    if (!draw_into(gl, gl->base.shown, true, err) || !draw_instances(gl, err))
+        return false;
+    canvas_fill(gl->current);
+    drawing_read_depths(&gl->base);
+    if (!functions_succeeded(gl->base.call, err))
+        return false;
+    /* OSMesa fills the buffer once more when another context becomes current */
+    return !gl->numbers || draw_into(gl, NULL, false, err);
+}
+
+/* ---- opening ---- */
+
+static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
+{
+    const struct plan *plan = gl->base.plan;
+    const bool steps = buffer_steps(plan) > 0;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    return (!steps || MAKE_ARRAY(gl->steps, n * (size_t)plan->options.buffer_bits / 2, err,
+                                 "the pixels of a tile")) &&
+           drawing_open(&gl->base, n_buffers, err) &&
+           drawing_canvas(&gl->base, steps ? plan->options.buffer_bits : 32, 1, &gl->colours,
+                          err) &&
+           (!steps || !plan->options.check ||
+            drawing_canvas(&gl->base, 32, 1, &gl->numbers, err)) &&
+           draw_into(gl, steps ? NULL : gl->base.renderer.buffers[0], false, err) &&
+           drawing_accept(&gl->base, err);
+}
+
+static void gl_close(struct renderer *renderer)
+{
+    struct gl *gl = (struct gl *)renderer;
+    canvas_close(gl->numbers);
+    canvas_close(gl->colours);
+    free(gl->steps);
+    drawing_close(&gl->base);
+}
+
+bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
+{
+    static const struct renderer_kind kind = {.take_scene = drawing_take_scene,
+                                              .aim = gl_aim,
+                                              .draw = gl_draw,
+                                              .identify = gl_identify,
+                                              .shown = drawing_shown,
+                                              .close = gl_close};
+    struct gl *gl;
+    *out = NULL;
+    if (!MAKE_ARRAY(gl, 1, err, "a renderer"))
+        return false;
+    *out = &gl->base.renderer;
+    gl->base.renderer.kind = &kind;
+    gl->base.plan = plan;
+    gl->base.n_units = 1;
+    gl->group = -1;
+    gl->gloss = -1;
+    if (!open_canvases(gl, n_buffers, err))
+        return false;
+    set_state(gl);
+    if (!gl->numbers)
+        return functions_succeeded(gl->base.call, err);
+    if (!functions_succeeded(gl->base.call, err) || !draw_into(gl, gl->base.shown, true, err))
+        return false;
+    set_state(gl);
+    return functions_succeeded(gl->base.call, err) &&
+           draw_into(gl, NULL, false, err); /* for uploads */
 }

@@ -77,27 +77,21 @@ static void look_at_texture(struct tables *tables, const struct texture *texture
         look_at(tables, "texture", image->path, &pages, true);
 }
 
-static void look_at_all(struct tables *tables)
+int tables_beyond(const struct plan *plan, struct printed *to, char first[BEYOND_TEXT])
 {
-    const struct plan *plan = tables->plan;
+    struct tables tables = {.plan = plan, .to = to};
     const struct light *light = plan->scene->lights;
     const struct ambient *ambient = plan->scene->ambients;
     for (int i = 0; i < plan->scene->n_lights; i++, light++)
         if (light->intensity != 0)
-            look_at(tables, "light", light->spectrum.name, &light->spectrum, false);
+            look_at(&tables, "light", light->spectrum.name, &light->spectrum, false);
     for (int i = 0; i < plan->scene->n_ambients; i++, ambient++)
         if (ambient->intensity != 0)
-            look_at(tables, "ambient", ambient->spectrum.name, &ambient->spectrum, false);
+            look_at(&tables, "ambient", ambient->spectrum.name, &ambient->spectrum, false);
     for (int i = 0; i < plan->n_materials; i++)
-        look_at_material(tables, &plan->materials[i]);
+        look_at_material(&tables, &plan->materials[i]);
     for (int i = 0; i < plan->n_textures; i++)
-        look_at_texture(tables, &plan->textures[i]);
-}
-
-int tables_beyond(const struct plan *plan, struct printed *to, char first[BEYOND_TEXT])
-{
-    struct tables tables = {.plan = plan, .to = to};
-    look_at_all(&tables);
+        look_at_texture(&tables, &plan->textures[i]);
     snprintf(first, BEYOND_TEXT, "%s", tables.first);
     return tables.n;
 }

@@ -23,22 +23,18 @@ bool has_term(const struct shaded_material *shaded, enum term_kind kind)
     return false;
 }
 
-static bool has_excitation(const struct shaded_material *shaded)
-{
-    return shaded->material->excitation.kind != SPECTRUM_NONE;
-}
-
 /* A material with a partner and the partner count as one. */
 static void count_material(const struct shaded_material *shaded, struct counts *n)
 {
     const struct material *material = shaded->material;
     const struct texture *texture = shaded->texture;
+    const bool has_excitation = material->excitation.kind != SPECTRUM_NONE;
     n->ambient += shaded->made.ambient;
     n->diffuse += has_term(shaded, TERM_DIFFUSE);
     n->specular += has_term(shaded, TERM_SPECULAR);
-    n->with_excitation += has_excitation(shaded);
+    n->with_excitation += has_excitation;
     n->with_matrix += material->donaldson != NULL;
-    n->fluorescent += shaded->made.fluoresces && has_excitation(shaded);
+    n->fluorescent += shaded->made.fluoresces && has_excitation;
     n->bispectral += shaded->made.fluoresces && material->donaldson;
     n->textured += texture && !texture->spectral;
     n->spectrally_textured += texture && texture->spectral;
@@ -46,21 +42,19 @@ static void count_material(const struct shaded_material *shaded, struct counts *
     n->halves += material->partner || material->partner_name;
 }
 
-static void count_object(const struct object *object, double tessellation, struct counts *n)
-{
-    const struct shape other = shape_tessellated(&object->shape, tessellation);
-    n->two_sided += object->two_sided;
-    n->mapped += object->material_map != NULL;
-    n->tessellated += memcmp(object->shape.parameter, other.parameter, sizeof other.parameter) != 0;
-}
-
 static struct counts count_all(const struct plan *plan)
 {
     struct counts n = {.ambient = 0};
     for (int i = 0; i < plan->n_materials; i++)
         count_material(&plan->materials[i], &n);
-    for (int i = 0; i < plan->scene->n_objects; i++)
-        count_object(&plan->scene->objects[i], plan->scene->tessellation, &n);
+    for (int i = 0; i < plan->scene->n_objects; i++) {
+        const struct object *object = &plan->scene->objects[i];
+        const struct shape *shape = &object->shape,
+                           other = shape_tessellated(shape, plan->scene->tessellation);
+        n.two_sided += object->two_sided;
+        n.mapped += object->material_map != NULL;
+        n.tessellated += memcmp(shape->parameter, other.parameter, sizeof other.parameter) != 0;
+    }
     for (int i = 0; i < plan->n_lights; i++) {
         n.attenuated += plan->lights[i].attenuated;
         n.spots += plan->lights[i].spot;

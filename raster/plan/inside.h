@@ -12,17 +12,13 @@ double texture_factor(const struct plan *plan, const struct texture *texture);
 
 bool reach_find(struct plan *plan, struct error *err); /* reach.c: fills what it says in */
 void plan_effects(struct plan *plan);                  /* effects.c: fills plan->effects */
-/* lights.c. Lists the lights that shine; forgets those that light nothing, when all is made. */
+/* plan_lights.c. Lists the lights that shine; forgets those that light nothing, when all is made.
+ */
 bool lights_list(struct plan *plan, struct error *err);
 bool lights_drop_idle(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err);
 bool instances_make(struct plan *plan, const int *halvings, struct error *err); /* NULL: none */
-
-/* left_out.c: puts the work that the scene does not call for, as the list "left_out". */
-void left_out_put(const struct plan *plan, const struct passes *passes, struct json *json);
-
-bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
 
 #endif

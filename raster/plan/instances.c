@@ -72,32 +72,24 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
     return largest > 0 ? ldexp(1, exponent) : 1;
 }
 
-static bool build_whole(const struct shape *shape, int halvings, struct mesh *out,
-                        struct error *err)
-{
-    bool done = shape_build(shape, out, err);
-    for (; done && halvings > 0; halvings--)
-        done = mesh_halve(out, err);
-    if (!done)
-        return false;
-    if (shape->planar)
-        mesh_planar(out);
-    shape_repeat_texture(shape, out);
-    return true;
-}
-
 static bool add_whole(struct instance_maker *maker, const struct shape *shape, int halvings,
                       struct error *err)
 {
     struct whole whole = {.shape = *shape};
-    if (build_whole(shape, halvings, &whole.mesh, err)) {
+    bool done = shape_build(shape, &whole.mesh, err);
+    for (; done && halvings > 0; halvings--)
+        done = mesh_halve(&whole.mesh, err);
+    if (done) {
+        if (shape->planar)
+            mesh_planar(&whole.mesh);
+        shape_repeat_texture(shape, &whole.mesh);
         whole.centre = centre_of(&whole.mesh);
         whole.unit = mesh_unit(&whole.mesh, whole.centre);
-        if (array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err))
-            return true;
+        done = array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err);
     }
-    mesh_free(&whole.mesh);
-    return false;
+    if (!done)
+        mesh_free(&whole.mesh);
+    return done;
 }
 
 /* The index of an object's mesh, which is built when it is first asked for; -1 after an error. A
@@ -124,13 +116,6 @@ static int find_whole(struct instance_maker *maker, const struct object *object,
 
 /* ---- meshes as they are drawn ---- */
 
-/* Finds whether a mesh is a solid: closed, with all faces outward. Only built-in shapes are known
- * to be so; an OBJ file may have faces inside out, even where it is closed. */
-static bool find_solid(const struct shape *shape, struct plan_mesh *mesh, struct error *err)
-{
-    return shape->kind == SHAPE_MESH || mesh_find_closed(&mesh->mesh, &mesh->solid, err);
-}
-
 /* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
  * whole: halves and parts that meet have the same numbers where they do. */
 static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struct mesh *mesh,
@@ -146,7 +131,9 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
-    if (find_solid(&whole->shape, &added, err) &&
+    /* Only built-in shapes are known to be solids: an OBJ file may have faces inside out, even
+     * where it is closed. */
+    if ((whole->shape.kind == SHAPE_MESH || mesh_find_closed(&added.mesh, &added.solid, err)) &&
         index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
         array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
         return true;
@@ -266,10 +253,10 @@ static bool add_halves(struct instance_maker *maker, const struct object *object
     if (!partner)
         return add_instance(maker, object, cutting, material, err);
     cutting.side = 0;
-    if (!add_instance(maker, object, cutting, material, err))
-        return false;
-    cutting.side = 1;
-    return add_instance(maker, object, cutting, partner, err);
+    struct cutting other = cutting;
+    other.side = 1;
+    return add_instance(maker, object, cutting, material, err) &&
+           add_instance(maker, object, other, partner, err);
 }
 
 /* ---- several materials on one mesh ---- */
@@ -282,18 +269,6 @@ static const char *part_name(const struct mesh *mesh, int part)
 static int count_parts(const struct mesh *mesh)
 {
     return mesh->part ? mesh->n_parts : 1;
-}
-
-static bool index_parts(struct whole *whole, struct error *err)
-{
-    const struct mesh *mesh = &whole->mesh;
-    const int n = count_parts(mesh);
-    for (int part = (int)whole->parts.n_keys; part < n; part++) {
-        const char *name = part_name(mesh, part);
-        if (!index_add(&whole->parts, name, strlen(name), part, err))
-            return false;
-    }
-    return true;
 }
 
 /* Finds the line of the map for each part; use[part] NULL: there is none. A line for a usemtl that
@@ -340,8 +315,12 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
     struct whole *of = &maker->wholes[whole];
     const int n_parts = count_parts(&of->mesh);
     const struct material_assignment **use;
-    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts) &&
-                index_parts(of, err) && find_uses(object, of, use, err);
+    bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts);
+    for (int part = (int)of->parts.n_keys; part < n_parts && done; part++) {
+        const char *name = part_name(&of->mesh, part);
+        done = index_add(&of->parts, name, strlen(name), part, err);
+    }
+    done = done && find_uses(object, of, use, err);
     for (int part = 0; done && part < n_parts; part++)
         done = add_part(maker, object, (struct cutting){whole, part, -1}, use[part], err);
     free(use);

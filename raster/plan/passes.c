@@ -1,10 +1,14 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the passes that OpenGL need not draw: all radiance is a sum of weights x spectra x texture,
- * and weights are the same in all bands. Only the materials of instances in view count, and lights
- * that reach these. */
+/* Passes: those that OpenGL need not draw, and what the others draw: the colours of materials, the
+ * texels of spectral textures, and the projection and the pixels of a tile. */
 #include <stdlib.h>
 
-#include "raster/plan/plan.h"
+#include "raster/plan/inside.h"
+
+/* ---- passes that need not be drawn ---- */
+
+/* All radiance is a sum of weights x spectra x texture, and weights are the same in all bands. Only
+ * the materials of instances in view count, and lights that reach these. */
 
 /* Returns the product of a term in channel c of a pass; 0 where there is no such band, and in the
  * pass DARK. */
@@ -22,70 +26,51 @@ static bool term_is_same(const struct plan *plan, const double *row, int a, int 
     return true;
 }
 
-/* The terms that may show: of materials in view, and of light that reaches them. */
-struct reaching_terms {
-    const struct plan *plan;
-    bool *reaches; /* of each light: it, or one that it is the first of, reaches something */
-};
-
-/* Returns the products of a term, one in each band; NULL: the term does not show. */
-static const double *row_of(const struct reaching_terms *of, const struct shaded_material *shaded,
-                            int term)
-{
-    const int light = shaded->terms[term].light;
-    if (!shaded->shown || (light >= 0 && !of->reaches[light]))
-        return NULL;
-    return shaded->made.spectra + (size_t)term * (size_t)of->plan->n_bands;
-}
-
 /* Returns whether two passes show the same; b may be DARK. A spectral texture may differ between
- * passes. */
-static bool is_same(const struct reaching_terms *of, int a, int b)
+ * passes. Only terms count that may show, of materials in view; reaches: of each light, it, or one
+ * that it is the first of, reaches something. */
+static bool is_same(const struct plan *plan, const bool *reaches, int a, int b)
 {
-    for (int m = 0; m < of->plan->n_materials; m++) {
-        const struct shaded_material *shaded = &of->plan->materials[m];
-        if (b != DARK && shaded->shown && texture_is_drawn(of->plan, shaded->texture) &&
-            shaded->texture->spectral)
+    for (int m = 0; m < plan->n_materials; m++) {
+        const struct shaded_material *shaded = &plan->materials[m];
+        if (!shaded->shown)
+            continue;
+        if (b != DARK && texture_is_drawn(plan, shaded->texture) && shaded->texture->spectral)
             return false;
         for (int t = 0; t < shaded->n_terms; t++) {
-            const double *row = row_of(of, shaded, t);
-            if (row && !term_is_same(of->plan, row, a, b))
+            const int light = shaded->terms[t].light;
+            if ((light < 0 || reaches[light]) &&
+                !term_is_same(plan, shaded->made.spectra + (size_t)t * (size_t)plan->n_bands, a, b))
                 return false;
         }
     }
     return true;
 }
 
-static void find_frames(const struct reaching_terms *of, struct passes *out)
+bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
 {
-    const bool complete = of->plan->options.complete;
-    for (int i = 0; i < of->plan->n_lights; i++)
-        if (!of->plan->is_idle[i])
-            of->reaches[of->plan->lights[i].first] = true;
-    for (int pass = 0; pass < of->plan->n_passes; pass++) {
+    const size_t n = (size_t)plan->n_passes;
+    const bool complete = plan->options.complete;
+    bool *reaches;
+    *out = (struct passes){.frame = NULL};
+    const bool done = MAKE_ARRAY(reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
+                      MAKE_ARRAY(out->frame, n, err, "%zu passes", n) &&
+                      MAKE_ARRAY(out->first_pass, n, err, "%zu passes", n);
+    for (int i = 0; i < plan->n_lights && done; i++)
+        if (!plan->is_idle[i])
+            reaches[plan->lights[i].first] = true;
+    for (int pass = 0; pass < plan->n_passes && done; pass++) {
         out->frame[pass] = DARK;
-        if (!complete && is_same(of, pass, DARK)) {
+        if (!complete && is_same(plan, reaches, pass, DARK)) {
             out->n_dark++;
             continue;
         }
         if (complete || out->n_frames == 0 ||
-            !is_same(of, out->first_pass[out->n_frames - 1], pass))
+            !is_same(plan, reaches, out->first_pass[out->n_frames - 1], pass))
             out->first_pass[out->n_frames++] = pass;
         out->frame[pass] = out->n_frames - 1;
     }
-}
-
-bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
-{
-    const size_t n = (size_t)plan->n_passes;
-    struct reaching_terms of = {.plan = plan};
-    *out = (struct passes){.frame = NULL};
-    const bool done = MAKE_ARRAY(of.reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
-                      MAKE_ARRAY(out->frame, n, err, "%zu passes", n) &&
-                      MAKE_ARRAY(out->first_pass, n, err, "%zu passes", n);
-    if (done)
-        find_frames(&of, out);
-    free(of.reaches);
+    free(reaches);
     return done;
 }
 
@@ -93,4 +78,122 @@ void passes_free(struct passes *passes)
 {
     FREE_ALL(passes->frame, passes->first_pass);
     *passes = (struct passes){.frame = NULL};
+}
+
+/* ---- colours ---- */
+
+/* Products of light and material spectra are made in double and become the colours of OpenGL's
+ * lights, with white materials: a fluorescent material, too, is then one pass under eight lights.
+ */
+
+/* row NULL stands for no term. */
+static void band_colour(const struct plan *plan, const double *row, int first_band,
+                        double full_scale, float out[4])
+{
+    for (int c = 0; c < BANDS_PER_PASS; c++)
+        out[c] = row && first_band + c < plan->n_bands ? (float)(row[first_band + c] / full_scale)
+                                                       : 0.0F;
+    out[3] = 1;
+}
+
+static const double *term_row(const struct plan *plan, const struct shaded_material *shaded,
+                              enum reflection reflection, int light)
+{
+    for (int t = 0; t < shaded->n_terms; t++)
+        if (shaded->terms[t].reflection == reflection && shaded->terms[t].light == light)
+            return shaded->made.spectra + (size_t)t * (size_t)plan->n_bands;
+    return NULL;
+}
+
+void pass_colours(const struct plan *plan, const struct shaded_material *shaded, int group,
+                  int first_band, double full_scale, struct pass_colours *out)
+{
+    const double *constant = group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
+    const int first = group * LIGHTS_PER_PASS, left = plan->n_lights - first;
+    const double factor = shaded->texture ? texture_factor(plan, shaded->texture) : 1;
+    if (factor >= 0)
+        full_scale /= factor; /* infinite, and colours 0, where all texels are 0 */
+    *out = (struct pass_colours){.n_lights = left < LIGHTS_PER_PASS ? left : LIGHTS_PER_PASS};
+    band_colour(plan, constant, first_band, full_scale, out->constant);
+    for (int i = 0; i < out->n_lights; i++) {
+        if (plan->is_idle[first + i])
+            continue;
+        const struct eye_light *light = &plan->lights[first + i];
+        const double *specular = term_row(plan, shaded, SPECULAR, light->first);
+        band_colour(plan, term_row(plan, shaded, DIFFUSE, light->first), first_band,
+                    full_scale / light->share, out->diffuse[i]);
+        band_colour(plan, specular, first_band, full_scale / light->share, out->specular[i]);
+        out->shines = out->shines || specular;
+    }
+}
+
+/* ---- texels: the planes of three bands, side by side; vertices ---- */
+
+bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
+                 struct error *err)
+{
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    const int left = plan->n_bands - first_band;
+    float *planes;
+    if (!MAKE_ARRAY(planes, BANDS_PER_PASS * n, err, "the texels of %s", texture->image.path))
+        return false;
+    float *const rooms[BANDS_PER_PASS] = {planes, planes + n, planes + 2 * n};
+    const bool done = texture_fill(texture, plan->scene->wavelengths_nm + first_band,
+                                   left < BANDS_PER_PASS ? left : BANDS_PER_PASS, rooms, err);
+    for (size_t i = 0; i < n && done; i++)
+        for (size_t c = 0; c < BANDS_PER_PASS; c++)
+            out[BANDS_PER_PASS * i + c] = rooms[c][i];
+    free(planes);
+    return done;
+}
+
+void vertex_numbers(const struct vertex *vertex, float out[VERTEX_NUMBERS])
+{
+    const struct vector p = vertex->position, n = vertex->normal;
+    const double numbers[VERTEX_NUMBERS] = {p.x, p.y, p.z, n.x, n.y, n.z, vertex->s, vertex->t};
+    for (int i = 0; i < VERTEX_NUMBERS; i++)
+        out[i] = (float)numbers[i];
+}
+
+/* ---- a tile ---- */
+
+/* Makes a row of a projection map [low, high] of the picture's clip space to [-1, 1]. */
+static void aim_row(struct matrix *m, int row, double low, double high)
+{
+    for (int j = 0; j < 4; j++)
+        m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
+}
+
+struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored)
+{
+    const double width = plan->view.width, height = plan->view.height;
+    struct matrix out = plan->view.projection;
+    aim_row(&out, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
+    aim_row(&out, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
+    for (int i = 0; i < 4 && mirrored; i++)
+        out.row[1][i] = -out.row[1][i];
+    return out;
+}
+
+static size_t count_numbers(const struct plan *plan)
+{
+    return 4 * (size_t)plan->tile_width * (size_t)plan->tile_height;
+}
+
+void pass_convert(const struct plan *plan, const void *steps, float *pixels)
+{
+    const size_t n = count_numbers(plan);
+    const uint16_t *words = steps;
+    const uint8_t *bytes = steps;
+    const float whole = (float)buffer_steps(plan);
+    const bool wide = plan->options.buffer_bits == 16;
+    for (size_t i = 0; i < n; i++)
+        pixels[i] = (float)(wide ? words[i] : bytes[i]) / whole;
+}
+
+void pass_add(const struct plan *plan, const float *part, float *sum)
+{
+    const size_t n = count_numbers(plan);
+    for (size_t i = 0; i < n; i++)
+        sum[i] += part[i];
 }

@@ -78,19 +78,13 @@ static struct view view_of(const struct plan *plan, const struct camera *camera)
                          .n_lights = plan->n_lights};
 }
 
-/* Bytes of a number for each instance and the background. Without a check, the objects that OpenGL
- * shows are not known. */
-static int map_bytes(const struct plan *plan)
-{
-    const bool unknown =
-        plan->options.use_gl && !plan->options.check && !plan->options.store_raster;
-    const int n = plan->n_instances;
-    return unknown || n == 0 || n > UINT16_MAX ? 0 : n > UINT8_MAX ? 2 : 1;
-}
-
 /* Whole rows of the picture where they fit, so that a band of a tile is one piece of its page. */
 static void size_tiles(struct plan *plan)
 {
+    const int n = plan->n_instances;
+    /* without a check, the objects that OpenGL shows are not known */
+    const bool map_is_unknown =
+        plan->options.use_gl && !plan->options.check && !plan->options.store_raster;
     size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows +
                    (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
                    (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0) +
@@ -112,7 +106,7 @@ static void size_tiles(struct plan *plan)
     plan->tile_height = (int)rows < height ? (int)rows : height;
     plan->tiled = plan->tile_width < width || plan->tile_height < height;
     plan->tile_bytes = (uint64_t)pixel * (uint64_t)plan->tile_width * (uint64_t)plan->tile_height;
-    plan->map_bytes = map_bytes(plan);
+    plan->map_bytes = map_is_unknown || n == 0 || n > UINT16_MAX ? 0 : n > UINT8_MAX ? 2 : 1;
     plan->file_bytes =
         (uint64_t)plan->scene->width * (uint64_t)plan->scene->height *
         ((uint64_t)plan->n_bands * (uint64_t)plan->options.bits / 8 + (uint64_t)plan->map_bytes);
@@ -198,15 +192,6 @@ static bool check_size(const struct scene *scene, struct error *err)
                        scene->positions, (long long)longer * scene->positions, LONGEST_SIDE);
 }
 
-/* Arrays that pointers lead into have their final size from the start: every material, and its
- * partner from the same file, has at most one material and one texture. */
-static bool plan_allocate(struct plan *plan, struct error *err)
-{
-    size_t most = 2 * (size_t)plan->scene->n_materials + 1;
-    return MAKE_ARRAY(plan->materials, most, err, "%zu materials", most) &&
-           MAKE_ARRAY(plan->textures, most, err, "%zu textures", most);
-}
-
 bool plan_make(const struct scene *scene, const struct sampling *sampling,
                const struct plan_options *options, struct plan *out, struct error *err)
 {
@@ -225,14 +210,16 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     out->world_to_eye =
         matrix_product(matrix_scaling((struct vector){1 / out->unit, 1 / out->unit, 1 / out->unit}),
                        matrix_look_at(camera.eye, camera.look, camera.up));
-    if (!check_size(scene, err) || !plan_allocate(out, err) ||
+    /* Arrays that pointers lead into have their final size from the start: every material, and its
+     * partner from the same file, has at most one material and one texture. */
+    const size_t most = 2 * (size_t)scene->n_materials + 1;
+    if (!check_size(scene, err) || !MAKE_ARRAY(out->materials, most, err, "%zu materials", most) ||
+        !MAKE_ARRAY(out->textures, most, err, "%zu textures", most) ||
         !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
         !lights_list(out, err) || !instances_make(out, NULL, err) || !lights_drop_idle(out, err))
         return false;
     out->view = view_of(out, &camera);
-    out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
-    if (out->n_light_groups == 0)
-        out->n_light_groups = 1;
+    out->n_light_groups = out->n_lights > 0 ? (out->n_lights - 1) / LIGHTS_PER_PASS + 1 : 1;
     size_tiles(out);
     plan_effects(out);
     return reach_find(out, err);

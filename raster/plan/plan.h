@@ -98,8 +98,7 @@ struct plan {
     int map_bytes; /* of a number in the object map; 0: there is none */
     struct plan_effect effects[MAX_EFFECTS];
     struct plan_work { /* counted where it is done */
-        long materials_loaded, textures_loaded, excitation_integrals, terms;
-        long unseen_instances, idle_lights, undrawn_textures;
+        long excitation_integrals, terms, unseen_instances, idle_lights, undrawn_textures;
     } work;
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every instance */
 };
@@ -115,8 +114,12 @@ struct rectangle plan_pixels(const struct plan *plan, const struct rectangle *po
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
 bool has_components(const struct plan *plan); /* bands are not single wavelengths */
-void band_name(const struct plan *plan, int band, char out[BAND_NAME]); /* "450 nm", or a label */
+void band_name(const struct plan *plan, int band, char out[BAND_NAME]);   /* "450 nm", or a label */
+bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
 double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */
+/* The radiance of these weights in a band, without the texture. */
+double shaded_radiance(const struct plan *plan, const struct shaded_material *shaded,
+                       const double *weights, int band);
 /* A surface's name, its material's; -1: "background". object_text adds its object's place. */
 const char *object_name(const struct plan *plan, int surface);
 void object_text(const struct plan *plan, int surface, char *out, size_t capacity);
@@ -128,6 +131,8 @@ void plan_free(struct plan *plan);
 
 /* ---- reach.c: what reaches the picture ---- */
 
+/* sum_j |m_ij| |v_j|: the rounding errors of row i are relative to it. */
+void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4]);
 /* The reference lights its vertices: it is in view, or one may be brighter than full scale. */
 bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed);
 bool reflects(const struct instance *instance, const struct eye_light *light); /* by some term */
@@ -153,8 +158,6 @@ struct passes {
 bool passes_make(const struct plan *plan, struct passes *out, struct error *err);
 void passes_free(struct passes *passes);
 
-/* ---- colours.c ---- */
-
 /* The colours of a material in a pass under one group of lights: products of the spectra of lights
  * and material in parts of full scale, red, green and blue for three bands, and 1. Where there is
  * no such term, or no such band, a colour is black. */
@@ -167,15 +170,14 @@ struct pass_colours {
 void pass_colours(const struct plan *plan, const struct shaded_material *shaded, int group,
                   int first_band, double full_scale, struct pass_colours *out);
 
-/* ---- texels.c ---- */
-
 /* Reads the texels of a spectral texture for the bands of a pass: red, green and blue of each, rows
  * from the bottom. Those of bands that do not exist are 0. out has room for all. */
 bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
                  struct error *err);
 
-/* ---- tile.c ---- */
-
+/* The numbers of a vertex as OpenGL gets them: position, normal, texture coordinates. */
+enum { VERTEX_NUMBERS = 8 };
+void vertex_numbers(const struct vertex *vertex, float out[VERTEX_NUMBERS]);
 /* The projection that makes a tile of the picture fill clip space; mirrored: y is turned around. */
 struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
 /* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour

@@ -70,26 +70,6 @@ bool lights_list(struct plan *plan, struct error *err)
     return true;
 }
 
-/* Marks the lights that terms have. */
-static void mark_lights(const struct plan *plan, int *marks)
-{
-    for (int m = 0; m < plan->n_materials; m++)
-        for (int t = 0; t < plan->materials[m].n_terms; t++)
-            if (plan->materials[m].terms[t].light >= 0)
-                marks[plan->materials[m].terms[t].light] = 1;
-}
-
-/* Gives the lights of terms their new numbers. */
-static void renumber_terms(struct plan *plan, const int *number)
-{
-    for (int m = 0; m < plan->n_materials; m++)
-        for (int t = 0; t < plan->materials[m].n_terms; t++) {
-            struct term *term = &plan->materials[m].terms[t];
-            if (term->light >= 0)
-                term->light = number[term->light];
-        }
-}
-
 /* Lights that share a spectrum are kept or dropped together. */
 bool lights_drop_idle(struct plan *plan, struct error *err)
 {
@@ -99,7 +79,10 @@ bool lights_drop_idle(struct plan *plan, struct error *err)
     int *number, n = 0;
     if (!MAKE_ARRAY(number, plan->n_lights, err, "%d lights", plan->n_lights))
         return false;
-    mark_lights(plan, number);
+    for (int m = 0; m < plan->n_materials; m++)
+        for (int t = 0; t < plan->materials[m].n_terms; t++)
+            if (plan->materials[m].terms[t].light >= 0)
+                number[plan->materials[m].terms[t].light] = 1;
     for (int i = 0; i < plan->n_lights; i++) {
         struct eye_light light = plan->lights[i];
         const bool kept = light.first == i ? number[i] > 0 : number[light.first] >= 0;
@@ -110,7 +93,11 @@ bool lights_drop_idle(struct plan *plan, struct error *err)
         plan->lights[n] = light;
         plan->sources[n++] = plan->sources[i];
     }
-    renumber_terms(plan, number);
+    for (int m = 0; m < plan->n_materials; m++)
+        for (int t = 0; t < plan->materials[m].n_terms; t++) {
+            struct term *term = &plan->materials[m].terms[t];
+            term->light = term->light >= 0 ? number[term->light] : -1;
+        }
     free(number);
     plan->n_lights = n;
     return true;

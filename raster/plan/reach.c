@@ -17,6 +17,15 @@ struct clip_vertex {
     double clip[4], magnitude[4];
 };
 
+void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4])
+{
+    for (int i = 0; i < 4; i++) {
+        out[i] = 0;
+        for (int j = 0; j < 4; j++)
+            out[i] += fabs(m->row[i][j]) * fabs(v[j]);
+    }
+}
+
 static struct clip_vertex clip_vertex(const struct plan *plan, const struct instance *instance,
                                       int index)
 {
@@ -24,15 +33,12 @@ static struct clip_vertex clip_vertex(const struct plan *plan, const struct inst
                         eye = matrix_point(&instance->model_view, p);
     const double at[4] = {eye.x, eye.y, eye.z, 1}, from[4] = {p.x, p.y, p.z, 1};
     struct clip_vertex out = {{0}, {0}};
-    for (int j = 0; j < 4; j++) {
-        double magnitude = j == 3;
-        for (int k = 0; k < 4 && j < 3; k++)
-            magnitude += fabs(instance->model_view.row[j][k] * from[k]);
-        for (int i = 0; i < 4; i++) {
+    double magnitude[4];
+    matrix_magnitudes(&instance->model_view, from, magnitude);
+    matrix_magnitudes(&plan->view.projection, magnitude, out.magnitude);
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
             out.clip[i] += plan->view.projection.row[i][j] * at[j];
-            out.magnitude[i] += fabs(plan->view.projection.row[i][j]) * magnitude;
-        }
-    }
     return out;
 }
 
@@ -161,8 +167,11 @@ static bool reaches_any(const struct plan *plan, const struct eye_light *light)
 
 /* ---- all of it ---- */
 
-static void see_instances(struct plan *plan)
+bool reach_find(struct plan *plan, struct error *err)
 {
+    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights) ||
+        !MAKE_ARRAY(plan->shows_texture, plan->n_textures, err, "%d textures", plan->n_textures))
+        return false;
     for (int i = 0; i < plan->n_instances; i++) {
         struct placed_instance *placed = &plan->instances[i];
         struct shaded_material *shaded = &plan->materials[placed->shaded];
@@ -173,14 +182,6 @@ static void see_instances(struct plan *plan)
         if (shaded->shown && shaded->texture)
             plan->shows_texture[shaded->texture - plan->textures] = true;
     }
-}
-
-bool reach_find(struct plan *plan, struct error *err)
-{
-    if (!MAKE_ARRAY(plan->is_idle, plan->n_lights, err, "%d lights", plan->n_lights) ||
-        !MAKE_ARRAY(plan->shows_texture, plan->n_textures, err, "%d textures", plan->n_textures))
-        return false;
-    see_instances(plan);
     for (int i = 0; i < plan->n_textures; i++)
         plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);
     for (int i = 0; i < plan->n_lights; i++) {

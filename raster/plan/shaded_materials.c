@@ -9,37 +9,31 @@
 
 /* ---- textures ---- */
 
-/* Reads a texture, and adds it under its key. */
-static struct texture *add_texture(struct plan *plan, const struct material *material,
-                                   const char *key, struct error *err)
-{
-    const bool spectral = material->spectral_texture != NULL;
-    const struct place place =
-        spectral ? material->spectral_texture_place : material->texture_place;
-    struct texture *new = &plan->textures[plan->n_textures];
-    *new = (struct texture){.spectral = spectral, .linear = material->texture_linear};
-    if (!texture_read(spectral ? material->spectral_texture : material->texture, place, new, err))
-        return NULL;
-    plan->n_textures++;
-    plan->work.textures_loaded++;
-    return index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err) ? new : NULL;
-}
-
 /* A texture is read when it is first asked for; NULL after an error. */
 static struct texture *find_texture(struct plan *plan, const struct material *material,
                                     struct error *err)
 {
     const bool spectral = material->spectral_texture != NULL;
     const char *path = spectral ? material->spectral_texture : material->texture;
+    struct texture *texture = &plan->textures[plan->n_textures];
     char *key;
     if (!MAKE_ARRAY(key, strlen(path) + 3, err, "the name of %s", path))
         return NULL;
     sprintf(key, "%c%c%s", spectral ? 's' : 'g', material->texture_linear ? 'l' : 'n', path);
     const int known = index_find(&plan->by_texture, key, strlen(key));
-    struct texture *texture =
-        known >= 0 ? &plan->textures[known] : add_texture(plan, material, key, err);
+    bool done = true;
+    if (known >= 0)
+        texture = &plan->textures[known];
+    else {
+        *texture = (struct texture){.spectral = spectral, .linear = material->texture_linear};
+        done = texture_read(path,
+                            spectral ? material->spectral_texture_place : material->texture_place,
+                            texture, err);
+        plan->n_textures += done;
+        done = done && index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err);
+    }
     free(key);
-    return texture;
+    return done ? texture : NULL;
 }
 
 struct texels plan_texels(const struct texture *texture, int plane)
@@ -84,27 +78,22 @@ static bool copy_terms(const struct material_terms *made, struct term **out, str
     return true;
 }
 
-static bool make_terms(struct plan *plan, const struct material *material,
-                       struct shaded_material *out, struct error *err)
-{
-    struct material_terms *made = &out->made;
-    plan->work.materials_loaded++;
-    if (!material_terms_make(&plan->illumination, material, made, err))
-        return false;
-    plan->work.terms += made->n;
-    plan->work.excitation_integrals += made->excitation_integrals;
-    out->material = material;
-    out->n_terms = made->n;
-    out->n_colours = count_colours(plan, made);
-    return copy_terms(made, &out->terms, err);
-}
-
 double shaded_brightest(const struct shaded_material *shaded)
 {
     double most = 0;
     for (int t = 0; t < shaded->n_terms; t++)
         most = fmax(most, shaded->made.terms[t].peak);
     return most > 0 ? most : 1;
+}
+
+double shaded_radiance(const struct plan *plan, const struct shaded_material *shaded,
+                       const double *weights, int band)
+{
+    double radiance = 0;
+    for (int t = 0; t < shaded->n_terms; t++)
+        radiance +=
+            weights[t] * shaded->made.spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band];
+    return radiance;
 }
 
 static bool find_terms(struct plan *plan, const struct material *material, int *out,
@@ -114,7 +103,16 @@ static bool find_terms(struct plan *plan, const struct material *material, int *
     if (*out >= 0)
         return true;
     *out = plan->n_materials++; /* counted first, so that plan_free reaches it after a failure */
-    return make_terms(plan, material, &plan->materials[*out], err) &&
+    struct shaded_material *shaded = &plan->materials[*out];
+    struct material_terms *made = &shaded->made;
+    if (!material_terms_make(&plan->illumination, material, made, err))
+        return false;
+    plan->work.terms += made->n;
+    plan->work.excitation_integrals += made->excitation_integrals;
+    shaded->material = material;
+    shaded->n_terms = made->n;
+    shaded->n_colours = count_colours(plan, made);
+    return copy_terms(made, &shaded->terms, err) &&
            index_add(&plan->by_material, &material, sizeof material, *out, err);
 }
 

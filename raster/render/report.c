@@ -146,8 +146,8 @@ static void json_work(struct json *json, const struct plan *plan,
     json_count(json, "specular_vertices", (uint64_t)result->light.specular_vertices);
     json_count(json, "power_functions", (uint64_t)result->light.power_functions);
     json_count(json, "excitation_integrals", (uint64_t)plan->work.excitation_integrals);
-    json_count(json, "textures_loaded", (uint64_t)plan->work.textures_loaded);
-    json_count(json, "materials_loaded", (uint64_t)plan->work.materials_loaded);
+    json_count(json, "textures_loaded", (uint64_t)plan->n_textures);
+    json_count(json, "materials_loaded", (uint64_t)plan->n_materials);
     json_count(json, "terms", (uint64_t)plan->work.terms);
     json_count(json, "unseen_instances", (uint64_t)plan->work.unseen_instances);
     json_count(json, "idle_lights", (uint64_t)plan->work.idle_lights);

@@ -200,7 +200,8 @@ static void identify_chunk(void *context, int i)
 static void learn_chunk(void *context, int i)
 {
     const struct tile_pass *of = context;
-    check_pilots(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride);
+    check_pass(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride,
+               true);
 }
 
 /* Stores the samples of a chunk in all bands of a pass. */
@@ -230,7 +231,8 @@ static void treat_chunk(void *context, int i)
     double since = clock_seconds(), judging = 0, counting = 0;
     struct odd_samples odd = {0, 0};
     if (of->state->checks)
-        check_pass(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride);
+        check_pass(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride,
+                   false);
     clock_in(&since, &judging);
     if (of->out)
         odd = count_bands(of, i);
@@ -296,7 +298,7 @@ static bool find_frame(struct state *state, int frame, int number, struct tile_p
     const int place = queue_next(queue, number);
     if (place < 0)
         return false;
-    of->pixels = renderer->kind->pixels(renderer, buffer_at(state, queue, place));
+    of->pixels = renderer->buffers[buffer_at(state, queue, place)];
     of->stride = (size_t)state->plan->tile_width;
     return true;
 }

@@ -1,7 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/* A pixel's triangle, from the colours that it was drawn in. */
+/* Renderers share these: buffers of pixels, and a pixel's triangle, from the colours that it was
+ * drawn in. */
+#include <stdlib.h>
+
+#include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/renderers/renderers.h"
+
+bool renderer_make_buffers(struct renderer *of, int n_buffers, size_t n, const char *what,
+                           struct error *err)
+{
+    for (int i = 0; i < n_buffers; i++)
+        if (!MAKE_ARRAY(of->buffers[i], 4 * n, err, "%s", what))
+            return false;
+    return true;
+}
+
+void renderer_free(struct renderer *of)
+{
+    for (int i = 0; i < MOST_BUFFERS; i++)
+        free(of->buffers[i]);
+    free(of);
+}
 
 /* Returns the number that a channel holds; -1: it holds no whole number below 2^24. */
 static int32_t whole(float value)

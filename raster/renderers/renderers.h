@@ -18,7 +18,7 @@ struct plan;
 enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
 struct driver {
     const char *name; /* what GL_RENDERER begins with; "unknown": the worst of all others;
-                         "measured": see raster/traits */
+                         "measured": see raster/beside/measure */
     bool is_measured;
     double grid_px; /* corners are moved to a grid before edges are followed: by up to this */
     double edge_roundings;  /* of the largest window coordinate, while an edge is followed */
@@ -41,7 +41,7 @@ void driver_print(const struct driver *driver, char out[DRIVER_WORDS]);
 /* The way in which OpenGL draws: with lighting of its own (OpenGL 1.x); with our shaders, by OpenGL
  * 3.3 core or by OpenGL ES 3.0. */
 enum gl_way { GL_WITHOUT_SHADERS, GL_CORE, GL_ES, GL_WAYS };
-/* choice.c. Accepts the words of --renderer: "gl", "llvmpipe", "softpipe", "raster"; "gl-shader"
+/* driver.c. Accepts the words of --renderer: "gl", "llvmpipe", "softpipe", "raster"; "gl-shader"
  * and "es-shader", alone or with ":llvmpipe" or ":softpipe". */
 bool driver_accepts_renderer(const char *option, const char *value, struct error *err);
 /* Returns the way of such a word, NULL: none was given. *driver: Mesa's; NULL: any. */
@@ -50,8 +50,8 @@ enum gl_way driver_way(const char *renderer, const char **driver);
 bool driver_accepts_library(const char *option, const char *value, struct error *err);
 int driver_device(const char *library); /* N of "egl:N"; -1 of other words */
 
-/* threads.c. Threads of this process: of llvmpipe, and those that have this thread's name, which a
- * new thread has until it takes its own. */
+/* driver_threads.c. Threads of this process: of llvmpipe, and those that have this thread's name,
+ * which a new thread has until it takes its own. */
 struct driver_threads {
     long of_llvmpipe, unnamed;
 };
@@ -84,10 +84,15 @@ struct renderer_lacks {
 };
 
 /* An open renderer of a plan. A room embeds it as the first member of a struct of its own. One
- * thread draws, the one that opened it. A buffer keeps its pixels until something is drawn there
- * again; other threads may read them meanwhile. */
+ * thread draws, the one that opened it. */
+enum { MOST_BUFFERS = 8 };
 struct renderer {
     const struct renderer_kind *kind;
+    /* Each buffer has its last drawing, until something is drawn there again; other threads may
+     * read it meanwhile: radiances divided by full_scale, rounded to the nearest step where the
+     * colour buffer has steps; 4 floats a pixel, rows of the plan's tile_width from the top; owned
+     */
+    float *buffers[MOST_BUFFERS];
     struct renderer_names names;
     struct driver driver;      /* by which it is judged */
     struct renderer_work work; /* of all that was drawn so far */
@@ -105,10 +110,6 @@ struct renderer_kind {
      * tile into a buffer. Where the plan asks for a check, `identify` comes before. */
     bool (*draw)(struct renderer *of, int buffer, int first_band, double full_scale,
                  struct error *err);
-    /* Returns what was last drawn into the buffer: radiances divided by full_scale, rounded to the
-     * nearest step where the colour buffer has steps; 4 floats a pixel, rows of the plan's
-     * tile_width from the top. */
-    const float *(*pixels)(const struct renderer *of, int buffer);
     /* Finds triangles, depths and fragments of the aimed tile. The plan asks for a check. */
     bool (*identify)(struct renderer *of, struct error *err);
     /* Returns what the last `identify` found. x and y count from the tile's top left pixel. A
@@ -118,7 +119,12 @@ struct renderer_kind {
     void (*close)(struct renderer *of);
 };
 
-/* renderer.c. Takes a pixel from the colours of its triangle's number, and from its depth in 24
+/* renderer.c. Makes so many buffers of n pixels, of what `what` names; and frees them with the
+ * struct that the renderer is the first member of. */
+bool renderer_make_buffers(struct renderer *of, int n_buffers, size_t n, const char *what,
+                           struct error *err);
+void renderer_free(struct renderer *of);
+/* Takes a pixel from the colours of its triangle's number, and from its depth in 24
  * bits above 8 of fragments. The number is three that single precision holds exactly: the low 16
  * bits of the triangle, its high bits, and the instance + 1. */
 struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
@@ -127,7 +133,8 @@ struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
 
 /* How this program draws through OpenGL: see raster/beside/ways.c. */
 struct drawing_ways {
-    /* Opens a renderer of a plan, which must outlive *out, with so many buffers. Fails with
+    /* Opens a renderer of a plan, which must outlive *out, with so many buffers, at most
+     * MOST_BUFFERS. Fails with
      * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. The
      * caller closes *out unless it is NULL, also after a failure. One can be open at a time. NULL:
      * this program does not draw so. */

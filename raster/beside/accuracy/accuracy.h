@@ -62,7 +62,7 @@ bool refine_options(const struct options *options, struct plan *plan, struct ref
                     struct error *err);
 void refine_result_free(struct refine_result *result);
 
-/* ---- shading.c: the error of a picture in words ---- */
+/* ---- refine.c: the error of a picture in words ---- */
 
 extern const struct shading_judge accuracy_judge; /* see raster/render/render.h */
 

@@ -4,8 +4,151 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/maths/maths.h"
 #include "data/scene/scene.h"
 #include "raster/beside/accuracy/inside.h"
+
+/* ---- some pixels ---- */
+
+/* Finds the triangles that the picture shows at a lattice of its pixels. A triangle is scanned in
+ * coordinates in which the lattice is made of whole pixels: one that lies between its pixels costs
+ * next to nothing. */
+
+/* A lattice of pixels: each has the same share of the picture, and no row or column has many. */
+struct lattice {
+    int width, height;              /* of the picture */
+    int step, shear, rows, columns; /* pixel (i, j): x = step i + shear j, y = step j */
+};
+struct lattice_pixel {
+    double depth;
+    int32_t surface;                 /* -1: background */
+    struct screen_triangle triangle; /* that is seen */
+};
+struct seen_pixels {
+    struct lattice lattice;
+    struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
+    int n;
+};
+/* Returns the lattice. The step is odd and the shear even, so that the places are pixel centres;
+ * the shear is near the step over the golden ratio, so that rows of pixels do not repeat soon. */
+static struct lattice lattice_of(const struct view *view, int wanted)
+{
+    const double pixels = (double)view->width * view->height;
+    const int step = 2 * (int)(sqrt(pixels / wanted) / 2) + 1;
+    return (struct lattice){.width = view->width,
+                            .height = view->height,
+                            .step = step,
+                            .shear = step > 1 ? 2 * (int)(0.309 * step + 0.5) : 0,
+                            .rows = (view->height + step - 1) / step,
+                            .columns = (view->width + step - 1) / step + 2};
+}
+
+/* The column of the lattice that holds the first place of a row inside the picture, or the one
+ * before. */
+static int first_column(const struct lattice *lattice, int row)
+{
+    return (int)floor(-(double)lattice->shear * (row + 0.5) / lattice->step - 0.5);
+}
+
+static void place_of(const struct lattice *lattice, int column, int row, double at[2])
+{
+    at[0] = lattice->step * (column + 0.5) + lattice->shear * (row + 0.5);
+    at[1] = lattice->step * (row + 0.5);
+}
+
+/* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
+static bool lattice_place(const struct lattice *lattice, int index, double at[2])
+{
+    const int row = index / lattice->columns;
+    place_of(lattice, index % lattice->columns + first_column(lattice, row), row, at);
+    return at[0] > 0 && at[0] < lattice->width && at[1] < lattice->height;
+}
+
+/* Returns whether a triangle in front of the eye lies between two rows of the lattice. */
+static bool lies_between(const struct lattice *lattice, const struct surface *surface,
+                         const int32_t vertex[3])
+{
+    double row[3];
+    for (int i = 0; i < 3; i++) {
+        const struct window_vertex *corner = &surface->vertices[vertex[i]];
+        if (!(corner->clip[3] > 0))
+            return false;
+        row[i] = corner->y / lattice->step - 0.5;
+    }
+    return ceil(least_of(row)) > floor(most_of(row));
+}
+
+/* A triangle that is scanned. */
+struct lattice_scan {
+    const struct seen_pixels *seen;
+    int surface;
+    const struct screen_triangle *triangle;
+};
+
+/* Draws a pixel that the triangle covers. x, y: column and row of the lattice. Keeps the first of
+ * fragments that are equally deep. */
+static bool draw_pixel(void *context, int x, int y)
+{
+    const struct lattice_scan *scan = context;
+    const struct lattice *lattice = &scan->seen->lattice;
+    const int column = x - first_column(lattice, y);
+    double at[2];
+    if (column < 0 || column >= lattice->columns)
+        return true;
+    place_of(lattice, x, y, at);
+    const double depth = covered_depth(scan->triangle, at[0], at[1]);
+    struct lattice_pixel *pixel = &scan->seen->pixels[y * lattice->columns + column];
+    if (depth >= 0 && depth < pixel->depth)
+        *pixel = (struct lattice_pixel){depth, scan->surface, *scan->triangle};
+    return true;
+}
+
+static void draw_triangle(const struct seen_pixels *seen, int surface,
+                          const struct screen_triangle *triangle)
+{
+    struct lattice_scan scan = {seen, surface, triangle};
+    const struct lattice *lattice = &seen->lattice;
+    const int leftmost = first_column(lattice, lattice->rows);
+    const struct rectangle at = {leftmost, 0, lattice->columns - leftmost, lattice->rows};
+    struct screen_triangle sheared = *triangle;
+    for (int i = 0; i < 3; i++) {
+        sheared.y[i] = triangle->y[i] / lattice->step;
+        sheared.x[i] = (triangle->x[i] - lattice->shear * sheared.y[i]) / lattice->step;
+    }
+    scan_triangle(&sheared, &at, 0, draw_pixel, &scan);
+}
+
+static void draw_surface(const struct plan *plan, const struct surface *surfaces, int surface,
+                         const struct seen_pixels *seen)
+{
+    /* near, then far */
+    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
+    struct screen_triangle parts[SCREEN_TRIANGLES];
+    const struct instance *instance = surfaces[surface].instance;
+    for (int i = 0; i < instance->n_triangles; i++) {
+        if (lies_between(&seen->lattice, &surfaces[surface], instance->triangles[i]))
+            continue;
+        const int n = screen_triangles(&plan->view, &surfaces[surface], i, depth_planes, 2, parts);
+        for (int part = 0; part < n; part++)
+            draw_triangle(seen, surface, &parts[part]);
+    }
+}
+
+/* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
+static bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
+                      struct seen_pixels *out, struct error *err)
+{
+    *out = (struct seen_pixels){.lattice = lattice_of(&plan->view, wanted)};
+    out->n = out->lattice.rows * out->lattice.columns;
+    if (!MAKE_ARRAY(out->pixels, (size_t)out->n + 1, err, "the pixels that are judged"))
+        return false;
+    for (int i = 0; i < out->n; i++)
+        out->pixels[i] = (struct lattice_pixel){.depth = 1, .surface = -1};
+    for (int s = 0; s < plan->n_instances; s++)
+        if (plan->instances[s].in_view && !plan->instances[s].twin)
+            draw_surface(plan, surfaces, s, out);
+    return true;
+}
 
 struct judged_point {
     int surface; /* -1: none */
@@ -31,7 +174,7 @@ static void judge_pixel(const struct estimating *of, int index, double *attribut
                         struct judged_point *out)
 {
     const struct lattice_pixel *pixel = &of->seen.pixels[index];
-    struct compared_point point;
+    struct shaded_point points[2];
     double at[2], share[3];
     out->surface = -1;
     if (pixel->surface < 0 || !lattice_place(&of->seen.lattice, index, at))
@@ -41,10 +184,10 @@ static void judge_pixel(const struct estimating *of, int index, double *attribut
                                            &of->surfaces[pixel->surface],
                                            &of->patches[placed->mesh]};
     shares_at(&pixel->triangle, at[0], at[1], share);
-    if (compare_point(&surface, &pixel->triangle, at, share, attributes, &point))
+    if (compare_point(&surface, &pixel->triangle, at, share, attributes, points))
         *out = (struct judged_point){
             pixel->surface, placed->object,
-            (float)measure_difference(of->measure, placed->shaded, &point.drawn, &point.exact)};
+            (float)measure_difference(of->measure, placed->shaded, &points[0], &points[1])};
 }
 
 static void judge_block(void *context, size_t first, size_t end)
@@ -71,19 +214,6 @@ static bool open_seen(struct estimating *of, struct error *err)
             return false;
     }
     return true;
-}
-
-static bool judge_pixels(struct estimating *of, struct error *err)
-{
-    enum { BLOCK_PIXELS = 128 };
-    const int n = of->seen.n;
-    if (!open_seen(of, err))
-        return false;
-    threads_blocks(of->plan->options.threads, (size_t)n, BLOCK_PIXELS, judge_block, of);
-    for (int i = 0; i < n && of->failed.n == 0; i++)
-        if (of->points[i].surface >= 0)
-            of->points[of->n_points++] = of->points[i];
-    return of->failed.n == 0 || memory_lacks(err, 0, "the pixels that are judged");
 }
 
 /* ---- conclusions ---- */
@@ -149,17 +279,26 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
 /* ---- all of it ---- */
 
 bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
-                    struct accuracy_estimate *out, struct error *err)
+                       struct accuracy_estimate *out, struct error *err)
 {
+    enum { BLOCK_PIXELS = 128 };
     const struct plan *plan = measure->plan;
     struct estimating of = {
         .plan = plan, .surfaces = surfaces, .measure = measure, .failed = COUNTER};
     *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
-    const bool done =
+    bool done =
         seen_find(plan, surfaces, wanted, &of.seen, err) &&
         MAKE_ARRAY(of.patches, (size_t)plan->n_meshes + 1, err, "the shapes that are judged") &&
         MAKE_ARRAY(of.points, (size_t)of.seen.n + 1, err, "the pixels that are judged") &&
-        judge_pixels(&of, err) && conclude(&of, out, err);
+        open_seen(&of, err);
+    if (done)
+        threads_blocks(plan->options.threads, (size_t)of.seen.n, BLOCK_PIXELS, judge_block, &of);
+    for (int i = 0; i < of.seen.n && done && of.failed.n == 0; i++)
+        if (of.points[i].surface >= 0)
+            of.points[of.n_points++] = of.points[i];
+    if (of.failed.n > 0)
+        memory_lacks(err, 0, "the pixels that are judged");
+    done = done && of.failed.n == 0 && conclude(&of, out, err);
     for (int i = 0; of.patches && i < plan->n_meshes; i++)
         patches_close(&of.patches[i]);
     free(of.patches);

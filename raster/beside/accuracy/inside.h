@@ -6,7 +6,7 @@
 #include "data/mesh/mesh.h"
 #include "raster/beside/accuracy/accuracy.h"
 
-/* ---- measure.c: differences as a detector sees them ---- */
+/* ---- shading_error.c: differences as a detector sees them ---- */
 
 struct measure {
     const struct plan *plan;
@@ -33,7 +33,7 @@ struct shaded_point {
 double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
                           const struct shaded_point *b);
 
-/* ---- exact.c: the true surface ---- */
+/* ---- per_pixel.c: the true surface ---- */
 
 /* A surface whose shading is judged, and the surface that its mesh approximates. */
 struct judged_surface {
@@ -43,50 +43,20 @@ struct judged_surface {
     const struct surface *surface; /* lit */
     const struct patches *patches; /* of its shape, if there are parameters */
 };
-/* Compares a place of a triangle, with its barycentric coordinates there: the drawn light, and the
- * light of the point of the true surface that the window shows. On a mesh file the facets are true,
- * with interpolated normals (Phong 1975). `attributes`: room for those of two points, twice the
- * plan's max_rows + 2. Returns false where the true surface is not seen. */
-struct compared_point {
-    struct shaded_point drawn, exact;
-};
+/* Finds both lights at a place of a triangle, with its barycentric coordinates there: the drawn
+ * light, and the light of the point of the true surface that the window shows. On a mesh file the
+ * facets are true, with interpolated normals (Phong 1975). `attributes`: room for those of two
+ * points, twice the plan's max_rows + 2. Returns false where the true surface is not seen. */
 bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                    const double at[2], const double share[3], double *attributes,
-                   struct compared_point *out);
-
-/* ---- lattice.c: some pixels ---- */
-
-/* A lattice of pixels: each has the same share of the picture, and no row or column has many. */
-struct lattice {
-    int width, height;              /* of the picture */
-    int step, shear, rows, columns; /* pixel (i, j): x = step i + shear j, y = step j */
-};
-struct lattice_pixel {
-    double depth;
-    int32_t surface;                 /* -1: background */
-    struct screen_triangle triangle; /* that is seen */
-};
-struct seen_pixels {
-    struct lattice lattice;
-    struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
-    int n;
-};
-/* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
-bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
-               struct seen_pixels *out, struct error *err);
-/* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
-bool lattice_place(const struct lattice *lattice, int index, double at[2]);
+                   struct shaded_point out[2]);
 
 /* ---- estimate.c ---- */
 
 /* Judges about `wanted` pixels of surfaces that are lit. */
 bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
-                    struct accuracy_estimate *out, struct error *err);
+                       struct accuracy_estimate *out, struct error *err);
 
 void accuracy_estimate_free(struct accuracy_estimate *estimate);
-
-/* Refuses a value of --accuracy that is no error: "0.5" is in CIEDE2000, "8counts" in counts of
- * 65535. */
-bool accuracy_accepts(const char *option, const char *value, struct error *err);
 
 #endif

@@ -139,21 +139,6 @@ static bool find_point(const struct judged_surface *of, const struct screen_tria
 
 /* ---- any point ---- */
 
-static bool is_curved(const struct judged_surface *of, const struct screen_triangle *triangle)
-{
-    return of->mesh->mesh.parameters &&
-           !patch_is_flat(of->patches->shape, of->mesh->mesh.parameters[triangle->vertex[0]].patch);
-}
-
-static void light_facet(const struct judged_surface *of, const struct screen_triangle *triangle,
-                        const double share[3], double *attributes)
-{
-    struct view phong = of->plan->view;
-    struct light_work ignored = {0};
-    phong.shading = PHONG;
-    shade(&phong, triangle, share, attributes, &ignored);
-}
-
 /* Sets the texture coordinates of a point of a curved patch. Planar ones are those of the facet. */
 static void place_texture(const struct judged_surface *of, const struct screen_triangle *triangle,
                           const double share[3], struct vertex *point)
@@ -176,10 +161,13 @@ static bool exact_attributes(const struct judged_surface *of,
                              const struct screen_triangle *triangle, const double at[2],
                              const double share[3], double *attributes)
 {
+    const struct parameters *parameters = of->mesh->mesh.parameters;
     struct light_work ignored = {0};
+    struct view phong = of->plan->view;
     struct vertex point;
-    if (!is_curved(of, triangle)) {
-        light_facet(of, triangle, share, attributes);
+    if (!parameters || patch_is_flat(of->patches->shape, parameters[triangle->vertex[0]].patch)) {
+        phong.shading = PHONG;
+        shade(&phong, triangle, share, attributes, &ignored);
         return true;
     }
     if (!find_point(of, triangle, at, share, &point))
@@ -209,13 +197,14 @@ static double texel_of(const struct judged_surface *of, const double *attributes
 
 bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                    const double at[2], const double share[3], double *attributes,
-                   struct compared_point *out)
+                   struct shaded_point out[2])
 {
     double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2;
     struct light_work ignored = {0};
     if (!exact_attributes(of, triangle, at, share, exact))
         return false;
     shade(&of->plan->view, triangle, share, drawn, &ignored);
-    *out = (struct compared_point){{drawn, texel_of(of, drawn)}, {exact, texel_of(of, exact)}};
+    out[0] = (struct shaded_point){drawn, texel_of(of, drawn)};
+    out[1] = (struct shaded_point){exact, texel_of(of, exact)};
     return true;
 }

@@ -81,15 +81,6 @@ bool measure_make(const struct plan *plan, enum measure_unit unit, const char *o
 
 /* ---- counts ---- */
 
-static double radiance_of(const struct shaded_material *shaded, const double *weights, int n_bands,
-                          int band)
-{
-    double radiance = 0;
-    for (int t = 0; t < shaded->n_terms; t++)
-        radiance += weights[t] * shaded->made.spectra[(size_t)t * (size_t)n_bands + (size_t)band];
-    return radiance;
-}
-
 /* Raises *largest to the largest radiance of a vertex in any band. An upper bound of it is cheap.
  */
 static void raise_to(const struct plan *plan, const struct shaded_material *shaded,
@@ -100,7 +91,7 @@ static void raise_to(const struct plan *plan, const struct shaded_material *shad
     for (int t = 0; t < shaded->n_terms; t++)
         bound += texel * weights[t] * shaded->made.terms[t].peak;
     for (int band = 0; band < plan->n_bands && bound > *largest; band++)
-        *largest = fmax(*largest, texel * radiance_of(shaded, weights, plan->n_bands, band));
+        *largest = fmax(*largest, texel * shaded_radiance(plan, shaded, weights, band));
 }
 
 void measure_scale(struct measure *measure, const struct surface *surfaces)
@@ -122,8 +113,8 @@ static double counts_between(const struct measure *measure, int shaded,
     const struct shaded_material *material = &plan->materials[shaded];
     double most = 0;
     for (int band = 0; band < plan->n_bands; band++)
-        most = fmax(most, fabs(a->texel * radiance_of(material, a->weights, plan->n_bands, band) -
-                               b->texel * radiance_of(material, b->weights, plan->n_bands, band)));
+        most = fmax(most, fabs(a->texel * shaded_radiance(plan, material, a->weights, band) -
+                               b->texel * shaded_radiance(plan, material, b->weights, band)));
     return measure->full_scale > 0 ? most / measure->full_scale * UINT16_MAX : 0;
 }
 

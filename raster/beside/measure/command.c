@@ -1,27 +1,141 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral drivers: lists what OpenGL can draw here, and the options that choose it. */
+/* spectral drivers: lists what OpenGL can draw here, and the options that choose it. Tries each
+ * library with each driver. A process can open one library only. */
 #include <stdio.h>
-#include <unistd.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "raster/beside/measure/inside.h"
+
+static struct context_wish wish_of(const struct listed_driver *listed)
+{
+    struct context_wish wish = {.library = listed->library, .threads = 1};
+    wish.way = driver_way(listed->renderer, &wish.driver);
+    return wish;
+}
+
+static bool describe(void *context, void *out, struct error *err)
+{
+    const struct context_wish wish = wish_of(context);
+    return contexts_describe(&wish, out, err);
+}
+
+static bool count_devices(void *context, void *out, struct error *err)
+{
+    (void)context;
+    return contexts_devices(out, err);
+}
+
+/* Returns whether a choice is what it asks for, and says more than those before it. */
+static bool is_new(const struct listed_driver *listed, const struct driver_list *before)
+{
+    const struct context_wish wish = wish_of(listed);
+    if (!listed->is ||
+        (wish.driver && strncmp(listed->is->names.renderer, wish.driver, strlen(wish.driver)) != 0))
+        return false;
+    for (int i = 0; i < before->n; i++) {
+        const struct listed_driver *other = &before->list[i];
+        if (other->is && strcmp(other->library, listed->library) == 0 &&
+            wish_of(other).way == wish.way &&
+            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0)
+            return false;
+    }
+    return true;
+}
+
+/* Tries a library with a choice of --renderer; lists it if it says something new. NULL, which comes
+ * first, is always listed. */
+static bool try_renderer(const char *library, const char *renderer, struct driver_list *out,
+                         struct error *err)
+{
+    struct listed_driver listed = {.renderer = renderer};
+    struct context_description is;
+    struct error own = {.status = EXIT_AGREED};
+    snprintf(listed.library, sizeof listed.library, "%s", library);
+    if (process_run(describe, &listed, &is, sizeof is, &own)) {
+        if (!MAKE_ARRAY(listed.is, 1, err, "the list of drivers"))
+            return false;
+        *listed.is = is;
+    } else
+        snprintf(listed.reason, sizeof listed.reason, "%.500s", error_words(&own));
+    if ((!renderer || is_new(&listed, out)) &&
+        array_add(&out->list, &out->n, &listed, sizeof listed, err))
+        return true;
+    free(listed.is);
+    return err->status == EXIT_AGREED;
+}
+
+/* A library that cannot draw may still draw with shaders. */
+static bool try_library(const char *library, struct driver_list *out, struct error *err)
+{
+    static const char *const renderers[] = {
+        NULL,        "llvmpipe",           "softpipe",
+        "gl-shader", "gl-shader:llvmpipe", "gl-shader:softpipe",
+        "es-shader", "es-shader:llvmpipe", "es-shader:softpipe"};
+    enum { ALL = sizeof renderers / sizeof *renderers, WITHOUT_SHADERS = 3 };
+    const int n = strcmp(library, "osmesa") == 0 ? WITHOUT_SHADERS : ALL;
+    for (int i = 0; i < n; i++)
+        if (!try_renderer(library, renderers[i], out, err))
+            return false;
+    return true;
+}
+
+bool drivers_list(struct driver_list *out, struct error *err)
+{
+    struct error own = {.status = EXIT_AGREED};
+    int n_devices = 0;
+    *out = (struct driver_list){.n = 0};
+    if (!try_library("osmesa", out, err) || !try_library("egl", out, err))
+        return false;
+    if (!process_run(count_devices, NULL, &n_devices, sizeof n_devices, &own))
+        n_devices = 0;
+    for (int i = 0; i < n_devices; i++) {
+        char library[16];
+        snprintf(library, sizeof library, "egl:%d", i);
+        if (!try_library(library, out, err))
+            return false;
+    }
+    return true;
+}
+
+/* ---- measurements ---- */
+
+static bool measure(void *context, void *out, struct error *err)
+{
+    const struct context_wish wish = wish_of(context);
+    struct contexts *contexts;
+    const bool done = contexts_open(&wish, &contexts, err) && traits_measure(contexts, out, err);
+    contexts_close(contexts);
+    return done;
+}
+
+/* Measures each one that is usable. */
+static bool drivers_measure(struct driver_list *drivers, struct error *err)
+{
+    for (int i = 0; i < drivers->n; i++) {
+        struct listed_driver *listed = &drivers->list[i];
+        if (!listed->is)
+            continue;
+        if (!MAKE_ARRAY(listed->traits, 1, err, "the traits of a driver") ||
+            !process_run(measure, listed, listed->traits, sizeof *listed->traits, err))
+            return false;
+    }
+    return true;
+}
+
+void drivers_free(struct driver_list *drivers)
+{
+    for (int i = 0; i < drivers->n; i++)
+        FREE_ALL(drivers->list[i].is, drivers->list[i].traits);
+    free(drivers->list);
+    *drivers = (struct driver_list){.n = 0};
+}
+
+/* ---- the command ---- */
 
 struct drivers_options {
     bool measure;
 };
-
-/* Prints what was measured, and the bounds of a driver that does so. */
-static void print_traits(const struct traits *traits, struct printed *to)
-{
-    struct driver profile;
-    char words[DRIVER_WORDS], reason[TRAITS_REASON];
-    traits_print(traits, to);
-    if (!traits_profile(traits, &profile, reason)) {
-        print(to, "  bounds          none: %s\n", reason);
-        return;
-    }
-    driver_print(&profile, words);
-    print(to, "  bounds          %s\n", words);
-}
 
 /* Returns the profile by which a render judges a driver. */
 static const char *profile_of(const struct context_description *is)
@@ -30,10 +144,13 @@ static const char *profile_of(const struct context_description *is)
     return known == driver_of(NULL) ? "measured" : known->name;
 }
 
-/* Prints the options, and what they choose. */
+/* Prints the options, and what they choose; what was measured, and the bounds of a driver that does
+ * so. */
 static void print_driver(const struct listed_driver *driver, struct printed *to)
 {
     const struct context_description *is = driver->is;
+    struct driver profile;
+    char words[DRIVER_WORDS], reason[TRAITS_REASON];
     print(to, "--gl %s%s%s\n", driver->library, driver->renderer ? " --renderer " : "",
           driver->renderer ? driver->renderer : "");
     if (!is) {
@@ -46,33 +163,33 @@ static void print_driver(const struct listed_driver *driver, struct printed *to)
           is->names.renderer, is->names.library, is->names.version, is->vendor, profile_of(is),
           is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
           is->largest_texture);
-    if (driver->traits)
-        print_traits(driver->traits, to);
+    if (!driver->traits)
+        return;
+    traits_print(driver->traits, to);
+    const bool bounded = traits_profile(driver->traits, &profile, reason);
+    if (bounded)
+        driver_print(&profile, words);
+    print(to, "  bounds          %s%s\n", bounded ? "" : "none: ", bounded ? words : reason);
 }
 
-static void json_traits(const struct traits *traits, struct json *json)
+static void json_bounds(const struct driver *of, struct json *json)
 {
-    struct driver profile;
-    char reason[TRAITS_REASON];
-    const bool bounded = traits_profile(traits, &profile, reason);
-    traits_json(traits, json);
-    json_string(json, "cannot_be_checked", bounded ? NULL : reason);
-    if (!bounded)
-        return;
     json_open(json, "measured_bounds", '{');
-    json_number(json, "edge_px", profile.grid_px);
-    json_number(json, "value_px", profile.corner_px);
-    json_number(json, "depth_steps", profile.depth_roundings);
-    json_number(json, "filter_texels", profile.filter_texels);
-    json_number(json, "lighting", profile.lighting);
-    json_truth(json, "watertight", profile.watertight);
-    json_truth(json, "exact_fill_rule", profile.fill_rule != FILL_ANY);
+    json_number(json, "edge_px", of->grid_px);
+    json_number(json, "value_px", of->corner_px);
+    json_number(json, "depth_steps", of->depth_roundings);
+    json_number(json, "filter_texels", of->filter_texels);
+    json_number(json, "lighting", of->lighting);
+    json_truth(json, "watertight", of->watertight);
+    json_truth(json, "exact_fill_rule", of->fill_rule != FILL_ANY);
     json_close(json, '}');
 }
 
 static void json_driver(const struct listed_driver *driver, struct json *json)
 {
     const struct context_description *is = driver->is;
+    struct driver profile;
+    char reason[TRAITS_REASON];
     json_open(json, NULL, '{');
     json_string(json, "gl", driver->library);
     json_string(json, "renderer", driver->renderer);
@@ -87,42 +204,37 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
         json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
-        if (driver->traits)
-            json_traits(driver->traits, json);
+    }
+    if (is && driver->traits) {
+        const bool bounded = traits_profile(driver->traits, &profile, reason);
+        traits_json(driver->traits, json);
+        json_string(json, "cannot_be_checked", bounded ? NULL : reason);
+        if (bounded)
+            json_bounds(&profile, json);
     }
     json_close(json, '}');
-}
-
-static bool write_json(struct options *options, const struct driver_list *drivers,
-                       struct error *err)
-{
-    struct json json;
-    json_begin(&json);
-    json_open(&json, "drivers", '[');
-    for (int i = 0; i < drivers->n; i++)
-        json_driver(&drivers->list[i], &json);
-    json_close(&json, ']');
-    return json_write(&json, options->json, &options->outputs, err);
-}
-
-static bool print_drivers(const struct driver_list *drivers, struct error *err)
-{
-    struct printed printed = {.text = NULL};
-    for (int i = 0; i < drivers->n; i++)
-        print_driver(&drivers->list[i], &printed);
-    return printed_show(&printed, STDOUT_FILENO, err);
 }
 
 static bool run_drivers(struct options *options, struct error *err)
 {
     const struct drivers_options *own = options->own;
     struct driver_list drivers;
-    bool usable = false, done = drivers_list(&drivers, err) &&
-                                (!own->measure || drivers_measure(&drivers, err));
-    for (int i = 0; done && i < drivers.n; i++)
+    struct json json;
+    bool usable = false,
+         done = drivers_list(&drivers, err) && (!own->measure || drivers_measure(&drivers, err));
+    (options->json ? json_begin : words_begin)(&json);
+    json_open(&json, "drivers", '[');
+    for (int i = 0; done && i < drivers.n; i++) {
         usable = usable || drivers.list[i].is;
-    done =
-        done && (options->json ? write_json(options, &drivers, err) : print_drivers(&drivers, err));
+        if (options->json)
+            json_driver(&drivers.list[i], &json);
+        else
+            print_driver(&drivers.list[i], &json.printed);
+    }
+    json_close(&json, ']');
+    if (!done)
+        free(printed_end(&json.printed));
+    done = done && json_write(&json, options->json, &options->outputs, err);
     drivers_free(&drivers);
     return done && (usable || error_failed(err, "no OpenGL can draw here; --renderer raster can"));
 }

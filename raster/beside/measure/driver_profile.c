@@ -48,12 +48,6 @@ static double largest_depth_error(const struct traits *traits)
     return fmax(-traits->depth_low, traits->depth_high);
 }
 
-static bool draws_left_bottom(const struct traits *traits)
-{
-    return traits->draws[SIDE_LEFT] && traits->draws[SIDE_BOTTOM] && !traits->draws[SIDE_RIGHT] &&
-           !traits->draws[SIDE_TOP] && traits->odd_centres == 0;
-}
-
 static bool refuse(char reason[TRAITS_REASON], const char *format, ...) PRINTF_LIKE(2, 3);
 static bool refuse(char reason[TRAITS_REASON], const char *format, ...)
 {
@@ -65,97 +59,70 @@ static bool refuse(char reason[TRAITS_REASON], const char *format, ...)
 }
 
 /* Refuses what breaks the specification in a way that no bound covers. */
-static bool check_traits(const struct traits *traits, char reason[TRAITS_REASON])
+static bool check_traits(const struct traits *of, char reason[TRAITS_REASON])
 {
-    if (!(traits->edge_px <= most_px))
-        return refuse(reason, "it draws edges off by %.3g pixel; at most 1/16 is allowed",
-                      traits->edge_px);
-    if (!(largest_depth_error(traits) <= most_depth_steps))
-        return refuse(reason,
-                      "it stores depths off by %.4g steps of 24 bits; at most %g are "
-                      "allowed",
-                      largest_depth_error(traits), most_depth_steps);
-    if (traits->provoking != 2)
-        return refuse(reason,
-                      "it takes the colour of a flat triangle from corner %d; the "
-                      "last one is required",
-                      traits->provoking + 1);
-    if (traits->clamps)
-        return refuse(reason, "it clamps colours although clamps are switched off");
-    if (traits->varying_pixels > 0)
-        return refuse(reason,
-                      "its passes do not show the same triangles: %ld of %ld pixels "
-                      "differ between flat and lit ones",
-                      traits->varying_pixels, traits->seen_pixels);
-    return true;
-}
-
-static bool check_values(const struct traits *traits, char reason[TRAITS_REASON])
-{
-    if (!(traits->value_px <= most_px))
-        return refuse(reason,
-                      "it interpolates values as if corners were off by %.3g pixel; at "
-                      "most 1/16 is allowed",
-                      traits->value_px);
-    if (!(traits->filter_texels <= most_filter_texels))
-        return refuse(reason,
-                      "its weights of linear filtering are off by %.3g; at most 1/16 "
-                      "is bounded",
-                      traits->filter_texels);
-    return lighting_of(traits) <= most_lighting ||
-           refuse(reason,
-                  "its lighting is off by %.3g of a highlight and %.3g roundings of a "
-                  "cosine; 1 part in 100000 is allowed",
-                  traits->power_error, traits->normal_roundings);
-}
-
-/* The depths that were measured are exact in single precision; others round before. A step of 24
- * bits is as large as a rounding of 1. */
-static double depth_roundings_of(const struct traits *traits)
-{
-    return ceil(2 * largest_depth_error(traits)) / 2 + 0.5;
-}
-
-/* The values that were measured change by at least 1 across the target, and lie below 1. Their
- * planes round at the origin, a target away, and in two sums: 8 roundings each, a few more of the
- * set-up. */
-static double roundings_px(void)
-{
-    return roundings(16) * 3 * TARGET;
+    const double depth = largest_depth_error(of);
+    return (of->edge_px <= most_px ||
+            refuse(reason, "it draws edges off by %.3g pixel; at most 1/16 is allowed",
+                   of->edge_px)) &&
+           (depth <= most_depth_steps ||
+            refuse(reason, "it stores depths off by %.4g steps of 24 bits; at most %g are allowed",
+                   depth, most_depth_steps)) &&
+           (of->provoking == 2 || refuse(reason,
+                                         "it takes the colour of a flat triangle from corner %d; "
+                                         "the last one is required",
+                                         of->provoking + 1)) &&
+           (!of->clamps || refuse(reason, "it clamps colours although clamps are switched off")) &&
+           (of->varying_pixels == 0 ||
+            refuse(reason,
+                   "its passes do not show the same triangles: %ld of %ld pixels differ between "
+                   "flat and lit ones",
+                   of->varying_pixels, of->seen_pixels)) &&
+           (of->value_px <= most_px ||
+            refuse(reason,
+                   "it interpolates values as if corners were off by %.3g pixel; at most 1/16 is "
+                   "allowed",
+                   of->value_px)) &&
+           (of->filter_texels <= most_filter_texels ||
+            refuse(reason,
+                   "its weights of linear filtering are off by %.3g; at most 1/16 is bounded",
+                   of->filter_texels)) &&
+           (lighting_of(of) <= most_lighting ||
+            refuse(reason,
+                   "its lighting is off by %.3g of a highlight and %.3g roundings of a cosine; 1 "
+                   "part in 100000 is allowed",
+                   of->power_error, of->normal_roundings));
 }
 
 bool traits_profile(const struct traits *traits, struct driver *out, char reason[TRAITS_REASON])
 {
     const struct driver *most = driver_of(NULL);
     *out = *most;
-    if (!check_traits(traits, reason) || !check_values(traits, reason))
+    if (!check_traits(traits, reason))
         return false;
     out->name = "measured";
     out->is_measured = true;
     out->grid_px = grid_of(traits->edge_px, roundings(most->edge_roundings) * TARGET);
-    out->depth_roundings = depth_roundings_of(traits);
-    out->corner_px = grid_of(traits->value_px, roundings_px());
+    /* The depths that were measured are exact in single precision; others round before. A step of
+     * 24 bits is as large as a rounding of 1. */
+    out->depth_roundings = ceil(2 * largest_depth_error(traits)) / 2 + 0.5;
+    /* The values that were measured change by at least 1 across the target, and lie below 1. Their
+     * planes round at the origin, a target away, and in two sums: 8 roundings each, a few more of
+     * the set-up. */
+    out->corner_px = grid_of(traits->value_px, roundings(16) * 3 * TARGET);
     out->filter_texels = grid_of(traits->filter_texels, roundings(32));
     out->lighting = lighting_of(traits);
     out->watertight = traits->holes == 0 && traits->doubles == 0;
-    out->fill_rule =
-        draws_left_bottom(traits) && out->grid_px <= 1.0 / 512 ? FILL_LEFT_BOTTOM : FILL_ANY;
+    const bool *draws = traits->draws, left_bottom = draws[SIDE_LEFT] && draws[SIDE_BOTTOM] &&
+                                                     !draws[SIDE_RIGHT] && !draws[SIDE_TOP] &&
+                                                     traits->odd_centres == 0;
+    out->fill_rule = left_bottom && out->grid_px <= 1.0 / 512 ? FILL_LEFT_BOTTOM : FILL_ANY;
     return true;
 }
 
 /* ---- the table ---- */
 
 static const char *const side_names[SIDES] = {"left", "right", "top", "bottom"};
-
-static void name_sides(const struct traits *traits, char out[64])
-{
-    int length = 0;
-    out[0] = '\0';
-    for (int i = 0; i < SIDES; i++)
-        if (traits->draws[i])
-            length += snprintf(out + length, (size_t)(64 - length), "%s%s", length ? ", " : "",
-                               side_names[i]);
-}
 
 /* One row: a trait, its measurement, and the rule. */
 static void print_row(struct printed *to, const char *trait, const char *allowed,
@@ -171,10 +138,15 @@ static void print_row(struct printed *to, const char *trait, const char *allowed
     print(to, "    %-22s %-44s %s\n", trait, measured, allowed);
 }
 
-static void print_coverage(const struct traits *of, struct printed *to)
+void traits_print(const struct traits *of, struct printed *to)
 {
-    char sides[64];
-    name_sides(of, sides);
+    static const char *const corners[3] = {"first", "second", "last"};
+    char sides[64] = "";
+    for (size_t i = 0, length = 0; i < SIDES; i++)
+        if (of->draws[i])
+            length += (size_t)snprintf(sides + length, sizeof sides - length, "%s%s",
+                                       length ? ", " : "", side_names[i]);
+    print(to, "  %-24s %-44s %s\n", "measured", "", "allowed");
     print_row(to, "edges", "1/16", "off by %.3g pixel (GL_SUBPIXEL_BITS %d)", of->edge_px,
               of->subpixel_bits);
     print_row(to, "centres on edges", "any rule", "%s; %ld of %ld not so", sides, of->odd_centres,
@@ -183,11 +155,6 @@ static void print_coverage(const struct traits *of, struct printed *to)
               of->doubles, of->shared_pixels);
     print_row(to, "without area", "no rule", "%ld pixels, %ld not finite, %ld shown",
               of->sliver_pixels, of->undefined_pixels, of->shown_pixels);
-}
-
-static void print_values(const struct traits *of, struct printed *to)
-{
-    static const char *const corners[3] = {"first", "second", "last"};
     print_row(to, "depth", "-1.5 to 1.5 of 24 bits", "%+.2f to %+.2f steps (GL_DEPTH_BITS %d)",
               of->depth_low, of->depth_high, of->depth_bits);
     print_row(to, "flat colour", "last", "of the %s corner", corners[of->provoking]);
@@ -199,13 +166,6 @@ static void print_values(const struct traits *of, struct printed *to)
     print_row(to, "normals", "1e-05 an operation", "off by %.2g roundings", of->normal_roundings);
     print_row(to, "flat and lit passes", "0", "%ld of %ld pixels differ", of->varying_pixels,
               of->seen_pixels);
-}
-
-void traits_print(const struct traits *traits, struct printed *to)
-{
-    print(to, "  %-24s %-44s %s\n", "measured", "", "allowed");
-    print_coverage(traits, to);
-    print_values(traits, to);
 }
 
 void traits_json(const struct traits *traits, struct json *json)

@@ -6,7 +6,7 @@
 #include "data/base/base.h"
 #include "raster/beside/measure/measure.h"
 
-/* ---- traits.c ---- */
+/* ---- values.c ---- */
 
 enum { SIDE_LEFT, SIDE_RIGHT, SIDE_TOP, SIDE_BOTTOM, SIDES };
 struct traits {
@@ -26,14 +26,14 @@ struct traits {
     bool clamps;          /* colours above 1, although clamps are switched off */
     double power_error, power_ratio; /* of highlights: relative; as a multiple of its bound */
     double normal_roundings;         /* of diffuse light under GL_NORMALIZE */
-    /* passes.c */
+    /* values.c */
     long seen_pixels, varying_pixels; /* where lit and flat drawings differ in coverage or depth */
 };
 /* Draws and measures. Fails with EXIT_SYSTEM where OpenGL cannot draw. The canvas that the caller
  * uses must be used again afterwards. */
 bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err);
 
-/* ---- profile.c ---- */
+/* ---- driver_profile.c ---- */
 
 /* Makes the profile. Returns false, and the reason as "it ...", where the specification does not
  * allow what was measured, or no bound covers it. */
@@ -63,10 +63,8 @@ struct target {
     const struct gl_functions *call;
     const struct contexts *contexts;
     struct canvas *canvas;
-    enum gl_way way;
     unsigned programs[TARGET_MODES], buffers[2]; /* names; programs: of ways with shaders */
     float to_clip[16];                           /* by columns */
-    bool flipped, mirrors;                       /* see contexts.h */
     uint64_t random;
     float colours[TARGET][TARGET][4]; /* from the top, as all that follows */
     uint32_t depths[TARGET][TARGET];  /* as OpenGL gives them: see target_depth */
@@ -92,18 +90,9 @@ int random_below(struct target *target, int n);
 void rectangle_corners(double left, double top, double right, double bottom,
                        const struct target_corner *like, struct target_corner out[6]);
 
-/* mode.c. target_shade makes the next triangles be coloured so; gloss: of a highlight.
- * target_prepare makes what that needs, once, when the canvas is in use. target_point lets OpenGL
- * take corners from memory; NULL: from the bound buffer. */
-bool target_prepare(struct target *target, struct error *err);
+/* Makes the next triangles be coloured so; gloss: of a highlight. */
 void target_shade(const struct target *target, enum target_mode mode, double gloss);
-void target_point(const struct target *target, const struct target_corner *corners);
 
 void measure_coverage(struct target *target, struct traits *out);
-void measure_values(struct target *target, struct traits *out);
-void measure_lighting(struct target *target, struct traits *out);
-bool measure_passes(struct target *target, struct traits *out, struct error *err);
-
-bool drivers_measure(struct driver_list *drivers, struct error *err);
 
 #endif

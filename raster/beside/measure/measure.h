@@ -13,7 +13,7 @@
 #include "raster/renderers/renderers.h"
 #include "spectral.h"
 
-/* ---- traits.c ---- */
+/* ---- values.c ---- */
 
 /* Makes the profile of a driver from measurements: see struct drawing_ways. */
 bool driver_measure(struct contexts *contexts, const char *gl_renderer, struct driver *out,
@@ -41,7 +41,6 @@ struct driver_list {
  * shaders, in processes of their own. Leaves out a driver that a library does not have, or has
  * without being asked for it. The caller always frees *out. */
 bool drivers_list(struct driver_list *out, struct error *err);
-/* Measures each one that is usable: see raster/traits. */
 void drivers_free(struct driver_list *drivers);
 
 #endif

@@ -1,35 +1,47 @@
 /* SPDX-License-Identifier: MIT */
-/* Measures depths, colours and textures inside of triangles. */
+/* Measures depths, colours and textures inside of triangles, the light at a vertex, and whether the
+ * passes of a picture show the same triangles. All measurements, one after the other. */
 #include <math.h>
+#include <stdlib.h>
+#include <string.h>
 
+#include "data/maths/maths.h"
 #include "raster/beside/measure/inside.h"
+#include "raster/bounds/bounds.h"
 
 static const double depth_steps = 16777215;
 
 /* ---- depth ---- */
 
-/* A grid of rectangles with depths on a grid of 1/65536, which single precision holds. */
+enum { SIDE = 4, MANY = TARGET / SIDE, POINTS = MANY * MANY };
+
+/* Draws a small rectangle like each of these corners, and reads the target. */
+static void draw_grid(struct target *target, const struct target_corner like[POINTS])
+{
+    target_clear(target);
+    for (int i = 0; i < POINTS; i++) {
+        struct target_corner corners[6];
+        const int x = SIDE * (i % MANY), y = SIDE * (i / MANY);
+        rectangle_corners(x, y, x + SIDE, y + SIDE, &like[i], corners);
+        target_draw(target, corners, 2);
+    }
+    target_read(target);
+}
+
+/* Depths lie on a grid of 1/65536, which single precision holds. */
 static void measure_depth(struct target *target, struct traits *out)
 {
-    enum { SIDE = 4, MANY = TARGET / SIDE };
-    double depth[MANY][MANY];
-    target_clear(target);
-    for (int y = 0; y < MANY; y++)
-        for (int x = 0; x < MANY; x++) {
-            struct target_corner corners[6], like = {.normal = {0, 0, 1}};
-            depth[y][x] = random_below(target, 65537) / 65536.0;
-            like.position[2] = (float)depth[y][x];
-            rectangle_corners(SIDE * x, SIDE * y, SIDE * (x + 1), SIDE * (y + 1), &like, corners);
-            target_draw(target, corners, 2);
-        }
-    target_read(target);
-    for (int y = 0; y < MANY; y++)
-        for (int x = 0; x < MANY; x++) {
-            const double off =
-                target_depth(target, SIDE * x + 1, SIDE * y + 1) - depth[y][x] * depth_steps;
-            out->depth_low = fmin(out->depth_low, off);
-            out->depth_high = fmax(out->depth_high, off);
-        }
+    struct target_corner like[POINTS];
+    for (int i = 0; i < POINTS; i++)
+        like[i] = (struct target_corner){
+            .position = {0, 0, (float)random_below(target, 65537) / 65536}, .normal = {0, 0, 1}};
+    draw_grid(target, like);
+    for (int i = 0; i < POINTS; i++) {
+        const double off = target_depth(target, SIDE * (i % MANY) + 1, SIDE * (i / MANY) + 1) -
+                           (double)like[i].position[2] * depth_steps;
+        out->depth_low = fmin(out->depth_low, off);
+        out->depth_high = fmax(out->depth_high, off);
+    }
 }
 
 /* ---- colours ---- */
@@ -139,7 +151,8 @@ static void measure_filter(struct target *target, struct traits *out)
 {
     const struct gl_functions *call = target->call;
     GLuint name;
-    if (target->way == GL_ES && !contexts_have(target->contexts, "GL_OES_texture_float_linear"))
+    if (target->contexts->way == GL_ES &&
+        !contexts_have(target->contexts, "GL_OES_texture_float_linear"))
         return;
     call->GenTextures(1, &name);
     call->BindTexture(GL_TEXTURE_2D, name);
@@ -150,11 +163,159 @@ static void measure_filter(struct target *target, struct traits *out)
     target_shade(target, TARGET_COLOURS, 0);
 }
 
-void measure_values(struct target *target, struct traits *out)
+/* ---- the light at a vertex ---- */
+
+/* Returns the red of rectangle i of a grid. */
+static double red_of(const struct target *target, int i)
 {
-    measure_depth(target, out);
-    measure_provoking(target, out);
-    measure_clamp(target, out);
-    measure_interpolation(target, out);
-    measure_filter(target, out);
+    return (double)target->colours[SIDE * (i / MANY) + 1][SIDE * (i % MANY) + 1][0];
+}
+
+/* Without GL_NORMALIZE a normal (0, 0, h) gives the highlight h^gloss. Values below `least` may be
+ * flushed. */
+static void measure_power(struct target *target, double gloss, struct traits *out)
+{
+    static const double least = 1e-30;
+    struct target_corner like[POINTS];
+    for (int i = 0; i < POINTS; i++)
+        like[i] = (struct target_corner){.position = {0, 0, 0.5F},
+                                         .normal = {0, 0, (float)random_in(target, 0.52, 1)}};
+    target_shade(target, TARGET_HIGHLIGHT, gloss);
+    draw_grid(target, like);
+    for (int i = 0; i < POINTS; i++) {
+        const double base = (double)like[i].normal[2], expected = power(base, gloss),
+                     off = fabs(red_of(target, i) / expected - 1);
+        if (expected < least)
+            continue;
+        out->power_error = fmax(out->power_error, off);
+        out->power_ratio = fmax(out->power_ratio, off / pow_error(base, gloss));
+    }
+}
+
+/* Normals of lengths from 1/1024 to 1024. */
+static void measure_normals(struct target *target, struct traits *out)
+{
+    struct target_corner like[POINTS];
+    for (int i = 0; i < POINTS; i++) {
+        const double length = ldexp(1, random_below(target, 21) - 10);
+        like[i] = (struct target_corner){.position = {0, 0, 0.5F}};
+        for (int j = 0; j < 3; j++)
+            like[i].normal[j] = (float)(length * random_in(target, j < 2 ? -1 : 0.1, 1));
+    }
+    target_shade(target, TARGET_DIFFUSE, 0);
+    draw_grid(target, like);
+    for (int i = 0; i < POINTS; i++) {
+        const float *n = like[i].normal;
+        const struct vector normal = {(double)n[0], (double)n[1], (double)n[2]};
+        const double off = fabs(red_of(target, i) - normal.z / vector_length(normal));
+        out->normal_roundings = fmax(out->normal_roundings, off / roundings(1));
+    }
+}
+
+/* ---- passes ---- */
+
+/* Measures whether the passes of a picture show the same triangles: one draws numbers as flat
+ * colours from the program's memory, the others draw lit triangles from OpenGL's. */
+
+enum { CORNERS = 3 * BUFFERED_TRIANGLES };
+
+/* A frustum of a right angle between 1 and 20; turned, and scaled differently along each axis. */
+static void place_perspective(struct target *target)
+{
+    const double up = target->contexts->mirrored ? -1 : 1;
+    const double projection[16] = {1, 0, 0,          0,  0, up, 0,          0,
+                                   0, 0, -21.0 / 19, -1, 0, 0,  -40.0 / 19, 0},
+                 model[16] = {0.96, 0.28, 0.1, 0, -0.25, 0.85, 0.3, 0,
+                              0.02, -0.3, 1,   0, 0,     0,    0,   1};
+    target_place(target, projection, model);
+}
+
+/* Triangles of several sizes; some cross the near plane. */
+static void make_triangles(struct target *target, struct target_corner out[CORNERS])
+{
+    for (int t = 0; t < BUFFERED_TRIANGLES; t++) {
+        double middle[3];
+        const double size = t % 10 == 0 ? 4 : 0.4;
+        for (int j = 0; j < 3; j++)
+            middle[j] = random_in(target, j < 2 ? -4 : -12, j < 2 ? 4 : 1);
+        for (int i = 3 * t; i < 3 * t + 3; i++)
+            for (int j = 0; j < 3; j++) {
+                out[i].position[j] = (float)(middle[j] + random_in(target, -size, size));
+                out[i].normal[j] = (float)random_in(target, -1, 1);
+                out[i].colour[j] = (float)random_in(target, 0, 1);
+            }
+    }
+}
+
+static bool measure_passes(struct target *target, struct traits *out, struct error *err)
+{
+    struct target_corner *corners;
+    uint32_t *flat = NULL;
+    const bool done = MAKE_ARRAY(corners, CORNERS, err, "corners of triangles") &&
+                      MAKE_ARRAY(flat, TARGET * TARGET, err, "depths of a small picture");
+    place_perspective(target);
+    target->call->DepthFunc(GL_LESS);
+    for (int n = 0; done && n < 3; n++) {
+        make_triangles(target, corners);
+        target_shade(target, TARGET_FLAT, 0);
+        target_show(target, corners, BUFFERED_TRIANGLES);
+        memcpy(flat, target->depths, sizeof target->depths);
+        target_shade(target, TARGET_DIFFUSE, 0);
+        target_clear(target);
+        target_draw_buffered(target, corners);
+        target_read(target);
+        for (int i = 0; i < TARGET * TARGET; i++) {
+            const uint32_t lit = target->depths[i / TARGET][i % TARGET];
+            out->seen_pixels += (flat[i] & 0xff) > 0;
+            out->varying_pixels += lit != flat[i];
+        }
+    }
+    free(corners);
+    free(flat);
+    return done;
+}
+
+/* ---- all of it ---- */
+
+bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err)
+{
+    static const double gloss[] = {0.3, 1, 2, 10.5, 40, 128};
+    struct target *target;
+    *out = (struct traits){.subpixel_bits = 0};
+    bool done = target_open(contexts, &target, err);
+    if (done) {
+        target->call->GetIntegerv(GL_SUBPIXEL_BITS, &out->subpixel_bits);
+        out->depth_bits = 24; /* those of the buffer that canvas_open makes */
+        if (target->contexts->way == GL_WITHOUT_SHADERS)
+            target->call->GetIntegerv(GL_DEPTH_BITS, &out->depth_bits);
+        measure_coverage(target, out);
+        measure_depth(target, out);
+        measure_provoking(target, out);
+        measure_clamp(target, out);
+        measure_interpolation(target, out);
+        measure_filter(target, out);
+        for (size_t i = 0; i < sizeof gloss / sizeof *gloss; i++)
+            measure_power(target, gloss[i], out);
+        measure_normals(target, out);
+        target_shade(target, TARGET_COLOURS, 0);
+        done = measure_passes(target, out, err);
+        const GLenum code = target->call->GetError();
+        if (done && code != GL_NO_ERROR)
+            done = error_failed(err, "OpenGL reports error 0x%04x on small targets", code);
+    }
+    target_close(target);
+    return done;
+}
+
+bool driver_measure(struct contexts *contexts, const char *gl_renderer, struct driver *out,
+                    struct error *err)
+{
+    struct canvas *in_use = contexts->current;
+    struct traits traits;
+    char reason[TRAITS_REASON];
+    return traits_measure(contexts, &traits, err) && canvas_use(in_use, in_use->pixels, err) &&
+           (traits_profile(&traits, out, reason) ||
+            error_unsupported(err,
+                              "%s cannot be checked: %s; spectral drivers --measure prints more",
+                              gl_renderer, reason));
 }

@@ -11,10 +11,11 @@
 
 /* PASSES: drawn at once, one in each buffer of colours. Every OpenGL ES 3.0 has four such buffers;
  * with more of them a render is not faster, measured on llvmpipe. */
-enum { MOST_PASSES = 4, MOST_PIXEL_BUFFERS = 8 };
+enum { MOST_PASSES = 4 };
 
-/* ---- program.c ---- */
+/* ---- shader_program.c ---- */
 
+enum { VARIANTS = 12 }; /* of the programs of a group: shines, two_sided, texture */
 /* The effects that a program has; it has no others. */
 struct program_effects {
     int group; /* of lights */
@@ -30,63 +31,24 @@ struct program {
     int material, batch; /* whose colours it has: of the plan, of struct shader; -1: none */
 };
 struct shader;
-/* Makes the program of some effects unless there is one, and uses it. NULL: a failure. */
+/* Makes the program of some effects, or with NULL the one that draws the numbers of triangles,
+ * unless there is one, and uses it. NULL: a failure. */
 struct program *program_use(struct shader *shader, const struct program_effects *effects,
                             struct error *err);
-/* Does the same with the program that draws the numbers of triangles. */
-struct program *program_use_numbers(struct shader *shader, struct error *err);
-/* Returns how many programs there may be. */
-int program_count(const struct plan *plan);
 
 /* ---- shared ---- */
 
 struct shader {
-    struct renderer renderer; /* the first member */
-    const struct plan *plan;
-    const struct lit_scene *lit;
-    struct contexts *contexts;
-    const struct gl_functions *call;
+    struct drawing base; /* the first member; of several passes, which are drawn at once */
     struct canvas *canvas;
-    struct vertex_buffers vertices;
-    struct program *programs, numbers; /* programs: program_count; owned */
-    unsigned *textures;                /* names: of each texture MOST_PASSES; owned */
+    struct program *programs, numbers; /* programs: VARIANTS of each group; owned */
     unsigned stream;                   /* the buffer of numbered vertices */
-    int n_passes;                      /* that are drawn at once */
-    /* rows of the tile's width from the top, 4 floats a pixel; owned */
-    float *buffers[MOST_PIXEL_BUFFERS], *ready[MOST_PASSES], *part, *shown;
-    uint32_t *depths; /* NULL: no check, or not to be read; owned */
+    float *ready[MOST_PASSES];         /* pixels as those of buffers; owned */
     bool stale;
     int *order, n_order; /* the first bands that `draw` gets on each tile; owned */
     int batch, n_batch;  /* in `ready`: from this place of the order on, so many; batch -1: none */
     int n_batches;       /* drawn so far */
     double full_scale;
-    struct rectangle tile;
 };
-
-/* ---- upload.c ---- */
-
-bool shader_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err);
-/* Uploads the spectral textures for some passes. */
-bool shader_upload_bands(struct shader *shader, const int *first_bands, int n, struct error *err);
-/* Lets the next draw calls take their vertices from an instance's mesh. Returns their corners. */
-int shader_bind_mesh(const struct shader *shader, int instance);
-/* Lets them show a texture of the plan, which is drawn. */
-void shader_bind_texture(const struct shader *shader, const struct texture *texture);
-
-/* ---- draw.c ---- */
-
-void shader_aim(struct renderer *renderer, const struct rectangle *tile);
-bool shader_expect(struct renderer *renderer, const int *first_bands, int n, struct error *err);
-bool shader_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-                 struct error *err);
-/* Sets the matrix that takes an instance to the tile's clip space. */
-void shader_place(const struct shader *shader, const struct program *program, int instance);
-/* Empties what was drawn of another tile, and all depths. */
-void shader_clear(struct shader *shader);
-
-/* ---- identify.c ---- */
-
-bool shader_identify(struct renderer *renderer, struct error *err);
-struct shown shader_shown(const struct renderer *renderer, int x, int y);
 
 #endif

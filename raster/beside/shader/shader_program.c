@@ -7,7 +7,7 @@
 
 static bool is_flat(const struct shader *of)
 {
-    return of->plan->view.shading == FLAT;
+    return of->base.plan->view.shading == FLAT;
 }
 
 /* ---- lighting at a vertex ---- */
@@ -47,9 +47,9 @@ static void print_incidence(const struct eye_light *light, int i, struct printed
 static void print_light(const struct shader *of, const struct program_effects *effects, int light,
                         int i, struct printed *to)
 {
-    const int n = of->n_passes;
+    const int n = of->base.n_units;
     print_text(to, "    {\n");
-    print_incidence(&of->plan->lights[light], i, to);
+    print_incidence(&of->base.plan->lights[light], i, to);
     print_text(to, "        float facing = dot(normal_there, towards);\n"
                    "        float weight = max(facing, 0.0) * left;\n");
     for (int k = 0; k < n; k++)
@@ -68,7 +68,7 @@ static void print_light(const struct shader *of, const struct program_effects *e
 static void print_lighting(const struct shader *of, const struct program_effects *effects,
                            struct printed *to)
 {
-    const struct plan *plan = of->plan;
+    const struct plan *plan = of->base.plan;
     int n, first = lights_of(plan, effects->group, &n);
     print(to,
           "float power(float base, float exponent)\n"
@@ -76,8 +76,8 @@ static void print_lighting(const struct shader *of, const struct program_effects
           "    return exponent == 0.0 ? 1.0 : base > 0.0 ? pow(base, exponent) : 0.0;\n"
           "}\n"
           "void light(vec3 normal_there, vec3 eye, vec3 viewer, out vec4 sum[%d])\n{\n",
-          of->n_passes);
-    for (int k = 0; k < of->n_passes; k++)
+          of->base.n_units);
+    for (int k = 0; k < of->base.n_units; k++)
         print(to, "    sum[%d] = constant[%d];\n", k, k);
     for (int i = 0; i < n; i++)
         if (!plan->is_idle[first + i])
@@ -89,7 +89,7 @@ static void print_vertex_variables(const struct shader *of, const struct program
                                    struct printed *to)
 {
     int n;
-    lights_of(of->plan, effects->group, &n);
+    lights_of(of->base.plan, effects->group, &n);
     const char *flat = is_flat(of) ? "flat " : "";
     const int lights = n > 0 ? n : 1;
     print(to,
@@ -106,16 +106,16 @@ static void print_vertex_variables(const struct shader *of, const struct program
           "invariant gl_Position;\n"
           "out vec2 at;\n"
           "%sout vec4 front[%d];\n",
-          of->n_passes, lights * of->n_passes, lights * of->n_passes, lights, lights, lights,
-          lights, flat, of->n_passes);
+          of->base.n_units, lights * of->base.n_units, lights * of->base.n_units, lights, lights,
+          lights, lights, flat, of->base.n_units);
     if (effects->two_sided)
-        print(to, "%sout vec4 back[%d];\n", flat, of->n_passes);
+        print(to, "%sout vec4 back[%d];\n", flat, of->base.n_units);
 }
 
 static void print_vertex_shader(const struct shader *of, const struct program_effects *effects,
                                 struct printed *to)
 {
-    program_begin(of->plan->options.gl_way, to);
+    program_begin(of->base.plan->options.gl_way, to);
     print_vertex_variables(of, effects, to);
     print_lighting(of, effects, to);
     print(to,
@@ -126,7 +126,7 @@ static void print_vertex_shader(const struct shader *of, const struct program_ef
           "    gl_Position = to_clip * vec4(position, 1.0);\n"
           "    at = coordinates;\n"
           "    light(normal_there, eye, viewer, front);\n",
-          of->plan->view.local_viewer ? "normalize(-eye)" : "vec3(0.0, 0.0, 1.0)");
+          of->base.plan->view.local_viewer ? "normalize(-eye)" : "vec3(0.0, 0.0, 1.0)");
     if (effects->two_sided)
         print_text(to, "    light(-normal_there, eye, viewer, back);\n");
     print_text(to, "}\n");
@@ -134,35 +134,29 @@ static void print_vertex_shader(const struct shader *of, const struct program_ef
 
 /* ---- colours at a pixel ---- */
 
-/* Prints the texel that multiplies the colour of pass k. */
-static void print_texel(const struct program_effects *effects, int k, struct printed *to)
-{
-    if (effects->texture == GREY_TEXTURE)
-        print_text(to, " * vec4(texel.rrr, 1.0)");
-    if (effects->texture == SPECTRAL_TEXTURE)
-        print(to, " * vec4(texture(texels%d, at).rgb, 1.0)", k);
-}
-
 static void print_fragment_shader(const struct shader *of, const struct program_effects *effects,
                                   struct printed *to)
 {
     const char *flat = is_flat(of) ? "flat " : "";
-    program_begin(of->plan->options.gl_way, to);
-    print(to, "in vec2 at;\n%sin vec4 front[%d];\n", flat, of->n_passes);
+    program_begin(of->base.plan->options.gl_way, to);
+    print(to, "in vec2 at;\n%sin vec4 front[%d];\n", flat, of->base.n_units);
     if (effects->two_sided)
-        print(to, "%sin vec4 back[%d];\n", flat, of->n_passes);
-    for (int k = 0; k < of->n_passes; k++)
+        print(to, "%sin vec4 back[%d];\n", flat, of->base.n_units);
+    for (int k = 0; k < of->base.n_units; k++)
         print(to, "layout(location = %d) out vec4 colour%d;\nuniform sampler2D texels%d;\n", k, k,
               k);
     print_text(to, "void main()\n{\n");
     if (effects->texture == GREY_TEXTURE)
         print_text(to, "    vec4 texel = texture(texels0, at);\n");
-    for (int k = 0; k < of->n_passes; k++) {
+    for (int k = 0; k < of->base.n_units; k++) {
         print(to,
               effects->two_sided ? "    colour%d = (gl_FrontFacing ? front[%d] : back[%d])"
                                  : "    colour%d = front[%d]",
               k, k, k);
-        print_texel(effects, k, to);
+        if (effects->texture == GREY_TEXTURE)
+            print_text(to, " * vec4(texel.rrr, 1.0)");
+        if (effects->texture == SPECTRAL_TEXTURE)
+            print(to, " * vec4(texture(texels%d, at).rgb, 1.0)", k);
         print_text(to, ";\n");
     }
     print_text(to, "}\n");
@@ -182,29 +176,18 @@ static void find_variables(const struct shader *of, struct program *program)
                      {"attenuation", &program->attenuation}, {"axis", &program->axis},
                      {"exponent", &program->exponent}};
     for (size_t i = 0; i < sizeof variables / sizeof *variables; i++)
-        *variables[i].at = of->call->GetUniformLocation(program->name, variables[i].name);
-}
-
-static bool make(const struct shader *of, struct printed *vertex, struct printed *fragment,
-                 struct program *out, struct error *err)
-{
-    struct program program = {.material = -1, .batch = -1};
-    if (!program_end(of->call, vertex, fragment, &program.name, err))
-        return false;
-    find_variables(of, &program);
-    *out = program;
-    return true;
+        *variables[i].at = of->base.call->GetUniformLocation(program->name, variables[i].name);
 }
 
 /* Sets what no pass changes: the lights of the group, and the units of textures. */
 static void set_lights(const struct shader *of, int group, const struct program *program)
 {
-    const struct gl_functions *call = of->call;
+    const struct gl_functions *call = of->base.call;
     GLfloat place[LIGHTS_PER_PASS][3] = {{0}}, attenuation[LIGHTS_PER_PASS][3] = {{0}},
             axis[LIGHTS_PER_PASS][4] = {{0}}, exponent[LIGHTS_PER_PASS] = {0};
-    int n, first = lights_of(of->plan, group, &n);
+    int n, first = lights_of(of->base.plan, group, &n);
     for (int i = 0; i < n; i++) {
-        const struct eye_light *light = &of->plan->lights[first + i];
+        const struct eye_light *light = &of->base.plan->lights[first + i];
         const double from[] = {light->position.x, light->position.y, light->position.z};
         const double along[] = {light->axis.x, light->axis.y, light->axis.z, light->cutoff_cosine};
         for (int k = 0; k < 4; k++)
@@ -219,7 +202,7 @@ static void set_lights(const struct shader *of, int group, const struct program 
     call->Uniform3fv(program->attenuation, n, attenuation[0]);
     call->Uniform4fv(program->axis, n, axis[0]);
     call->Uniform1fv(program->exponent, n, exponent);
-    for (int k = 0; k < of->n_passes; k++) {
+    for (int k = 0; k < of->base.n_units; k++) {
         char name[24];
         snprintf(name, sizeof name, "texels%d", k);
         call->Uniform1i(call->GetUniformLocation(program->name, name), k);
@@ -228,52 +211,47 @@ static void set_lights(const struct shader *of, int group, const struct program 
 
 /* ---- the programs ---- */
 
-enum { VARIANTS = 12 }; /* of a group: shines, two_sided, texture */
-
-int program_count(const struct plan *plan)
+/* Prints the shaders that draw the numbers of triangles. */
+static void print_numbers(enum gl_way way, struct printed *vertex, struct printed *fragment)
 {
-    return VARIANTS * plan->n_light_groups;
+    program_begin(way, vertex);
+    print_text(vertex, "layout(location = 0) in vec3 position;\n"
+                       "layout(location = 1) in vec3 number;\n"
+                       "uniform mat4 to_clip;\n"
+                       "invariant gl_Position;\n"
+                       "flat out vec3 shown;\n"
+                       "void main()\n{\n"
+                       "    gl_Position = to_clip * vec4(position, 1.0);\n"
+                       "    shown = number;\n}\n");
+    program_begin(way, fragment);
+    print_text(fragment, "flat in vec3 shown;\n"
+                         "layout(location = 0) out vec4 colour0;\n"
+                         "void main()\n{\n"
+                         "    colour0 = vec4(shown, 0.0);\n}\n");
 }
 
 struct program *program_use(struct shader *shader, const struct program_effects *effects,
                             struct error *err)
 {
-    const int variant = 6 * effects->shines + 3 * effects->two_sided + (int)effects->texture;
-    struct program *program = &shader->programs[VARIANTS * effects->group + variant];
-    struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
-    if (program->name) {
-        shader->call->UseProgram(program->name);
-        return program;
-    }
-    print_vertex_shader(shader, effects, &vertex);
-    print_fragment_shader(shader, effects, &fragment);
-    if (!make(shader, &vertex, &fragment, program, err))
-        return NULL;
-    set_lights(shader, effects->group, program);
-    return program;
-}
-
-struct program *program_use_numbers(struct shader *shader, struct error *err)
-{
     struct program *program = &shader->numbers;
     struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
+    if (effects)
+        program = &shader->programs[VARIANTS * effects->group + 6 * effects->shines +
+                                    3 * effects->two_sided + (int)effects->texture];
     if (program->name) {
-        shader->call->UseProgram(program->name);
+        shader->base.call->UseProgram(program->name);
         return program;
     }
-    program_begin(shader->plan->options.gl_way, &vertex);
-    print_text(&vertex, "layout(location = 0) in vec3 position;\n"
-                        "layout(location = 1) in vec3 number;\n"
-                        "uniform mat4 to_clip;\n"
-                        "invariant gl_Position;\n"
-                        "flat out vec3 shown;\n"
-                        "void main()\n{\n"
-                        "    gl_Position = to_clip * vec4(position, 1.0);\n"
-                        "    shown = number;\n}\n");
-    program_begin(shader->plan->options.gl_way, &fragment);
-    print_text(&fragment, "flat in vec3 shown;\n"
-                          "layout(location = 0) out vec4 colour0;\n"
-                          "void main()\n{\n"
-                          "    colour0 = vec4(shown, 0.0);\n}\n");
-    return make(shader, &vertex, &fragment, program, err) ? program : NULL;
+    if (effects) {
+        print_vertex_shader(shader, effects, &vertex);
+        print_fragment_shader(shader, effects, &fragment);
+    } else
+        print_numbers(shader->base.plan->options.gl_way, &vertex, &fragment);
+    if (!program_end(shader->base.call, &vertex, &fragment, &program->name, err))
+        return NULL;
+    program->material = program->batch = -1;
+    find_variables(shader, program);
+    if (effects)
+        set_lights(shader, effects->group, program);
+    return program;
 }

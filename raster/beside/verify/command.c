@@ -1,8 +1,249 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral verify: judges scenes on drivers, and reports the results. */
+/* spectral verify: the drivers and the scenes that are verified; one scene on one driver; all of
+ * them, and the report. */
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
+#include "data/scene/scene.h"
+#include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/inside.h"
+
+struct verify_options {
+    struct render_options render; /* the first member */
+    const char *junit;
+};
+
+/* ---- drivers ---- */
+
+static bool add_driver(struct verification *to, const char *library, const char *renderer,
+                       struct error *err)
+{
+    struct verify_driver driver = {.renderer = renderer};
+    snprintf(driver.library, sizeof driver.library, "%s", library);
+    return array_add(&to->drivers, &to->n_drivers, &driver, sizeof driver, err);
+}
+
+/* Returns whether an earlier driver of the list is the same one, by another option. */
+static bool is_listed(const struct driver_list *drivers, int index)
+{
+    const struct listed_driver *listed = &drivers->list[index];
+    const char *driver;
+    for (int i = 0; i < index; i++) {
+        const struct listed_driver *other = &drivers->list[i];
+        if (other->is && strcmp(other->is->names.library, listed->is->names.library) == 0 &&
+            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0 &&
+            strcmp(other->is->names.version, listed->is->names.version) == 0 &&
+            driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
+            return true;
+    }
+    return false;
+}
+
+static bool find_drivers(const struct options *options, struct verification *out, struct error *err)
+{
+    const struct verify_options *own = options->own;
+    struct driver_list drivers = {.n = 0};
+    if (own->render.gl || own->render.renderer)
+        return add_driver(out, own->render.gl ? own->render.gl : "auto", own->render.renderer, err);
+    bool done = drivers_list(&drivers, err);
+    for (int i = 0; i < drivers.n && done; i++)
+        if (drivers.list[i].is && !is_listed(&drivers, i))
+            done = add_driver(out, drivers.list[i].library, drivers.list[i].renderer, err);
+    drivers_free(&drivers);
+    return done && (out->n_drivers > 0 ||
+                    error_unsupported(err, "no OpenGL can draw here; spectral drivers prints why"));
+}
+
+/* ---- scenes ---- */
+
+/* The list owns a copy of the path. */
+static bool add_scene(struct verification *to, const struct verify_scene *scene, const char *path,
+                      struct error *err)
+{
+    struct verify_scene kept = *scene;
+    if (!string_copy(path, &kept.path, err))
+        return false;
+    if (array_add(&to->scenes, &to->n_scenes, &kept, sizeof kept, err))
+        return true;
+    free(kept.path);
+    return false;
+}
+
+/* Adds a built-in file if it is a scene of that kind; NULL: any name will do. */
+static bool add_file(struct verification *to, const struct builtin_file *file, bool hard,
+                     const char *wanted, struct error *err)
+{
+    struct verify_scene scene = {.is_hard = hard, .is_large = !hard};
+    char name[BUILTIN_NAME];
+    if (!builtin_name(file, hard ? "hard/" : "scenes/", ".scene", name) ||
+        (wanted && strcmp(name, wanted) != 0))
+        return true;
+    snprintf(scene.name, sizeof scene.name, "%s%.*s", hard ? "hard/" : "", BUILTIN_NAME - 6, name);
+    char path[sizeof BUILTIN_PREFIX + BUILTIN_NAME];
+    snprintf(path, sizeof path, "%s%s", BUILTIN_PREFIX, file->name);
+    return add_scene(to, &scene, hard ? path : name, err);
+}
+
+static bool add_builtin(struct verification *to, bool hard, const char *wanted, struct error *err)
+{
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (!add_file(to, &builtin_files[i], hard, wanted, err))
+            return false;
+    return true;
+}
+
+/* Adds the scenes that a word names: "hard", all of these cases; "hard/NAME", one of them; a
+ * built-in scene; or a file. */
+static bool add_named(struct verification *to, const char *word, struct error *err)
+{
+    const int before = to->n_scenes;
+    const size_t length = strlen(word);
+    struct verify_scene scene = {.is_hard = false};
+    if (strcmp(word, "hard") == 0)
+        return add_builtin(to, true, NULL, err);
+    if (!add_builtin(to, false, word, err) ||
+        (strncmp(word, "hard/", 5) == 0 && !add_builtin(to, true, word + 5, err)))
+        return false;
+    if (to->n_scenes > before)
+        return true;
+    snprintf(scene.name, sizeof scene.name, "%s",
+             length < sizeof scene.name ? word : word + length - sizeof scene.name + 1);
+    return add_scene(to, &scene, word, err);
+}
+
+/* Finds the drivers and scenes that the options name; without any, all. verification_free accepts
+ * what a failure left. */
+static bool verification_open(const struct options *options, struct verification *out,
+                              struct error *err)
+{
+    const int n_named = options->n_operands;
+    *out = (struct verification){.n_drivers = 0};
+    for (int i = 0; i < n_named; i++)
+        if (!add_named(out, options->operands[i], err))
+            return false;
+    if ((n_named == 0 &&
+         (!add_builtin(out, false, NULL, err) || !add_builtin(out, true, NULL, err))) ||
+        !find_drivers(options, out, err))
+        return false;
+    const size_t n = (size_t)out->n_drivers * (size_t)out->n_scenes;
+    return MAKE_ARRAY(out->results, n, err, "the results of %zu pictures", n);
+}
+
+static void verification_free(struct verification *of)
+{
+    for (int i = 0; i < of->n_scenes; i++)
+        free(of->scenes[i].path);
+    FREE_ALL(of->drivers, of->scenes, of->results);
+    *of = (struct verification){.n_drivers = 0};
+}
+
+const struct verify_result *result_of(const struct verification *of, int driver, int scene)
+{
+    return &of->results[(size_t)driver * (size_t)of->n_scenes + (size_t)scene];
+}
+
+struct totals totals_of(const struct verify_result *results, int n)
+{
+    struct totals totals = {.seconds = 0};
+    for (int i = 0; i < n; i++) {
+        totals.n[results[i].outcome]++;
+        totals.seconds += results[i].seconds;
+    }
+    return totals;
+}
+
+void driver_options(const struct verify_driver *driver, char out[64])
+{
+    snprintf(out, 64, " --gl %s%s%s", driver->library, driver->renderer ? " --renderer " : "",
+             driver->renderer ? driver->renderer : "");
+}
+
+/* ---- one scene on one driver ---- */
+
+const char usual_size[] = "300x200", usual_wavelengths[] = "400:700:10";
+const char *const verify_words[] = {"agreed", "differs", "not verified", "failed"};
+
+struct task {
+    const struct options *options;
+    const struct verify_driver *driver;
+    const struct verify_scene *scene;
+};
+
+/* Takes the verdict out of a render. */
+static void take(const struct plan *plan, const struct render_result *result,
+                 struct verify_result *out)
+{
+    struct error words = {.status = EXIT_AGREED};
+    out->check = result->check;
+    out->names = result->names;
+    snprintf(out->profile, sizeof out->profile, "%s", result->driver.name);
+    out->outcome = (int)check_outcome(&result->check);
+    if (out->outcome == VERIFY_AGREED)
+        return;
+    report_disagreement(plan, &result->check, NULL, &words);
+    snprintf(out->text, sizeof out->text, "%.1000s", error_words(&words));
+}
+
+/* The change comes before those of the command line, so that the user's win. */
+static void put_first(struct options *options, struct option_change change)
+{
+    if (options->n_changes == MAX_RECORDED)
+        return;
+    memmove(options->changes + 1, options->changes,
+            (size_t)options->n_changes * sizeof *options->changes);
+    options->changes[0] = change;
+    options->n_changes++;
+}
+
+static bool judge(void *context, void *out, struct error *err)
+{
+    const struct task *task = context;
+    struct options options = *task->options;
+    struct render_job job = {.limits = {false, 0}};
+    const struct render_output nothing = {.limits = &job.limits};
+    struct render_result result;
+    const double start = clock_seconds();
+    memset(out, 0, sizeof(struct verify_result));
+    struct verify_options own = *(const struct verify_options *)task->options->own;
+    own.render.gl = task->driver->library;
+    own.render.renderer = task->driver->renderer;
+    options.own = &own;
+    options.operand = options.operands[0] = task->scene->path;
+    options.n_operands = 1;
+    if (task->scene->is_large) {
+        put_first(&options, (struct option_change){scene_set_size, usual_size});
+        put_first(&options, (struct option_change){scene_set_wavelengths, usual_wavelengths});
+    }
+    const bool done = job_read(&options, false, &job, err) && job_plan(&options, &job, err) &&
+                      render(&job.plan, &nothing, NULL, &result, err);
+    if (done)
+        take(&job.plan, &result, out);
+    job_free(&job);
+    ((struct verify_result *)out)->seconds = clock_seconds() - start;
+    return done;
+}
+
+/* Draws and judges a scene in a process of its own, which a driver may end. Fails where it is
+ * interrupted, or the scene is wrong: every other failure is a result. The options are those of the
+ * command. */
+static bool verify_run(const struct options *options, const struct verify_driver *driver,
+                       const struct verify_scene *scene, struct verify_result *out,
+                       struct error *err)
+{
+    struct task task = {options, driver, scene};
+    struct error own = {.status = EXIT_AGREED};
+    if (process_run(judge, &task, out, sizeof *out, &own))
+        return true;
+    if (own.status == EXIT_INPUT) {
+        *err = own;
+        return false;
+    }
+    memset(out, 0, sizeof *out);
+    out->outcome = VERIFY_FAILED;
+    snprintf(out->text, sizeof out->text, "%.1000s", error_words(&own));
+    return true;
+}
 
 /* ---- the runs ---- */
 
@@ -30,21 +271,6 @@ static bool run_all(const struct options *options, struct verification *of, stru
 
 /* ---- the report ---- */
 
-static bool write_junit(const struct verification *of, struct options *options, struct error *err)
-{
-    const struct verify_options *own = options->own;
-    struct printed printed = {.text = NULL};
-    verify_junit(of, &printed);
-    return printed_write(&printed, own->junit, &options->outputs, err);
-}
-
-static bool write_json(const struct verification *of, struct options *options, struct error *err)
-{
-    struct json json;
-    verify_json(of, &json);
-    return json_write(&json, options->json, &options->outputs, err);
-}
-
 /* A driver that draws some scenes and fails at others differs from what it should do. */
 static bool conclude(const struct verification *of, struct error *err)
 {
@@ -70,32 +296,37 @@ static bool conclude(const struct verification *of, struct error *err)
 static bool report(const struct verification *of, struct options *options, struct error *err)
 {
     const struct verify_options *own = options->own;
-    struct printed table = {.text = NULL};
+    struct printed table = {.text = NULL}, junit = {.text = NULL};
+    struct json json;
     if (!options->quiet) {
         verify_print(of, &table);
         verify_print_failures(of, options, &table);
     }
-    return printed_show(&table, options_table(options, own->junit), err) &&
-           (!options->json || write_json(of, options, err)) &&
-           (!own->junit || write_junit(of, options, err)) && conclude(of, err);
+    if (!printed_show(&table, options_table(options, own->junit), err))
+        return false;
+    if (options->json) {
+        verify_json(of, &json);
+        if (!json_write(&json, options->json, &options->outputs, err))
+            return false;
+    }
+    if (own->junit)
+        verify_junit(of, &junit);
+    return (!own->junit || printed_write(&junit, own->junit, &options->outputs, err)) &&
+           conclude(of, err);
 }
 
 /* ---- the command ---- */
 
-static bool check_options(const struct options *options, struct error *err)
+static bool run_verify(struct options *options, struct error *err)
 {
     const struct verify_options *own = options->own;
+    struct verification of = {.n_drivers = 0};
     if (own->render.renderer && strcmp(own->render.renderer, "raster") == 0)
         return error_usage(err,
                            "the reference needs no verification; --renderer is that of OpenGL");
-    return output_can_open(options->json, err) && output_can_open(own->junit, err);
-}
-
-static bool run_verify(struct options *options, struct error *err)
-{
-    struct verification of = {.n_drivers = 0};
-    const bool done = check_options(options, err) && verification_open(options, &of, err) &&
-                      run_all(options, &of, err) && report(&of, options, err);
+    const bool done = output_can_open(options->json, err) && output_can_open(own->junit, err) &&
+                      verification_open(options, &of, err) && run_all(options, &of, err) &&
+                      report(&of, options, err);
     verification_free(&of);
     return done;
 }

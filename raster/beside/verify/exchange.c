@@ -1,6 +1,326 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral export and spectral judge. Both plan the scene as spectral render does. */
+/* spectral export and spectral judge. Both plan the scene as spectral render does. Pixels that
+ * another program drew, as a renderer: a folder with the colours of each pass and perhaps numbers
+ * of triangles and depths, or a TIFF of float pages with colours only. */
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/images/images.h"
 #include "raster/beside/verify/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/counts/counts.h"
+#include "raster/reference/reference.h"
+
+/* ---- drawn.txt ---- */
+
+/* The words of drawn.txt. */
+struct drawn_words {
+    char id[DIGEST_TEXT];
+    struct renderer_names names;
+    struct place place; /* of the id; its path belongs to the caller of drawn_read_words */
+};
+/* Copies the rest of a line, as a driver's name has blanks and may have anything else. */
+static void copy_rest(const struct text *text, char *out, size_t capacity)
+{
+    const char *at = text->at;
+    size_t length = (size_t)(text->line_end - at);
+    while (length > 0 && (*at == ' ' || *at == '\t')) {
+        at++;
+        length--;
+    }
+    snprintf(out, capacity, "%.*s", (int)(length < capacity ? length : capacity - 1), at);
+    hide_unprintable(out, "");
+}
+
+enum drawn_word { DRAWN_ID, DRAWN_RENDERER, DRAWN_VERSION, DRAWN_WORDS };
+
+static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct drawn_words *out,
+                      struct error *err)
+{
+    static const char *const known[] = {"id", "renderer", "version", NULL};
+    struct word word;
+    if (!text_word(text, &word))
+        return true;
+    switch (word_choose_once(&word, known, "line of drawn.txt", given, err)) {
+    case DRAWN_ID:
+        if (!text_expect(text, &word, "the id of scene.txt", err))
+            return false;
+        snprintf(out->id, sizeof out->id, "%.*s", (int)(word.length < 64 ? word.length : 64),
+                 word.start);
+        out->place = word.place;
+        return text_end(text, "id", err);
+    case DRAWN_RENDERER:
+        copy_rest(text, out->names.renderer, sizeof out->names.renderer);
+        return true;
+    case DRAWN_VERSION:
+        copy_rest(text, out->names.version, sizeof out->names.version);
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* Reads the file `path`, which must outlive *out. */
+static bool drawn_read_words(const char *path, struct drawn_words *out, struct error *err)
+{
+    struct place given[DRAWN_WORDS] = {{NULL, 0, 0}};
+    struct text text;
+    *out = (struct drawn_words){.place = {path, 0, 0}};
+    if (!text_open(&text, path, out->place, err))
+        return false;
+    bool done = true;
+    while (done && text_next_line(&text))
+        done = read_line(&text, given, out, err);
+    out->place.path = path;
+    text_free(&text);
+    return done && (out->id[0] || error_at(err, (struct place){path, 0, 0},
+                                           "expected a line \"id\" with the id of scene.txt"));
+}
+
+/* ---- numbers ---- */
+
+static bool read_whole(const char *path, int descriptor, size_t length, void *out,
+                       struct error *err)
+{
+    const struct place place = {path, 0, 0};
+    struct stat status;
+    if (fstat(descriptor, &status) != 0)
+        return error_cause(err, place, errno, "cannot read");
+    if ((uint64_t)status.st_size != length)
+        return error_at(err, place, "expected a file of %zu bytes, found %lld", length,
+                        (long long)status.st_size);
+    errno = 0;
+    return read_at(descriptor, out, length, 0) == (ssize_t)length ||
+           error_cause(err, place, errno, "cannot read");
+}
+
+/* Reads a file of a folder, which must have so many bytes. *found: NULL: it must be there. */
+static bool drawn_read_file(const char *folder, const char *name, size_t length, void *out,
+                            bool *found, struct error *err)
+{
+    char path[4096 + FILE_NAME];
+    const struct builtin_file *builtin;
+    int descriptor;
+    snprintf(path, sizeof path, "%.4095s/%s", folder, name);
+    if (found && !(*found = !file_is_missing(path)))
+        return true;
+    if (!file_open(path, (struct place){path, 0, 0}, &descriptor, &builtin, err))
+        return false;
+    const bool done = read_whole(path, descriptor, length, out, err);
+    close(descriptor);
+    return done;
+}
+
+/* ---- a renderer ---- */
+
+struct drawn {
+    struct renderer renderer; /* the first member */
+    const struct plan *plan;
+    const char *folder;   /* NULL: the pixels are those of the image */
+    char path[4096 + 32]; /* of drawn.txt */
+    struct drawn_words words;
+    struct image image;
+    float *numbers;   /* 4 floats a pixel; NULL: there are none */
+    uint32_t *depths; /* NULL: there are none */
+};
+
+static size_t count_pixels(const struct plan *plan)
+{
+    return (size_t)plan->view.width * (size_t)plan->view.height;
+}
+
+/* ---- a folder ---- */
+
+/* Reads a file with n numbers of each pixel; *out stays NULL where it is missing. */
+static bool read_optional(const struct drawn *of, const char *name, size_t n, void **out,
+                          struct error *err)
+{
+    const size_t length = count_pixels(of->plan) * n * 4;
+    char *bytes;
+    bool found = false;
+    const bool done = MAKE_ARRAY(bytes, length, err, "%s", name) &&
+                      drawn_read_file(of->folder, name, length, bytes, &found, err);
+    *out = found && done ? bytes : NULL;
+    if (!*out)
+        free(bytes);
+    return done;
+}
+
+/* Refuses the pixels of another scene. */
+static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *lit,
+                             struct error *err)
+{
+    const struct drawn *of = (struct drawn *)renderer;
+    char id[DIGEST_TEXT];
+    if (!of->folder)
+        return true;
+    return scene_describe(lit, NULL, id, err) &&
+           (strcmp(id, of->words.id) == 0 ||
+            error_at(err, of->words.place,
+                     "these pixels were drawn of another scene: expected id %s, found %s (give "
+                     "judge the scene and the options of export)",
+                     id, of->words.id));
+}
+
+/* ---- a TIFF ---- */
+
+/* Refuses a picture of another size, other bands, or counts. */
+static bool check_image(const struct drawn *of, struct error *err)
+{
+    const struct image *image = &of->image;
+    const struct plan *plan = of->plan;
+    const struct place place = {image->path, 0, 0};
+    if (plan->scene->positions > 1)
+        return error_at(err, place,
+                        "a TIFF has no positions within pixels; judge --samples from a "
+                        "folder");
+    if (image->width != plan->view.width || image->height != plan->view.height)
+        return error_at(err, place, "expected %d x %d pixels, found %d x %d", plan->view.width,
+                        plan->view.height, image->width, image->height);
+    if (!image_is_float(image))
+        return error_at(err, place, "expected pages of 32-bit floats, found counts");
+    if (image->n_pages != plan->n_bands)
+        return error_at(err, place, "expected %d pages, found %d", plan->n_bands, image->n_pages);
+    for (int i = 0; i < plan->n_bands && image->wavelengths_nm && !has_components(plan); i++)
+        if (image->wavelengths_nm[i] != plan->scene->wavelengths_nm[i])
+            return error_at(err, place, "page %d: expected %.10g nm, found %.10g nm", i + 1,
+                            plan->scene->wavelengths_nm[i], image->wavelengths_nm[i]);
+    return true;
+}
+
+/* Radiances become parts of full scale. A power of two makes this exact. */
+static bool draw_image(struct drawn *of, float *out, int first_band, double full_scale,
+                       struct error *err)
+{
+    const size_t n = count_pixels(of->plan);
+    int exponent;
+    float *page;
+    bool done = MAKE_ARRAY(page, n, err, "a page of %s", of->image.path);
+    if (done && frexp(full_scale, &exponent) != 0.5)
+        done = error_usage(err,
+                           "the radiances of a TIFF need a full scale that is a power of two, "
+                           "by which they are divided without rounding; add --full-scale %g",
+                           ldexp(1, exponent));
+    memset(out, 0, n * 4 * sizeof *out);
+    for (int c = 0; c < BANDS_PER_PASS && first_band + c < of->plan->n_bands && done; c++) {
+        done = image_read(&of->image, first_band + c, 0, of->plan->view.height, page, err);
+        for (size_t i = 0; i < n && done; i++)
+            out[4 * i + (size_t)c] = (float)((double)page[i] / full_scale);
+    }
+    free(page);
+    return done;
+}
+
+/* ---- the renderer ---- */
+
+struct drawn_names {
+    const char *pixels, *driver; /* a folder, or a TIFF; the choice of --driver, NULL: none */
+};
+
+static void drawn_aim(struct renderer *renderer, const struct rectangle *tile)
+{
+    (void)renderer, (void)tile; /* there is one */
+}
+
+static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
+                       struct error *err)
+{
+    struct drawn *of = (struct drawn *)renderer;
+    float *out = renderer->buffers[buffer];
+    char name[FILE_NAME];
+    if (!of->folder)
+        return draw_image(of, out, first_band, full_scale, err);
+    snprintf(name, sizeof name, "colours-%d.bin", first_band);
+    return drawn_read_file(of->folder, name, count_pixels(of->plan) * 4 * sizeof *out, out, NULL,
+                           err);
+}
+
+static bool drawn_identify(struct renderer *renderer, struct error *err)
+{
+    (void)renderer, (void)err; /* read already */
+    return true;
+}
+
+static struct shown drawn_shown(const struct renderer *renderer, int x, int y)
+{
+    static const float background[3];
+    const struct drawn *of = (const struct drawn *)renderer;
+    const size_t at = (size_t)y * (size_t)of->plan->view.width + (size_t)x;
+    return shown_of(of->plan->n_instances, of->numbers ? of->numbers + 4 * at : background,
+                    of->depths ? of->depths[at] : 0);
+}
+
+static void drawn_close(struct renderer *renderer)
+{
+    struct drawn *of = (struct drawn *)renderer;
+    FREE_ALL(of->numbers, of->depths);
+    image_close(&of->image);
+    renderer_free(renderer);
+}
+
+/* ---- opening ---- */
+
+static bool open_pixels(struct drawn *of, const struct drawn_names *names, struct error *err)
+{
+    struct stat status;
+    void *numbers = NULL, *depths = NULL;
+    if (stat(names->pixels, &status) != 0 || !S_ISDIR(status.st_mode))
+        return image_open(names->pixels, (struct place){NULL, 0, 0}, &of->image, err) &&
+               check_image(of, err);
+    of->folder = names->pixels;
+    snprintf(of->path, sizeof of->path, "%.4095s/drawn.txt", of->folder);
+    const bool done = drawn_read_words(of->path, &of->words, err) &&
+                      read_optional(of, "numbers.bin", 4, &numbers, err) &&
+                      read_optional(of, "depths.bin", 1, &depths, err);
+    of->numbers = numbers;
+    of->depths = depths;
+    of->renderer.names = of->words.names;
+    return done;
+}
+
+/* Opens pixels, whose struct drawn_names comes in, as a renderer of the plan: see gl_open. Colours
+ * are read pass by pass. */
+static bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
+                       struct error *err)
+{
+    const char *driver = ((const struct drawn_names *)names)->driver;
+    static const struct renderer_kind kind = {.take_scene = drawn_take_scene,
+                                              .aim = drawn_aim,
+                                              .draw = drawn_draw,
+                                              .identify = drawn_identify,
+                                              .shown = drawn_shown,
+                                              .close = drawn_close};
+    struct drawn *of;
+    *out = NULL;
+    if (!MAKE_ARRAY(of, 1, err, "the pixels of another program"))
+        return false;
+    *out = &of->renderer;
+    of->renderer.kind = &kind;
+    of->plan = plan;
+    if (plan->tiled)
+        return error_usage(err,
+                           "the pixels of another program are judged in one piece, of at most "
+                           "%d x %d pixels here; choose a smaller --size",
+                           plan->tile_width, plan->tile_height);
+    if (!renderer_make_buffers(&of->renderer, n_buffers, count_pixels(plan), "the pixels of a pass",
+                               err) ||
+        !open_pixels(of, names, err))
+        return false;
+    struct renderer_names *by = &of->renderer.names;
+    snprintf(by->library, sizeof by->library, "another program");
+    if (!by->renderer[0])
+        snprintf(by->renderer, sizeof by->renderer, "an unnamed renderer");
+    if (!by->version[0])
+        snprintf(by->version, sizeof by->version, "unknown version");
+    of->renderer.driver = *driver_of(driver ? driver : by->renderer);
+    of->renderer.lacks = (struct renderer_lacks){!of->numbers, !of->depths};
+    return true;
+}
 
 /* ---- export ---- */
 
@@ -22,12 +342,6 @@ struct judge_options {
     const char *driver;
 };
 
-static bool open_drawn(void *of, const struct plan *plan, int n_buffers, struct renderer **out,
-                       struct error *err)
-{
-    return drawn_open(of, plan, n_buffers, out, err);
-}
-
 static bool run_judge(struct options *options, struct error *err)
 {
     const struct judge_options *own = options->own;
@@ -35,7 +349,7 @@ static bool run_judge(struct options *options, struct error *err)
     if (options->n_operands < 2)
         return error_usage(err, "judge needs SCENE and PIXELS: a folder, or a TIFF");
     names.pixels = options->operands[1];
-    const struct render_foreign foreign = {.open = open_drawn, .of = &names};
+    const struct render_foreign foreign = {.open = drawn_open, .of = &names};
     const struct render_output output = {
         .check_map = own->render.check_map, .outputs = &options->outputs, .foreign = &foreign};
     return render_with_options(options, &output, NULL, err);

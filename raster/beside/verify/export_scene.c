@@ -8,22 +8,30 @@
 #include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
 #include "raster/beside/verify/inside.h"
+#include "raster/bounds/bounds.h"
+#include "raster/counts/counts.h"
 #include "raster/reference/reference.h"
 
 /* A description that grows. */
 struct description {
     const struct plan *plan;
     double full_scale;
-    const struct file_taker *taker;
-    struct printed scene; /* the lines of scene.txt */
+    const struct folder *folder; /* gets the files; NULL: only their digests are wanted */
+    struct printed scene;        /* the lines of scene.txt */
 };
 
 /* ---- files ---- */
 
-static bool take(const struct description *of, const char *name, const void *bytes, size_t length,
-                 struct error *err)
+static bool write_file(const struct description *of, const char *name, const void *bytes,
+                       size_t length, struct error *err)
 {
-    return !of->taker || of->taker->take(of->taker->of, name, bytes, length, err);
+    char path[sizeof of->folder->path + FILE_NAME + 1];
+    if (!of->folder)
+        return true;
+    if (is_interrupted())
+        return error_failed(err, "interrupted; nothing was written");
+    snprintf(path, sizeof path, "%s/%s", of->folder->path, name);
+    return file_write(path, bytes, length, NULL, err);
 }
 
 /* Adds a complete file. */
@@ -33,69 +41,38 @@ static bool add_file(struct description *to, const char *name, const void *bytes
     char digest[DIGEST_TEXT];
     digest_bytes(bytes, length, digest);
     print(&to->scene, "file %s %zu %s\n", name, length, digest);
-    return take(to, name, bytes, length, err);
+    return write_file(to, name, bytes, length, err);
 }
 
 /* ---- meshes ---- */
 
-enum { VERTEX_FLOATS = 8 };
-
-static bool add_vertices(struct description *to, int index, struct error *err)
+static bool add_mesh(struct description *to, int index, struct error *err)
 {
     const struct mesh *mesh = &to->plan->meshes[index].mesh;
     const size_t n = (size_t)mesh->n_vertices;
     float *floats;
     char name[FILE_NAME];
-    if (!MAKE_ARRAY(floats, n * VERTEX_FLOATS, err, "the corners of a mesh"))
-        return false;
-    for (size_t i = 0; i < n; i++) {
-        const struct vertex *v = &mesh->vertices[i];
-        const double values[VERTEX_FLOATS] = {v->position.x, v->position.y, v->position.z,
-                                              v->normal.x,   v->normal.y,   v->normal.z,
-                                              v->s,          v->t};
-        for (size_t k = 0; k < VERTEX_FLOATS; k++)
-            floats[VERTEX_FLOATS * i + k] = (float)values[k];
-    }
-    snprintf(name, sizeof name, "vertices-%d.bin", index);
-    const bool done = add_file(to, name, floats, VERTEX_FLOATS * n * sizeof *floats, err);
-    free(floats);
-    return done;
-}
-
-static bool add_mesh(struct description *to, int index, struct error *err)
-{
-    const struct mesh *mesh = &to->plan->meshes[index].mesh;
-    char name[FILE_NAME];
     print(&to->scene, "mesh %d %d %d\n", index, mesh->n_vertices, mesh->n_triangles);
+    if (!MAKE_ARRAY(floats, n * VERTEX_NUMBERS, err, "the corners of a mesh"))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        vertex_numbers(&mesh->vertices[i], floats + VERTEX_NUMBERS * i);
+    snprintf(name, sizeof name, "vertices-%d.bin", index);
+    bool done = add_file(to, name, floats, VERTEX_NUMBERS * n * sizeof *floats, err);
+    free(floats);
     snprintf(name, sizeof name, "triangles-%d.bin", index);
-    return add_vertices(to, index, err) &&
-           add_file(to, name, mesh->triangles, (size_t)mesh->n_triangles * sizeof *mesh->triangles,
-                    err);
+    return done && add_file(to, name, mesh->triangles,
+                            (size_t)mesh->n_triangles * sizeof *mesh->triangles, err);
 }
 
 /* ---- textures ---- */
 
-/* Adds the texels of a spectral texture for each pass. */
-static bool add_texels(struct description *to, int index, struct error *err)
-{
-    struct texture *texture = &to->plan->textures[index];
-    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height * BANDS_PER_PASS;
-    float *texels;
-    bool done = MAKE_ARRAY(texels, n, err, "the texels of %s", texture->image.path);
-    for (int band = 0; band < to->plan->n_bands && done; band += BANDS_PER_PASS) {
-        char name[FILE_NAME];
-        snprintf(name, sizeof name, "texture-%d-%d.bin", index, band);
-        done = pass_texels(to->plan, texture, band, texels, err) &&
-               add_file(to, name, texels, n * sizeof *texels, err);
-    }
-    free(texels);
-    return done;
-}
-
+/* Adds the texels of a texture; of a spectral one, for each pass. */
 static bool add_texture(struct description *to, int index, struct error *err)
 {
-    const struct texture *texture = &to->plan->textures[index];
+    struct texture *texture = &to->plan->textures[index];
     const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    float *texels;
     char name[FILE_NAME];
     if (!texture_is_drawn(to->plan, texture))
         return true;
@@ -103,8 +80,17 @@ static bool add_texture(struct description *to, int index, struct error *err)
           texture->image.height, texture->linear ? "linear" : "nearest",
           texture->spectral ? "spectral" : "grey");
     snprintf(name, sizeof name, "texture-%d.bin", index);
-    return texture->spectral ? add_texels(to, index, err)
-                             : add_file(to, name, texture->plane[0], n * sizeof(float), err);
+    if (!texture->spectral)
+        return add_file(to, name, texture->plane[0], n * sizeof *texels, err);
+    bool done =
+        MAKE_ARRAY(texels, n * BANDS_PER_PASS, err, "the texels of %s", texture->image.path);
+    for (int band = 0; band < to->plan->n_bands && done; band += BANDS_PER_PASS) {
+        snprintf(name, sizeof name, "texture-%d-%d.bin", index, band);
+        done = pass_texels(to->plan, texture, band, texels, err) &&
+               add_file(to, name, texels, n * BANDS_PER_PASS * sizeof *texels, err);
+    }
+    free(texels);
+    return done;
 }
 
 /* ---- passes ---- */
@@ -245,18 +231,41 @@ static bool finish(struct description *of, char id[DIGEST_TEXT], struct error *e
         print(&whole, "spectral-scene 1\nid %s\n%s", id, lines);
         bytes = printed_take(&whole, err);
     }
-    const bool done = bytes && take(of, "scene.txt", bytes, whole.length, err);
+    const bool done = bytes && write_file(of, "scene.txt", bytes, whole.length, err);
     free(lines);
     free(bytes);
     return done;
 }
 
-bool scene_describe(const struct plan *plan, double full_scale, const struct file_taker *taker,
-                    char id[DIGEST_TEXT], struct error *err)
+bool scene_describe(const struct lit_scene *lit, const struct folder *folder, char id[DIGEST_TEXT],
+                    struct error *err)
 {
-    struct description of = {.plan = plan, .full_scale = full_scale, .taker = taker};
+    struct description of = {.plan = lit->plan, .folder = folder};
+    bool clips;
+    if (!find_full_scale(lit, &of.full_scale, &clips, err))
+        return false;
     if (print_scene(&of, err))
         return finish(&of, id, err);
     free(printed_end(&of.scene));
     return false;
+}
+
+/* ---- a folder ---- */
+
+bool export_plan(const struct plan *plan, const char *path, struct error *err)
+{
+    struct lit_scene lit = {.plan = NULL};
+    struct light_work work;
+    struct folder folder;
+    char id[DIGEST_TEXT];
+    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err);
+    if (done) {
+        guard_hold();
+        done = folder_open_beside(path, &folder, err) && scene_describe(&lit, &folder, id, err) &&
+               folder_keep(&folder, path, err);
+        folder_close(&folder);
+        guard_release();
+    }
+    lit_free(&lit);
+    return done;
 }

@@ -11,60 +11,27 @@
 #include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 
-/* ---- describe.c: a scene as files ---- */
+/* ---- export_scene.c: a scene as files ---- */
 
 enum { DIGEST_TEXT = 65, FILE_NAME = 64 };
-/* Gets each file of a scene when it is complete. */
-struct file_taker {
-    bool (*take)(void *of, const char *name, const void *bytes, size_t length, struct error *err);
-    void *of;
-};
-/* Describes all that is to be drawn of a plan: the files of meshes, triangles, textures and passes,
- * and at last scene.txt, which has the digests of all others. id: the SHA-256 of scene.txt without
- * its line "id". taker NULL: only the id is wanted. */
-bool scene_describe(const struct plan *plan, double full_scale, const struct file_taker *taker,
-                    char id[DIGEST_TEXT], struct error *err);
+/* Finds the full scale, and describes all that is to be drawn of a plan: the files of meshes,
+ * triangles, textures and passes, and at last scene.txt, which has the digests of all others. id:
+ * the SHA-256 of scene.txt without its line "id". folder: gets the files; NULL: only the id is
+ * wanted. */
+bool scene_describe(const struct lit_scene *lit, const struct folder *folder, char id[DIGEST_TEXT],
+                    struct error *err);
+/* Writes the files of a plan into the output folder of the options, which appears whole or not at
+ * all. */
+bool export_plan(const struct plan *plan, const char *path, struct error *err);
 
-/* ---- export.c ---- */
-
-/* Writes the files of a plan into the folder, which appears whole or not at all. */
-bool export_plan(const struct plan *plan, const char *folder, struct error *err);
-
-/* ---- judge.c ---- */
-
-struct drawn_names {
-    const char *pixels, *driver; /* a folder, or a TIFF; the choice of --driver, NULL: none */
-};
-/* Opens pixels as a renderer of the plan: see gl_open. Colours are read pass by pass. */
-bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_buffers,
-                struct renderer **out, struct error *err);
-
-/* ---- read.c: the files that another program wrote ---- */
-
-/* The words of drawn.txt. */
-struct drawn_words {
-    char id[DIGEST_TEXT];
-    struct renderer_names names;
-    struct place place; /* of the id; its path belongs to the caller of drawn_read_words */
-};
-/* Reads the file `path`, which must outlive *out. */
-bool drawn_read_words(const char *path, struct drawn_words *out, struct error *err);
-/* Reads a file of a folder, which must have so many bytes. *found: NULL: it must be there. */
-bool drawn_read_file(const char *folder, const char *name, size_t length, void *out, bool *found,
-                     struct error *err);
-
-struct verify_options {
-    struct render_options render; /* the first member */
-    const char *junit;
-};
-
-/* ---- run.c ---- */
+/* ---- command.c ---- */
 
 /* A driver, as the options --gl and --renderer name it. */
 struct verify_driver {
-    char library[16], renderer[24]; /* renderer: empty: the one that comes without --renderer */
-    struct renderer_names names;    /* known when a scene was drawn */
-    char profile[16];               /* whose bounds the check uses; likewise */
+    char library[16];
+    const char *renderer;        /* NULL: the one that comes without --renderer */
+    struct renderer_names names; /* known when a scene was drawn */
+    char profile[16];            /* whose bounds the check uses; likewise */
 };
 enum { /* those of a check; or no picture was drawn */
        VERIFY_AGREED = OUTCOME_AGREED,
@@ -93,13 +60,6 @@ struct verify_scene {
 };
 /* Large enough for every effect of the built-in scenes, at a tenth of their time. */
 extern const char usual_size[], usual_wavelengths[];
-/* Draws and judges a scene in a process of its own, which a driver may end. Fails where it is
- * interrupted, or the scene is wrong: every other failure is a result. The options are those of the
- * command. */
-bool verify_run(const struct options *options, const struct verify_driver *driver,
-                const struct verify_scene *scene, struct verify_result *out, struct error *err);
-
-/* ---- lists.c ---- */
 
 struct verification {
     struct verify_driver *drivers;
@@ -108,10 +68,6 @@ struct verification {
     int n_drivers, n_scenes;
     double seconds;
 };
-/* Finds the drivers and scenes that the options name; without any, all. verification_free accepts
- * what a failure left. */
-bool verification_open(const struct options *options, struct verification *out, struct error *err);
-void verification_free(struct verification *of);
 const struct verify_result *result_of(const struct verification *of, int driver, int scene);
 /* Counts the results of each outcome, and sums up their seconds. */
 struct totals {

@@ -62,24 +62,6 @@ static bool is_summed(const struct verification *of, int driver, int scene)
            result_of(of, driver, scene)->outcome == VERIFY_AGREED;
 }
 
-static void print_hard(const struct verification *of, int driver, struct printed *to)
-{
-    struct verify_result sum = {.outcome = VERIFY_AGREED};
-    char name[40];
-    int n = 0;
-    for (int s = 0; s < of->n_scenes; s++) {
-        const struct verify_result *result = result_of(of, driver, s);
-        if (!is_summed(of, driver, s))
-            continue;
-        verdict_add(&sum.check, &result->check);
-        sum.seconds += result->seconds;
-        n++;
-    }
-    snprintf(name, sizeof name, "%d hard cases", n);
-    if (n > 0)
-        print_result(name, &sum, to);
-}
-
 static int count_agreed(const struct verification *of, int driver)
 {
     return totals_of(result_of(of, driver, 0), of->n_scenes).n[VERIFY_AGREED];
@@ -88,7 +70,9 @@ static int count_agreed(const struct verification *of, int driver)
 static void print_driver(const struct verification *of, int driver, struct printed *to)
 {
     const struct verify_driver *by = &of->drivers[driver];
-    char options[64];
+    struct verify_result sum = {.outcome = VERIFY_AGREED};
+    char options[64], name[40];
+    int n = 0;
     driver_options(by, options);
     print(to, "%s", options + 1);
     if (by->names.renderer[0])
@@ -96,10 +80,18 @@ static void print_driver(const struct verification *of, int driver, struct print
               by->names.library, by->profile);
     print(to, "\n  %-28s %-13s %9s %9s %6s %6s %6s %9s %8s\n", "scene", "verdict", "floor",
           "99.9 %", "% to 1", "8", "256", "pixels", "seconds");
-    for (int s = 0; s < of->n_scenes; s++)
-        if (!is_summed(of, driver, s))
-            print_result(of->scenes[s].name, result_of(of, driver, s), to);
-    print_hard(of, driver, to);
+    for (int s = 0; s < of->n_scenes; s++) {
+        const struct verify_result *result = result_of(of, driver, s);
+        if (is_summed(of, driver, s)) {
+            verdict_add(&sum.check, &result->check);
+            sum.seconds += result->seconds;
+            n++;
+        } else
+            print_result(of->scenes[s].name, result, to);
+    }
+    snprintf(name, sizeof name, "%d hard cases", n);
+    if (n > 0)
+        print_result(name, &sum, to);
     print(to, "  %d of %d scenes agree\n\n", count_agreed(of, driver), of->n_scenes);
 }
 
@@ -110,17 +102,6 @@ void verify_print(const struct verification *of, struct printed *to)
     print_text(to, "floor: the largest error in counts that could pass at half of the object "
                    "pixels, and at 99.9 %\nof them; % to 1, 8, 256: object pixels that were "
                    "checked within so many counts of 65535\n");
-}
-
-/* Prints the options of the command line but those of the driver. */
-static void print_options(const struct options *options, struct printed *to)
-{
-    for (int i = 0; i < options->n_recorded; i++) {
-        const char *word = options->recorded[i];
-        if (strncmp(word, "--gl=", 5) == 0 || strncmp(word, "--renderer=", 11) == 0)
-            continue;
-        print_shell(to, word);
-    }
 }
 
 void verify_print_failures(const struct verification *of, const struct options *options,
@@ -141,7 +122,11 @@ void verify_print_failures(const struct verification *of, const struct options *
             print(to, " -o /dev/null%s", by);
             if (of->scenes[s].is_large)
                 print(to, " --wavelengths %s --size %s", usual_wavelengths, usual_size);
-            print_options(options, to);
+            for (int i = 0; i < options->n_recorded; i++) { /* all but those of the driver */
+                const char *word = options->recorded[i];
+                if (strncmp(word, "--gl=", 5) != 0 && strncmp(word, "--renderer=", 11) != 0)
+                    print_shell(to, word);
+            }
             print_text(to, "\n");
         }
 }
@@ -184,7 +169,7 @@ void verify_json(const struct verification *of, struct json *json)
         const struct verify_driver *by = &of->drivers[d];
         json_open(json, NULL, '{');
         json_string(json, "gl", by->library);
-        json_string(json, "renderer", by->renderer[0] ? by->renderer : NULL);
+        json_string(json, "renderer", by->renderer);
         json_string(json, "gl_library", by->names.library);
         json_string(json, "gl_renderer", by->names.renderer);
         json_string(json, "gl_version", by->names.version);

@@ -140,8 +140,11 @@ static int judge(struct bench *bench, double floors[MOST_BANDS])
 {
     int n = 0;
     memset(bench->estimate, 0, sizeof bench->estimate);
-    for (int b = 0; b < bench->plan.n_bands; b++)
-        if (fit_has_pilots(&bench->fit, b / BANDS_PER_PASS)) {
+    for (int p = 0; p < bench->fit.n_passes; p++)
+        for (int c = 0; c < BANDS_PER_PASS; c++) {
+            const int b = bench->fit.passes[p] * BANDS_PER_PASS + c;
+            if (b >= bench->plan.n_bands)
+                continue;
             evaluate(bench, b);
             fit_add(&bench->fit, &bench->run, b, &bench->difference[b], bench->estimate);
         }

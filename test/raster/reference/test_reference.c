@@ -91,15 +91,14 @@ static void close_picture(struct both *picture)
     scene_free(&picture->scene);
 }
 
-static void open_chunk(const struct both *picture, int index, struct chunk *out)
+/* Draws the picture as one tile, and calls `work` with it. */
+static void draw_tile(const struct both *picture,
+                      bool (*work)(void *context, const struct tile *tile, struct error *err),
+                      void *context)
 {
-    struct rectangle tile = {0, 0, picture->scene.width, picture->scene.height};
-    test_need(chunk_draw(&picture->lit, &tile, index, out), "out of memory");
-}
-
-static int n_chunks(const struct both *picture)
-{
-    return (picture->scene.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+    const struct rectangle at = {0, 0, picture->scene.width, picture->scene.height};
+    struct error err = {.status = EXIT_AGREED};
+    test_need(tile_draw(&picture->lit, &at, work, context, &err), "out of memory");
 }
 
 /* ---- the plan's lights ---- */
@@ -302,15 +301,21 @@ static void judge_pixel(struct both *picture, const struct chunk *chunk, int ind
                                                      bounded.errors, bounded.stride));
 }
 
-static void judge_picture(struct both *picture, struct counted *counted)
+struct judging {
+    struct both *picture;
+    struct counted *counted;
+};
+
+static bool judge_tile(void *context, const struct tile *tile, struct error *err)
 {
-    for (int i = 0; i < n_chunks(picture); i++) {
-        struct chunk chunk;
-        open_chunk(picture, i, &chunk);
-        for (int p = 0; p < chunk.picture.at.width * chunk.picture.at.height; p++)
-            judge_pixel(picture, &chunk, p, counted);
-        chunk_free(&chunk);
+    const struct judging *of = context;
+    (void)err;
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct chunk *chunk = &tile->chunks[i];
+        for (int p = 0; p < chunk->picture.at.width * chunk->picture.at.height; p++)
+            judge_pixel(of->picture, chunk, p, of->counted);
     }
+    return true;
 }
 
 static void judge_scene(const char *path, bool exact, struct counted *counted)
@@ -318,7 +323,7 @@ static void judge_scene(const char *path, bool exact, struct counted *counted)
     struct both picture;
     open_picture(path, exact, &picture);
     judge_lights(&picture.plan, &counted->worst_light);
-    judge_picture(&picture, counted);
+    draw_tile(&picture, judge_tile, &(struct judging){&picture, counted});
     close_picture(&picture);
 }
 
@@ -612,6 +617,18 @@ static void check_around_eye(void)
 
 /* ---- triangles that share edges ---- */
 
+static bool note_covered(void *context, const struct tile *tile, struct error *err)
+{
+    bool *covered = context;
+    (void)err;
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *shown = &tile->chunks[i].picture;
+        for (int p = 0; p < WIDTH * shown->at.height; p++)
+            covered[shown->at.y * WIDTH + p] = shown->surface[p] >= 0;
+    }
+    return true;
+}
+
 /* Draws a picture of one mesh with one triangle, which replaces the first one. */
 static void draw_alone(struct both *picture, int triangle, bool covered[WIDTH * HEIGHT])
 {
@@ -619,13 +636,7 @@ static void draw_alone(struct both *picture, int triangle, bool covered[WIDTH * 
     struct instance *instance = &picture->plan.instances[0].instance;
     memmove(mesh->triangles[0], mesh->triangles[triangle], sizeof mesh->triangles[0]);
     instance->n_triangles = 1;
-    for (int i = 0; i < n_chunks(picture); i++) {
-        struct chunk chunk;
-        open_chunk(picture, i, &chunk);
-        for (int p = 0; p < WIDTH * chunk.picture.at.height; p++)
-            covered[chunk.picture.at.y * WIDTH + p] = chunk.picture.surface[p] >= 0;
-        chunk_free(&chunk);
-    }
+    draw_tile(picture, note_covered, covered);
     instance->n_triangles = mesh->n_triangles;
 }
 
