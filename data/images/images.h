@@ -137,11 +137,11 @@ void texture_free(struct texture *texture);
  * without gaps. */
 struct pages {
     int count, width, height;
-    int channels;          /* 1: grey, 3: RGB */
-    int bits;              /* of a sample: 8, 16, or 32 of a float */
-    uint64_t bytes_behind; /* behind the last page, where no TIFF reader looks */
-    const char *room;      /* beginning of a text in the first page; pages_finish writes it */
-    size_t room_bytes;     /* of that text; room NULL: there is none */
+    int channels;      /* 1: grey, 3: RGB */
+    int bits;          /* of a sample: 8, 16, or 32 of a float */
+    int bytes_behind;  /* of a pixel in a page behind the last one, where no TIFF reader looks */
+    const char *room;  /* beginning of a text in the first page; pages_finish writes it */
+    size_t room_bytes; /* of that text; room NULL: there is none */
     uint32_t room_tag;
     /* set by pages_open: */
     struct output output;
@@ -154,15 +154,20 @@ struct pages {
 typedef bool page_tags(struct tiff *tiff, const void *of, int page, struct error *err);
 
 /* Writes the directories of the file that the first half of `pages` describes, and reserves the
- * places of the pages. If there are bytes behind the last page, tags may record their pages_offset.
+ * places of the pages. Tags may record the pages_offset of the bytes behind the last page.
  * On failure nothing is left open. */
 bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
                 struct error *err);
 /* Returns the offset of a page's pixels; for page `count`, of the bytes behind the last page. */
 uint64_t pages_offset(const struct pages *pages, int page);
-uint64_t pages_end(const struct pages *pages); /* the size of the whole file */
-/* Writes bytes into a page, from byte `at` of its pixels on. */
-bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
+uint64_t pages_end(const struct pages *pages);                 /* the size of the whole file */
+size_t pages_pixel_bytes(const struct pages *pages, int page); /* likewise */
+/* Writes the samples of a rectangle, row by row without gaps. Page `count` is that behind the last
+ * one. Rectangles come in any order. */
+struct page_rectangle {
+    int page, x, y, width, height;
+};
+bool pages_write(const struct pages *pages, const struct page_rectangle *to, const void *samples,
                  struct error *err);
 /* Fills the room with a text (NULL: there is no room). Reads all directories again, and fails if
  * one of them is not complete. */
@@ -175,10 +180,11 @@ bool picture_accepts(const char *path, struct error *err);
 bool picture_is_png(const char *path); /* any other picture, as one of /dev/stdout, is a TIFF */
 
 enum picture_samples { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
+enum { MOST_CHANNELS = 4 };
 struct picture_options {
-    int width, height;            /* a TIFF above 4 GiB becomes a BigTIFF */
-    enum picture_samples samples; /* a PNG has no floats */
-    const char *channels[3];      /* of a float picture, such as "X", "Y", "Z" */
+    int width, height;                   /* a TIFF above 4 GiB becomes a BigTIFF */
+    enum picture_samples samples;        /* a PNG has no floats */
+    const char *channels[MOST_CHANNELS]; /* of a float picture: "X", "Y", "Z"; NULL: no more */
     bool srgb;                    /* a PNG says so in chunks of its own, and needs no profile */
     const unsigned char *profile; /* ICC; NULL: none */
     size_t profile_length;
@@ -188,8 +194,8 @@ struct picture_options {
  * text; NULL is fine. */
 char *picture_text(char *text);
 /* A picture that is written from the top, and appears whole or not at all. RGB is one page of three
- * samples a pixel. Floats are three pages, one for each channel, with its name. A PNG is
- * compressed, and takes the memory of some rows. */
+ * samples a pixel. Floats are pages, one for each channel, with its name; pages_write fills them,
+ * too. A PNG is compressed, and takes the memory of some rows. */
 struct picture_writer {
     struct picture_options options;
     int row; /* the next one */
@@ -204,7 +210,7 @@ struct picture_writer {
 /* The path chooses the format, which picture_accepts. */
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err);
-/* Writes the next rows: three samples a pixel of uint8_t, uint16_t or float. */
+/* Writes the next rows: three samples a pixel of uint8_t or uint16_t, or a float a channel. */
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err);
 /* Writes a rectangle of RGB, row by row without gaps. Rows are kept until a rectangle reaches the
  * right border: it comes after all others of its rows, and no row comes before the one above it. */
@@ -228,26 +234,5 @@ void picture_discard(struct picture_writer *writer); /* safe after commit */
 void scale_colour(double value, double least, uint8_t out[3]);
 /* Prints the meaning of the colours but black, in a line without its end. */
 void scale_print(double least, struct printed *to);
-
-/* ---- planes.c: float pages with names ---- */
-
-struct planes_options {
-    int width, height, n;
-    const char *const *names; /* of the n pages */
-    const char *description;  /* ASCII */
-};
-/* A file of these pages, filled in rectangles of any order. planes_finish completes it;
- * planes_commit lets it appear. */
-bool planes_open(struct pages *out, const char *path, const struct planes_options *options,
-                 struct error *err);
-/* Writes the samples of a rectangle, row by row without gaps. */
-struct plane_rectangle {
-    int page, x, y, width, height;
-};
-bool planes_write(const struct pages *pages, const struct plane_rectangle *to, const float *samples,
-                  struct error *err);
-bool planes_finish(struct pages *pages, struct error *err);
-bool planes_commit(struct pages *pages, struct outputs *outputs, struct error *err);
-void planes_discard(struct pages *pages); /* safe after commit */
 
 #endif

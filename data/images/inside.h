@@ -5,7 +5,6 @@
 
 #include "data/images/images.h"
 
-
 /* reading.c: opens the file with libtiff. */
 bool source_open(struct image *image, struct error *err);
 /* Reads bytes of the file. Returns false at its end, or where the system failed. */
@@ -37,9 +36,6 @@ bool metadata_scale(struct image *image, int page, const struct sample_layout *l
                     const char *const items[ITEMS], struct error *err);
 /* Reads the first page's description and verdict. */
 bool metadata_description(struct image *image, struct error *err);
-
-
-uint64_t pages_row_bytes(const struct pages *pages);
 
 /* png.c: a PNG file (ISO/IEC 15948:2004), written from the top. Its bytes do not depend on how many
  * rows come at once. */

@@ -6,6 +6,7 @@
  * libtiff writes the directories, through callbacks on our own descriptor. Instead of the pixels of
  * a page it gets a pointer that nobody reads. The callback only moves the end of the file: libtiff
  * records the right offset, and no blank pixels are written or kept. */
+#include <assert.h>
 #include <inttypes.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,14 +21,20 @@
 
 /* ---- places ---- */
 
-uint64_t pages_row_bytes(const struct pages *pages)
+size_t pages_pixel_bytes(const struct pages *pages, int page)
 {
-    return (uint64_t)pages->width * (uint64_t)pages->channels * (uint64_t)pages->bits / 8;
+    return page == pages->count ? (size_t)pages->bytes_behind
+                                : (size_t)pages->channels * (size_t)pages->bits / 8;
+}
+
+static uint64_t row_bytes(const struct pages *pages)
+{
+    return (uint64_t)pages->width * pages_pixel_bytes(pages, 0);
 }
 
 static uint64_t page_bytes(const struct pages *pages)
 {
-    return pages_row_bytes(pages) * (uint64_t)pages->height;
+    return row_bytes(pages) * (uint64_t)pages->height;
 }
 
 uint64_t pages_offset(const struct pages *pages, int page)
@@ -37,7 +44,8 @@ uint64_t pages_offset(const struct pages *pages, int page)
 
 uint64_t pages_end(const struct pages *pages)
 {
-    return pages_offset(pages, pages->count) + pages->bytes_behind;
+    return pages_offset(pages, pages->count) +
+           (uint64_t)pages->width * (uint64_t)pages->height * (uint64_t)pages->bytes_behind;
 }
 
 /* ---- the calls by which libtiff writes ---- */
@@ -240,7 +248,7 @@ bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, cons
      * which is as wide as ptrdiff_t. */
     const uint64_t most_bytes = UINT64_C(1) << 62;
     const uint64_t rows = (uint64_t)pages->height * ((uint64_t)pages->count + 1);
-    if (pages_row_bytes(pages) > most_bytes / rows || page_bytes(pages) > PTRDIFF_MAX)
+    if (row_bytes(pages) > most_bytes / rows || page_bytes(pages) > PTRDIFF_MAX)
         return error_usage(err, "%d pages of %dx%d pixels are too many for one file", pages->count,
                            pages->width, pages->height);
     if (output_open(&pages->output, path, err) && lay_out(pages, set_tags, of, err))
@@ -249,10 +257,23 @@ bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, cons
     return false;
 }
 
-bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
+/* Whole rows of a page lie together in the file. */
+bool pages_write(const struct pages *pages, const struct page_rectangle *to, const void *samples,
                  struct error *err)
 {
-    return put(pages, bytes, length, pages_offset(pages, page) + at, err);
+    const size_t pixel = pages_pixel_bytes(pages, to->page);
+    const bool together = to->width == pages->width;
+    const size_t length = (size_t)to->width * pixel * (together ? (size_t)to->height : 1);
+    const char *from = samples;
+    assert(to->page >= 0 && to->page < pages->count + (pages->bytes_behind > 0) && to->x >= 0 &&
+           to->y >= 0 && to->width >= 0 && to->height >= 0 && to->x <= pages->width - to->width &&
+           to->y <= pages->height - to->height);
+    for (int y = to->y; y < to->y + (together ? 1 : to->height); y++, from += length) {
+        const uint64_t first = (uint64_t)y * (uint64_t)pages->width + (uint64_t)to->x;
+        if (!put(pages, from, length, pages_offset(pages, to->page) + first * pixel, err))
+            return false;
+    }
+    return true;
 }
 
 /* ---- the check at the end ---- */
@@ -264,7 +285,7 @@ static bool page_is_whole(TIFF *tiff, const struct pages *pages, int page)
     TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format);
     TIFFGetField(tiff, TIFFTAG_COMPRESSION, &compression);
     return format == sample_format(pages) && compression == COMPRESSION_NONE &&
-           TIFFNumberOfStrips(tiff) == 1 && TIFFScanlineSize64(tiff) == pages_row_bytes(pages) &&
+           TIFFNumberOfStrips(tiff) == 1 && TIFFScanlineSize64(tiff) == row_bytes(pages) &&
            TIFFStripSize64(tiff) == page_bytes(pages) &&
            TIFFGetStrileByteCount(tiff, 0) == page_bytes(pages) &&
            TIFFGetStrileOffset(tiff, 0) == pages_offset(pages, page);

@@ -9,7 +9,7 @@
  * or with a record that contradicts itself. */
 bool record_read(const struct image *image, struct record *out, struct error *err);
 
-/* ---- verdict.c: the verdict on a stack, in numbers ---- */
+/* ---- stack.c: the verdict on a stack, in numbers ---- */
 
 /* Returns false where the line records no numbers: nothing was checked, or the reference's pixels
  * are stored. */

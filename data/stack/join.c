@@ -179,10 +179,10 @@ static bool copy_page(struct joined *joined, const struct cube *part, int page, 
               first = (int)part->record.rows.value[0];
     for (int y = 0; y < image->height; y += most) {
         const int rows = image->height - y < most ? image->height - y : most;
-        const struct stack_rectangle to = {page, 0, first + y, image->width, rows};
+        const struct page_rectangle to = {page, 0, first + y, image->width, rows};
         if (!image_read_bytes(image, from + (uint64_t)y * row_bytes, (size_t)rows * row_bytes,
                               joined->bytes, err) ||
-            !stack_write(&joined->writer, &to, joined->bytes, err))
+            !pages_write(&joined->writer.pages, &to, joined->bytes, err))
             return false;
     }
     return true;
@@ -264,11 +264,10 @@ static bool finish(struct joined *joined, struct options *options, struct error 
         done = own->envi
                    ? stack_commit_envi(&joined->writer, options->output, &options->outputs, err)
                    : stack_commit(&joined->writer, &options->outputs, err);
-    return done &&
-           (agreed ||
-            error_different(err, "the joined picture: %s; %s", line,
-                            own->keep ? "the stack was kept"
-                                          : "no stack was written (--keep stores it anyway)"));
+    return done && (agreed ||
+                    error_different(err, "the joined picture: %s; %s", line,
+                                    own->keep ? "the stack was kept"
+                                              : "no stack was written (--keep stores it anyway)"));
 }
 
 static bool report(const struct options *options, const struct joined *joined, struct error *err)

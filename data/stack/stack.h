@@ -33,7 +33,6 @@ void inputs_free(struct inputs *inputs);
 /* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
 bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);
 
-
 struct texts {
     const char **text; /* the array is owned, the texts are not */
     int n;
@@ -118,23 +117,16 @@ struct stack_options {
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
     const char *const *labels; /* of the pages, which then have no wavelengths; NULL: they have */
 };
-/* A stack that is being written: laid out at once, then filled in rectangles of any order. */
+/* A stack that is being written: laid out at once, then filled by pages_write with uint8_t or
+ * uint16_t counts, or floats. Page n_wavelengths is the object map, of uint8_t or uint16_t. */
 struct stack_writer {
-    struct pages pages; /* and behind them the object map */
+    struct pages pages;
     struct stack_options options;
 };
 /* Lays the file out. The strings in options are copied into the file. The wavelengths are not
  * copied: they must outlive the writer. */
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
                 struct error *err);
-/* Page n_wavelengths is the object map, behind the last page. */
-struct stack_rectangle {
-    int page, x, y, width, height;
-};
-/* Writes the samples of a rectangle, row by row without gaps: uint8_t or uint16_t counts, or
- * floats; of the object map uint8_t or uint16_t. */
-bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
-                 struct error *err);
 /* Stores `verdict` (the check in one line, printable ASCII, at most STACK_VERDICT - 1 bytes) in the
  * room that stack_open left for it, and reads all directories again to see that they are whole. */
 enum { STACK_VERDICT = 512 };
@@ -153,7 +145,7 @@ bool stack_commit(struct stack_writer *writer, struct outputs *outputs, struct e
 void stack_discard(struct stack_writer *writer); /* safe after commit */
 const char *stack_library(void);                 /* name and version of the libtiff in use */
 
-/* ---- verdict.c: the verdict on a stack, in numbers ---- */
+/* ---- stack.c: the verdict on a stack, in numbers ---- */
 
 /* How the check of all samples ended, as the line of a stack records it. */
 struct stack_verdict {

@@ -21,7 +21,6 @@ void note_dark(const struct lit_scene *lit, struct notes *notes);
  * band, the largest error / bound, and enum check_class. A PNG, twice as wide, has the two floors
  * in colours, side by side. */
 struct check_map {
-    struct pages pages;
     struct picture_writer picture;
     bool coloured;  /* a PNG */
     int width;      /* of the scene's picture */
@@ -53,7 +52,7 @@ struct stages {
     struct stack_writer *stack;            /* NULL: no samples are stored */
     int first_row;                         /* of the picture that the stack has, in its pixels */
     int first_tile, n_tiles;               /* those to be drawn: whole rows */
-    struct progress_line *progress; /* NULL: none */
+    struct progress_line *progress;        /* NULL: none */
     double full_scale;
     bool clips; /* a vertex is brighter than full_scale */
     /* what comes out is added to these */

@@ -381,7 +381,7 @@ static void write_stack(int n_pages, const double *nm, int bits, double full_sca
     for (int page = 0; good && page < n_pages; page++) {
         for (int i = 0; i < PIXELS; i++)
             counts[i] = (uint16_t)count_at(page % 8, i % WIDTH, i / WIDTH, 0, 16);
-        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT},
+        good = pages_write(&writer.pages, &(struct page_rectangle){page, 0, 0, WIDTH, HEIGHT},
                            bits == 32 ? (const void *)radiance : counts, &err);
     }
     CHECK(good && stack_finish(&writer, "check: agreed", &err) && stack_commit(&writer, NULL, &err),

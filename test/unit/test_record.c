@@ -33,7 +33,7 @@ static bool written(const char *path, const struct record *record, struct image 
                                     .provenance = text};
     files_read_forget();
     bool done = text && stack_open(&writer, path, &options, err) &&
-                stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 1, 1}, &count, err) &&
+                pages_write(&writer.pages, &(struct page_rectangle){0, 0, 0, 1, 1}, &count, err) &&
                 stack_finish(&writer, "a verdict", err) && stack_commit(&writer, NULL, err) &&
                 image_open(path, nowhere, image, err);
     free(text);

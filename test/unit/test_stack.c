@@ -39,7 +39,7 @@ static bool write_rectangle(struct stack_writer *writer, int page, int x, int y,
     uint16_t counts[WIDTH * HEIGHT];
     for (int i = 0; i < width * height; i++)
         counts[i] = count_at(page, x + i % width, y + i / width);
-    return stack_write(writer, &(struct stack_rectangle){page, x, y, width, height}, counts, err);
+    return pages_write(&writer->pages, &(struct page_rectangle){page, x, y, width, height}, counts, err);
 }
 
 /* Returns a number for each pixel of the object map. */
@@ -58,7 +58,7 @@ static bool write_map(struct stack_writer *writer, int x, int y, int width, int 
         if (writer->options.map_bytes == 2)
             *at++ = (unsigned char)(object / 256);
     }
-    return stack_write(writer, &(struct stack_rectangle){PAGES, x, y, width, height}, bytes, err);
+    return pages_write(&writer->pages, &(struct page_rectangle){PAGES, x, y, width, height}, bytes, err);
 }
 
 static bool finish(struct stack_writer *writer, const char *verdict, struct error *err)
@@ -356,7 +356,7 @@ static void check_large(int width, int map_bytes, bool big)
           "%d pixels: it is a BigTIFF if it exceeds 4 GiB", width);
     CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: the map is written",
           width);
-    CHECK(stack_write(&writer, &(struct stack_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
+    CHECK(pages_write(&writer.pages, &(struct page_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
               finish(&writer, "", &err),
           "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
@@ -488,7 +488,7 @@ static void test_narrow(void)
     for (int page = 0; good && page < PAGES; page++) {
         for (int i = 0; i < WIDTH * HEIGHT; i++)
             counts[i] = (uint8_t)(7 * i + 60 * page);
-        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT}, counts,
+        good = pages_write(&writer.pages, &(struct page_rectangle){page, 0, 0, WIDTH, HEIGHT}, counts,
                            &err);
     }
     good = good && finish(&writer, "", &err) && image_open(path, (struct place){0}, &image, &err);

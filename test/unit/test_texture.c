@@ -40,7 +40,7 @@ static bool write_stack(int n_pages, float times)
     for (int page = 0; good && page < n_pages; page++)
         for (int i = 0; good && i < PIXELS; i++) {
             const float value = times * radiance_at(page, i % WIDTH, HEIGHT - 1 - i / WIDTH);
-            good = stack_write(&writer, &(struct stack_rectangle){page, i % WIDTH, i / WIDTH, 1, 1},
+            good = pages_write(&writer.pages, &(struct page_rectangle){page, i % WIDTH, i / WIDTH, 1, 1},
                                &value, &err);
         }
     return CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
