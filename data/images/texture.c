@@ -68,9 +68,11 @@ static bool find_extremes(struct texture *texture, struct error *err)
     return true;
 }
 
-static bool open_pages(const char *path, struct place from, struct texture *out, struct error *err)
+static bool open_pages(const char *path, struct place from, image_tags *read_tags,
+                       struct texture *out, struct error *err)
 {
-    if (!file_expected(path, from, FILE_TEXTURE, err) || !image_open(path, from, &out->image, err))
+    if (!file_expected(path, from, FILE_TEXTURE, err) ||
+        !image_open(path, from, read_tags, &out->image, err))
         return false;
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
         error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
@@ -87,17 +89,18 @@ static bool open_pages(const char *path, struct place from, struct texture *out,
                  path, out->image.n_pages);
     else
         return planes_fit(out, path, from, err) && find_extremes(out, err) &&
-               digest_note_open(path, out->image.file->descriptor, err);
+               digest_note_open(path, out->image.file->client.descriptor, err);
     return false;
 }
 
-bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
+bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
+                  struct error *err)
 {
     *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
     if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
         return false;
     pthread_mutex_init(out->reading, NULL);
-    if (!open_pages(path, from, out, err)) {
+    if (!open_pages(path, from, read_tags, out, err)) {
         texture_free(out);
         return false;
     }

@@ -16,8 +16,8 @@ static bool map_is_whole(const struct cube *cube)
     const struct record *record = &cube->record;
     const uint64_t pixels = (uint64_t)cube->image.width * (uint64_t)cube->image.height;
     const uint64_t bytes = pixels * (uint64_t)record->map_bytes;
-    return record->objects.n > 0 && bytes <= cube->image.file->bytes &&
-           record->map_offset == cube->image.file->bytes - bytes;
+    return record->objects.n > 0 && bytes <= cube->image.file->client.bytes &&
+           record->map_offset == cube->image.file->client.bytes - bytes;
 }
 
 /* Numbers the pages of components, which have no wavelengths. */
@@ -35,7 +35,7 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
 {
     struct image *image = &out->image;
     struct error foreign = {0};
-    if (!image_open(path, nowhere, image, err))
+    if (!image_open(path, nowhere, tags_read, image, err))
         return false;
     const bool own = record_read(image, &out->record, &foreign);
     if (foreign.status == EXIT_SYSTEM) {

@@ -15,6 +15,8 @@ bool record_read(const struct image *image, struct record *out, struct error *er
  * are stored. */
 bool stack_verdict_read(const char *line, struct stack_verdict *out);
 
+enum { TAG_VERDICT = 65111 };           /* the verdict of the check */
+#define STACK_UNFINISHED "not finished" /* the verdict of a stack that is not whole yet */
 #define PAGE_LABEL "%.10g nm"
 /* tags.c: returns the width of a page: the mean distance to its neighbours; 0: it is the only one.
  */

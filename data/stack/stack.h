@@ -156,6 +156,12 @@ struct stack_verdict {
 };
 void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT]);
 
+/* ---- tags_read.c ---- */
+
+/* The image_tags of stacks, and of any TIFF that records wavelengths as OME-XML, GDAL_METADATA or
+ * page names. */
+bool tags_read(struct image *image, int n, struct page_record *out, struct error *err);
+
 /* ---- cube.c: a spectral stack to be read ---- */
 
 /* A stack of this program, of wavelengths or of components; or any TIFF of grey pages or bands that

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/stack/stack.h"
 #include "raster/plan/inside.h"
 
 /* ---- textures ---- */
@@ -18,7 +19,7 @@ static struct texture *add_texture(struct plan *plan, const struct material *mat
         spectral ? material->spectral_texture_place : material->texture_place;
     struct texture *new = &plan->textures[plan->n_textures];
     *new = (struct texture){.spectral = spectral, .linear = material->texture_linear};
-    if (!texture_read(spectral ? material->spectral_texture : material->texture, place, new, err))
+    if (!texture_read(spectral ? material->spectral_texture : material->texture, place, tags_read, new, err))
         return NULL;
     plan->n_textures++;
     plan->work.textures_loaded++;

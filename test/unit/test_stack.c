@@ -39,7 +39,8 @@ static bool write_rectangle(struct stack_writer *writer, int page, int x, int y,
     uint16_t counts[WIDTH * HEIGHT];
     for (int i = 0; i < width * height; i++)
         counts[i] = count_at(page, x + i % width, y + i / width);
-    return pages_write(&writer->pages, &(struct page_rectangle){page, x, y, width, height}, counts, err);
+    return pages_write(&writer->pages, &(struct page_rectangle){page, x, y, width, height}, counts,
+                       err);
 }
 
 /* Returns a number for each pixel of the object map. */
@@ -58,7 +59,8 @@ static bool write_map(struct stack_writer *writer, int x, int y, int width, int 
         if (writer->options.map_bytes == 2)
             *at++ = (unsigned char)(object / 256);
     }
-    return pages_write(&writer->pages, &(struct page_rectangle){PAGES, x, y, width, height}, bytes, err);
+    return pages_write(&writer->pages, &(struct page_rectangle){PAGES, x, y, width, height}, bytes,
+                       err);
 }
 
 static bool finish(struct stack_writer *writer, const char *verdict, struct error *err)
@@ -356,9 +358,10 @@ static void check_large(int width, int map_bytes, bool big)
           "%d pixels: it is a BigTIFF if it exceeds 4 GiB", width);
     CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: the map is written",
           width);
-    CHECK(pages_write(&writer.pages, &(struct page_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
-              finish(&writer, "", &err),
-          "%d pixels: commits %s", width, err.text);
+    CHECK(
+        pages_write(&writer.pages, &(struct page_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
+            finish(&writer, "", &err),
+        "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
     CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42),
           "%d pixels: the magic number is right", width);
@@ -488,10 +491,11 @@ static void test_narrow(void)
     for (int page = 0; good && page < PAGES; page++) {
         for (int i = 0; i < WIDTH * HEIGHT; i++)
             counts[i] = (uint8_t)(7 * i + 60 * page);
-        good = pages_write(&writer.pages, &(struct page_rectangle){page, 0, 0, WIDTH, HEIGHT}, counts,
-                           &err);
+        good = pages_write(&writer.pages, &(struct page_rectangle){page, 0, 0, WIDTH, HEIGHT},
+                           counts, &err);
     }
-    good = good && finish(&writer, "", &err) && image_open(path, (struct place){0}, &image, &err);
+    good = good && finish(&writer, "", &err) &&
+           image_open(path, (struct place){0}, tags_read, &image, &err);
     if (!CHECK(good, "a stack of 8 bits and labels is written and opened %s", err.text))
         return;
     CHECK(image.wavelengths_nm == NULL && image.n_pages == PAGES &&

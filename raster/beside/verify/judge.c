@@ -192,7 +192,7 @@ static bool open_pixels(struct drawn *of, const struct drawn_names *names, struc
         of->folder = names->pixels;
         return open_folder(of, err);
     }
-    return image_open(names->pixels, (struct place){NULL, 0, 0}, &of->image, err) &&
+    return image_open(names->pixels, (struct place){NULL, 0, 0}, tags_read, &of->image, err) &&
            check_image(of, err);
 }
 
