@@ -421,10 +421,7 @@ bool image_open(const char *path, struct place from, image_tags *read_tags, stru
 
 bool image_is_float(const struct image *image)
 {
-    bool done = !image->coloured;
-    for (int i = 0; i < image->n_pages && done; i++)
-        done = image->file->pages[i].bits == 32;
-    return done;
+    return image->file->pages->bits == 32; /* as all pages: floats are grey */
 }
 
 static void close_file(struct image_file *file)

@@ -83,36 +83,39 @@ static bool put_srgb(struct png *png, struct error *err)
            put_chunk(png, "sRGB", "", 1, err); /* 0: the perceptual intent, for pictures */
 }
 
+/* Writes a chunk of what has been printed, and frees it. */
+static bool put_printed(struct png *png, const char *type, struct printed *printed,
+                        struct error *err)
+{
+    char *bytes = printed_take(printed, err);
+    const bool done = bytes && put_chunk(png, type, bytes, printed->length, err);
+    free(bytes);
+    return done;
+}
+
 /* Writes the profile, compressed, behind its name and the number of the compression. */
 static bool put_profile(struct png *png, const struct picture_options *options, struct error *err)
 {
-    static const char name[] = "display"; /* with its NUL */
     uLongf length = compressBound((uLong)options->profile_length);
-    unsigned char *chunk;
-    if (!MAKE_ARRAY(chunk, sizeof name + 1 + length, err, "the profile of a PNG file"))
+    struct printed chunk = {.text = NULL};
+    unsigned char *packed;
+    if (!MAKE_ARRAY(packed, length, err, "the profile of a PNG file"))
         return false;
-    memcpy(chunk, name, sizeof name);
-    chunk[sizeof name] = 0; /* deflate */
-    const bool done = (compress2(chunk + sizeof name + 1, &length, options->profile,
-                                 (uLong)options->profile_length, Z_BEST_COMPRESSION) == Z_OK ||
-                       memory_lacks(err, (double)length, "the profile of a PNG file")) &&
-                      put_chunk(png, "iCCP", chunk, sizeof name + 1 + length, err);
-    free(chunk);
-    return done;
+    const bool done = compress2(packed, &length, options->profile, (uLong)options->profile_length,
+                                Z_BEST_COMPRESSION) == Z_OK ||
+                      memory_lacks(err, (double)length, "the profile of a PNG file");
+    print(&chunk, "display%c%c", 0, 0); /* deflate is 0 */
+    print_bytes(&chunk, packed, length);
+    free(packed);
+    return put_printed(png, "iCCP", &chunk, err) && done;
 }
 
 /* Writes a text chunk: a keyword, a NUL, and Latin-1 text. */
 static bool put_text(struct png *png, const char *keyword, const char *text, struct error *err)
 {
-    const size_t before = strlen(keyword) + 1, length = strlen(text);
-    char *chunk;
-    if (!MAKE_ARRAY(chunk, before + length, err, "a text in a PNG file"))
-        return false;
-    memcpy(chunk, keyword, before);
-    memcpy(chunk + before, text, length);
-    const bool done = put_chunk(png, "tEXt", chunk, before + length, err);
-    free(chunk);
-    return done;
+    struct printed chunk = {.text = NULL};
+    print(&chunk, "%s%c%s", keyword, 0, text);
+    return put_printed(png, "tEXt", &chunk, err);
 }
 
 static bool put_head(struct png *png, const struct picture_options *options, struct error *err)

@@ -253,12 +253,7 @@ static void set_weights(struct sampling *out)
 /* A black scene has one page of zeros. */
 static bool set_pages(const struct components *c, struct sampling *out, struct error *err)
 {
-    if (!sampling_room(out, c->n > 0 ? c->n : 1, false, err))
-        return false;
-    const size_t cells = (size_t)out->pages.n * (size_t)out->fine.n;
-    out->pages.analysis = sampling_numbers(cells, err);
-    out->synthesis = sampling_numbers(cells, err);
-    if (!out->pages.analysis || !out->synthesis)
+    if (!sampling_room(out, c->n > 0 ? c->n : 1, ANALYSIS | SYNTHESIS, err))
         return false;
     set_matrices(c, out);
     set_weights(out);

@@ -12,7 +12,7 @@ static bool one_segment(const struct sampling_task *task, const struct quadratur
                         struct error *err)
 {
     struct sampling *out = task->out;
-    if (!sampling_room(out, rule->n, true, err))
+    if (!sampling_room(out, rule->n, SEGMENTS, err))
         return false;
     for (int i = 0; i < rule->n; i++) {
         out->pages.wavelength_nm[i] = rule->node[i];
@@ -162,7 +162,7 @@ static bool union_of_nodes(const struct functions *of, struct sampling *out, str
     qsort(nodes, (size_t)count, sizeof nodes[0], compare_nodes);
     for (int i = 0; i < count; i++)
         n += i == 0 || nodes[i].nm > nodes[i - 1].nm;
-    if (!sampling_room(out, n, false, err))
+    if (!sampling_room(out, n, 0, err))
         return false;
     for (int i = 0; i < count; i++) {
         page += i == 0 || nodes[i].nm > nodes[i - 1].nm;

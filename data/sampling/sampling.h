@@ -215,10 +215,7 @@ int wavelength_before(const double *wavelength_nm, int n, double nm, double *par
 double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
                          struct error *err);
 /* Writes the name of a component: "red", "Y", "component 3"; "" for a wavelength. */
-void sampling_label(const struct sampling *sampling, int page, char out[24]);
-/* Returns those of n components. One allocation holds the pointers and the texts; NULL: no memory.
- */
-const char **sampling_labels(const struct sampling *sampling, int n, struct error *err);
+void sampling_label(const struct sampling_method *method, int page, char out[24]);
 /* Prints one line: name, number of pages, negative weights, peaks, rank, limits. */
 void sampling_print(const struct sampling *sampling, struct printed *to);
 void sampling_free(struct sampling *sampling);

@@ -133,8 +133,7 @@ static bool conclude(struct joined *joined, struct error *err)
 static bool open_whole(struct joined *joined, const char *path, struct error *err)
 {
     const struct cube *part = &joined->first;
-    struct sampling sampling = {.detector = NULL};
-    const char **labels = NULL;
+    struct sampling_method method;
     struct record whole = part->record;
     whole.rows.n = whole.wavelengths.n = 0;
     whole.full_scale = whole.scale = whole.object_map = NULL;
@@ -143,8 +142,7 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                 MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows of %s", path) &&
                 MAKE_ARRAY(joined->bytes, COPIED_BYTES, err, "rows of %s", path);
     if (done && part->components)
-        done = sampling_read(part->image.path, part->record.sampling, &sampling.method, err) &&
-               (labels = sampling_labels(&sampling, part->image.n_pages, err));
+        done = sampling_read(part->image.path, part->record.sampling, &method, err);
     const struct stack_options options = {.width = part->image.width,
                                           .height = (int)part->record.rows.value[2],
                                           .n_wavelengths = part->image.n_pages,
@@ -154,9 +152,9 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                                           .scene = part->record.scene,
                                           .provenance = provenance,
                                           .map_bytes = part->record.map_bytes,
-                                          .labels = labels};
+                                          .components = part->components ? &method : NULL};
     done = done && stack_open(&joined->writer, path, &options, err);
-    FREE_ALL(provenance, labels);
+    free(provenance);
     return done;
 }
 

@@ -115,7 +115,8 @@ struct stack_options {
     const char *scene;      /* for the description */
     const char *provenance; /* lines of text for the description: record_text */
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
-    const char *const *labels; /* of the pages, which then have no wavelengths; NULL: they have */
+    /* names the pages, which then have no wavelengths; NULL: they have */
+    const struct sampling_method *components;
 };
 /* A stack that is being written: laid out at once, then filled by pages_write with uint8_t or
  * uint16_t counts, or floats. Page n_wavelengths is the object map, of uint8_t or uint16_t. */
@@ -123,8 +124,7 @@ struct stack_writer {
     struct pages pages;
     struct stack_options options;
 };
-/* Lays the file out. The strings in options are copied into the file. The wavelengths are not
- * copied: they must outlive the writer. */
+/* Lays the file out, with copies of what the options point to. */
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
                 struct error *err);
 /* Stores `verdict` (the check in one line, printable ASCII, at most STACK_VERDICT - 1 bytes) in the

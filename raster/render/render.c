@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A plan becomes a stack: everything before the first pixel, and after the last one. */
+#include <stdlib.h>
 #include <time.h>
 
 #include "data/sampling/sampling.h"
@@ -67,8 +68,6 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
     const struct part_rows *rows = &state->result->rows;
     const bool labelled = sampling && !sampling->spectral;
     char *provenance = make_provenance(state, err);
-    const char **labels =
-        labelled && provenance ? sampling_labels(sampling, sampling->pages.n, err) : NULL;
     const struct stack_options options = {.width = plan->scene->width,
                                           .height =
                                               rows->count > 0 ? rows->count : plan->scene->height,
@@ -79,10 +78,10 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
                                           .scene = plan->scene->path,
                                           .provenance = provenance,
                                           .map_bytes = plan->map_bytes,
-                                          .labels = labels};
-    if (provenance && (labels || !labelled) && stack_open(&state->stack, path, &options, err))
+                                          .components = labelled ? &sampling->method : NULL};
+    if (provenance && stack_open(&state->stack, path, &options, err))
         state->stages.stack = &state->stack;
-    FREE_ALL(labels, provenance);
+    free(provenance);
     clock_in(&state->since, &state->stages.seconds.write);
     return state->stages.stack != NULL;
 }
@@ -116,10 +115,10 @@ static bool open_renderer(struct state *state, const struct render_foreign *fore
     const int n_buffers = stages->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
     const struct plan *plan = stages->plan;
     struct renderer **out = &stages->renderer;
-    const bool done =
-        foreign ? foreign->open(foreign->of, plan, n_buffers, out, err)
-                : !plan->options.use_gl ||
-                      drawing_ways.open[plan->options.gl_way](plan, n_buffers, out, err);
+    const bool done = foreign
+                          ? foreign->open(foreign->of, plan, n_buffers, out, err)
+                          : !plan->options.use_gl ||
+                                drawing_ways.open[plan->options.gl_way](plan, n_buffers, out, err);
     if (done && stages->renderer) {
         state->result->names = stages->renderer->names;
         state->lacks = stages->renderer->lacks;
