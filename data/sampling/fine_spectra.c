@@ -119,13 +119,10 @@ static bool add_lights(const struct rows *rows, const struct fine_scene *fine,
     bool done = true;
     for (int i = 0; done && i < illumination->n_first + scene->n_ambients; i++) {
         const int ambient = i - illumination->n_first;
-        const struct light *light =
-            ambient < 0 ? illumination->lights[illumination->first[i]].light : NULL;
-        const struct spectrum *spectrum =
-            light ? &light->spectrum : &scene->ambients[ambient].spectrum;
-        const double intensity = light ? light->intensity : scene->ambients[ambient].intensity;
-        done = material ? add_luminescence(rows, fine, material, spectrum, err)
-                        : add_light(rows, fine, spectrum, intensity, err);
+        const struct light *light = ambient < 0 ? illumination->lights[illumination->first[i]].light
+                                                : &scene->ambients[ambient];
+        done = material ? add_luminescence(rows, fine, material, &light->spectrum, err)
+                        : add_light(rows, fine, &light->spectrum, light->intensity, err);
     }
     return done;
 }

@@ -107,14 +107,22 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
     return read_number(&word, out, err);
 }
 
-/* Writes as few digits as read back as the same number, but 10 rather than 1e+01. */
-static void shortest(double number, char *out, size_t capacity)
+/* Returns how many digits, from `fewest` on, read back as the same number. */
+static int digits_of(double number, int fewest)
 {
-    for (int digits = 1; digits <= 17; digits++) {
-        snprintf(out, capacity, "%.*g", digits, number);
-        if (strtod(out, NULL) == number && (number < 1 || strchr(out, 'e') == NULL))
-            return;
+    char text[32];
+    int digits = fewest;
+    for (; digits < 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, number);
+        if (strtod(text, NULL) == number && (number < 1 || digits >= 15 || !strchr(text, 'e')))
+            break;
     }
+    return digits;
+}
+
+int exact_digits(double number)
+{
+    return digits_of(number, 15);
 }
 
 void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME])
@@ -124,8 +132,8 @@ void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME]
                           : method->kind == SAMPLING_ADAPTIVE ? method->tolerance
                                                               : method->count;
     char digits[32] = "";
-    if (number > 0)
-        shortest(number, digits, sizeof digits);
+    if (number > 0) /* 10 rather than 1e+01 */
+        snprintf(digits, sizeof digits, "%.*g", digits_of(number, 1), number);
     snprintf(out, SAMPLING_NAME, "%s%s%s%s%s", kinds[method->kind].name, number > 0 ? ":" : "",
              digits, functions[0] != '\0' ? "," : "", functions);
 }

@@ -135,6 +135,8 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
 /* Writes a method as sampling_read takes it, with the fewest digits that are exact. */
 enum { SAMPLING_NAME = 48 };
 void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME]);
+/* Returns how many decimal digits of a number read back as the same double: at least 15. */
+int exact_digits(double number);
 /* Returns whether pages of the method of this name are means over segments, not values in them. */
 bool sampling_takes_means(const char *name);
 

@@ -53,15 +53,10 @@ static double radiance_on(const struct scene *scene, const struct spectral_pages
 {
     double sum = 0;
     *intensity = 0;
-    for (int i = 0; i < scene->n_lights; i++) {
-        const struct light *light = &scene->lights[i];
+    for (int i = 0; i < scene->n_lights + scene->n_ambients; i++) {
+        const struct light *light = scene_light(scene, i);
         *intensity += light->intensity;
         sum += light->intensity * page_value(pages, &light->spectrum, page, SPECTRUM_ZERO);
-    }
-    for (int i = 0; i < scene->n_ambients; i++) {
-        const struct ambient *ambient = &scene->ambients[i];
-        *intensity += ambient->intensity;
-        sum += ambient->intensity * page_value(pages, &ambient->spectrum, page, SPECTRUM_ZERO);
     }
     return sum;
 }

@@ -74,7 +74,7 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
     return true;
 }
 
-/* Adds the luminescence under a light to the row; sets *any if any value is not 0. */
+/* Adds the luminescence under a light to the row; sets *any if any of its values is not 0. */
 static bool luminesce(const struct luminescence *of, const struct spectrum *light, double intensity,
                       double *row, bool *any, struct error *err)
 {
@@ -161,7 +161,7 @@ static bool add_constant(struct terms_maker *maker, struct error *err)
     struct material_terms *out = maker->out;
     double *row = maker->row;
     for (int i = 0; i < scene->n_ambients; i++) {
-        const struct ambient *ambient = &scene->ambients[i];
+        const struct light *ambient = &scene->ambients[i];
         if (ambient->intensity == 0 || spectrum_is_zero(&ambient->spectrum))
             continue;
         if (add_product(&illumination->pages, ambient->intensity, &ambient->spectrum,

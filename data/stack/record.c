@@ -62,32 +62,17 @@ static bool add_text(struct texts *list, const char *text, struct error *err)
 
 /* ---- of a scene ---- */
 
-int exact_digits(double number)
-{
-    char text[32];
-    for (int digits = 15; digits < 17; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, number);
-        if (strtod(text, NULL) == number)
-            return digits;
-    }
-    return 17;
-}
-
-static void put_source(struct printed *stream, const struct spectrum *spectrum, double intensity)
-{
-    print(stream, "%s*%.*g%c", spectrum->name, exact_digits(intensity), intensity, '\0');
-}
-
 /* Prints the lights, then the ambient lights, then the name of the sampling, each ended by a NUL.
  */
 static void put_sources(struct printed *to, const struct scene *scene,
                         const struct sampling *sampling)
 {
     char name[SAMPLING_NAME] = "";
-    for (int i = 0; i < scene->n_lights; i++)
-        put_source(to, &scene->lights[i].spectrum, scene->lights[i].intensity);
-    for (int i = 0; i < scene->n_ambients; i++)
-        put_source(to, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
+    for (int i = 0; i < scene->n_lights + scene->n_ambients; i++) {
+        const struct light *light = scene_light(scene, i);
+        print(to, "%s*%.*g%c", light->spectrum.name, exact_digits(light->intensity),
+              light->intensity, '\0');
+    }
     if (sampling)
         sampling_name(&sampling->method, name);
     print(to, "%s%c", name, '\0');
@@ -186,7 +171,7 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, co
 {
     struct inputs inputs;
     *out = (struct record){.scene = scene->path, .scene_sha256 = scene->sha256};
-    bool done = inputs_list(scene, detector, &inputs, err) &&
+    bool done = inputs_list(scene, detector, false, &inputs, err) &&
                 record_texts(scene, sampling, &inputs, out, err);
     inputs_free(&inputs);
     if (!sampling || sampling->spectral)
@@ -239,7 +224,8 @@ bool record_find_change(const struct record *record, const struct scene *scene,
     struct inputs inputs;
     struct printed printed = {.text = NULL};
     const int n = record->files.n;
-    bool done = inputs_list(scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
+    bool done =
+        inputs_list(scene, detector, false, &inputs, err) && inputs_digest(&inputs, &printed, err);
     char *text = printed_take(&printed, err);
     const char *now = text;
     done = done && text;

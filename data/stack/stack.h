@@ -22,13 +22,11 @@ struct inputs {
 };
 /* Lists the files that the scene's text and its options name, as far as the picture needs them and
  * they are there: a material that no object uses is not read, and a plan refuses a missing file
- * that it needs. detector: a file or a built-in name; NULL: the scene is not sampled for one. The
- * caller frees *out, also after a failure. */
-bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
+ * that it needs. detector: a file or a built-in name; NULL: the scene is not sampled for one.
+ * texts: lists the files of the scene's text, too, unless that came from a pipe. The caller frees
+ * *out, also after a failure. */
+bool inputs_list(const struct scene *scene, const char *detector, bool texts, struct inputs *out,
                  struct error *err);
-/* Lists these and the files of the scene's text, unless that came from a pipe. */
-bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,
-                struct error *err);
 void inputs_free(struct inputs *inputs);
 /* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
 bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);
@@ -82,8 +80,6 @@ struct record {
     int map_bytes;
     char *text; /* files, lights, ambients and, once it is read, all strings point into it; owned */
 };
-/* Returns how many decimal digits of a number read back as the same double. */
-int exact_digits(double number);
 /* Records a scene: its name, its files and that of the detector it is drawn for (NULL: none), its
  * lights, its white and its sampling (NULL: none). Scene and sampling must outlive the record. */
 bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,

@@ -81,7 +81,7 @@ static void look_at_all(struct tables *tables)
 {
     const struct plan *plan = tables->plan;
     const struct light *light = plan->scene->lights;
-    const struct ambient *ambient = plan->scene->ambients;
+    const struct light *ambient = plan->scene->ambients;
     for (int i = 0; i < plan->scene->n_lights; i++, light++)
         if (light->intensity != 0)
             look_at(tables, "light", light->spectrum.name, &light->spectrum, false);

@@ -83,7 +83,7 @@ bool plan_put_files(const struct plan *plan, struct json *json, struct error *er
 {
     struct inputs inputs;
     struct printed printed = {.text = NULL};
-    bool done = inputs_all(plan->scene, plan->options.detector, &inputs, err) &&
+    bool done = inputs_list(plan->scene, plan->options.detector, true, &inputs, err) &&
                 inputs_digest(&inputs, &printed, err);
     char *files = printed_take(&printed, err), *at = files;
     done = done && files;
