@@ -4,7 +4,6 @@
  * zlib gets a row at a time, so that its output does not depend on how many rows come at once. */
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 
@@ -20,7 +19,6 @@ struct png {
     unsigned char *row, *above;  /* samples as the file has them */
     unsigned char *best, *tried; /* filtered, behind the number of the filter */
     unsigned char packed[CHUNK_BYTES];
-    uint64_t written; /* bytes of the file */
 };
 enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
 
@@ -34,7 +32,6 @@ static void put_number(uint32_t number, unsigned char *out)
 
 static bool put_bytes(struct png *png, const void *bytes, size_t length, struct error *err)
 {
-    png->written += length;
     return write_all(png->output.descriptor, bytes, length) ||
            error_system(err, "%s: cannot be written", png->output.path);
 }
@@ -289,20 +286,9 @@ bool png_open(struct png **out, const char *path, const struct picture_options *
     return false;
 }
 
-/* Returns whether the file has as many bytes as were written. */
-static bool is_whole(const struct png *png, struct error *err)
-{
-    struct stat status;
-    if (fstat(png->output.descriptor, &status) != 0)
-        return error_system(err, "%s: cannot be examined", png->output.path);
-    return (uint64_t)status.st_size == png->written ||
-           error_failed(err, "%s: the written file is not complete", png->output.path);
-}
-
 bool png_finish(struct png *png, struct error *err)
 {
-    return pack(png, NULL, 0, Z_FINISH, err) && put_chunk(png, "IEND", NULL, 0, err) &&
-           is_whole(png, err);
+    return pack(png, NULL, 0, Z_FINISH, err) && put_chunk(png, "IEND", NULL, 0, err);
 }
 
 bool png_commit(struct png *png, struct outputs *outputs, struct error *err)
