@@ -7,17 +7,6 @@
 
 #include "data/images/inside.h"
 
-static ssize_t builtin_read(const struct builtin_file *file, void *out, size_t length,
-                            uint64_t offset)
-{
-    const size_t left = offset < file->length ? file->length - (size_t)offset : 0;
-    if (length > left)
-        length = left;
-    if (length > 0)
-        memcpy(out, file->bytes + offset, length);
-    return (ssize_t)length;
-}
-
 /* Notes the first call that failed. */
 static void note_failure(struct client *client, const char *what)
 {
@@ -29,8 +18,14 @@ static void note_failure(struct client *client, const char *what)
 
 ssize_t client_bytes(struct client *client, void *out, size_t length, uint64_t offset)
 {
-    if (client->builtin)
-        return builtin_read(client->builtin, out, length, offset);
+    const struct builtin_file *file = client->builtin;
+    if (file) {
+        const size_t left = offset < file->length ? file->length - (size_t)offset : 0;
+        const size_t n = length < left ? length : left;
+        if (n > 0)
+            memcpy(out, file->bytes + offset, n);
+        return (ssize_t)n;
+    }
     const ssize_t got = read_at(client->descriptor, out, length, offset);
     if (got < 0)
         note_failure(client, "cannot be read");

@@ -221,19 +221,19 @@ static void check_wavelength(struct image *image, const char *unit)
     const int page = image->n_pages;
     const double nm = image->wavelengths_nm[page - 1];
     const double before = page > 1 ? image->wavelengths_nm[page - 2] : 0;
-    if (image->no_wavelengths[0] != '\0' || nm > before)
+    char *why = image->no_wavelengths;
+    const size_t room = sizeof image->no_wavelengths;
+    if (why[0] != '\0' || nm > before)
         return;
     if (nm > 0)
-        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
-                 "its wavelengths %s: page %d records %.10g nm after %.10g nm",
+        snprintf(why, room, "its wavelengths %s: page %d records %.10g nm after %.10g nm",
                  nm < before ? "decrease" : "repeat", page, nm, before);
     else if (nm == 0)
-        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
+        snprintf(why, room,
                  "page %d records its wavelength in '%s'; expected a unit such as nm or um", page,
                  unit);
     else
-        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
-                 "page %d records no wavelength", page);
+        snprintf(why, room, "page %d records no wavelength", page);
 }
 
 /* Adds the next band of the current directory as a page. The first band decides the layout. */
@@ -424,19 +424,16 @@ bool image_is_float(const struct image *image)
     return image->file->pages->bits == 32; /* as all pages: floats are grey */
 }
 
-static void close_file(struct image_file *file)
-{
-    if (file->tiff != NULL)
-        TIFFClose(file->tiff);
-    if (file->client.descriptor >= 0)
-        close(file->client.descriptor);
-    FREE_ALL(file->pages, file->kept.samples, file);
-}
-
 void image_close(struct image *image)
 {
-    if (image->file != NULL)
-        close_file(image->file);
+    struct image_file *file = image->file;
+    if (file != NULL) {
+        if (file->tiff != NULL)
+            TIFFClose(file->tiff);
+        if (file->client.descriptor >= 0)
+            close(file->client.descriptor);
+        FREE_ALL(file->pages, file->kept.samples, file);
+    }
     FREE_ALL(image->path, image->description, image->verdict, image->wavelengths_nm);
     *image = (struct image){0};
 }

@@ -70,11 +70,8 @@ static void project(const double *channels, const double *rows, int n, double ou
 {
     for (int channel = 0; channel < 3; channel++)
         for (int i = 0; i < 3; i++) {
-            double part = 0, whole = 0;
-            for (int j = 0; j < n; j++) {
-                part += channels[channel * n + j] * rows[i * n + j];
-                whole += rows[i * n + j] * rows[i * n + j];
-            }
+            const double part = sampling_dot(channels + channel * n, rows + i * n, n);
+            const double whole = sampling_dot(rows + i * n, rows + i * n, n);
             out[channel][i] = whole > 0 ? part / whole : 0;
         }
 }

@@ -56,6 +56,7 @@ double *sampling_numbers(size_t count, struct error *err);
 double sampling_seen(const struct sampling *sampling, int j);
 /* Refuses more pages than `most` nm. In uniform.c, as the next. */
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err);
+double sampling_dot(const double *a, const double *b, int n); /* in basis.c */
 /* Combines three rows of n numbers by a matrix. */
 void sampling_transform(double m[3][3], const double *rows, int n, double *out);
 

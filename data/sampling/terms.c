@@ -126,11 +126,9 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
  * off by at most n 2^-53 of the sum of their magnitudes; a sum below 0 is such an error. */
 static void analyse(const struct spectral_pages *pages, const double *row, double *out)
 {
-    const int n_nm = pages->n_nm;
-    for (int page = 0; page < pages->n; page++) {
-        double sum = 0;
-        for (int j = 0; j < n_nm; j++)
-            sum += pages->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * row[j];
+    const double *analysis = pages->analysis;
+    for (int page = 0; page < pages->n; page++, analysis += pages->n_nm) {
+        const double sum = sampling_dot(analysis, row, pages->n_nm);
         out[page] = sum < 0 ? 0 : sum;
     }
 }

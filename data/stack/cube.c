@@ -137,13 +137,9 @@ static bool respond_finely(const struct record *record, const struct detector *d
     if (!fine_detector_make(detector, range[0] + 0.5,
                             (int)fmax(1, floor(range[1] - range[0] + 0.5)), &fine, err))
         return false;
-    for (int channel = 0; channel < 3; channel++) {
-        const double *weights = fine.weights + channel * fine.n;
-        out[channel] = 0;
-        for (int j = 0; j < fine.n; j++)
-            out[channel] +=
-                weights[j] * (spectrum ? spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO) : 1);
-    }
+    for (int j = 0; spectrum && j < fine.n; j++)
+        fine.nm[j] = spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO); /* radiances now */
+    detector_response(fine.weights, spectrum ? fine.nm : NULL, fine.n, out);
     fine_detector_free(&fine);
     return true;
 }

@@ -217,18 +217,18 @@ static bool add_part(struct joined *joined, const struct cube *part, struct erro
            add_verdict(joined, part, err) && copy_rows(joined, part, layout.offset, err);
 }
 
-static bool join_first(struct joined *joined, const struct options *options, struct error *err)
+/* Lays out the whole stack, which the first part describes. */
+static bool begin(struct joined *joined, const struct options *options, struct error *err)
 {
     struct cube *first = &joined->first;
     struct raw_samples layout;
-    if (!open_part(options->operand, first, err) || !image_describe(&first->image, &layout, err))
+    if (!image_describe(&first->image, &layout, err))
         return false;
     joined->bits = layout.bits;
     joined->record = make_common(&first->record, err);
     joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
     joined->sums = (struct stack_verdict){.samples = 0};
-    return joined->record && open_whole(joined, options->output, err) &&
-           add_part(joined, first, err);
+    return joined->record && open_whole(joined, options->output, err);
 }
 
 /* Refuses a picture that lacks rows. */
@@ -283,7 +283,8 @@ static bool run_join(struct options *options, struct error *err)
     struct joined joined = {.record = NULL};
     if (!options->output || !options->operand || picture_is_png(options->output))
         return error_usage(err, "join takes -o STACK.tif and the stacks of parts");
-    bool done = join_first(&joined, options, err);
+    bool done = open_part(options->operand, &joined.first, err) && begin(&joined, options, err) &&
+                add_part(&joined, &joined.first, err);
     for (int i = 1; done && i < options->n_operands; i++) {
         struct cube part = {.components = false};
         done = open_part(options->operands[i], &part, err) && add_part(&joined, &part, err);

@@ -260,14 +260,6 @@ static void put_line(struct printed *stream, const char *key, const char *value)
     print_text(stream, "\n");
 }
 
-static void put_numbers(struct printed *stream, const char *key, const struct numbers *numbers)
-{
-    print(stream, "%s:", key);
-    for (int i = 0; i < numbers->n; i++)
-        print(stream, " %.*g", exact_digits(numbers->value[i]), numbers->value[i]);
-    print_text(stream, "\n");
-}
-
 static void put_field(struct printed *stream, const struct record *record,
                       const struct field *field)
 {
@@ -281,8 +273,12 @@ static void put_field(struct printed *stream, const struct record *record,
         put_line(stream, field->key, texts->text[i]);
     for (int i = 0; field->kind == FIELD_OPTION && i < record->n_options; i++)
         put_line(stream, field->key, record->options[i]);
-    if (field->kind == FIELD_NUMBERS && numbers->n > 0)
-        put_numbers(stream, field->key, numbers);
+    if (field->kind != FIELD_NUMBERS || numbers->n == 0)
+        return;
+    print(stream, "%s:", field->key);
+    for (int i = 0; i < numbers->n; i++)
+        print(stream, " %.*g", exact_digits(numbers->value[i]), numbers->value[i]);
+    print_text(stream, "\n");
 }
 
 char *record_text(const struct record *record, struct error *err)
@@ -390,16 +386,8 @@ static bool keep_value(struct record *record, const struct field *field, char *v
     }
 }
 
-/* Keeps the value of a known key. Other programs may add lines: an unknown key is not an error. */
-static bool keep_line(struct record *record, const char *key, char *value, struct error *err)
-{
-    for (int i = 0; i < FIELDS; i++)
-        if (strcmp(key, fields[i].key) == 0)
-            return keep_value(record, &fields[i], value, err);
-    return true;
-}
-
-/* Cuts the text into lines, and each into key and value. */
+/* Cuts the text into lines, and each into key and value. Other programs may add lines: an unknown
+ * key is not an error. */
 static bool keep_lines(struct record *record, struct error *err)
 {
     bool good = true;
@@ -412,7 +400,9 @@ static bool keep_lines(struct record *record, struct error *err)
             continue;
         *colon = '\0';
         decode(colon + 2);
-        good = keep_line(record, line, colon + 2, err);
+        for (int i = 0; good && i < FIELDS; i++)
+            if (strcmp(line, fields[i].key) == 0)
+                good = keep_value(record, &fields[i], colon + 2, err);
     }
     return good && record->program != NULL && record->scene != NULL &&
            record->scene_sha256 != NULL && record->renderer != NULL;
