@@ -104,13 +104,19 @@ void inputs_free(struct inputs *inputs)
     *inputs = (struct inputs){.path = NULL};
 }
 
-bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err)
+bool inputs_digest(struct inputs *inputs, struct error *err)
 {
     char sha256[65];
     for (int i = 0; i < inputs->n; i++) {
-        if (!digest_was_read(inputs->path[i], sha256) && !digest_file(inputs->path[i], sha256, err))
+        char *path = inputs->path[i];
+        struct printed line = {.text = NULL};
+        if (!digest_was_read(path, sha256) && !digest_file(path, sha256, err))
             return false;
-        print(to, "%s %s%c", sha256, inputs->path[i], '\0');
+        print(&line, "%s %s", sha256, path);
+        inputs->path[i] = printed_take(&line, err);
+        free(path);
+        if (!inputs->path[i])
+            return false;
     }
     return true;
 }

@@ -28,8 +28,9 @@ struct inputs {
 bool inputs_list(const struct scene *scene, const char *detector, bool texts, struct inputs *out,
                  struct error *err);
 void inputs_free(struct inputs *inputs);
-/* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
-bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);
+/* Replaces each path by "SHA-256 PATH", of the file as this process has read it, or else reads it.
+ */
+bool inputs_digest(struct inputs *inputs, struct error *err);
 
 struct texts {
     const char **text; /* the array is owned, the texts are not */
@@ -49,7 +50,7 @@ struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
     const char *scene_sha256;
-    struct texts files;          /* that the scene names, as inputs_digest prints them */
+    struct texts files;          /* that the scene names, as inputs_digest makes them */
     const char *renderer;        /* "raster", or OpenGL's GL_RENDERER */
     char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
     int n_options;
