@@ -22,8 +22,7 @@ static bool set_tags(TIFF *tiff, const void *of, int page, struct error *err)
     (void)err; /* libtiff reports its failures */
     return TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, options->description) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) &&
-           (options->samples != PICTURE_FLOAT ||
-            TIFFSetField(tiff, TIFFTAG_PAGENAME, options->channels[page])) &&
+           (options->bits != 32 || TIFFSetField(tiff, TIFFTAG_PAGENAME, options->channels[page])) &&
            (options->profile == NULL ||
             TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)options->profile_length,
                          options->profile));
@@ -44,16 +43,10 @@ bool picture_is_png(const char *path)
     return output_ending(path, endings, &ending, &ignored) && ending == 0;
 }
 
-static size_t sample_bytes(const struct picture_options *options)
-{
-    static const size_t bytes[] = {[PICTURE_8] = 1, [PICTURE_16] = 2, [PICTURE_FLOAT] = 4};
-    return bytes[options->samples];
-}
-
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err)
 {
-    const bool floating = options->samples == PICTURE_FLOAT;
+    const bool floating = options->bits == 32;
     int n_channels = 0;
     while (n_channels < MOST_CHANNELS && options->channels[n_channels])
         n_channels++;
@@ -63,7 +56,7 @@ bool picture_open(struct picture_writer *out, const char *path,
                                              .width = options->width,
                                              .height = options->height,
                                              .channels = floating ? 1 : 3,
-                                             .bits = 8 * (int)sample_bytes(options)}};
+                                             .bits = options->bits}};
     if (!picture_accepts(path, err))
         return false;
     assert(!floating || !picture_is_png(path));
@@ -93,10 +86,9 @@ bool picture_write(struct picture_writer *writer, const void *samples, int rows,
 {
     const struct page_rectangle to = {0, 0, writer->row, writer->options.width, rows};
     assert(rows >= 0 && rows <= writer->options.height - writer->row);
-    const bool done = writer->png ? png_write(writer->png, samples, rows, err)
-                      : writer->options.samples == PICTURE_FLOAT
-                          ? write_planes(writer, samples, rows, err)
-                          : pages_write(&writer->pages, &to, samples, err);
+    const bool done = writer->png                  ? png_write(writer->png, samples, rows, err)
+                      : writer->options.bits == 32 ? write_planes(writer, samples, rows, err)
+                                                   : pages_write(&writer->pages, &to, samples, err);
     writer->row += rows;
     return done;
 }
@@ -120,7 +112,7 @@ static bool extend_strip(struct picture_writer *writer, int end, size_t row_byte
 bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
                  const void *samples, struct error *err)
 {
-    const size_t pixel = 3 * sample_bytes(&writer->options);
+    const size_t pixel = 3 * (size_t)writer->options.bits / 8;
     const size_t row_bytes = pixel * (size_t)writer->options.width, n = pixel * (size_t)at->width;
     const int end = at->y + at->height;
     assert(at->y >= writer->row);
@@ -139,7 +131,7 @@ bool picture_put(struct picture_writer *writer, const struct picture_rectangle *
 
 bool picture_finish(struct picture_writer *writer, struct error *err)
 {
-    assert(writer->options.samples == PICTURE_FLOAT || writer->row == writer->options.height);
+    assert(writer->options.bits == 32 || writer->row == writer->options.height);
     writer->finished =
         writer->png ? png_finish(writer->png, err) : pages_finish(&writer->pages, NULL, err);
     return writer->finished;

@@ -272,7 +272,7 @@ bool png_open(struct png **out, const char *path, const struct picture_options *
     if (!MAKE_ARRAY(*out, 1, err, "a PNG file"))
         return false;
     png = *out;
-    png->pixel_bytes = (size_t)CHANNELS * (options->samples == PICTURE_16 ? 2 : 1);
+    png->pixel_bytes = (size_t)CHANNELS * ((size_t)options->bits / 8);
     png->row_bytes = png->pixel_bytes * (size_t)options->width;
     png->deflating = deflateInit(&png->stream, LEVEL) == Z_OK;
     png->stream.next_out = png->packed;

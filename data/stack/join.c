@@ -259,9 +259,8 @@ static bool finish(struct joined *joined, struct options *options, struct error 
     const bool agreed = !joined->has_sums || strcmp(joined->sums.word, "agreed") == 0;
     bool done = stack_finish(&joined->writer, line, err);
     if (done && (agreed || own->keep))
-        done = own->envi
-                   ? stack_commit_envi(&joined->writer, options->output, &options->outputs, err)
-                   : stack_commit(&joined->writer, &options->outputs, err);
+        done = stack_commit(&joined->writer, own->envi ? options->output : NULL, &options->outputs,
+                            err);
     return done && (agreed ||
                     error_different(err, "the joined picture: %s; %s", line,
                                     own->keep ? "the stack was kept"

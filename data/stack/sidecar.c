@@ -146,13 +146,14 @@ bool sidecar_can_open(const char *stack, struct error *err)
     return can;
 }
 
-bool stack_commit_envi(struct stack_writer *writer, const char *path, struct outputs *outputs,
-                       struct error *err)
+bool stack_commit(struct stack_writer *writer, const char *beside, struct outputs *outputs,
+                  struct error *err)
 {
-    char *name = sidecar_name(path, err);
+    char *name = beside ? sidecar_name(beside, err) : NULL;
     char *header = name ? header_make(writer->pages.output.temporary, err) : NULL;
-    const bool done = header && stack_commit(writer, outputs, err) &&
-                      file_write(name, header, strlen(header), outputs, err);
+    const bool done = (header || !beside) && output_pass(&writer->pages.output, outputs, err) &&
+                      (!header || file_write(name, header, strlen(header), outputs, err));
+    stack_discard(writer);
     FREE_ALL(header, name);
     return done;
 }

@@ -150,13 +150,6 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
 
 /* ---- the end ---- */
 
-bool stack_commit(struct stack_writer *writer, struct outputs *outputs, struct error *err)
-{
-    bool good = output_pass(&writer->pages.output, outputs, err);
-    stack_discard(writer);
-    return good;
-}
-
 void stack_discard(struct stack_writer *writer)
 {
     output_discard(&writer->pages.output);

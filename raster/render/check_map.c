@@ -32,7 +32,7 @@ static bool open_planes(const char *path, const struct plan *plan, struct check_
     const struct picture_options options = {
         .width = plan->scene->width,
         .height = plan->scene->height,
-        .samples = PICTURE_FLOAT,
+        .bits = 32,
         .channels = {[MAP_FLOOR] = "floor",
                      [MAP_BAND_FLOOR] = "floor in one band",
                      [MAP_RATIO] = "error / bound",
@@ -53,7 +53,7 @@ static bool open_picture(const char *path, const struct plan *plan, struct check
     char *description = printed_take(&printed, err);
     const struct picture_options options = {.width = 2 * plan->scene->width,
                                             .height = plan->scene->height,
-                                            .samples = PICTURE_8,
+                                            .bits = 8,
                                             .srgb = true,
                                             .description = description};
     const bool done = description && picture_open(&out->picture, path, &options, err);

@@ -214,8 +214,8 @@ static bool commit(struct state *state, const struct render_output *output, stru
         stack_finish(&state->stack, verdict, err) &&
         (!output->again || stack_compare(&state->stack, output->again, &result->difference, err));
     if (done && !output->discard && (output->keep || render_agreed(plan, result)))
-        done = output->envi ? stack_commit_envi(&state->stack, output->path, output->outputs, err)
-                            : stack_commit(&state->stack, output->outputs, err);
+        done =
+            stack_commit(&state->stack, output->envi ? output->path : NULL, output->outputs, err);
     clock_in(&state->since, &result->seconds.write);
     return done;
 }

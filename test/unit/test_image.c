@@ -385,7 +385,8 @@ static void write_stack(int n_pages, const double *nm, int bits, double full_sca
         good = pages_write(&writer.pages, &(struct page_rectangle){page, 0, 0, WIDTH, HEIGHT},
                            bits == 32 ? (const void *)radiance : counts, &err);
     }
-    CHECK(good && stack_finish(&writer, "check: agreed", &err) && stack_commit(&writer, NULL, &err),
+    CHECK(good && stack_finish(&writer, "check: agreed", &err) &&
+              stack_commit(&writer, NULL, NULL, &err),
           "a stack is written %s", err.text);
 }
 

@@ -44,7 +44,7 @@ static bool write_stack(int n_pages, float times)
                                &(struct page_rectangle){page, i % WIDTH, i / WIDTH, 1, 1}, &value,
                                &err);
         }
-    return CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
+    return CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, NULL, &err),
                  "a stack is written %s", err.text);
 }
 

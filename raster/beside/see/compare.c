@@ -413,7 +413,7 @@ static bool open_map(struct comparer *comparer, struct error *err)
     const struct picture_options options = {
         .width = out->width,
         .height = out->height,
-        .samples = out->map == MAP_NUMBERS ? PICTURE_FLOAT : PICTURE_8,
+        .bits = out->map == MAP_NUMBERS ? 32 : 8,
         .srgb = out->map != MAP_NUMBERS,
         .channels = {out->components ? "largest difference of components"
                                      : "largest difference of radiance",

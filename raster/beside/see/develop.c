@@ -262,9 +262,7 @@ static bool open_picture(const struct development *of, const char *path, struct 
     const struct picture_options options = {
         .width = of->result->width,
         .height = of->result->height,
-        .samples = !rgb                      ? PICTURE_FLOAT
-                   : of->options->bits == 16 ? PICTURE_16
-                                             : PICTURE_8,
+        .bits = rgb ? of->options->bits : 32,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
         .srgb = rgb && of->options->display == DISPLAY_SRGB,
         .profile = rgb ? profile : NULL,

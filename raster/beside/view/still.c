@@ -159,7 +159,7 @@ static bool open_picture(struct still *still, const char *path, struct error *er
         return memory_lacks(err, 1024, "the description of the picture");
     const struct picture_options options = {.width = still->plan.scene->width,
                                             .height = still->plan.scene->height,
-                                            .samples = PICTURE_8,
+                                            .bits = 8,
                                             .srgb = true,
                                             .description = description};
     const bool done = picture_open(&still->picture, path, &options, err);
