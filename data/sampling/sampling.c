@@ -145,17 +145,6 @@ static bool check_detector(const struct sampling_task *task, struct error *err)
                                out->detector, out->fine.nm[0], out->fine.nm[out->fine.n - 1]);
 }
 
-static bool prepare(const struct sampling_task *task, struct error *err)
-{
-    const struct fine_spectra *spectra = task->spectra;
-    struct sampling *out = task->out;
-    out->pages.first_nm = spectra->first_nm;
-    out->pages.n_nm = spectra->n_nm;
-    return string_copy(task->detector->name, &out->detector, err) &&
-           fine_detector_make(task->detector, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
-           check_detector(task, err);
-}
-
 /* Completes the sampling by what follows from its pages and segments. */
 static bool complete(const struct sampling_task *task, struct error *err)
 {
@@ -180,12 +169,15 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
 {
     struct detector sees;
     struct sampling_task task = {.detector = &sees, .spectra = spectra, .out = out};
-    *out = (struct sampling){.method = *method};
+    *out = (struct sampling){.method = *method,
+                             .pages = {.first_nm = spectra->first_nm, .n_nm = spectra->n_nm}};
     sampling_name(method, task.name);
     if (!detector_read(detector, &sees, err))
         return false;
     const bool done =
-        prepare(&task, err) && traits_of(method)->make(&task, err) && complete(&task, err);
+        string_copy(sees.name, &out->detector, err) &&
+        fine_detector_make(&sees, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
+        check_detector(&task, err) && traits_of(method)->make(&task, err) && complete(&task, err);
     detector_free(&sees);
     if (!done)
         sampling_free(out);

@@ -222,7 +222,7 @@ void sampling_label(const struct sampling_method *method, int page, char out[24]
 void sampling_print(const struct sampling *sampling, struct printed *to);
 void sampling_free(struct sampling *sampling);
 
-/* ---- sampling_options.c: a scene as the command line samples it ---- */
+/* ---- method.c: a scene as the command line samples it ---- */
 
 extern const struct option_list sampling_options;
 /* Reads SCENE with its changes, and samples it if --sampling is given; otherwise *sampling stays
