@@ -20,17 +20,6 @@ static bool map_is_whole(const struct cube *cube)
            record->map_offset == cube->image.file->client.bytes - bytes;
 }
 
-/* Numbers the pages of components, which have no wavelengths. */
-static bool number_pages(struct image *image, struct error *err)
-{
-    const size_t n = (size_t)image->n_pages;
-    if (!MAKE_ARRAY(image->wavelengths_nm, n, err, "the pages of %s", image->path))
-        return false;
-    for (int i = 0; i < image->n_pages; i++)
-        image->wavelengths_nm[i] = i + 1;
-    return true;
-}
-
 static bool open_cube(const char *path, struct cube *out, struct error *err)
 {
     struct image *image = &out->image;
@@ -43,8 +32,12 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
         return false;
     }
     out->components = out->record.components && !image->coloured;
-    if (out->components && !number_pages(image, err))
-        return false;
+    if (out->components) { /* pages have numbers in place of wavelengths */
+        if (!MAKE_ARRAY(image->wavelengths_nm, image->n_pages, err, "the pages of %s", path))
+            return false;
+        for (int i = 0; i < image->n_pages; i++)
+            image->wavelengths_nm[i] = i + 1;
+    }
     if (own && !map_is_whole(out))
         out->record.map_bytes = 0;
     return (!image->coloured && image->wavelengths_nm) ||

@@ -134,22 +134,18 @@ static bool keep_value(struct record *record, const struct field *field, char *v
                        struct error *err)
 {
     void *member = (char *)record + field->offset;
-    struct texts *texts;
-    switch (field->kind) {
-    case FIELD_TEXT:
-        *(const char **)member = value;
-        return true;
-    case FIELD_TEXTS:
-        texts = member;
-        return array_add(&texts->text, &texts->n, &value, sizeof value, err);
-    case FIELD_OPTION:
-        if (record->n_options == MAX_RECORDED)
-            return false;
-        record->options[record->n_options++] = value;
-        return true;
-    default:
+    struct texts *texts = member;
+    if (field->kind == FIELD_NUMBERS)
         return keep_numbers(member, field, value, err);
-    }
+    if (field->kind == FIELD_TEXTS)
+        return array_add(&texts->text, &texts->n, &value, sizeof value, err);
+    if (field->kind == FIELD_TEXT)
+        *(const char **)member = value;
+    else if (record->n_options < MAX_RECORDED)
+        record->options[record->n_options++] = value;
+    else
+        return false;
+    return true;
 }
 
 /* Cuts record->text into lines, and each into key and value. Other programs may add lines: an

@@ -21,14 +21,6 @@ static double number_at(const char *at)
     return word_number(&word, "it", 0, HUGE_VAL, &number, &ignored) ? number : (double)NAN;
 }
 
-/* Returns the number behind `mark`; NaN: no number is there. Returns `otherwise` if the text has no
- * mark. */
-static double number_after(const char *text, const char *mark, double otherwise)
-{
-    const char *at = strstr(text, mark);
-    return at != NULL ? number_at(at + strlen(mark)) : otherwise;
-}
-
 /* Finds `mark` before `end` in a tag of XML, and returns the place behind it: with the mark "
  * NAME=\"" the value of an attribute. NULL: there is no mark. */
 static const char *attribute(const char *at, const char *end, const char *mark)
@@ -135,6 +127,7 @@ static void find_wavelength(struct image_file *file, const char *const items[ITE
  * program records. */
 static bool read_first(struct image *image, struct page_record *out, struct error *err)
 {
+    static const char full_scale[] = "full_scale: ";
     struct image_file *file = image->file;
     const char *text = "", *verdict = private_text(file->tiff, TAG_VERDICT);
     size_t length = verdict != NULL ? strlen(verdict) : 0;
@@ -155,8 +148,8 @@ static bool read_first(struct image *image, struct page_record *out, struct erro
         memcpy(image->verdict, verdict, length);
     /* the names before the element are the user's */
     const char *element = strstr(image->description, "<Description>");
-    out->full_scale =
-        number_after(element != NULL ? element : image->description, "full_scale: ", -1);
+    const char *scale = strstr(element != NULL ? element : image->description, full_scale);
+    out->full_scale = scale != NULL ? number_at(scale + strlen(full_scale)) : -1;
     return strcmp(image->verdict, STACK_UNFINISHED) != 0 ||
            image_refuse(image, -1, err, "it is not finished: its render goes on, or was killed");
 }
