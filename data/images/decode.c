@@ -30,7 +30,7 @@ bool image_read_bytes(const struct image *image, uint64_t offset, size_t length,
                       struct error *err)
 {
     errno = 0;
-    return source_bytes(image, offset, length, out) ||
+    return client_bytes(&image->file->client, out, length, offset) == (ssize_t)length ||
            image_refuse(image, -1, err, "its byte %" PRIu64 " cannot be read", offset);
 }
 
@@ -41,7 +41,8 @@ static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, s
     const bool swapped = TIFFIsByteSwapped(of->image->file->tiff);
     const size_t length = of->n * layout->row_bytes;
     const uint64_t before = (uint64_t)plane * layout->height + of->first;
-    if (!source_bytes(of->image, layout->rows_offset + before * layout->row_bytes, length, out))
+    if (client_bytes(&of->image->file->client, out, length,
+                     layout->rows_offset + before * layout->row_bytes) != (ssize_t)length)
         return image_refuse(of->image, of->page, err, "its row %" PRIu32 " cannot be read",
                             of->first);
     if (swapped && layout->bits == 16)
@@ -54,8 +55,9 @@ static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, s
 /* Refuses the page if libtiff returned a negative number or printed a message. */
 static bool is_decoded(const struct stored_rows *of, tmsize_t got, struct error *err)
 {
-    return source_is_sound(of->image, err) && ((got >= 0 && of->image->file->message[0] == '\0') ||
-                                               image_refuse_broken(of->image, of->page, err));
+    return source_is_sound(of->image, err) &&
+           ((got >= 0 && of->image->file->client.message[0] == '\0') ||
+            image_refuse_broken(of->image, of->page, err));
 }
 
 /* Decodes the tiles that contain the rows, and joins them. */
@@ -244,8 +246,8 @@ static bool page_read(struct stored_rows *of, uint32_t y, uint32_t n, float *out
     const uint32_t first = y, end = y + n;
     errno = 0;
     bool good = page_turn(of->image, of->page, err) && rows_allocate(of, n, err);
-    file->message[0] = '\0';
-    file->decoding = true;
+    file->client.message[0] = '\0';
+    file->client.decoding = true;
     for (; good && y < end; y += n) {
         good = rows_read(of, y, end, err);
         n = (uint32_t)least(of->first + of->n, end) - y;
@@ -254,7 +256,7 @@ static bool page_read(struct stored_rows *of, uint32_t y, uint32_t n, float *out
         else if (good)
             good = values_place(of, y, n, out + (y - first) * (size_t)layout->width, err);
     }
-    file->decoding = false;
+    file->client.decoding = false;
     FREE_ALL(of->samples, of->tile);
     return good;
 }
@@ -295,4 +297,42 @@ bool image_read(struct image *image, int page, int y, int rows, float *out, stru
     of.n = kept->n_rows;
     of.samples = band_at(kept, page);
     return values_place(&of, first, n, out, err);
+}
+
+/* ---- raw samples ---- */
+
+/* Refuses a page whose samples cannot be described by themselves. */
+static bool page_is_raw(const struct image *image, int page, struct error *err)
+{
+    const struct sample_layout *layout = &image->file->pages[page];
+    const char *why = layout->n_colours > 1      ? "is coloured"
+                      : layout->inverted         ? "stores white as 0"
+                      : layout->rows_offset == 0 ? "is compressed, in tiles, or in strips with gaps"
+                      : layout->pixel_step > layout->n_bands ? "has an alpha"
+                                                             : NULL;
+    return !why || error_usage(err,
+                               "%s: page %d %s; an ENVI header describes raw grey samples without"
+                               " gaps, as spectral render writes them",
+                               image->path, page + 1, why);
+}
+
+bool image_describe(const struct image *image, struct raw_samples *out, struct error *err)
+{
+    const struct sample_layout *first = image->file->pages;
+    const bool by_pages = first->n_bands == 1;
+    uint64_t expected = first->rows_offset;
+    for (int page = 0; page < image->n_pages; page++) {
+        const struct sample_layout *layout = &image->file->pages[page];
+        if (!page_is_raw(image, page, err))
+            return false;
+        if (by_pages && layout->rows_offset != expected)
+            return error_usage(err,
+                               "%s: page %d begins at byte %" PRIu64 "; an ENVI header needs pages"
+                               " without gaps, and so expects it at byte %" PRIu64,
+                               image->path, page + 1, layout->rows_offset, expected);
+        expected += (uint64_t)layout->row_bytes * layout->height;
+    }
+    *out = (struct raw_samples){first->rows_offset, first->bits, first->pixel_step > 1,
+                                TIFFIsBigEndian(image->file->tiff) != 0};
+    return true;
 }

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Opens TIFF files through libtiff, and keeps its messages for our own. GDAL writes the bands of a
  * picture as grey samples of one directory; each of these bands is a page, too. */
+#include <float.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>
 
@@ -37,8 +39,8 @@ bool PRINTF_LIKE(4, 5)
 
 bool image_refuse_broken(const struct image *image, int page, struct error *err)
 {
-    const char *message = image->file->message;
-    return image_refuse(image, page, err, "libtiff: %s",
+    const char *message = image->file->client.message;
+    return image_refuse(image, page, err, "libtiff: %.255s",
                         message[0] != '\0' ? message : "its pages cannot be read");
 }
 
@@ -56,7 +58,7 @@ static bool blocks_find(const struct image *image, int page, struct sample_layou
     TIFF *tiff = image->file->tiff;
     const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
     if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE &&
-        bytes > (double)image->file->bytes)
+        bytes > (double)image->file->client.bytes)
         return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
                             bytes);
     out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
@@ -86,7 +88,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     if (out->tiled || short_tag(tiff, TIFFTAG_COMPRESSION) != COMPRESSION_NONE ||
         short_tag(tiff, TIFFTAG_FILLORDER) != FILLORDER_MSB2LSB)
         return true;
-    for (uint32_t strip = 0; strip < n && end <= image->file->bytes; strip++) {
+    for (uint32_t strip = 0; strip < n && end <= image->file->client.bytes; strip++) {
         const uint32_t left = out->height - strip % per_plane * out->block_height;
         const uint32_t rows = left < out->block_height ? left : out->block_height;
         const uint64_t bytes = (uint64_t)rows * out->row_bytes;
@@ -96,7 +98,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     }
     out->rows_offset = first;
     out->block_height = fitting < 1 ? 1 : fitting < out->height ? (uint32_t)fitting : out->height;
-    return end <= image->file->bytes ||
+    return end <= image->file->client.bytes ||
            image_refuse(image, page, err, "its pixels end beyond the end of the file");
 }
 
@@ -189,16 +191,60 @@ bool image_layout(const struct image *image, int page, struct sample_layout *out
 
 /* ---- opening ---- */
 
+/* Finds the scale. Float samples are radiances themselves. Counts have the same scale in all pages.
+ */
+static bool find_scale(struct image *image, int page, const struct page_record *record,
+                       struct error *err)
+{
+    const struct sample_layout *layout = &image->file->pages[page];
+    const double plain = 1 / layout->largest;
+    const double count_scale = record->count_scale < 0 ? plain : record->count_scale;
+    if (layout->bits == 32)
+        return true;
+    if (record->offset != 0)
+        return image_refuse(image, page, err, "its samples have an offset");
+    if (page == 0) {
+        image->file->count_scale = count_scale;
+        image->scale = !(record->full_scale < 0) ? record->full_scale
+                       : count_scale == plain    ? 1
+                                                 : count_scale * layout->largest;
+    }
+    return (image->scale > 0 && image->scale <= DBL_MAX &&
+            count_scale == image->file->count_scale) ||
+           image_refuse(image, page, err,
+                        "its scale is not positive, or not that of the first page");
+}
+
+/* Notes why the wavelengths cannot be used, if the page added last is the reason. */
+static void check_wavelength(struct image *image, const char *unit)
+{
+    const int page = image->n_pages;
+    const double nm = image->wavelengths_nm[page - 1];
+    const double before = page > 1 ? image->wavelengths_nm[page - 2] : 0;
+    char *why = image->no_wavelengths;
+    const size_t room = sizeof image->no_wavelengths;
+    if (why[0] != '\0' || nm > before)
+        return;
+    if (nm > 0)
+        snprintf(why, room, "its wavelengths %s: page %d records %.10g nm after %.10g nm",
+                 nm < before ? "decrease" : "repeat", page, nm, before);
+    else if (nm == 0)
+        snprintf(why, room,
+                 "page %d records its wavelength in '%s'; expected a unit such as nm or um", page,
+                 unit);
+    else
+        snprintf(why, room, "page %d records no wavelength", page);
+}
+
 /* Adds the next band of the current directory as a page. The first band decides the layout. */
-static bool page_add(struct image *image, int band, const char *const items[ITEMS],
+static bool page_add(struct image *image, int band, const struct page_record *record,
                      struct error *err)
 {
     struct image_file *file = image->file;
     const int page = image->n_pages;
-    const double nm = metadata_wavelength(file, items);
     int n_layouts = page, n_nm = page;
     if (!array_add(&file->pages, &n_layouts, NULL, sizeof *file->pages, err) ||
-        !array_add(&image->wavelengths_nm, &n_nm, &nm, sizeof nm, err))
+        !array_add(&image->wavelengths_nm, &n_nm, &record->wavelength_nm, sizeof(double), err))
         return false;
     struct sample_layout *pages = file->pages, *layout = &pages[page];
     if (band > 0) {
@@ -216,44 +262,22 @@ static bool page_add(struct image *image, int band, const char *const items[ITEM
     image->coloured = image->coloured || layout->n_colours > 1;
     file->directory = layout->directory;
     image->n_pages++;
-    return metadata_scale(image, page, layout, items, err);
+    if (!find_scale(image, page, record, err))
+        return false;
+    check_wavelength(image, record->unit);
+    return true;
 }
 
-/* Notes why the wavelengths cannot be used, if the page added last is the reason. */
-static void check_wavelength(struct image *image)
-{
-    const int page = image->n_pages;
-    const double nm = image->wavelengths_nm[page - 1];
-    const double before = page > 1 ? image->wavelengths_nm[page - 2] : 0;
-    if (image->no_wavelengths[0] != '\0' || nm > before)
-        return;
-    if (nm > 0)
-        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
-                 "its wavelengths %s: page %d records %.10g nm after %.10g nm",
-                 nm < before ? "decrease" : "repeat", page, nm, before);
-    else if (nm == 0)
-        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
-                 "page %d records its wavelength in '%s'; expected a unit such as nm or um", page,
-                 image->file->unit);
-    else
-        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
-                 "page %d records no wavelength", page);
-}
-
-static bool directory_add(struct image *image, struct error *err)
+static bool directory_add(struct image *image, image_tags *read_tags, struct error *err)
 {
     const int n_bands = count_bands(image);
-    const char **items;
-    bool good = MAKE_ARRAY(items, (size_t)n_bands * ITEMS, err, "the bands of %s", image->path);
-    if (good)
-        metadata_items(image->file->tiff, n_bands, items);
-    for (int band = 0; good && band < n_bands; band++) {
-        good = page_add(image, band, items + (size_t)band * ITEMS, err);
-        if (good)
-            check_wavelength(image);
-    }
-    free(items);
-    return good;
+    struct page_record *records;
+    bool good = MAKE_ARRAY(records, n_bands, err, "the bands of %s", image->path) &&
+                read_tags(image, n_bands, records, err);
+    for (int band = 0; good && band < n_bands; band++)
+        good = page_add(image, band, &records[band], err);
+    free(records);
+    return good && source_is_sound(image, err);
 }
 
 /* Drops the wavelengths where they cannot be used. */
@@ -276,44 +300,23 @@ static bool wavelengths_keep(struct image *image, struct error *err)
     return true;
 }
 
-/* Returns the number of pages that a stack of this program records; 0: another program's file. */
-static int pages_recorded(TIFF *tiff)
-{
-    uint16_t page = 0, n_pages = 0;
-    uint32_t length = 0;
-    const char *verdict = NULL;
-    if (!TIFFGetField(tiff, TAG_VERDICT, &length, &verdict) ||
-        !TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &page, &n_pages))
-        return 0;
-    return n_pages;
-}
-
-/* Refuses another number of pages than the recorded one. For libtiff a damaged link to the next
+/* Refuses another number of pages than the recorded one: for libtiff a damaged link to the next
  * page is the end. */
-static bool pages_are_whole(const struct image *image, int recorded, struct error *err)
+static bool pages_read(struct image *image, image_tags *read_tags, struct error *err)
 {
-    return recorded == 0 || recorded == image->n_pages ||
-           image_refuse(image, -1, err, "it has %d pages, but records %d; it was cut or damaged",
-                        image->n_pages, recorded);
-}
-
-static bool pages_read(struct image *image, struct error *err)
-{
-    TIFF *tiff = image->file->tiff;
-    const int recorded = pages_recorded(tiff);
-    if (!metadata_description(image, err))
-        return false;
+    struct image_file *file = image->file;
     do {
-        if (image->n_pages > 0 && !TIFFReadDirectory(tiff))
+        if (image->n_pages > 0 && !TIFFReadDirectory(file->tiff))
             return image_refuse_broken(image, -1, err);
-        if (!source_is_sound(image, err) || !directory_add(image, err) ||
-            !source_is_sound(image, err))
+        if (!source_is_sound(image, err) || !directory_add(image, read_tags, err))
             return false;
-    } while (!TIFFLastDirectory(tiff));
-    if (!pages_are_whole(image, recorded, err))
-        return false;
-    image->width = (int)image->file->pages->width;
-    image->height = (int)image->file->pages->height;
+    } while (!TIFFLastDirectory(file->tiff));
+    if (file->n_recorded != 0 && file->n_recorded != image->n_pages)
+        return image_refuse(image, -1, err,
+                            "it has %d pages, but records %d; it was cut or damaged",
+                            image->n_pages, file->n_recorded);
+    image->width = (int)file->pages->width;
+    image->height = (int)file->pages->height;
     return wavelengths_keep(image, err);
 }
 
@@ -372,20 +375,45 @@ static bool refuse_foreign(const struct image *image, struct error *err)
     return false;
 }
 
-static bool open_file(struct image *image, const char *path, struct place from, struct error *err)
+/* The C library sets errno where it has no memory. Nothing sets it to 0 again but client_open. */
+bool source_is_sound(const struct image *image, struct error *err)
 {
-    if (!string_copy(path, &image->path, err) ||
-        !MAKE_ARRAY(image->file, 1, err, "the pages of %s", path))
-        return false;
-    image->file->from = from;
-    image->file->descriptor = -1;
-    return refuse_foreign(image, err) && source_open(image, err) && pages_read(image, err);
+    struct client *client = &image->file->client;
+    if (client->cause == 0 && errno == ENOMEM)
+        client->cause = ENOMEM;
+    errno = client->cause;
+    return client->cause == 0 ||
+           (client->cause == ENOMEM ? memory_lacks(err, 0, "libtiff, which reads %s", image->path)
+                                    : error_system(err, "cannot read %s", image->path));
 }
 
-bool image_open(const char *path, struct place from, struct image *out, struct error *err)
+/* Opens the file with libtiff, and finds its size. */
+static bool open_source(struct image *image, struct error *err)
+{
+    struct image_file *file = image->file;
+    struct client *client = &file->client;
+    struct stat status = {.st_size = 0};
+    if (!file_open(image->path, file->from, &client->descriptor, &client->builtin, err))
+        return false;
+    if (!client->builtin && fstat(client->descriptor, &status) != 0)
+        return error_cause(err, file->from, errno, "cannot read %s", image->path);
+    client->bytes = client->builtin ? client->builtin->length : (uint64_t)status.st_size;
+    file->tiff = client_open(client, image->path, "rmc");
+    return source_is_sound(image, err) &&
+           (file->tiff != NULL || image_refuse_broken(image, -1, err));
+}
+
+bool image_open(const char *path, struct place from, image_tags *read_tags, struct image *out,
+                struct error *err)
 {
     *out = (struct image){.scale = 1};
-    const bool done = open_file(out, path, from, err);
+    bool done = string_copy(path, &out->path, err) &&
+                MAKE_ARRAY(out->file, 1, err, "the pages of %s", path);
+    if (done) {
+        out->file->from = from;
+        out->file->client.descriptor = -1;
+        done = refuse_foreign(out, err) && open_source(out, err) && pages_read(out, read_tags, err);
+    }
     if (!done)
         image_close(out);
     return done;
@@ -393,25 +421,19 @@ bool image_open(const char *path, struct place from, struct image *out, struct e
 
 bool image_is_float(const struct image *image)
 {
-    bool done = !image->coloured;
-    for (int i = 0; i < image->n_pages && done; i++)
-        done = image->file->pages[i].bits == 32;
-    return done;
-}
-
-static void close_file(struct image_file *file)
-{
-    if (file->tiff != NULL)
-        TIFFClose(file->tiff);
-    if (file->descriptor >= 0)
-        close(file->descriptor);
-    FREE_ALL(file->pages, file->kept.samples, file);
+    return image->file->pages->bits == 32; /* as all pages: floats are grey */
 }
 
 void image_close(struct image *image)
 {
-    if (image->file != NULL)
-        close_file(image->file);
+    struct image_file *file = image->file;
+    if (file != NULL) {
+        if (file->tiff != NULL)
+            TIFFClose(file->tiff);
+        if (file->client.descriptor >= 0)
+            close(file->client.descriptor);
+        FREE_ALL(file->pages, file->kept.samples, file);
+    }
     FREE_ALL(image->path, image->description, image->verdict, image->wavelengths_nm);
     *image = (struct image){0};
 }

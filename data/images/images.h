@@ -16,9 +16,6 @@ struct png;
 
 /* ---- image.c: pages and their metadata ---- */
 
-enum { TAG_VERDICT = 65111 };           /* of a stack of this program: the verdict of its check */
-#define STACK_UNFINISHED "not finished" /* the verdict of a stack that is not whole yet */
-
 /* A TIFF file of grey or RGB pages of 8 or 16 bits, or of grey pages of 32-bit floats. If its only
  * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. */
 struct image {
@@ -29,17 +26,32 @@ struct image {
     char no_wavelengths[128]; /* why they are NULL: "page 2 records no wavelength" */
     double scale;      /* radiance of value 1 (count 65535 of 16 bits); 1: the file records none */
     char *description; /* of the first page; "": it has none; owned */
-    char *verdict;     /* of stack_finish; "": it has none; owned */
+    char *verdict;     /* of the check of a stack; "": it has none; owned */
     struct image_file *file; /* owned */
 };
 /* Finds whether the file is a TIFF file, or an ENVI cube, which image_open refuses by name. Fails
  * only where the system does. */
 bool image_is(const char *path, bool *out, struct error *err);
-/* Opens the file (or "builtin:..." file) and reads the metadata of its pages, but no samples.
+/* What a page records of itself. Numbers that are none are NaN. */
+struct page_record {
+    double wavelength_nm; /* 0: its unit is unknown; NaN: none */
+    char unit[32];        /* that is unknown; otherwise "" */
+    double count_scale;   /* radiance of a count; -1: none */
+    double offset;        /* radiance of count 0 */
+    double full_scale;    /* of the first page: the exact radiance of value 1; -1: none */
+};
+/* Reads what the current directory records of its n pages, which come behind image->n_pages others.
+ * The first directory also has description, verdict and n_recorded. */
+typedef bool image_tags(struct image *image, int n, struct page_record *out, struct error *err);
+/* Opens the file (or "builtin:..." file) and reads the tags of its pages, but no samples.
  * Refuses, at the place `from`: pages without pixels or of different sizes, other samples than the
  * above, bands without wavelengths, a file that is too short. Refuses a file of another format with
  * the command that converts it. */
-bool image_open(const char *path, struct place from, struct image *out, struct error *err);
+bool image_open(const char *path, struct place from, image_tags *read_tags, struct image *out,
+                struct error *err);
+/* Refuses a page (from 0; -1: the file). The message has its wavelength, if that is recorded. */
+bool PRINTF_LIKE(4, 5)
+    image_refuse(const struct image *image, int page, struct error *err, const char *format, ...);
 /* Reads rows y .. y + rows - 1 of a page, width values each, the top row first. A value is 0 to 1,
  * or a float sample, times the scale. An RGB pixel has the luma 0.2126 R + 0.7152 G + 0.0722 B
  * (ITU-R BT.709) of its stored values. Refuses a value that is negative or not finite, and a file
@@ -57,7 +69,7 @@ void image_close(struct image *image);
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err);
 
-/* describe.c. Finds how the samples of all pages lie, for a program that knows no TIFF. Refuses
+/* Finds how the samples of all pages lie, for a program that knows no TIFF. Refuses
  * colours, grey whose 0 is white, compressed samples, and gaps between pages. */
 struct raw_samples {
     uint64_t offset; /* of the first sample in the file */
@@ -90,21 +102,27 @@ struct kept_bands {
     size_t band_bytes;
     char *samples;
 };
-struct image_file {
-    struct tiff *tiff;
+/* A file as libtiff reads or writes it. */
+struct client {
     int descriptor;                     /* -1: builtin is read */
     const struct builtin_file *builtin; /* NULL: descriptor is read */
-    uint64_t position, bytes;           /* where libtiff reads; the file's size */
+    struct pages *pages;                /* that are written; NULL: the file is only read */
+    uint64_t position, bytes;           /* where libtiff is; the file's size */
     int cause;                          /* errno of the first call that failed; 0: none did */
-    double count_scale;                 /* radiance of a count, by page 0's GDAL metadata */
+    const char *failed;                 /* that call: "cannot be read" */
+    bool decoding;                      /* a warning then means that samples are lost */
+    char message[1024];                 /* the first of libtiff */
+};
+struct image_file {
+    struct tiff *tiff;
+    struct client client;
+    double count_scale; /* radiance of a count, by the tags of page 0 */
     struct sample_layout *pages;
     uint64_t directory; /* where libtiff is; 0: at none of the pages */
     struct kept_bands kept;
-    const char *channels; /* of its OME-XML: those of the pages that follow */
-    char unit[32];        /* of the last page's wavelength, if it is unknown; otherwise "" */
+    int n_recorded;       /* pages that the file says it has; 0: it does not say */
+    const char *channels; /* for image_tags: of its OME-XML, those of the pages that follow */
     struct place from;
-    bool decoding;     /* a warning then means that samples are lost */
-    char message[256]; /* the first of libtiff */
 };
 
 enum { TEXTURE_PLANES = 3 };
@@ -121,7 +139,8 @@ struct texture {
  * with values that hold for every wavelength. A spectral texture is a stack of pages with
  * wavelengths; all of them are read once, to find their smallest and largest value. Refuses a side
  * of more than 16384 texels, since OpenGL's textures have a limit, too. */
-bool texture_read(const char *path, struct place from, struct texture *out, struct error *err);
+bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
+                  struct error *err);
 /* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end
  * page beyond the first and the last one. Does nothing for a grey texture. */
 bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err);
@@ -137,11 +156,11 @@ void texture_free(struct texture *texture);
  * without gaps. */
 struct pages {
     int count, width, height;
-    int channels;          /* 1: grey, 3: RGB */
-    int bits;              /* of a sample: 8, 16, or 32 of a float */
-    uint64_t bytes_behind; /* behind the last page, where no TIFF reader looks */
-    const char *room;      /* beginning of a text in the first page; pages_finish writes it */
-    size_t room_bytes;     /* of that text; room NULL: there is none */
+    int channels;      /* 1: grey, 3: RGB */
+    int bits;          /* of a sample: 8, 16, or 32 of a float */
+    int bytes_behind;  /* of a pixel in a page behind the last one, where no TIFF reader looks */
+    const char *room;  /* beginning of a text in the first page; pages_finish writes it */
+    size_t room_bytes; /* of that text; room NULL: there is none */
     uint32_t room_tag;
     /* set by pages_open: */
     struct output output;
@@ -154,15 +173,20 @@ struct pages {
 typedef bool page_tags(struct tiff *tiff, const void *of, int page, struct error *err);
 
 /* Writes the directories of the file that the first half of `pages` describes, and reserves the
- * places of the pages. If there are bytes behind the last page, tags may record their pages_offset.
+ * places of the pages. Tags may record the pages_offset of the bytes behind the last page.
  * On failure nothing is left open. */
 bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
                 struct error *err);
 /* Returns the offset of a page's pixels; for page `count`, of the bytes behind the last page. */
 uint64_t pages_offset(const struct pages *pages, int page);
-uint64_t pages_end(const struct pages *pages); /* the size of the whole file */
-/* Writes bytes into a page, from byte `at` of its pixels on. */
-bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
+uint64_t pages_end(const struct pages *pages);                 /* the size of the whole file */
+size_t pages_pixel_bytes(const struct pages *pages, int page); /* likewise */
+/* Writes the samples of a rectangle, row by row without gaps. Page `count` is that behind the last
+ * one. Rectangles come in any order. */
+struct page_rectangle {
+    int page, x, y, width, height;
+};
+bool pages_write(const struct pages *pages, const struct page_rectangle *to, const void *samples,
                  struct error *err);
 /* Fills the room with a text (NULL: there is no room). Reads all directories again, and fails if
  * one of them is not complete. */
@@ -174,11 +198,11 @@ bool pages_finish(struct pages *pages, const char *room, struct error *err);
 bool picture_accepts(const char *path, struct error *err);
 bool picture_is_png(const char *path); /* any other picture, as one of /dev/stdout, is a TIFF */
 
-enum picture_samples { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
+enum { MOST_CHANNELS = 4 };
 struct picture_options {
-    int width, height;            /* a TIFF above 4 GiB becomes a BigTIFF */
-    enum picture_samples samples; /* a PNG has no floats */
-    const char *channels[3];      /* of a float picture, such as "X", "Y", "Z" */
+    int width, height; /* a TIFF above 4 GiB becomes a BigTIFF */
+    int bits;          /* of a sample: 8, 16, or 32 of a float, which a PNG has not */
+    const char *channels[MOST_CHANNELS]; /* of a float picture: "X", "Y", "Z"; NULL: no more */
     bool srgb;                    /* a PNG says so in chunks of its own, and needs no profile */
     const unsigned char *profile; /* ICC; NULL: none */
     size_t profile_length;
@@ -188,8 +212,8 @@ struct picture_options {
  * text; NULL is fine. */
 char *picture_text(char *text);
 /* A picture that is written from the top, and appears whole or not at all. RGB is one page of three
- * samples a pixel. Floats are three pages, one for each channel, with its name. A PNG is
- * compressed, and takes the memory of some rows. */
+ * samples a pixel. Floats are pages, one for each channel, with its name; pages_write fills them,
+ * too. A PNG is compressed, and takes the memory of some rows. */
 struct picture_writer {
     struct picture_options options;
     int row; /* the next one */
@@ -204,7 +228,7 @@ struct picture_writer {
 /* The path chooses the format, which picture_accepts. */
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err);
-/* Writes the next rows: three samples a pixel of uint8_t, uint16_t or float. */
+/* Writes the next rows: three samples a pixel of uint8_t or uint16_t, or a float a channel. */
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err);
 /* Writes a rectangle of RGB, row by row without gaps. Rows are kept until a rectangle reaches the
  * right border: it comes after all others of its rows, and no row comes before the one above it. */
@@ -228,26 +252,5 @@ void picture_discard(struct picture_writer *writer); /* safe after commit */
 void scale_colour(double value, double least, uint8_t out[3]);
 /* Prints the meaning of the colours but black, in a line without its end. */
 void scale_print(double least, struct printed *to);
-
-/* ---- planes.c: float pages with names ---- */
-
-struct planes_options {
-    int width, height, n;
-    const char *const *names; /* of the n pages */
-    const char *description;  /* ASCII */
-};
-/* A file of these pages, filled in rectangles of any order. planes_finish completes it;
- * planes_commit lets it appear. */
-bool planes_open(struct pages *out, const char *path, const struct planes_options *options,
-                 struct error *err);
-/* Writes the samples of a rectangle, row by row without gaps. */
-struct plane_rectangle {
-    int page, x, y, width, height;
-};
-bool planes_write(const struct pages *pages, const struct plane_rectangle *to, const float *samples,
-                  struct error *err);
-bool planes_finish(struct pages *pages, struct error *err);
-bool planes_commit(struct pages *pages, struct outputs *outputs, struct error *err);
-void planes_discard(struct pages *pages); /* safe after commit */
 
 #endif

@@ -4,42 +4,27 @@
 #define DATA_IMAGES_INSIDE_H
 
 #include "data/images/images.h"
+/* ---- client.c ---- */
 
+/* Opens a file for libtiff to read ("rmc") or write. NULL on failure: see client->cause and
+ * message. "m": the file is not mapped into memory; a file that is cut while it is mapped would end
+ * the program. "c": libtiff does not split a large strip into small ones. From here on nothing may
+ * set errno to 0 until it is asked whether memory sufficed. */
+struct tiff *client_open(struct client *client, const char *path, const char *mode);
+/* Returns the number of bytes read, fewer at the end of the file; -1: the system failed. */
+ssize_t client_bytes(struct client *client, void *out, size_t length, uint64_t offset);
 
-/* reading.c: opens the file with libtiff. */
-bool source_open(struct image *image, struct error *err);
-/* Reads bytes of the file. Returns false at its end, or where the system failed. */
-bool source_bytes(const struct image *image, uint64_t offset, size_t length, void *out);
+/* ---- image.c ---- */
+
 /* Returns whether each read so far succeeded, and memory sufficed. libtiff goes on without what it
  * could not read, so ask this after its calls: they begin with errno 0. */
 bool source_is_sound(const struct image *image, struct error *err);
-
-/* Refuses a page (from 0; -1: the file). The message has its wavelength, if that is recorded. */
-bool PRINTF_LIKE(4, 5)
-    image_refuse(const struct image *image, int page, struct error *err, const char *format, ...);
 /* Refuses a page with libtiff's message. */
 bool image_refuse_broken(const struct image *image, int page, struct error *err);
 /* Finds the layout of the current directory, and lets libtiff decode JPEG as RGB. Refuses pages
  * that cannot be read. */
 bool image_layout(const struct image *image, int page, struct sample_layout *out,
                   struct error *err);
-
-/* metadata.c: the wavelength and scale of a page. An item of GDAL_METADATA ends at a '<'. */
-enum item { ITEM_WAVELENGTH, ITEM_UNIT, ITEM_MICROMETRES, ITEM_SCALE, ITEM_OFFSET, ITEMS };
-/* Stores the items of the current directory in out[band * ITEMS + item]; NULL stays where there is
- * none. A directory of one band need not number it. */
-void metadata_items(struct tiff *tiff, int n_bands, const char **out);
-/* Returns a page's wavelength in nm; 0: its unit, file->unit, is unknown; NaN: it records none. */
-double metadata_wavelength(struct image_file *file, const char *const items[ITEMS]);
-/* Finds the scale. Float samples are radiances themselves. Counts have the same scale in all pages;
- * a stack of this program has its exact value in the description of page 0. */
-bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,
-                    const char *const items[ITEMS], struct error *err);
-/* Reads the first page's description and verdict. */
-bool metadata_description(struct image *image, struct error *err);
-
-
-uint64_t pages_row_bytes(const struct pages *pages);
 
 /* png.c: a PNG file (ISO/IEC 15948:2004), written from the top. Its bytes do not depend on how many
  * rows come at once. */

@@ -3,9 +3,10 @@
  * and without gaps. The place of every sample is known from the start, so that samples can be
  * written in any order.
  *
- * libtiff writes the directories, through callbacks on our own descriptor. Instead of the pixels of
- * a page it gets a pointer that nobody reads. The callback only moves the end of the file: libtiff
+ * libtiff writes the directories, through the calls of client.c. Instead of the pixels of a page it
+ * gets a pointer that nobody reads. The call only moves the end of the file: libtiff
  * records the right offset, and no blank pixels are written or kept. */
+#include <assert.h>
 #include <inttypes.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -20,14 +21,20 @@
 
 /* ---- places ---- */
 
-uint64_t pages_row_bytes(const struct pages *pages)
+size_t pages_pixel_bytes(const struct pages *pages, int page)
 {
-    return (uint64_t)pages->width * (uint64_t)pages->channels * (uint64_t)pages->bits / 8;
+    return page == pages->count ? (size_t)pages->bytes_behind
+                                : (size_t)pages->channels * (size_t)pages->bits / 8;
+}
+
+static uint64_t row_bytes(const struct pages *pages)
+{
+    return (uint64_t)pages->width * pages_pixel_bytes(pages, 0);
 }
 
 static uint64_t page_bytes(const struct pages *pages)
 {
-    return pages_row_bytes(pages) * (uint64_t)pages->height;
+    return row_bytes(pages) * (uint64_t)pages->height;
 }
 
 uint64_t pages_offset(const struct pages *pages, int page)
@@ -37,18 +44,11 @@ uint64_t pages_offset(const struct pages *pages, int page)
 
 uint64_t pages_end(const struct pages *pages)
 {
-    return pages_offset(pages, pages->count) + pages->bytes_behind;
+    return pages_offset(pages, pages->count) +
+           (uint64_t)pages->width * (uint64_t)pages->height * (uint64_t)pages->bytes_behind;
 }
 
-/* ---- the calls by which libtiff writes ---- */
-
-/* The address of the client stands for the pixels of a whole page. */
-struct client {
-    struct pages *pages;
-    struct error *err;
-    uint64_t position, end;
-    bool failed; /* err has the reason */
-};
+/* ---- libtiff ---- */
 
 static bool put(const struct pages *pages, const void *bytes, size_t length, uint64_t offset,
                 struct error *err)
@@ -57,104 +57,23 @@ static bool put(const struct pages *pages, const void *bytes, size_t length, uin
            error_system(err, "%s: cannot be written", pages->output.path);
 }
 
-static tmsize_t client_read(thandle_t handle, void *bytes, tmsize_t length)
-{
-    struct client *client = handle;
-    const ssize_t count =
-        read_at(client->pages->output.descriptor, bytes, (size_t)length, client->position);
-    if (count < 0)
-        client->failed =
-            !error_system(client->err, "%s: cannot be read", client->pages->output.path);
-    else
-        client->position += (uint64_t)count;
-    return count;
-}
-
-static tmsize_t client_write(thandle_t handle, void *bytes, tmsize_t length)
-{
-    struct client *client = handle;
-    struct pages *pages = client->pages;
-    if (bytes != client) {
-        if (pages->room != NULL && (size_t)length == pages->room_bytes &&
-            memcmp(bytes, pages->room, strlen(pages->room)) == 0)
-            pages->room_offset = client->position;
-        if (!put(pages, bytes, (size_t)length, client->position, client->err)) {
-            client->failed = true;
-            return -1;
-        }
-    }
-    client->position += (uint64_t)length;
-    if (client->position > client->end)
-        client->end = client->position;
-    return length;
-}
-
-static toff_t client_seek(thandle_t handle, toff_t offset, int whence)
-{
-    struct client *client = handle;
-    uint64_t base = whence == SEEK_CUR ? client->position : whence == SEEK_END ? client->end : 0;
-    client->position = base + offset;
-    return client->position;
-}
-
-static int client_close(thandle_t handle)
-{
-    (void)handle; /* the descriptor belongs to struct output */
-    return 0;
-}
-
-static toff_t client_size(thandle_t handle)
-{
-    const struct client *client = handle;
-    return client->end;
-}
-
-/* Keeps an error. Warnings come without a client: they are about our own private tags. */
-static int PRINTF_LIKE(4, 0) client_message(TIFF *tiff, void *data, const char *module,
-                                            const char *format, va_list arguments)
-{
-    struct client *client = data;
-    char message[1024];
-    (void)tiff;
-    (void)module;
-    if (client != NULL && errno != ENOMEM) {
-        client->failed = true;
-        vsnprintf(message, sizeof message, format, arguments);
-        error_failed(client->err, "%s: libtiff: %s", client->pages->output.path, message);
-    }
-    return 1; /* libtiff prints nothing */
-}
-
-/* Returns NULL on failure. From here to close_tiff nothing may set errno to 0. */
-static TIFF *open_tiff(struct client *client, const char *mode)
-{
-    errno = 0;
-    TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
-    if (options == NULL) {
-        memory_lacks(client->err, 0, "libtiff, which writes %s", client->pages->output.path);
-        return NULL;
-    }
-    TIFFOpenOptionsSetErrorHandlerExtR(options, client_message, client);
-    TIFFOpenOptionsSetWarningHandlerExtR(options, client_message, NULL);
-    TIFF *tiff =
-        TIFFClientOpenExt(client->pages->output.path, mode, client, client_read, client_write,
-                          client_seek, client_close, client_size, NULL, NULL, options);
-    TIFFOpenOptionsFree(options);
-    return tiff;
-}
-
 /* Returns true if nothing has failed. Sets an error if libtiff has given none. tiff may be NULL.
  * For lack of memory libtiff may leave out a tag, and say nothing: the C library has set errno
  * then. */
-static bool close_tiff(TIFF *tiff, const struct client *client, bool good)
+static bool close_tiff(TIFF *tiff, const struct client *client, bool good, struct error *err)
 {
+    const char *path = client->pages->output.path;
     if (tiff != NULL)
         TIFFClose(tiff);
-    if (errno == ENOMEM && !client->failed)
-        return memory_lacks(client->err, 0, "libtiff, which writes %s", client->pages->output.path);
-    return (good && !client->failed) ||
-           error_failed(client->err, "%s: the written file is not complete",
-                        client->pages->output.path);
+    if (client->failed != NULL) {
+        errno = client->cause;
+        return error_system(err, "%s: %s", path, client->failed);
+    }
+    if (client->message[0] != '\0')
+        return error_failed(err, "%s: libtiff: %s", path, client->message);
+    if (client->cause == ENOMEM || errno == ENOMEM)
+        return memory_lacks(err, 0, "libtiff, which writes %s", path);
+    return good || error_failed(err, "%s: the written file is not complete", path);
 }
 
 /* ---- the layout ---- */
@@ -212,17 +131,17 @@ static bool place_pages(TIFF *tiff, struct client *client)
  * get: with the right offset they may be longer. Offsets only grow, so that this ends. */
 static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, struct error *err)
 {
-    struct client client = {.pages = pages, .err = err};
-    TIFF *tiff = open_tiff(&client, pages->big ? "w8l" : "wl");
+    struct client client = {.pages = pages, .descriptor = pages->output.descriptor};
+    TIFF *tiff = client_open(&client, pages->output.path, pages->big ? "w8l" : "wl");
     bool good = tiff != NULL && write_directories(tiff, pages, set_tags, of, err) &&
                 (pages->room == NULL || pages->room_offset != 0);
-    client.end = (client.end + 3) / 4 * 4; /* a program may map a page of floats into memory */
-    const bool recorded = pages->bytes_behind == 0 || pages->first == client.end;
-    pages->first = client.end;
+    client.bytes = (client.bytes + 3) / 4 * 4; /* a program may map a page of floats into memory */
+    const bool recorded = pages->bytes_behind == 0 || pages->first == client.bytes;
+    pages->first = client.bytes;
     const uint64_t end = pages_end(pages);
     const bool fits = (pages->big || end <= UINT32_MAX) && recorded;
     good = good && (!fits || place_pages(tiff, &client));
-    if (!close_tiff(tiff, &client, good) ||
+    if (!close_tiff(tiff, &client, good, err) ||
         !output_fits(pages->output.descriptor, pages->output.path, end, err))
         return false;
     int resized;
@@ -240,7 +159,7 @@ bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, cons
      * which is as wide as ptrdiff_t. */
     const uint64_t most_bytes = UINT64_C(1) << 62;
     const uint64_t rows = (uint64_t)pages->height * ((uint64_t)pages->count + 1);
-    if (pages_row_bytes(pages) > most_bytes / rows || page_bytes(pages) > PTRDIFF_MAX)
+    if (row_bytes(pages) > most_bytes / rows || page_bytes(pages) > PTRDIFF_MAX)
         return error_usage(err, "%d pages of %dx%d pixels are too many for one file", pages->count,
                            pages->width, pages->height);
     if (output_open(&pages->output, path, err) && lay_out(pages, set_tags, of, err))
@@ -249,10 +168,23 @@ bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, cons
     return false;
 }
 
-bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
+/* Whole rows of a page lie together in the file. */
+bool pages_write(const struct pages *pages, const struct page_rectangle *to, const void *samples,
                  struct error *err)
 {
-    return put(pages, bytes, length, pages_offset(pages, page) + at, err);
+    const size_t pixel = pages_pixel_bytes(pages, to->page);
+    const bool together = to->width == pages->width;
+    const size_t length = (size_t)to->width * pixel * (together ? (size_t)to->height : 1);
+    const char *from = samples;
+    assert(to->page >= 0 && to->page < pages->count + (pages->bytes_behind > 0) && to->x >= 0 &&
+           to->y >= 0 && to->width >= 0 && to->height >= 0 && to->x <= pages->width - to->width &&
+           to->y <= pages->height - to->height);
+    for (int y = to->y; y < to->y + (together ? 1 : to->height); y++, from += length) {
+        const uint64_t first = (uint64_t)y * (uint64_t)pages->width + (uint64_t)to->x;
+        if (!put(pages, from, length, pages_offset(pages, to->page) + first * pixel, err))
+            return false;
+    }
+    return true;
 }
 
 /* ---- the check at the end ---- */
@@ -264,7 +196,7 @@ static bool page_is_whole(TIFF *tiff, const struct pages *pages, int page)
     TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format);
     TIFFGetField(tiff, TIFFTAG_COMPRESSION, &compression);
     return format == sample_format(pages) && compression == COMPRESSION_NONE &&
-           TIFFNumberOfStrips(tiff) == 1 && TIFFScanlineSize64(tiff) == pages_row_bytes(pages) &&
+           TIFFNumberOfStrips(tiff) == 1 && TIFFScanlineSize64(tiff) == row_bytes(pages) &&
            TIFFStripSize64(tiff) == page_bytes(pages) &&
            TIFFGetStrileByteCount(tiff, 0) == page_bytes(pages) &&
            TIFFGetStrileOffset(tiff, 0) == pages_offset(pages, page);
@@ -280,22 +212,21 @@ static bool room_is_filled(TIFF *tiff, const struct pages *pages, const char *ro
            memcmp(text, room, count) == 0;
 }
 
-/* Reads every directory with libtiff, as another program would. "c": libtiff does not split a large
- * strip into small ones. */
+/* Reads every directory with libtiff, as another program would. */
 bool pages_finish(struct pages *pages, const char *room, struct error *err)
 {
     const int last = pages->count - 1;
-    struct client client = {.pages = pages, .err = err};
+    struct client client = {.pages = pages, .descriptor = pages->output.descriptor};
     struct stat status;
     if (room != NULL && !put(pages, room, pages->room_bytes, pages->room_offset, err))
         return false;
     if (fstat(pages->output.descriptor, &status) != 0)
         return error_system(err, "%s: cannot be examined", pages->output.path);
-    client.end = (uint64_t)status.st_size;
-    TIFF *tiff = open_tiff(&client, "rc");
+    client.bytes = (uint64_t)status.st_size;
+    TIFF *tiff = client_open(&client, pages->output.path, "rc");
     bool good = tiff != NULL && (room == NULL || room_is_filled(tiff, pages, room));
     for (int page = 0; good && page <= last; page++)
         good = page_is_whole(tiff, pages, page) && (page == last || TIFFReadDirectory(tiff));
-    good = good && TIFFLastDirectory(tiff) && pages_end(pages) == client.end;
-    return close_tiff(tiff, &client, good);
+    good = good && TIFFLastDirectory(tiff) && pages_end(pages) == client.bytes;
+    return close_tiff(tiff, &client, good, err);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes colour pictures, as TIFF or PNG. RGB is one page of three samples a pixel. Floats are
- * three grey pages of a TIFF: ImageJ and Pillow open no other floats. */
+ * grey pages of a TIFF, one a channel: ImageJ and Pillow open no other floats. */
 #include <assert.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,8 +22,7 @@ static bool set_tags(TIFF *tiff, const void *of, int page, struct error *err)
     (void)err; /* libtiff reports its failures */
     return TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, options->description) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) &&
-           (options->samples != PICTURE_FLOAT ||
-            TIFFSetField(tiff, TIFFTAG_PAGENAME, options->channels[page])) &&
+           (options->bits != 32 || TIFFSetField(tiff, TIFFTAG_PAGENAME, options->channels[page])) &&
            (options->profile == NULL ||
             TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)options->profile_length,
                          options->profile));
@@ -44,23 +43,20 @@ bool picture_is_png(const char *path)
     return output_ending(path, endings, &ending, &ignored) && ending == 0;
 }
 
-static size_t sample_bytes(const struct picture_options *options)
-{
-    static const size_t bytes[] = {[PICTURE_8] = 1, [PICTURE_16] = 2, [PICTURE_FLOAT] = 4};
-    return bytes[options->samples];
-}
-
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err)
 {
-    const bool floating = options->samples == PICTURE_FLOAT;
+    const bool floating = options->bits == 32;
+    int n_channels = 0;
+    while (n_channels < MOST_CHANNELS && options->channels[n_channels])
+        n_channels++;
     assert(options->width > 0 && options->height > 0);
     *out = (struct picture_writer){.options = *options,
-                                   .pages = {.count = floating ? 3 : 1,
+                                   .pages = {.count = floating ? n_channels : 1,
                                              .width = options->width,
                                              .height = options->height,
                                              .channels = floating ? 1 : 3,
-                                             .bits = 8 * (int)sample_bytes(options)}};
+                                             .bits = options->bits}};
     if (!picture_accepts(path, err))
         return false;
     assert(!floating || !picture_is_png(path));
@@ -72,15 +68,15 @@ bool picture_open(struct picture_writer *out, const char *path,
 static bool write_planes(const struct picture_writer *writer, const float *samples, int rows,
                          struct error *err)
 {
-    const uint64_t row_bytes = pages_row_bytes(&writer->pages);
     const size_t n = (size_t)rows * (size_t)writer->options.width;
+    const size_t n_channels = (size_t)writer->pages.count;
+    struct page_rectangle to = {0, 0, writer->row, writer->options.width, rows};
     float *plane;
     bool done = MAKE_ARRAY(plane, n, err, "rows of the picture");
-    for (int channel = 0; done && channel < 3; channel++) {
+    for (; done && to.page < writer->pages.count; to.page++) {
         for (size_t i = 0; i < n; i++)
-            plane[i] = samples[3 * i + (size_t)channel];
-        done = pages_write(&writer->pages, channel, (uint64_t)writer->row * row_bytes, plane,
-                           n * sizeof *plane, err);
+            plane[i] = samples[n_channels * i + (size_t)to.page];
+        done = pages_write(&writer->pages, &to, plane, err);
     }
     free(plane);
     return done;
@@ -88,13 +84,11 @@ static bool write_planes(const struct picture_writer *writer, const float *sampl
 
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err)
 {
-    const uint64_t row_bytes = pages_row_bytes(&writer->pages);
+    const struct page_rectangle to = {0, 0, writer->row, writer->options.width, rows};
     assert(rows >= 0 && rows <= writer->options.height - writer->row);
-    const bool done = writer->png ? png_write(writer->png, samples, rows, err)
-                      : writer->options.samples == PICTURE_FLOAT
-                          ? write_planes(writer, samples, rows, err)
-                          : pages_write(&writer->pages, 0, (uint64_t)writer->row * row_bytes,
-                                        samples, (size_t)rows * (size_t)row_bytes, err);
+    const bool done = writer->png                  ? png_write(writer->png, samples, rows, err)
+                      : writer->options.bits == 32 ? write_planes(writer, samples, rows, err)
+                                                   : pages_write(&writer->pages, &to, samples, err);
     writer->row += rows;
     return done;
 }
@@ -118,7 +112,7 @@ static bool extend_strip(struct picture_writer *writer, int end, size_t row_byte
 bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
                  const void *samples, struct error *err)
 {
-    const size_t pixel = 3 * sample_bytes(&writer->options);
+    const size_t pixel = 3 * (size_t)writer->options.bits / 8;
     const size_t row_bytes = pixel * (size_t)writer->options.width, n = pixel * (size_t)at->width;
     const int end = at->y + at->height;
     assert(at->y >= writer->row);
@@ -137,7 +131,7 @@ bool picture_put(struct picture_writer *writer, const struct picture_rectangle *
 
 bool picture_finish(struct picture_writer *writer, struct error *err)
 {
-    assert(writer->row == writer->options.height);
+    assert(writer->options.bits == 32 || writer->row == writer->options.height);
     writer->finished =
         writer->png ? png_finish(writer->png, err) : pages_finish(&writer->pages, NULL, err);
     return writer->finished;

@@ -4,7 +4,6 @@
  * zlib gets a row at a time, so that its output does not depend on how many rows come at once. */
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 
@@ -20,7 +19,6 @@ struct png {
     unsigned char *row, *above;  /* samples as the file has them */
     unsigned char *best, *tried; /* filtered, behind the number of the filter */
     unsigned char packed[CHUNK_BYTES];
-    uint64_t written; /* bytes of the file */
 };
 enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
 
@@ -34,7 +32,6 @@ static void put_number(uint32_t number, unsigned char *out)
 
 static bool put_bytes(struct png *png, const void *bytes, size_t length, struct error *err)
 {
-    png->written += length;
     return write_all(png->output.descriptor, bytes, length) ||
            error_system(err, "%s: cannot be written", png->output.path);
 }
@@ -83,36 +80,39 @@ static bool put_srgb(struct png *png, struct error *err)
            put_chunk(png, "sRGB", "", 1, err); /* 0: the perceptual intent, for pictures */
 }
 
+/* Writes a chunk of what has been printed, and frees it. */
+static bool put_printed(struct png *png, const char *type, struct printed *printed,
+                        struct error *err)
+{
+    char *bytes = printed_take(printed, err);
+    const bool done = bytes && put_chunk(png, type, bytes, printed->length, err);
+    free(bytes);
+    return done;
+}
+
 /* Writes the profile, compressed, behind its name and the number of the compression. */
 static bool put_profile(struct png *png, const struct picture_options *options, struct error *err)
 {
-    static const char name[] = "display"; /* with its NUL */
     uLongf length = compressBound((uLong)options->profile_length);
-    unsigned char *chunk;
-    if (!MAKE_ARRAY(chunk, sizeof name + 1 + length, err, "the profile of a PNG file"))
+    struct printed chunk = {.text = NULL};
+    unsigned char *packed;
+    if (!MAKE_ARRAY(packed, length, err, "the profile of a PNG file"))
         return false;
-    memcpy(chunk, name, sizeof name);
-    chunk[sizeof name] = 0; /* deflate */
-    const bool done = (compress2(chunk + sizeof name + 1, &length, options->profile,
-                                 (uLong)options->profile_length, Z_BEST_COMPRESSION) == Z_OK ||
-                       memory_lacks(err, (double)length, "the profile of a PNG file")) &&
-                      put_chunk(png, "iCCP", chunk, sizeof name + 1 + length, err);
-    free(chunk);
-    return done;
+    const bool done = compress2(packed, &length, options->profile, (uLong)options->profile_length,
+                                Z_BEST_COMPRESSION) == Z_OK ||
+                      memory_lacks(err, (double)length, "the profile of a PNG file");
+    print(&chunk, "display%c%c", 0, 0); /* deflate is 0 */
+    print_bytes(&chunk, packed, length);
+    free(packed);
+    return put_printed(png, "iCCP", &chunk, err) && done;
 }
 
 /* Writes a text chunk: a keyword, a NUL, and Latin-1 text. */
 static bool put_text(struct png *png, const char *keyword, const char *text, struct error *err)
 {
-    const size_t before = strlen(keyword) + 1, length = strlen(text);
-    char *chunk;
-    if (!MAKE_ARRAY(chunk, before + length, err, "a text in a PNG file"))
-        return false;
-    memcpy(chunk, keyword, before);
-    memcpy(chunk + before, text, length);
-    const bool done = put_chunk(png, "tEXt", chunk, before + length, err);
-    free(chunk);
-    return done;
+    struct printed chunk = {.text = NULL};
+    print(&chunk, "%s%c%s", keyword, 0, text);
+    return put_printed(png, "tEXt", &chunk, err);
 }
 
 static bool put_head(struct png *png, const struct picture_options *options, struct error *err)
@@ -272,7 +272,7 @@ bool png_open(struct png **out, const char *path, const struct picture_options *
     if (!MAKE_ARRAY(*out, 1, err, "a PNG file"))
         return false;
     png = *out;
-    png->pixel_bytes = (size_t)CHANNELS * (options->samples == PICTURE_16 ? 2 : 1);
+    png->pixel_bytes = (size_t)CHANNELS * ((size_t)options->bits / 8);
     png->row_bytes = png->pixel_bytes * (size_t)options->width;
     png->deflating = deflateInit(&png->stream, LEVEL) == Z_OK;
     png->stream.next_out = png->packed;
@@ -286,20 +286,9 @@ bool png_open(struct png **out, const char *path, const struct picture_options *
     return false;
 }
 
-/* Returns whether the file has as many bytes as were written. */
-static bool is_whole(const struct png *png, struct error *err)
-{
-    struct stat status;
-    if (fstat(png->output.descriptor, &status) != 0)
-        return error_system(err, "%s: cannot be examined", png->output.path);
-    return (uint64_t)status.st_size == png->written ||
-           error_failed(err, "%s: the written file is not complete", png->output.path);
-}
-
 bool png_finish(struct png *png, struct error *err)
 {
-    return pack(png, NULL, 0, Z_FINISH, err) && put_chunk(png, "IEND", NULL, 0, err) &&
-           is_whole(png, err);
+    return pack(png, NULL, 0, Z_FINISH, err) && put_chunk(png, "IEND", NULL, 0, err);
 }
 
 bool png_commit(struct png *png, struct outputs *outputs, struct error *err)

@@ -25,22 +25,14 @@ void scale_colour(double value, double least, uint8_t out[3])
         out[channel] = value == 0 ? 0 : steps[step].rgb[channel];
 }
 
-/* Prints a power of two, those below 1 as 1/2, 1/4, ... */
-static void print_power(double power, struct printed *to)
-{
-    if (power < 1)
-        print(to, "1/%.0f", 1 / power);
-    else
-        print(to, "%.0f", power);
-}
-
 void scale_print(double least, struct printed *to)
 {
     print_text(to, "up to ");
     for (int step = 0; step < STEPS - 1; step++)
         if (steps[step].name) {
-            print_power(ldexp(least, step), to);
-            print(to, " %s, ", steps[step].name);
+            const double power = ldexp(least, step);
+            print(to, power < 1 ? "1/%.0f %s, " : "%.0f %s, ", power < 1 ? 1 / power : power,
+                  steps[step].name);
         }
     print(to, "above %s", steps[STEPS - 1].name);
 }

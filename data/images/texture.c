@@ -37,17 +37,6 @@ static bool plane_allocate(struct texture *texture, int i, struct error *err)
                                                    "the texels of %s", texture->image.path);
 }
 
-/* A spectral texture loads three planes, with room for one more page, for the reference and for
- * OpenGL; OpenGL gets a copy of four floats a texel. */
-static bool planes_fit(const struct texture *texture, const char *path, struct place from,
-                       struct error *err)
-{
-    const double floats = (texture->spectral ? 2 * (TEXTURE_PLANES + 1) : 1) + 4;
-    return memory_suffices(floats * sizeof(float) * (double)plane_size(texture), from, err,
-                           "%s: a texture of %dx%d texels", path, texture->image.width,
-                           texture->image.height);
-}
-
 /* Reads all pages, one after the other, into the first plane, to find the extreme values. */
 static bool find_extremes(struct texture *texture, struct error *err)
 {
@@ -68,9 +57,14 @@ static bool find_extremes(struct texture *texture, struct error *err)
     return true;
 }
 
-static bool open_pages(const char *path, struct place from, struct texture *out, struct error *err)
+/* A spectral texture loads three planes, with room for one more page, for the reference and for
+ * OpenGL; OpenGL gets a copy of four floats a texel. */
+static bool open_pages(const char *path, struct place from, image_tags *read_tags,
+                       struct texture *out, struct error *err)
 {
-    if (!file_expected(path, from, FILE_TEXTURE, err) || !image_open(path, from, &out->image, err))
+    const double floats = (out->spectral ? 2 * (TEXTURE_PLANES + 1) : 1) + 4;
+    if (!file_expected(path, from, FILE_TEXTURE, err) ||
+        !image_open(path, from, read_tags, &out->image, err))
         return false;
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
         error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
@@ -86,18 +80,22 @@ static bool open_pages(const char *path, struct place from, struct texture *out,
                  " wavelengths is a spectral-texture",
                  path, out->image.n_pages);
     else
-        return planes_fit(out, path, from, err) && find_extremes(out, err) &&
-               digest_note_open(path, out->image.file->descriptor, err);
+        return memory_suffices(floats * sizeof(float) * (double)plane_size(out), from, err,
+                               "%s: a texture of %dx%d texels", path, out->image.width,
+                               out->image.height) &&
+               find_extremes(out, err) &&
+               digest_note_open(path, out->image.file->client.descriptor, err);
     return false;
 }
 
-bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
+bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
+                  struct error *err)
 {
     *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
     if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
         return false;
     pthread_mutex_init(out->reading, NULL);
-    if (!open_pages(path, from, out, err)) {
+    if (!open_pages(path, from, read_tags, out, err)) {
         texture_free(out);
         return false;
     }

@@ -330,7 +330,7 @@ static bool make_room(struct adaptive *a, struct error *err)
 static bool set_pages(const struct adaptive *a, struct sampling *out, struct error *err)
 {
     int n = 0;
-    if (!sampling_room(out, a->fewest, true, err))
+    if (!sampling_room(out, a->fewest, SEGMENTS, err))
         return false;
     for (int s = 0; s < a->n_best; s++) {
         const struct segment *segment = &a->best[s];

@@ -4,7 +4,7 @@
 
 #include "data/sampling/inside.h"
 
-static double dot(const double *a, const double *b, int n)
+double sampling_dot(const double *a, const double *b, int n)
 {
     double sum = 0;
     for (int j = 0; j < n; j++)
@@ -22,7 +22,7 @@ static const double negligible = 1e-15;
  * Veselic, Jacobi's method is more accurate than QR, SIAM J. Matrix Anal. Appl. 13, 1992.) */
 static bool turn(double *p, double *q, int n, double smallest)
 {
-    const double pp = dot(p, p, n), qq = dot(q, q, n), pq = dot(p, q, n);
+    const double pp = sampling_dot(p, p, n), qq = sampling_dot(q, q, n), pq = sampling_dot(p, q, n);
     const bool swapped = qq > pp;
     if (fmax(pp, qq) <= smallest || (fabs(pq) <= negligible * n * sqrt(pp) * sqrt(qq) && !swapped))
         return false;
@@ -43,7 +43,8 @@ void orthogonal_rows(double *row, int rows, int n)
 {
     double longest = 0;
     for (int i = 0; i < rows; i++)
-        longest = fmax(longest, dot(row + (size_t)i * (size_t)n, row + (size_t)i * (size_t)n, n));
+        longest = fmax(longest,
+                       sampling_dot(row + (size_t)i * (size_t)n, row + (size_t)i * (size_t)n, n));
     const double smallest = longest * negligible * negligible;
     bool turned = longest > 0;
     for (int sweep = 0; sweep < 60 && turned; sweep++) {
@@ -103,7 +104,7 @@ static bool turn_products(struct components *out, struct error *err)
     orthogonal_rows(out->direction, n, n_nm);
     for (; out->rank < n; out->rank++) {
         double *row = direction_row(out, out->rank);
-        const double length = sqrt(dot(row, row, n_nm));
+        const double length = sqrt(sampling_dot(row, row, n_nm));
         longest = fmax(longest, length);
         if (!(length > rank_limit * longest))
             break;
@@ -149,8 +150,8 @@ static bool lean_axis(struct components *c, double cosine)
     for (int round = 0; round < MOST && !good; round++) {
         good = true;
         for (int i = 0; i < c->n_units; i++) {
-            const double least = cosine * sqrt(dot(c->axis, c->axis, c->n));
-            if (!(dot(c->axis, unit_row(c, i), c->n) > least)) {
+            const double least = cosine * sqrt(sampling_dot(c->axis, c->axis, c->n));
+            if (!(sampling_dot(c->axis, unit_row(c, i), c->n) > least)) {
                 good = false;
                 add_to_axis(c, unit_row(c, i));
             }
@@ -188,7 +189,7 @@ static void find_shear(struct components *c)
         if (c->axis[k] < 0)
             turn_round(c, k);
     for (int i = 0; i < c->n_units; i++) {
-        const double *unit = unit_row(c, i), y = dot(c->axis, unit, c->n);
+        const double *unit = unit_row(c, i), y = sampling_dot(c->axis, unit, c->n);
         for (int k = 0; k < c->n; k++)
             c->shear[k] = fmax(c->shear[k], -unit[k] / y);
     }
@@ -219,7 +220,7 @@ static bool find_components(const struct sampling_task *task, struct components 
 static void set_matrices(const struct components *c, struct sampling *out)
 {
     const int n_nm = c->spectra->n_nm;
-    const double divisor = 1 + dot(c->axis, c->shear, c->n);
+    const double divisor = 1 + sampling_dot(c->axis, c->shear, c->n);
     for (int j = 0; j < n_nm; j++) {
         double along = 0, sheared = 0;
         for (int k = 0; k < c->n; k++) {
@@ -253,12 +254,7 @@ static void set_weights(struct sampling *out)
 /* A black scene has one page of zeros. */
 static bool set_pages(const struct components *c, struct sampling *out, struct error *err)
 {
-    if (!sampling_room(out, c->n > 0 ? c->n : 1, false, err))
-        return false;
-    const size_t cells = (size_t)out->pages.n * (size_t)out->fine.n;
-    out->pages.analysis = sampling_numbers(cells, err);
-    out->synthesis = sampling_numbers(cells, err);
-    if (!out->pages.analysis || !out->synthesis)
+    if (!sampling_room(out, c->n > 0 ? c->n : 1, ANALYSIS | SYNTHESIS, err))
         return false;
     set_matrices(c, out);
     set_weights(out);

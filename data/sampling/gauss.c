@@ -12,7 +12,7 @@ static bool one_segment(const struct sampling_task *task, const struct quadratur
                         struct error *err)
 {
     struct sampling *out = task->out;
-    if (!sampling_room(out, rule->n, true, err))
+    if (!sampling_room(out, rule->n, SEGMENTS, err))
         return false;
     for (int i = 0; i < rule->n; i++) {
         out->pages.wavelength_nm[i] = rule->node[i];
@@ -70,11 +70,8 @@ static void project(const double *channels, const double *rows, int n, double ou
 {
     for (int channel = 0; channel < 3; channel++)
         for (int i = 0; i < 3; i++) {
-            double part = 0, whole = 0;
-            for (int j = 0; j < n; j++) {
-                part += channels[channel * n + j] * rows[i * n + j];
-                whole += rows[i * n + j] * rows[i * n + j];
-            }
+            const double part = sampling_dot(channels + channel * n, rows + i * n, n);
+            const double whole = sampling_dot(rows + i * n, rows + i * n, n);
             out[channel][i] = whole > 0 ? part / whole : 0;
         }
 }
@@ -162,7 +159,7 @@ static bool union_of_nodes(const struct functions *of, struct sampling *out, str
     qsort(nodes, (size_t)count, sizeof nodes[0], compare_nodes);
     for (int i = 0; i < count; i++)
         n += i == 0 || nodes[i].nm > nodes[i - 1].nm;
-    if (!sampling_room(out, n, false, err))
+    if (!sampling_room(out, n, 0, err))
         return false;
     for (int i = 0; i < count; i++) {
         page += i == 0 || nodes[i].nm > nodes[i - 1].nm;

@@ -28,14 +28,35 @@ struct sampling_task {
     struct sampling *out;
 };
 
-/* Makes room for n pages, with segments if wanted. */
-bool sampling_room(struct sampling *out, int n, bool segments, struct error *err);
+/* A kind of sampling: the function that makes its pages, and all else that differs between kinds.
+ */
+enum {
+    NEEDS_OBSERVER = 1,
+    ANY_DETECTOR = 2, /* the pages are chosen without looking at the detector */
+    FIXED = 4,        /* as in struct sampling */
+    COMPONENTS = 8    /* pages have no wavelengths */
+};
+struct sampling_traits {
+    const char *name; /* of the kind; of those of gauss, the functions */
+    bool (*make)(const struct sampling_task *task, struct error *err);
+    const struct sampling_words {
+        const char *page, *pages, *limit; /* one page, several, what they do not show */
+    } * words;
+    int flags;
+    const char *labels[3]; /* of components; NULL: "component 1" and so on */
+};
+const struct sampling_traits *traits_of(const struct sampling_method *method); /* in method.c */
+
+/* Makes room for n pages, and for the arrays that are wanted. */
+enum { SEGMENTS = 1, ANALYSIS = 2, SYNTHESIS = 4 };
+bool sampling_room(struct sampling *out, int n, int arrays, struct error *err);
 /* Returns a zeroed array; NULL after an error. */
 double *sampling_numbers(size_t count, struct error *err);
 /* Returns the sum of the magnitudes of the detector's weights at nm j of the grid. */
 double sampling_seen(const struct sampling *sampling, int j);
 /* Refuses more pages than `most` nm. In uniform.c, as the next. */
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err);
+double sampling_dot(const double *a, const double *b, int n); /* in basis.c */
 /* Combines three rows of n numbers by a matrix. */
 void sampling_transform(double m[3][3], const double *rows, int n, double *out);
 

@@ -1,22 +1,56 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads and writes methods of sampling as words. */
+/* The methods of sampling: how they differ, and their names as words. */
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/sampling/sampling.h"
+#include "data/sampling/inside.h"
 #include "data/text/text.h"
 
-static const char *const kinds[] = {
-    [SAMPLING_BOX] = "box",           [SAMPLING_RIEMANN] = "riemann", [SAMPLING_GAUSS] = "gauss",
-    [SAMPLING_ADAPTIVE] = "adaptive", [SAMPLING_BASIS] = "basis",     [SAMPLING_RGB] = "rgb",
-    [SAMPLING_XYZ] = "xyz",
+static const struct sampling_words boxes = {"box", "boxes", "means of these boxes only"};
+static const struct sampling_words wavelengths = {"wavelength", "wavelengths",
+                                                  "radiances at these wavelengths only"};
+static const struct sampling_words components = {"component", "components",
+                                                 "no radiances at wavelengths"};
+static const struct sampling_words three_numbers = {"component", "components",
+                                                    "no spectra, and no fluorescence"};
+static const struct sampling_traits kinds[] = {
+    [SAMPLING_BOX] = {"box", sample_box, &boxes, .flags = NEEDS_OBSERVER},
+    [SAMPLING_RIEMANN] = {"riemann", sample_riemann, &wavelengths, .flags = ANY_DETECTOR},
+    [SAMPLING_GAUSS] = {"gauss", .words = NULL},
+    [SAMPLING_ADAPTIVE] = {"adaptive", sample_adaptive, &wavelengths, .flags = 0},
+    [SAMPLING_BASIS] = {"basis", sample_basis, &components, .flags = FIXED | COMPONENTS},
+    [SAMPLING_RGB] = {"rgb",
+                      sample_tristimulus,
+                      &three_numbers,
+                      NEEDS_OBSERVER | FIXED | COMPONENTS,
+                      {"red", "green", "blue"}},
+    [SAMPLING_XYZ] = {"xyz",
+                      sample_tristimulus,
+                      &three_numbers,
+                      NEEDS_OBSERVER | FIXED | COMPONENTS,
+                      {"X", "Y", "Z"}},
 };
-enum { KINDS = sizeof kinds / sizeof kinds[0] };
-static const char *const function_names[] = {
-    [FUNCTIONS_DETECTOR] = "", [FUNCTIONS_OPEN] = "open", [FUNCTIONS_XYZ] = "xyz",
-    [FUNCTIONS_LMS] = "lms",   [FUNCTIONS_ACC] = "acc",
+static const struct sampling_traits gauss[] = {
+    [FUNCTIONS_DETECTOR] = {"", sample_gauss_detector, &wavelengths, .flags = 0},
+    [FUNCTIONS_OPEN] = {"open", sample_gauss_open, &wavelengths, .flags = ANY_DETECTOR},
+    [FUNCTIONS_XYZ] = {"xyz", sample_gauss_functions, &wavelengths,
+                       .flags = NEEDS_OBSERVER | FIXED},
+    [FUNCTIONS_LMS] = {"lms", sample_gauss_functions, &wavelengths,
+                       .flags = NEEDS_OBSERVER | FIXED},
+    [FUNCTIONS_ACC] = {"acc", sample_gauss_functions, &wavelengths,
+                       .flags = NEEDS_OBSERVER | FIXED},
 };
-enum { FUNCTIONS = sizeof function_names / sizeof function_names[0] };
+enum { KINDS = sizeof kinds / sizeof kinds[0], FUNCTIONS = sizeof gauss / sizeof gauss[0] };
+
+const struct sampling_traits *traits_of(const struct sampling_method *method)
+{
+    return method->kind == SAMPLING_GAUSS ? &gauss[method->functions] : &kinds[method->kind];
+}
+
+bool sampling_makes_components(const struct sampling_method *method)
+{
+    return traits_of(method)->flags & COMPONENTS;
+}
 
 static bool refuse_name(const char *option, const char *text, struct error *err)
 {
@@ -39,11 +73,12 @@ static bool read_number(const struct word *number, struct sampling_method *out, 
     return done;
 }
 
-/* Returns the index of a name of `length` bytes, or n if it is unknown. */
-static int find_name(const char *const *names, int n, const char *name, size_t length)
+/* Returns the index of a name of `length` bytes from row `first` on, or n if it is unknown. */
+static int find_name(const struct sampling_traits *rows, int first, int n, const char *name,
+                     size_t length)
 {
-    int i = 0;
-    while (i < n && (strlen(names[i]) != length || strncmp(names[i], name, length) != 0))
+    int i = first;
+    while (i < n && (strlen(rows[i].name) != length || strncmp(rows[i].name, name, length) != 0))
         i++;
     return i;
 }
@@ -53,7 +88,7 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
 {
     const size_t kind_length = strcspn(text, ":");
     const bool has_number = text[kind_length] != '\0';
-    const int kind = find_name(kinds, KINDS, text, kind_length);
+    const int kind = find_name(kinds, 0, KINDS, text, kind_length);
     *out = (struct sampling_method){.kind = (enum sampling_kind)kind};
     if (kind == KINDS || has_number == (kind == SAMPLING_RGB || kind == SAMPLING_XYZ))
         return refuse_name(option, text, err);
@@ -62,9 +97,7 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
     const char *number = text + kind_length + 1, *end = number + strcspn(number, ",");
     int functions = FUNCTIONS_DETECTOR;
     if (*end == ',')
-        functions =
-            FUNCTIONS_OPEN + find_name(function_names + FUNCTIONS_OPEN, FUNCTIONS - FUNCTIONS_OPEN,
-                                       end + 1, strlen(end + 1));
+        functions = find_name(gauss, FUNCTIONS_OPEN, FUNCTIONS, end + 1, strlen(end + 1));
     if (end == number || functions == FUNCTIONS || (*end == ',' && kind != SAMPLING_GAUSS))
         return refuse_name(option, text, err);
     out->functions = (enum sampling_functions)functions;
@@ -74,27 +107,35 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
     return read_number(&word, out, err);
 }
 
-/* Writes as few digits as read back as the same number, but 10 rather than 1e+01. */
-static void shortest(double number, char *out, size_t capacity)
+/* Returns how many digits, from `fewest` on, read back as the same number. */
+static int digits_of(double number, int fewest)
 {
-    for (int digits = 1; digits <= 17; digits++) {
-        snprintf(out, capacity, "%.*g", digits, number);
-        if (strtod(out, NULL) == number && (number < 1 || strchr(out, 'e') == NULL))
-            return;
+    char text[32];
+    int digits = fewest;
+    for (; digits < 17; digits++) {
+        snprintf(text, sizeof text, "%.*g", digits, number);
+        if (strtod(text, NULL) == number && (number < 1 || digits >= 15 || !strchr(text, 'e')))
+            break;
     }
+    return digits;
+}
+
+int exact_digits(double number)
+{
+    return digits_of(number, 15);
 }
 
 void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME])
 {
-    const char *functions = function_names[method->functions];
+    const char *functions = gauss[method->functions].name;
     const double number = method->kind == SAMPLING_RIEMANN    ? method->step_nm
                           : method->kind == SAMPLING_ADAPTIVE ? method->tolerance
                                                               : method->count;
     char digits[32] = "";
-    if (number > 0)
-        shortest(number, digits, sizeof digits);
-    snprintf(out, SAMPLING_NAME, "%s%s%s%s%s", kinds[method->kind], number > 0 ? ":" : "", digits,
-             functions[0] != '\0' ? "," : "", functions);
+    if (number > 0) /* 10 rather than 1e+01 */
+        snprintf(digits, sizeof digits, "%.*g", digits_of(number, 1), number);
+    snprintf(out, SAMPLING_NAME, "%s%s%s%s%s", kinds[method->kind].name, number > 0 ? ":" : "",
+             digits, functions[0] != '\0' ? "," : "", functions);
 }
 
 bool sampling_takes_means(const char *name)
@@ -102,4 +143,29 @@ bool sampling_takes_means(const char *name)
     struct sampling_method method;
     struct error ignored = {0};
     return sampling_read("", name, &method, &ignored) && method.kind == SAMPLING_BOX;
+}
+
+/* ---- a scene as the command line samples it ---- */
+
+static const struct option sampling_rows[] = {
+    {"--sampling METHOD",
+     "box:N, riemann:STEP, gauss:N[,open|xyz|lms|acc], adaptive:TOLERANCE, basis:K, rgb or xyz",
+     SHARED(TEXT, sampling), .recorded = true},
+    {"--detector, --observer NAME", "samples for it, a built-in one or a file (default: cie1931)",
+     SHARED(TEXT, detector), .recorded = true},
+};
+const struct option_list sampling_options = OPTION_LIST(sampling_rows);
+
+bool scene_read_sampled(const struct options *options, struct scene *out, struct sampling *sampling,
+                        struct error *err)
+{
+    struct sampling_method method;
+    if (!options->sampling)
+        return options->detector && !options->accuracy
+                   ? error_usage(err, "--detector needs --sampling, which samples "
+                                      "for it; develop takes any detector")
+                   : scene_read_options(options, out, err);
+    return sampling_read("--sampling", options->sampling, &method, err) &&
+           scene_read_options(options, out, err) &&
+           scene_sample(out, &method, options_detector(options), sampling, err);
 }

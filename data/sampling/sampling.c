@@ -7,69 +7,6 @@
 #include "data/sampling/inside.h"
 #include "data/text/text.h"
 
-/* ---- kinds ---- */
-
-/* The words of sampling_print for one page, for several, and for the limits of a kind. */
-struct words {
-    const char *page, *pages, *limit;
-};
-static const struct words boxes = {"box", "boxes", "means of these boxes only"};
-static const struct words wavelengths = {"wavelength", "wavelengths",
-                                         "radiances at these wavelengths only"};
-static const struct words components = {"component", "components", "no radiances at wavelengths"};
-static const struct words three_numbers = {"component", "components",
-                                           "no spectra, and no fluorescence"};
-
-/* A kind of sampling: the function that makes its pages, and all else that differs between kinds.
- */
-struct kind {
-    bool (*make)(const struct sampling_task *task, struct error *err);
-    const struct words *words;
-    bool needs_observer;
-    bool any_detector; /* the pages are chosen without looking at the detector */
-    bool fixed, components;
-    const char *labels[3]; /* of components; NULL: "component 1" and so on */
-};
-static const struct kind kinds[] = {
-    [SAMPLING_BOX] = {.make = sample_box, .words = &boxes, .needs_observer = true},
-    [SAMPLING_RIEMANN] = {.make = sample_riemann, .words = &wavelengths, .any_detector = true},
-    [SAMPLING_ADAPTIVE] = {.make = sample_adaptive, .words = &wavelengths},
-    [SAMPLING_BASIS] = {.make = sample_basis,
-                        .words = &components,
-                        .fixed = true,
-                        .components = true},
-    [SAMPLING_RGB] = {.make = sample_tristimulus,
-                      .words = &three_numbers,
-                      .needs_observer = true,
-                      .fixed = true,
-                      .components = true,
-                      .labels = {"red", "green", "blue"}},
-    [SAMPLING_XYZ] = {.make = sample_tristimulus,
-                      .words = &three_numbers,
-                      .needs_observer = true,
-                      .fixed = true,
-                      .components = true,
-                      .labels = {"X", "Y", "Z"}},
-};
-static const struct kind gauss[] = {
-    [FUNCTIONS_DETECTOR] = {.make = sample_gauss_detector, .words = &wavelengths},
-    [FUNCTIONS_OPEN] = {.make = sample_gauss_open, .words = &wavelengths, .any_detector = true},
-};
-static const struct kind gauss_of_functions = {
-    .make = sample_gauss_functions, .words = &wavelengths, .needs_observer = true, .fixed = true};
-
-static const struct kind *kind_of(const struct sampling_method *method)
-{
-    if (method->kind != SAMPLING_GAUSS)
-        return &kinds[method->kind];
-    return method->functions <= FUNCTIONS_OPEN ? &gauss[method->functions] : &gauss_of_functions;
-}
-
-bool sampling_makes_components(const struct sampling_method *method)
-{
-    return kind_of(method)->components;
-}
-
 /* ---- arrays ---- */
 
 double *sampling_numbers(size_t count, struct error *err)
@@ -78,13 +15,16 @@ double *sampling_numbers(size_t count, struct error *err)
     return MAKE_ARRAY(numbers, count, err, "%zu numbers of a sampling", count) ? numbers : NULL;
 }
 
-bool sampling_room(struct sampling *out, int n, bool segments, struct error *err)
+bool sampling_room(struct sampling *out, int n, int arrays, struct error *err)
 {
+    const size_t cells = (size_t)n * (size_t)out->fine.n;
     out->pages.n = n;
     out->pages.wavelength_nm = sampling_numbers((size_t)n, err);
     out->weights = sampling_numbers(3 * (size_t)n, err);
     return out->pages.wavelength_nm && out->weights &&
-           (!segments || MAKE_ARRAY(out->segment_nm, n, err, "%d segments", n));
+           (!(arrays & SEGMENTS) || MAKE_ARRAY(out->segment_nm, n, err, "%d segments", n)) &&
+           (!(arrays & ANALYSIS) || (out->pages.analysis = sampling_numbers(cells, err))) &&
+           (!(arrays & SYNTHESIS) || (out->synthesis = sampling_numbers(cells, err)));
 }
 
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,
@@ -194,26 +134,15 @@ void sampling_weights(const struct detector *detector, const double *wavelength_
 static bool check_detector(const struct sampling_task *task, struct error *err)
 {
     const struct sampling *out = task->out;
-    const struct kind *kind = kind_of(&out->method);
-    bool sees = kind->any_detector;
+    const struct sampling_traits *kind = traits_of(&out->method);
+    bool sees = kind->flags & ANY_DETECTOR;
     for (int j = 0; j < out->fine.n; j++)
         sees = sees || sampling_seen(out, j) > 0;
-    if (kind->needs_observer && !task->detector->observer)
+    if (kind->flags & NEEDS_OBSERVER && !task->detector->observer)
         return error_usage(err, "%s needs an observer; %s is a camera or film", task->name,
                            out->detector);
     return sees || error_usage(err, "%s: %s sees nothing from %.6g to %.6g nm", task->name,
                                out->detector, out->fine.nm[0], out->fine.nm[out->fine.n - 1]);
-}
-
-static bool prepare(const struct sampling_task *task, struct error *err)
-{
-    const struct fine_spectra *spectra = task->spectra;
-    struct sampling *out = task->out;
-    out->pages.first_nm = spectra->first_nm;
-    out->pages.n_nm = spectra->n_nm;
-    return string_copy(task->detector->name, &out->detector, err) &&
-           fine_detector_make(task->detector, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
-           check_detector(task, err);
 }
 
 /* Completes the sampling by what follows from its pages and segments. */
@@ -221,10 +150,10 @@ static bool complete(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
     double *wavelength_nm = out->pages.wavelength_nm;
-    const struct kind *kind = kind_of(&out->method);
-    out->spectral = !kind->components;
-    out->fixed = kind->fixed;
-    for (int page = 0; kind->components && page < out->pages.n; page++)
+    const struct sampling_traits *kind = traits_of(&out->method);
+    out->spectral = !(kind->flags & COMPONENTS);
+    out->fixed = kind->flags & FIXED;
+    for (int page = 0; !out->spectral && page < out->pages.n; page++)
         wavelength_nm[page] = page + 1;
     if (out->segment_nm)
         sampling_weights(task->detector, wavelength_nm, out->segment_nm, out->pages.n,
@@ -240,12 +169,15 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
 {
     struct detector sees;
     struct sampling_task task = {.detector = &sees, .spectra = spectra, .out = out};
-    *out = (struct sampling){.method = *method};
+    *out = (struct sampling){.method = *method,
+                             .pages = {.first_nm = spectra->first_nm, .n_nm = spectra->n_nm}};
     sampling_name(method, task.name);
     if (!detector_read(detector, &sees, err))
         return false;
     const bool done =
-        prepare(&task, err) && kind_of(method)->make(&task, err) && complete(&task, err);
+        string_copy(sees.name, &out->detector, err) &&
+        fine_detector_make(&sees, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
+        check_detector(&task, err) && traits_of(method)->make(&task, err) && complete(&task, err);
     detector_free(&sees);
     if (!done)
         sampling_free(out);
@@ -311,29 +243,14 @@ const struct sampling *sampling_or_none(const struct sampling *sampling)
 
 /* ---- in words ---- */
 
-void sampling_label(const struct sampling *sampling, int page, char out[24])
+void sampling_label(const struct sampling_method *method, int page, char out[24])
 {
-    const struct kind *kind = kind_of(&sampling->method);
+    const struct sampling_traits *kind = traits_of(method);
     out[0] = '\0';
     if (kind->labels[0])
         snprintf(out, 24, "%s", kind->labels[page]);
-    else if (kind->components)
+    else if (kind->flags & COMPONENTS)
         snprintf(out, 24, "component %d", page + 1);
-}
-
-const char **sampling_labels(const struct sampling *sampling, int n, struct error *err)
-{
-    typedef char label_text[24];
-    const char **labels;
-    if (!MAKE_ARRAY(labels, (size_t)n * (1 + sizeof(label_text) / sizeof *labels), err,
-                    "%d labels of channels", n))
-        return NULL;
-    label_text *text = (label_text *)(labels + n);
-    for (int i = 0; i < n; i++) {
-        sampling_label(sampling, i, text[i]);
-        labels[i] = text[i];
-    }
-    return labels;
 }
 
 /* Prints how many weights are negative, and the least one in parts of its channel's sum. Channels
@@ -372,7 +289,7 @@ static void print_peaks(const struct sampling *sampling, struct printed *to)
 void sampling_print(const struct sampling *sampling, struct printed *to)
 {
     char name[SAMPLING_NAME];
-    const struct kind *kind = kind_of(&sampling->method);
+    const struct sampling_traits *kind = traits_of(&sampling->method);
     sampling_name(&sampling->method, name);
     print(to, "%s for %s: %d %s", name, sampling->detector, sampling->pages.n,
           sampling->pages.n == 1 ? kind->words->page : kind->words->pages);

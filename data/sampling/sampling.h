@@ -135,6 +135,8 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
 /* Writes a method as sampling_read takes it, with the fewest digits that are exact. */
 enum { SAMPLING_NAME = 48 };
 void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME]);
+/* Returns how many decimal digits of a number read back as the same double: at least 15. */
+int exact_digits(double number);
 /* Returns whether pages of the method of this name are means over segments, not values in them. */
 bool sampling_takes_means(const char *name);
 
@@ -215,15 +217,12 @@ int wavelength_before(const double *wavelength_nm, int n, double nm, double *par
 double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
                          struct error *err);
 /* Writes the name of a component: "red", "Y", "component 3"; "" for a wavelength. */
-void sampling_label(const struct sampling *sampling, int page, char out[24]);
-/* Returns those of n components. One allocation holds the pointers and the texts; NULL: no memory.
- */
-const char **sampling_labels(const struct sampling *sampling, int n, struct error *err);
+void sampling_label(const struct sampling_method *method, int page, char out[24]);
 /* Prints one line: name, number of pages, negative weights, peaks, rank, limits. */
 void sampling_print(const struct sampling *sampling, struct printed *to);
 void sampling_free(struct sampling *sampling);
 
-/* ---- sampling_options.c: a scene as the command line samples it ---- */
+/* ---- method.c: a scene as the command line samples it ---- */
 
 extern const struct option_list sampling_options;
 /* Reads SCENE with its changes, and samples it if --sampling is given; otherwise *sampling stays

@@ -46,35 +46,21 @@ double page_value(const struct spectral_pages *pages, const struct spectrum *spe
 
 /* ---- the white ---- */
 
-/* Returns the radiance of a perfect diffuser on a page under all lights and ambient lights. Sets
- * *intensity to the sum of their intensities. */
-static double radiance_on(const struct scene *scene, const struct spectral_pages *pages, int page,
-                          double *intensity)
-{
-    double sum = 0;
-    *intensity = 0;
-    for (int i = 0; i < scene->n_lights; i++) {
-        const struct light *light = &scene->lights[i];
-        *intensity += light->intensity;
-        sum += light->intensity * page_value(pages, &light->spectrum, page, SPECTRUM_ZERO);
-    }
-    for (int i = 0; i < scene->n_ambients; i++) {
-        const struct ambient *ambient = &scene->ambients[i];
-        *intensity += ambient->intensity;
-        sum += ambient->intensity * page_value(pages, &ambient->spectrum, page, SPECTRUM_ZERO);
-    }
-    return sum;
-}
-
 double scene_white(const struct scene *scene, const struct spectral_pages *pages, double *out)
 {
     double intensity = 0, largest = 0;
     bool finite = true;
-    for (int i = 0; i < pages->n; i++) {
-        out[i] = radiance_on(scene, pages, i, &intensity);
-        out[i] /= intensity;
-        largest = fmax(largest, out[i]);
-        finite = finite && out[i] <= DBL_MAX;
+    for (int page = 0; page < pages->n; page++) {
+        intensity = out[page] = 0;
+        for (int i = 0; i < scene->n_lights + scene->n_ambients; i++) {
+            const struct light *light = scene_light(scene, i);
+            intensity += light->intensity;
+            out[page] +=
+                light->intensity * page_value(pages, &light->spectrum, page, SPECTRUM_ZERO);
+        }
+        out[page] /= intensity;
+        largest = fmax(largest, out[page]);
+        finite = finite && out[page] <= DBL_MAX;
     }
     return finite && largest > 0 && intensity <= DBL_MAX ? intensity : 0;
 }

@@ -74,7 +74,7 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
     return true;
 }
 
-/* Adds the luminescence under a light to the row; sets *any if any value is not 0. */
+/* Adds the luminescence under a light to the row; sets *any if any of its values is not 0. */
 static bool luminesce(const struct luminescence *of, const struct spectrum *light, double intensity,
                       double *row, bool *any, struct error *err)
 {
@@ -126,11 +126,9 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
  * off by at most n 2^-53 of the sum of their magnitudes; a sum below 0 is such an error. */
 static void analyse(const struct spectral_pages *pages, const double *row, double *out)
 {
-    const int n_nm = pages->n_nm;
-    for (int page = 0; page < pages->n; page++) {
-        double sum = 0;
-        for (int j = 0; j < n_nm; j++)
-            sum += pages->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * row[j];
+    const double *analysis = pages->analysis;
+    for (int page = 0; page < pages->n; page++, analysis += pages->n_nm) {
+        const double sum = sampling_dot(analysis, row, pages->n_nm);
         out[page] = sum < 0 ? 0 : sum;
     }
 }
@@ -161,7 +159,7 @@ static bool add_constant(struct terms_maker *maker, struct error *err)
     struct material_terms *out = maker->out;
     double *row = maker->row;
     for (int i = 0; i < scene->n_ambients; i++) {
-        const struct ambient *ambient = &scene->ambients[i];
+        const struct light *ambient = &scene->ambients[i];
         if (ambient->intensity == 0 || spectrum_is_zero(&ambient->spectrum))
             continue;
         if (add_product(&illumination->pages, ambient->intensity, &ambient->spectrum,
@@ -232,45 +230,37 @@ void material_terms_free(struct material_terms *terms)
 
 /* ---- materials that objects show ---- */
 
-struct material_list {
-    const struct material **list;
-    int n;
-    struct index known; /* of the materials in the list */
-};
-
-static bool add_once(struct material_list *to, const struct material *material, struct error *err)
-{
-    if (index_find(&to->known, &material, sizeof material) >= 0)
-        return true;
-    to->list[to->n++] = material;
-    return index_add(&to->known, &material, sizeof material, to->n - 1, err);
-}
-
-/* Adds a material, and its partner if it has one. */
-static bool add_halves(const struct scene *scene, int index, struct material_list *to,
-                       struct error *err)
+/* Adds a material, and its partner if it has one, unless it is in the list already. */
+static void add_shown(const struct scene *scene, int index, bool *shown,
+                      const struct material **list, int *n)
 {
     const struct material *material = &scene->materials[index];
-    const struct material *partner = scene_partner(scene, material);
-    return add_once(to, material, err) && (!partner || add_once(to, partner, err));
+    if (shown[index])
+        return;
+    shown[index] = true;
+    list[(*n)++] = material;
+    if (material->partner_name)
+        add_shown(scene, material->partner_index, shown, list, n);
+    else if (material->partner)
+        list[(*n)++] = material->partner;
 }
 
 bool materials_shown(const struct scene *scene, const struct material ***out, int *n,
                      struct error *err)
 {
-    struct material_list to = {.list = NULL};
-    bool done = MAKE_ARRAY(to.list, 2 * (size_t)scene->n_materials, err, "a list of materials");
+    bool *shown;
+    *out = NULL;
+    *n = 0;
+    if (!MAKE_ARRAY(shown, scene->n_materials, err, "a list of materials"))
+        return false;
+    const bool done = MAKE_ARRAY(*out, 2 * (size_t)scene->n_materials, err, "a list of materials");
     for (int i = 0; done && i < scene->n_objects; i++) {
         const struct object *object = &scene->objects[i];
         if (!object->material_map)
-            done = add_halves(scene, object->material, &to, err);
-        for (int line = 0; done && line < object->n_assignments; line++)
-            done = add_halves(scene, object->assignments[line].material, &to, err);
+            add_shown(scene, object->material, shown, *out, n);
+        for (int line = 0; line < object->n_assignments; line++)
+            add_shown(scene, object->assignments[line].material, shown, *out, n);
     }
-    index_free(&to.known);
-    if (!done)
-        free(to.list);
-    *out = done ? to.list : NULL;
-    *n = done ? to.n : 0;
+    free(shown);
     return done;
 }

@@ -22,7 +22,7 @@ bool sample_riemann(const struct sampling_task *task, struct error *err)
     if (range > 0 && step > range)
         return error_usage(err, "%s: the range is %g nm long; a step is no more than that",
                            task->name, range);
-    if (!sampling_room(out, (int)floor(range / step + 1e-9) + 1, false, err))
+    if (!sampling_room(out, (int)floor(range / step + 1e-9) + 1, 0, err))
         return false;
     for (int i = 0; i < out->pages.n; i++)
         out->pages.wavelength_nm[i] = out->fine.nm[0] + i * step;
@@ -70,7 +70,6 @@ static void cut_boxes(struct sampling *out, int first, int last)
 bool sample_box(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
-    const size_t cells = (size_t)out->method.count * (size_t)out->fine.n;
     int first = 0, last = out->fine.n;
     while (sampling_seen(out, first) == 0)
         first++;
@@ -78,11 +77,7 @@ bool sample_box(const struct sampling_task *task, struct error *err)
         last--;
     if (out->method.count > last - first)
         return sampling_refuse(task, last - first, err);
-    if (!sampling_room(out, out->method.count, true, err))
-        return false;
-    out->pages.analysis = sampling_numbers(cells, err);
-    out->synthesis = sampling_numbers(cells, err);
-    if (!out->pages.analysis || !out->synthesis)
+    if (!sampling_room(out, out->method.count, SEGMENTS | ANALYSIS | SYNTHESIS, err))
         return false;
     cut_boxes(out, first, last);
     return true;
@@ -129,17 +124,13 @@ static bool divide_by_d65(const struct sampling_task *task, struct error *err)
 bool sample_tristimulus(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
-    const size_t count = 3 * (size_t)out->fine.n;
     double to[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, back[3][3];
     out->pages.clips = out->method.kind == SAMPLING_RGB;
     if (out->pages.clips)
         display_matrix(DISPLAY_SRGB, to);
     colour_inverse(to, back);
-    if (!sampling_room(out, 3, false, err))
-        return false;
-    out->pages.analysis = sampling_numbers(count, err);
-    out->pages.reflectance_analysis = sampling_numbers(count, err);
-    if (!out->pages.analysis || !out->pages.reflectance_analysis)
+    if (!sampling_room(out, 3, ANALYSIS, err) ||
+        !(out->pages.reflectance_analysis = sampling_numbers(3 * (size_t)out->fine.n, err)))
         return false;
     sampling_transform(to, out->fine.weights, out->fine.n, out->pages.analysis);
     for (int i = 0; i < 9; i++)

@@ -18,7 +18,14 @@ bool material_has_word(const struct word *word);
 
 /* ---- mtl.c: the colours that come with OBJ models ---- */
 
-/* An MTL file and where its entries are. */
+/* Where an entry is in its file. */
+struct mtl_entry {
+    struct text behind; /* the cursor behind its name */
+    struct word name;
+    struct place again; /* of the next entry of that name; line 0: there is none */
+    int material;       /* of the scene, from 1; 0: it is not read yet */
+};
+/* An MTL file and its entries. */
 struct mtl {
     struct text text;
     struct index names; /* the indices of the entries */
@@ -28,10 +35,11 @@ struct mtl {
 /* Opens an MTL file and finds its entries. `from` is the place that names it. A failure frees all.
  */
 bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err);
-/* Reads the entry of that name; without one the error is at `from`. The caller frees *out, after a
- * failure too. */
-bool mtl_read(const struct mtl *mtl, struct place from, const struct word *name,
-              struct material *out, struct error *err);
+/* Returns the entry of that name; NULL: there is none, with an error at `from`. */
+struct mtl_entry *mtl_find(const struct mtl *mtl, struct place from, const struct word *name,
+                           struct error *err);
+/* Reads an entry. The caller frees *out, after a failure too. */
+bool mtl_read(const struct mtl_entry *entry, struct material *out, struct error *err);
 void mtl_free(struct mtl *mtl);
 
 enum { HIGHEST_GLOSS = 128 }; /* as GL_SHININESS */
@@ -50,9 +58,9 @@ struct scene_reader {
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
     int n_open, n_included;            /* n_included: all files included, each as often as it is */
     struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
-    /* Indices of materials: by name; by file, of those in lists; by MTL file and entry. The last
-     * one has the indices of the MTL files in `mtl`. */
-    struct index named, listed, entries, mtl_paths;
+    /* Indices of materials: by name; by file, of those in lists. The last one has the indices of
+     * the MTL files in `mtl`. */
+    struct index named, listed, mtl_paths;
     struct mtl *mtl; /* the MTL files that were read */
     int n_mtl;
 };

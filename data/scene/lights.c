@@ -9,27 +9,26 @@
 
 /* ---- statements ---- */
 
-static struct ambient *add_ambient(struct scene *scene, struct place place, struct error *err)
+/* Adds a light to a list of n; NULL: no memory. */
+static struct light *add_light(struct light **list, int *n, struct place place, struct error *err)
 {
-    const struct ambient ambient = {.intensity = 1, .place = place};
-    if (!array_add(&scene->ambients, &scene->n_ambients, &ambient, sizeof ambient, err))
-        return NULL;
-    return &scene->ambients[scene->n_ambients - 1];
+    const struct light fresh = {.intensity = 1, .attenuation = {1, 0, 0}, .place = place};
+    return array_add(list, n, &fresh, sizeof fresh, err) ? &(*list)[*n - 1] : NULL;
 }
 
-static bool read_radiation(struct text *text, struct spectrum *spectrum, double *intensity,
-                           struct error *err)
+static bool read_radiation(struct text *text, struct light *out, struct error *err)
 {
     struct word word;
     return text_expect(text, &word, "a spectrum", err) &&
-           spectrum_read(&word, 0, HUGE_VAL, spectrum, err) &&
-           text_number(text, "intensity", 0, HUGE_VAL, intensity, err);
+           spectrum_read(&word, 0, HUGE_VAL, &out->spectrum, err) &&
+           text_number(text, "intensity", 0, HUGE_VAL, &out->intensity, err);
 }
 
 bool ambient_read(struct scene_reader *reader, struct error *err)
 {
-    struct ambient *ambient = add_ambient(reader->scene, reader->place, err);
-    return ambient && read_radiation(reader->text, &ambient->spectrum, &ambient->intensity, err) &&
+    struct scene *scene = reader->scene;
+    struct light *ambient = add_light(&scene->ambients, &scene->n_ambients, reader->place, err);
+    return ambient && read_radiation(reader->text, ambient, err) &&
            text_end(reader->text, "ambient", err);
 }
 
@@ -95,31 +94,28 @@ static bool read_light_options(struct text *text, struct light *light, struct er
 bool light_read(struct scene_reader *reader, struct error *err)
 {
     struct scene *scene = reader->scene;
-    const struct light fresh = {.attenuation = {1, 0, 0}, .place = reader->place};
-    if (!array_add(&scene->lights, &scene->n_lights, &fresh, sizeof fresh, err))
-        return false;
-    struct light *light = &scene->lights[scene->n_lights - 1];
-    return read_radiation(reader->text, &light->spectrum, &light->intensity, err) &&
+    struct light *light = add_light(&scene->lights, &scene->n_lights, reader->place, err);
+    return light && read_radiation(reader->text, light, err) &&
            read_source(reader->text, light, err) && read_light_options(reader->text, light, err);
 }
 
 /* ---- options of the command line ---- */
 
-/* Reads SPECTRUM[*INTENSITY] up to the end. Without INTENSITY, *intensity keeps its value. */
-static bool read_light_option(const struct text *text, const char *start, struct spectrum *spectrum,
-                              double *intensity, struct error *err)
+/* Reads SPECTRUM[*INTENSITY] up to the end. Without INTENSITY the light keeps its own. */
+static bool read_light_option(const struct text *text, const char *start, struct light *out,
+                              struct error *err)
 {
     const char *end = text->bytes + text->length, *star = strrchr(start, '*');
     struct word word = option_word(text, start, star ? star : end), number;
     if (star) {
         number = option_word(text, star + 1, end);
-        if (!word_number(&number, "intensity", 0, HUGE_VAL, intensity, err))
+        if (!word_number(&number, "intensity", 0, HUGE_VAL, &out->intensity, err))
             return false;
     }
     if (word.length == 0)
         return error_at(err, word.place, "expected a spectrum");
-    spectrum_free(spectrum);
-    return spectrum_read(&word, 0, HUGE_VAL, spectrum, err);
+    spectrum_free(&out->spectrum);
+    return spectrum_read(&word, 0, HUGE_VAL, &out->spectrum, err);
 }
 
 bool scene_set_light(struct scene *scene, const char *value, struct error *err)
@@ -142,20 +138,17 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
     if (n > scene->n_lights)
         return error_at(err, number.place, "there is no light %ld; the scene has %d", n,
                         scene->n_lights);
-    return read_light_option(&text, equals + 1, &scene->lights[n - 1].spectrum,
-                             &scene->lights[n - 1].intensity, err);
+    return read_light_option(&text, equals + 1, &scene->lights[n - 1], err);
 }
 
 bool scene_set_ambient(struct scene *scene, const char *value, struct error *err)
 {
-    struct ambient *ambient;
     struct text text;
     if (!option_open(scene, "--ambient", value, &text, err))
         return false;
     for (int i = 0; i < scene->n_ambients; i++)
         spectrum_free(&scene->ambients[i].spectrum);
     scene->n_ambients = 0;
-    ambient = add_ambient(scene, text_place(&text), err);
-    return ambient &&
-           read_light_option(&text, text.at, &ambient->spectrum, &ambient->intensity, err);
+    struct light *ambient = add_light(&scene->ambients, &scene->n_ambients, text_place(&text), err);
+    return ambient && read_light_option(&text, text.at, ambient, err);
 }

@@ -30,13 +30,18 @@ static bool check_excitation(const struct spectrum *excitation, struct error *er
 
 /* ---- material files ---- */
 
+static bool read_wavelength(struct text *text, struct word *word, double *nm, struct error *err)
+{
+    return text_expect(text, word, "a wavelength", err) &&
+           word_number(word, "wavelength", -HUGE_VAL, HUGE_VAL, nm, err);
+}
+
 /* Reads WAVELENGTH REFLECTANCE. */
 static bool read_reflectance(struct text *text, struct spectrum *out, struct error *err)
 {
     struct word word;
     double nm, value;
-    return text_expect(text, &word, "a wavelength", err) &&
-           word_number(&word, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err) &&
+    return read_wavelength(text, &word, &nm, err) &&
            text_number(text, "reflectance", 0, 1, &value, err) &&
            spectrum_append(out, nm, value, word.place, err);
 }
@@ -46,8 +51,7 @@ static bool read_fluorescence(struct text *text, struct material *out, struct er
 {
     struct word word;
     double nm, excitation, emission;
-    return text_expect(text, &word, "a wavelength", err) &&
-           word_number(&word, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err) &&
+    return read_wavelength(text, &word, &nm, err) &&
            text_number(text, "excitation", 0, HUGE_VAL, &excitation, err) &&
            text_number(text, "emission", 0, HUGE_VAL, &emission, err) &&
            spectrum_append(&out->excitation, nm, excitation, word.place, err) &&

@@ -188,43 +188,29 @@ static int find_mtl(struct scene_reader *reader, const char *path, struct place 
     return -1;
 }
 
-/* Reads an entry of an MTL file as a material. */
-static bool add_entry(struct scene_reader *reader, int mtl, const struct word *entry,
-                      struct place from, struct error *err)
+/* Finds the material of an entry of an MTL file, or reads the entry. */
+static bool use_entry(struct scene_reader *reader, const struct word *name, const struct word *file,
+                      int *out, struct error *err)
 {
     struct scene *scene = reader->scene;
-    struct material material;
-    if (mtl_read(&reader->mtl[mtl], from, entry, &material, err) &&
-        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
-        return true;
-    material_free(&material);
-    return false;
-}
-
-/* Finds the material of an entry of an MTL file, or reads the entry. */
-static bool use_entry(struct scene_reader *reader, const struct word *entry,
-                      const struct word *file, int *out, struct error *err)
-{
+    struct material material = {0};
     char *path;
-    if (word_is(entry, "*"))
-        return error_at(err, entry->place, "* is no entry of an MTL file; give it a material");
+    if (word_is(name, "*"))
+        return error_at(err, name->place, "* is no entry of an MTL file; give it a material");
     if (!word_file(file, FILE_KINDS, &path, err))
         return false;
     const int mtl = find_mtl(reader, path, file->place, err);
+    struct mtl_entry *entry = mtl < 0 ? NULL : mtl_find(&reader->mtl[mtl], file->place, name, err);
     free(path);
-    char *key;
-    if (mtl < 0 || !MAKE_ARRAY(key, sizeof mtl + entry->length, err, "an entry of an MTL file"))
-        return false;
-    memcpy(key, &mtl, sizeof mtl);
-    memcpy(key + sizeof mtl, entry->start, entry->length);
-    *out = index_find(&reader->entries, key, sizeof mtl + entry->length);
-    const bool known = *out >= 0;
-    *out = known ? *out : reader->scene->n_materials;
-    const bool done =
-        known || (add_entry(reader, mtl, entry, file->place, err) &&
-                  index_add(&reader->entries, key, sizeof mtl + entry->length, *out, err));
-    free(key);
-    return done;
+    if (entry && entry->material == 0) {
+        if (mtl_read(entry, &material, err) &&
+            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
+            entry->material = scene->n_materials;
+        else
+            material_free(&material);
+    }
+    *out = entry ? entry->material - 1 : -1;
+    return *out >= 0;
 }
 
 /* Reads "material MATERIAL" or "mtl FILE", and finds the material. */
@@ -308,10 +294,9 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
 
 void materials_forget(struct scene_reader *reader)
 {
-    struct index *indices[] = {&reader->named, &reader->listed, &reader->entries,
-                               &reader->mtl_paths};
-    for (int i = 0; i < 4; i++)
-        index_free(indices[i]);
+    index_free(&reader->named);
+    index_free(&reader->listed);
+    index_free(&reader->mtl_paths);
     for (int i = 0; i < reader->n_mtl; i++)
         mtl_free(&reader->mtl[i]);
     free(reader->mtl);

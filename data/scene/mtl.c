@@ -46,13 +46,6 @@ static bool read_statement(struct text *text, const struct word *first, struct e
 
 /* ---- finding the entries ---- */
 
-/* Where an entry is in its file. */
-struct mtl_entry {
-    struct text behind; /* the cursor behind its name */
-    struct word name;
-    struct place again; /* of the next entry of that name; line 0: there is none */
-};
-
 /* Adds the entry of a newmtl. A second entry of one name is refused only if a scene uses it. */
 static bool add_entry(struct mtl *mtl, const struct word *name, struct error *err)
 {
@@ -96,14 +89,18 @@ void mtl_free(struct mtl *mtl)
 
 /* ---- reading an entry ---- */
 
-static bool refuse_missing(const struct mtl *mtl, struct place from, const struct word *name,
+struct mtl_entry *mtl_find(const struct mtl *mtl, struct place from, const struct word *name,
                            struct error *err)
 {
     struct suggestion suggestion = {.distance = 0};
+    const int found = index_find(&mtl->names, name->start, name->length);
+    if (found >= 0)
+        return &mtl->entries[found];
     for (int i = 0; i < mtl->n_entries; i++)
         suggestion_add(&suggestion, name, mtl->entries[i].name.start, mtl->entries[i].name.length);
-    return error_at(err, from, "no entry '%.*s' in %.200s; %s", word_shown(name), name->start,
-                    mtl->text.path, suggestion_end(&suggestion, "its entries are"));
+    error_at(err, from, "no entry '%.*s' in %.200s; %s", word_shown(name), name->start,
+             mtl->text.path, suggestion_end(&suggestion, "its entries are"));
+    return NULL;
 }
 
 /* Reads the statements of the entry up to the next newmtl. Their places name `path`. */
@@ -164,16 +161,10 @@ static bool make_material(struct entry *entry, struct material *out, struct erro
            (!present[KE] || spread(entry, KE, out->name, &out->glow, err));
 }
 
-bool mtl_read(const struct mtl *mtl, struct place from, const struct word *name,
-              struct material *out, struct error *err)
+bool mtl_read(const struct mtl_entry *found, struct material *out, struct error *err)
 {
     struct entry entry = {.shininess = 0};
-    const int found = index_find(&mtl->names, name->start, name->length);
-    *out = (struct material){0};
-    if (found < 0)
-        return refuse_missing(mtl, from, name, err);
-    out->name = word_copy(name, err);
-    return out->name && string_copy(mtl->text.path, &out->path, err) &&
-           read_entry(&mtl->entries[found], out->path, &entry, err) &&
-           make_material(&entry, out, err);
+    *out = (struct material){.name = word_copy(&found->name, err)};
+    return out->name && string_copy(found->behind.path, &out->path, err) &&
+           read_entry(found, out->path, &entry, err) && make_material(&entry, out, err);
 }

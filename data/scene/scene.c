@@ -186,6 +186,11 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     return done;
 }
 
+const struct light *scene_light(const struct scene *scene, int i)
+{
+    return i < scene->n_lights ? &scene->lights[i] : &scene->ambients[i - scene->n_lights];
+}
+
 void scene_free(struct scene *scene)
 {
     for (int i = 0; i < scene->n_ambients; i++)

@@ -41,18 +41,14 @@ struct material {
 struct light {
     struct spectrum spectrum;
     double intensity;
+    struct place place;     /* an ambient light has nothing but these three */
     struct vector position; /* or the direction towards it */
     bool directional;
     double attenuation[3]; /* constant, linear, quadratic; 1 0 0 by default */
     bool spot;
     struct vector spot_direction;
     double spot_cutoff_deg, spot_exponent;
-    struct place place, attenuation_place;
-};
-struct ambient {
-    struct spectrum spectrum;
-    double intensity;
-    struct place place;
+    struct place attenuation_place;
 };
 struct camera {
     bool perspective;
@@ -96,8 +92,7 @@ struct scene {
     int positions;       /* a pixel is the mean of positions x positions: a power of two */
     double tessellation; /* factor of all slices, stacks, ... of built-in shapes, above 0 */
     struct place wavelengths_place;
-    struct ambient *ambients;
-    struct light *lights;
+    struct light *ambients, *lights;
     struct material *materials; /* read if an object uses them; others have only name and path */
     struct object *objects;
     int n_ambients, n_lights, n_materials, n_objects;
@@ -107,6 +102,8 @@ bool scene_read(const char *name, struct scene *out, struct error *err);
 bool scene_is_input(const char *path);   /* of a scene: it was read from standard input */
 bool scene_is_missing(const char *name); /* neither built in nor a file */
 void scene_free(struct scene *scene);
+/* Returns light i of n_lights + n_ambients: the ambient ones come last. */
+const struct light *scene_light(const struct scene *scene, int i);
 /* Returns the metameric partner of a material of the scene; NULL: it has none. */
 const struct material *scene_partner(const struct scene *scene, const struct material *material);
 /* Options: the value `text` replaces what the scene file says. Messages name option and column. */

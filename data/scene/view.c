@@ -147,23 +147,19 @@ static bool read_extent(struct text *text, struct camera *out, struct error *err
                     *angle);
 }
 
-enum { CAMERA_NEAR, CAMERA_FAR, CAMERA_EYE, CAMERA_LOOK, CAMERA_UP, CAMERA_OPTIONS };
+enum { CAMERA_FAR = 1, CAMERA_EYE, CAMERA_UP = 4, CAMERA_OPTIONS };
+static const char *const camera_options[] = {"near", "far", "eye", "look", "up", NULL};
 
 static bool read_camera_option(struct text *text, int option, struct camera *out, struct error *err)
 {
-    double nearest = out->perspective ? smallest_positive : -HUGE_VAL;
-    switch (option) {
-    case CAMERA_NEAR:
-        return text_number(text, "near", nearest, HUGE_VAL, &out->near, err);
-    case CAMERA_FAR:
-        return text_number(text, "far", nearest, HUGE_VAL, &out->far, err);
-    case CAMERA_EYE:
-        return text_vector(text, "eye", &out->eye, err);
-    case CAMERA_LOOK:
-        return text_vector(text, "look", &out->look, err);
-    default:
-        return text_direction(text, "up", &out->up, err);
-    }
+    const double nearest = out->perspective ? smallest_positive : -HUGE_VAL;
+    double *const numbers[] = {&out->near, &out->far};
+    struct vector *const vectors[] = {&out->eye, &out->look, &out->up};
+    const char *name = camera_options[option];
+    if (option <= CAMERA_FAR)
+        return text_number(text, name, nearest, HUGE_VAL, numbers[option], err);
+    return (option == CAMERA_UP ? text_direction : text_vector)(text, name,
+                                                                vectors[option - CAMERA_EYE], err);
 }
 
 /* Refuses a camera without a direction or with nothing between near and far. Rounding moves each
@@ -186,7 +182,6 @@ static bool check_camera(const struct camera *camera, struct place place, struct
 
 bool camera_read(struct scene_reader *reader, struct error *err)
 {
-    static const char *const words[] = {"near", "far", "eye", "look", "up", NULL};
     struct camera *camera = &reader->scene->camera;
     struct place given[CAMERA_OPTIONS] = {{0}};
     struct word word;
@@ -197,7 +192,7 @@ bool camera_read(struct scene_reader *reader, struct error *err)
     if (!read_extent(reader->text, camera, err))
         return false;
     while (text_word(reader->text, &word)) {
-        option = word_choose_once(&word, words, "word for a camera", given, err);
+        option = word_choose_once(&word, camera_options, "word for a camera", given, err);
         if (option < 0 || !read_camera_option(reader->text, option, camera, err))
             return false;
     }

@@ -16,26 +16,15 @@ static bool map_is_whole(const struct cube *cube)
     const struct record *record = &cube->record;
     const uint64_t pixels = (uint64_t)cube->image.width * (uint64_t)cube->image.height;
     const uint64_t bytes = pixels * (uint64_t)record->map_bytes;
-    return record->objects.n > 0 && bytes <= cube->image.file->bytes &&
-           record->map_offset == cube->image.file->bytes - bytes;
-}
-
-/* Numbers the pages of components, which have no wavelengths. */
-static bool number_pages(struct image *image, struct error *err)
-{
-    const size_t n = (size_t)image->n_pages;
-    if (!MAKE_ARRAY(image->wavelengths_nm, n, err, "the pages of %s", image->path))
-        return false;
-    for (int i = 0; i < image->n_pages; i++)
-        image->wavelengths_nm[i] = i + 1;
-    return true;
+    return record->objects.n > 0 && bytes <= cube->image.file->client.bytes &&
+           record->map_offset == cube->image.file->client.bytes - bytes;
 }
 
 static bool open_cube(const char *path, struct cube *out, struct error *err)
 {
     struct image *image = &out->image;
     struct error foreign = {0};
-    if (!image_open(path, nowhere, image, err))
+    if (!image_open(path, nowhere, tags_read, image, err))
         return false;
     const bool own = record_read(image, &out->record, &foreign);
     if (foreign.status == EXIT_SYSTEM) {
@@ -43,8 +32,12 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
         return false;
     }
     out->components = out->record.components && !image->coloured;
-    if (out->components && !number_pages(image, err))
-        return false;
+    if (out->components) { /* pages have numbers in place of wavelengths */
+        if (!MAKE_ARRAY(image->wavelengths_nm, image->n_pages, err, "the pages of %s", path))
+            return false;
+        for (int i = 0; i < image->n_pages; i++)
+            image->wavelengths_nm[i] = i + 1;
+    }
     if (own && !map_is_whole(out))
         out->record.map_bytes = 0;
     return (!image->coloured && image->wavelengths_nm) ||
@@ -137,13 +130,9 @@ static bool respond_finely(const struct record *record, const struct detector *d
     if (!fine_detector_make(detector, range[0] + 0.5,
                             (int)fmax(1, floor(range[1] - range[0] + 0.5)), &fine, err))
         return false;
-    for (int channel = 0; channel < 3; channel++) {
-        const double *weights = fine.weights + channel * fine.n;
-        out[channel] = 0;
-        for (int j = 0; j < fine.n; j++)
-            out[channel] +=
-                weights[j] * (spectrum ? spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO) : 1);
-    }
+    for (int j = 0; spectrum && j < fine.n; j++)
+        fine.nm[j] = spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO); /* radiances now */
+    detector_response(fine.weights, spectrum ? fine.nm : NULL, fine.n, out);
     fine_detector_free(&fine);
     return true;
 }
@@ -183,34 +172,45 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
     return sum / (limits[1] - limits[0]);
 }
 
-static bool white_of_option(const struct cube *cube, const char *value, double *out,
+/* Finds the white that --white names: its radiance on each page, or, if `fixed`, the response to it
+ * of the stack's detector. */
+static bool white_of_option(const struct cube *cube, const char *value, bool fixed, double *out,
                             struct error *err)
 {
     const struct record *record = &cube->record;
     const bool boxes = record->segments.n > 0 && sampling_takes_means(record->sampling);
     const double *segments = record->segments.value;
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
-    const bool good = read_white(value, &spectrum, err);
-    for (int i = 0; good && i < cube->image.n_pages; i++)
+    struct detector detector = {.name = NULL};
+    const bool good = (!fixed || detector_read(record->sampling_detector, &detector, err)) &&
+                      read_white(value, &spectrum, err) &&
+                      (!fixed || respond_finely(record, &detector, &spectrum, out, err));
+    for (int i = 0; good && !fixed && i < cube->image.n_pages; i++)
         out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])
                        : spectrum_at(&spectrum, cube->image.wavelengths_nm[i], SPECTRUM_ZERO);
+    detector_free(&detector);
     spectrum_free(&spectrum);
     return good;
 }
 
-static bool refuse_no_white(const struct cube *cube, struct error *err)
+/* Finds that white; without a name, the one that the stack records. */
+static bool find_white(const struct cube *cube, const char *spectrum, bool fixed, double *out,
+                       struct error *err)
 {
-    return error_usage(err,
-                       "%s: records no white, as stacks of scenes with lights do since spectral"
-                       " 0.3.0; name one by --white SPECTRUM",
-                       cube->image.path);
-}
-
-static bool white_shines(const struct cube *cube, const double *white, int n, struct error *err)
-{
+    const struct numbers *recorded = fixed ? &cube->record.white_response : &cube->record.white;
+    const int n = fixed ? 3 : cube->image.n_pages;
     bool shines = false;
+    if (spectrum == NULL && recorded->n == 0)
+        return error_usage(err,
+                           "%s: records no white, as stacks of scenes with lights do since spectral"
+                           " 0.3.0; name one by --white SPECTRUM",
+                           cube->image.path);
+    if (spectrum == NULL)
+        memcpy(out, recorded->value, (size_t)n * sizeof *out);
+    else if (!white_of_option(cube, spectrum, fixed, out, err))
+        return false;
     for (int i = 0; i < n; i++)
-        shines = shines || white[i] > 0;
+        shines = shines || out[i] > 0;
     return shines ||
            error_usage(err,
                        "%s: the white is 0 at all of the stack's wavelengths; expected one that"
@@ -220,71 +220,30 @@ static bool white_shines(const struct cube *cube, const double *white, int n, st
 
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err)
 {
-    if (!cube_needs_radiance(cube, "a white", err))
-        return false;
-    if (spectrum == NULL && cube->record.white.n == 0)
-        return refuse_no_white(cube, err);
-    if (spectrum == NULL)
-        memcpy(out, cube->record.white.value, (size_t)cube->image.n_pages * sizeof *out);
-    else if (!white_of_option(cube, spectrum, out, err))
-        return false;
-    return white_shines(cube, out, cube->image.n_pages, err);
-}
-
-/* Finds the response of a fixed stack's detector to the spectrum that --white names. */
-static bool option_respond(const struct cube *cube, const char *value, double out[3],
-                           struct error *err)
-{
-    struct spectrum spectrum = {.kind = SPECTRUM_NONE};
-    struct detector detector = {.name = NULL};
-    const bool good = detector_read(cube->record.sampling_detector, &detector, err) &&
-                      read_white(value, &spectrum, err) &&
-                      respond_finely(&cube->record, &detector, &spectrum, out, err);
-    detector_free(&detector);
-    spectrum_free(&spectrum);
-    return good;
-}
-
-static bool white_of_fixed(const struct cube *cube, const struct white_request *request,
-                           bool *found, double out[3], struct error *err)
-{
-    const struct record *record = &cube->record;
-    *found = request->spectrum != NULL || record->white_response.n > 0;
-    if (!*found)
-        return !request->needed || refuse_no_white(cube, err);
-    if (request->spectrum == NULL)
-        memcpy(out, record->white_response.value, 3 * sizeof *out);
-    else if (!option_respond(cube, request->spectrum, out, err))
-        return false;
-    return white_shines(cube, out, 3, err);
-}
-
-static bool white_of_pages(const struct cube *cube, const struct white_request *request,
-                           const double *weights, bool *found, double out[3], struct error *err)
-{
-    struct error ignored = {.status = EXIT_AGREED};
-    double *radiance;
-    if (!MAKE_ARRAY(radiance, cube->image.n_pages, err, "the white of %s", cube->image.path))
-        return false;
-    const bool needed = request->needed || request->spectrum != NULL;
-    *found = cube_white(cube, request->spectrum, radiance, needed ? err : &ignored);
-    if (*found)
-        detector_response(weights, radiance, cube->image.n_pages, out);
-    free(radiance);
-    return *found || !needed;
+    return cube_needs_radiance(cube, "a white", err) && find_white(cube, spectrum, false, out, err);
 }
 
 bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err)
 {
-    const bool done = cube->record.response.n > 0
-                          ? white_of_fixed(cube, request, found, out, err)
-                          : white_of_pages(cube, request, weights, found, out, err);
-    for (int channel = 0; done && *found && channel < 3; channel++)
+    const int n = cube->image.n_pages;
+    const bool fixed = cube->record.response.n > 0;
+    const bool needed = request->needed || request->spectrum != NULL;
+    struct error ignored = {.status = EXIT_AGREED};
+    double *white;
+    if (!MAKE_ARRAY(white, fixed ? 3 : n, err, "the white of %s", cube->image.path))
+        return false;
+    *found = find_white(cube, request->spectrum, fixed, white, needed ? err : &ignored);
+    if (*found && fixed)
+        memcpy(out, white, 3 * sizeof *out);
+    else if (*found)
+        detector_response(weights, white, n, out);
+    free(white);
+    for (int channel = 0; *found && channel < 3; channel++)
         if (!(fabs(out[channel]) <= largest_number))
             return error_usage(err, "%s: the white has %g in channel %d; expected %g at most",
                                cube->image.path, out[channel], channel + 1, largest_number);
-    return done;
+    return *found || !needed;
 }
 
 /* ---- as an observer sees it ---- */

@@ -22,26 +22,25 @@ static bool add(struct inputs *to, const char *path, struct error *err)
     return false;
 }
 
-static bool add_spectra(struct inputs *to, const struct material *material, struct error *err)
-{
-    const struct spectrum *spectra[] = {&material->diffuse, &material->specular,
-                                        &material->excitation, &material->emission,
-                                        &material->glow};
-    for (size_t i = 0; i < sizeof spectra / sizeof spectra[0]; i++)
-        if (!add(to, spectra[i]->path, err))
-            return false;
-    return true;
-}
-
 /* A material that was not read has no diffuse reflectance. The partner in a material file has that
  * file's path. */
 static bool add_material(struct inputs *to, const struct material *material, struct error *err)
 {
-    return material->diffuse.kind == SPECTRUM_NONE ||
-           (add(to, material->path, err) && add_spectra(to, material, err) &&
-            add(to, material->donaldson, err) && add(to, material->texture, err) &&
-            add(to, material->spectral_texture, err) &&
-            (!material->partner || add(to, material->partner->texture, err)));
+    const struct material *partner = material->partner;
+    const char *paths[] = {material->path,
+                           material->diffuse.path,
+                           material->specular.path,
+                           material->excitation.path,
+                           material->emission.path,
+                           material->glow.path,
+                           material->donaldson,
+                           material->texture,
+                           material->spectral_texture,
+                           partner ? partner->texture : NULL};
+    bool done = true;
+    for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++)
+        done = done && (material->diffuse.kind == SPECTRUM_NONE || add(to, paths[i], err));
+    return done;
 }
 
 static bool add_detector(struct inputs *to, const char *name, struct error *err)
@@ -56,10 +55,8 @@ static bool add_detector(struct inputs *to, const char *name, struct error *err)
 static bool add_all(struct inputs *to, const struct scene *scene, struct error *err)
 {
     bool done = true;
-    for (int i = 0; done && i < scene->n_ambients; i++)
-        done = add(to, scene->ambients[i].spectrum.path, err);
-    for (int i = 0; done && i < scene->n_lights; i++)
-        done = add(to, scene->lights[i].spectrum.path, err);
+    for (int i = 0; done && i < scene->n_lights + scene->n_ambients; i++)
+        done = add(to, scene_light(scene, i)->spectrum.path, err);
     for (int i = 0; done && i < scene->n_materials; i++)
         done = add_material(to, &scene->materials[i], err);
     for (int i = 0; done && i < scene->n_objects; i++)
@@ -87,20 +84,12 @@ static void sort(struct inputs *inputs)
     inputs->n = n;
 }
 
-bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
+bool inputs_list(const struct scene *scene, const char *detector, bool texts, struct inputs *out,
                  struct error *err)
 {
     *out = (struct inputs){.path = NULL};
-    const bool done = add_all(out, scene, err) && add_detector(out, detector, err);
-    sort(out);
-    return done;
-}
-
-bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,
-                struct error *err)
-{
-    bool done = inputs_list(scene, detector, out, err), regular;
-    for (int i = 0; done && i < scene->n_texts; i++)
+    bool done = add_all(out, scene, err) && add_detector(out, detector, err), regular;
+    for (int i = 0; texts && done && i < scene->n_texts; i++)
         done = file_is_regular(scene->files[i].path, &regular, err) &&
                (!regular || add(out, scene->files[i].path, err));
     sort(out);
@@ -115,13 +104,19 @@ void inputs_free(struct inputs *inputs)
     *inputs = (struct inputs){.path = NULL};
 }
 
-bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err)
+bool inputs_digest(struct inputs *inputs, struct error *err)
 {
     char sha256[65];
     for (int i = 0; i < inputs->n; i++) {
-        if (!digest_was_read(inputs->path[i], sha256) && !digest_file(inputs->path[i], sha256, err))
+        char *path = inputs->path[i];
+        struct printed line = {.text = NULL};
+        if (!digest_was_read(path, sha256) && !digest_file(path, sha256, err))
             return false;
-        print(to, "%s %s%c", sha256, inputs->path[i], '\0');
+        print(&line, "%s %s", sha256, path);
+        inputs->path[i] = printed_take(&line, err);
+        free(path);
+        if (!inputs->path[i])
+            return false;
     }
     return true;
 }

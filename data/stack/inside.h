@@ -9,12 +9,14 @@
  * or with a record that contradicts itself. */
 bool record_read(const struct image *image, struct record *out, struct error *err);
 
-/* ---- verdict.c: the verdict on a stack, in numbers ---- */
+/* ---- stack.c: the verdict on a stack, in numbers ---- */
 
 /* Returns false where the line records no numbers: nothing was checked, or the reference's pixels
  * are stored. */
 bool stack_verdict_read(const char *line, struct stack_verdict *out);
 
+enum { TAG_VERDICT = 65111 };           /* the verdict of the check */
+#define STACK_UNFINISHED "not finished" /* the verdict of a stack that is not whole yet */
 #define PAGE_LABEL "%.10g nm"
 /* tags.c: returns the width of a page: the mean distance to its neighbours; 0: it is the only one.
  */

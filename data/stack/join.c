@@ -133,8 +133,7 @@ static bool conclude(struct joined *joined, struct error *err)
 static bool open_whole(struct joined *joined, const char *path, struct error *err)
 {
     const struct cube *part = &joined->first;
-    struct sampling sampling = {.detector = NULL};
-    const char **labels = NULL;
+    struct sampling_method method;
     struct record whole = part->record;
     whole.rows.n = whole.wavelengths.n = 0;
     whole.full_scale = whole.scale = whole.object_map = NULL;
@@ -143,8 +142,7 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                 MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows of %s", path) &&
                 MAKE_ARRAY(joined->bytes, COPIED_BYTES, err, "rows of %s", path);
     if (done && part->components)
-        done = sampling_read(part->image.path, part->record.sampling, &sampling.method, err) &&
-               (labels = sampling_labels(&sampling, part->image.n_pages, err));
+        done = sampling_read(part->image.path, part->record.sampling, &method, err);
     const struct stack_options options = {.width = part->image.width,
                                           .height = (int)part->record.rows.value[2],
                                           .n_wavelengths = part->image.n_pages,
@@ -154,9 +152,9 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                                           .scene = part->record.scene,
                                           .provenance = provenance,
                                           .map_bytes = part->record.map_bytes,
-                                          .labels = labels};
+                                          .components = part->components ? &method : NULL};
     done = done && stack_open(&joined->writer, path, &options, err);
-    FREE_ALL(provenance, labels);
+    free(provenance);
     return done;
 }
 
@@ -179,10 +177,10 @@ static bool copy_page(struct joined *joined, const struct cube *part, int page, 
               first = (int)part->record.rows.value[0];
     for (int y = 0; y < image->height; y += most) {
         const int rows = image->height - y < most ? image->height - y : most;
-        const struct stack_rectangle to = {page, 0, first + y, image->width, rows};
+        const struct page_rectangle to = {page, 0, first + y, image->width, rows};
         if (!image_read_bytes(image, from + (uint64_t)y * row_bytes, (size_t)rows * row_bytes,
                               joined->bytes, err) ||
-            !stack_write(&joined->writer, &to, joined->bytes, err))
+            !pages_write(&joined->writer.pages, &to, joined->bytes, err))
             return false;
     }
     return true;
@@ -219,18 +217,18 @@ static bool add_part(struct joined *joined, const struct cube *part, struct erro
            add_verdict(joined, part, err) && copy_rows(joined, part, layout.offset, err);
 }
 
-static bool join_first(struct joined *joined, const struct options *options, struct error *err)
+/* Lays out the whole stack, which the first part describes. */
+static bool begin(struct joined *joined, const struct options *options, struct error *err)
 {
     struct cube *first = &joined->first;
     struct raw_samples layout;
-    if (!open_part(options->operand, first, err) || !image_describe(&first->image, &layout, err))
+    if (!image_describe(&first->image, &layout, err))
         return false;
     joined->bits = layout.bits;
     joined->record = make_common(&first->record, err);
     joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
     joined->sums = (struct stack_verdict){.samples = 0};
-    return joined->record && open_whole(joined, options->output, err) &&
-           add_part(joined, first, err);
+    return joined->record && open_whole(joined, options->output, err);
 }
 
 /* Refuses a picture that lacks rows. */
@@ -261,9 +259,8 @@ static bool finish(struct joined *joined, struct options *options, struct error 
     const bool agreed = !joined->has_sums || strcmp(joined->sums.word, "agreed") == 0;
     bool done = stack_finish(&joined->writer, line, err);
     if (done && (agreed || own->keep))
-        done = own->envi
-                   ? stack_commit_envi(&joined->writer, options->output, &options->outputs, err)
-                   : stack_commit(&joined->writer, &options->outputs, err);
+        done = stack_commit(&joined->writer, own->envi ? options->output : NULL, &options->outputs,
+                            err);
     return done && (agreed ||
                     error_different(err, "the joined picture: %s; %s", line,
                                     own->keep ? "the stack was kept"
@@ -285,7 +282,8 @@ static bool run_join(struct options *options, struct error *err)
     struct joined joined = {.record = NULL};
     if (!options->output || !options->operand || picture_is_png(options->output))
         return error_usage(err, "join takes -o STACK.tif and the stacks of parts");
-    bool done = join_first(&joined, options, err);
+    bool done = open_part(options->operand, &joined.first, err) && begin(&joined, options, err) &&
+                add_part(&joined, &joined.first, err);
     for (int i = 1; done && i < options->n_operands; i++) {
         struct cube part = {.components = false};
         done = open_part(options->operands[i], &part, err) && add_part(&joined, &part, err);

@@ -55,145 +55,206 @@ static const struct field fields[] = {
     {"object_map", FIELD_TEXT, AT(object_map), 0, 0}};
 enum { FIELDS = sizeof fields / sizeof fields[0] };
 
-static bool add_text(struct texts *list, const char *text, struct error *err)
-{
-    return array_add(&list->text, &list->n, &text, sizeof text, err);
-}
+/* ---- lines ---- */
 
-/* ---- of a scene ---- */
-
-int exact_digits(double number)
+/* Prints a value, in which control characters, bytes that are no UTF-8, and '%' become %XX. */
+static void put_value(struct printed *to, const char *value)
 {
-    char text[32];
-    for (int digits = 15; digits < 17; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, number);
-        if (strtod(text, NULL) == number)
-            return digits;
+    for (const unsigned char *at = (const unsigned char *)value; *at != '\0';) {
+        const int length = utf8_length(at);
+        if (length == 0 || iscntrl(*at) || *at == '%')
+            print(to, "%%%02X", *at++);
+        else {
+            print_bytes(to, at, (size_t)length);
+            at += length;
+        }
     }
-    return 17;
 }
 
-static void put_source(struct printed *stream, const struct spectrum *spectrum, double intensity)
+static void put_line(struct printed *to, const char *key, const char *value)
 {
-    print(stream, "%s*%.*g%c", spectrum->name, exact_digits(intensity), intensity, '\0');
+    print(to, "%s: ", key);
+    put_value(to, value);
+    print_text(to, "\n");
 }
 
-/* Prints the lights, then the ambient lights, then the name of the sampling, each ended by a NUL.
- */
-static void put_sources(struct printed *to, const struct scene *scene,
-                        const struct sampling *sampling)
+static void put_numbers(struct printed *to, const char *key, const double *numbers, int n)
 {
-    char name[SAMPLING_NAME] = "";
-    for (int i = 0; i < scene->n_lights; i++)
-        put_source(to, &scene->lights[i].spectrum, scene->lights[i].intensity);
-    for (int i = 0; i < scene->n_ambients; i++)
-        put_source(to, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
-    if (sampling)
-        sampling_name(&sampling->method, name);
-    print(to, "%s%c", name, '\0');
+    if (n > 0)
+        print(to, "%s:", key);
+    for (int i = 0; i < n; i++)
+        print(to, " %.*g%s", exact_digits(numbers[i]), numbers[i], i == n - 1 ? "\n" : "");
 }
 
-/* Adds the next n texts; *at moves behind them. */
-static bool add_texts(struct texts *list, const char **at, int n, struct error *err)
+static bool add_numbers(struct numbers *to, const double *numbers, int n, struct error *err)
 {
-    for (int i = 0; i < n; i++, *at += strlen(*at) + 1)
-        if (!add_text(list, *at, err))
+    for (int i = 0; i < n; i++)
+        if (!array_add(&to->value, &to->n, &numbers[i], sizeof *numbers, err))
             return false;
     return true;
 }
 
-static bool record_texts(const struct scene *scene, const struct sampling *sampling,
-                         const struct inputs *inputs, struct record *out, struct error *err)
+/* Replaces each %XX by its byte, in place. */
+static void decode(char *text)
 {
-    struct printed printed = {.text = NULL};
-    bool done = inputs_digest(inputs, &printed, err);
-    put_sources(&printed, scene, sampling);
-    out->text = printed_take(&printed, err);
-    done = done && out->text;
-    const char *at = out->text;
-    done = done && add_texts(&out->files, &at, inputs->n, err) &&
-           add_texts(&out->lights, &at, scene->n_lights, err) &&
-           add_texts(&out->ambients, &at, scene->n_ambients, err);
-    out->sampling = done && sampling ? at : NULL;
-    return done;
+    char *to = text;
+    for (const char *from = text; *from != '\0'; to++) {
+        unsigned byte;
+        if (*from == '%' && isxdigit((unsigned char)from[1]) && isxdigit((unsigned char)from[2]) &&
+            sscanf(from + 1, "%2x", &byte) == 1) {
+            *to = (char)byte;
+            from += 3;
+        } else
+            *to = *from++;
+    }
+    *to = '\0';
 }
 
-static bool add_numbers(struct numbers *out, const double *numbers, int n, struct error *err)
+/* Reads finite numbers, one blank between them, and adds them to those of earlier lines. A field of
+ * a fixed count begins anew. */
+static bool keep_numbers(struct numbers *out, const struct field *field, const char *value,
+                         struct error *err)
 {
-    if (!MAKE_ARRAY(out->value, n, err, "%d numbers of a record", n))
+    struct error ignored = {0};
+    if (field->count > 0)
+        out->n = 0;
+    for (const char *at = value, *end; *at != '\0'; at = *end != '\0' ? end + 1 : end) {
+        end = at + strcspn(at, " ");
+        const struct word word = {.start = at, .length = (size_t)(end - at)};
+        double number;
+        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &number, &ignored) ||
+            !array_add(&out->value, &out->n, &number, sizeof number, err))
+            return false;
+    }
+    return field->count == 0 || out->n == field->count;
+}
+
+/* Keeps a value. Returns false if it is malformed, or one too many. */
+static bool keep_value(struct record *record, const struct field *field, char *value,
+                       struct error *err)
+{
+    void *member = (char *)record + field->offset;
+    struct texts *texts = member;
+    if (field->kind == FIELD_NUMBERS)
+        return keep_numbers(member, field, value, err);
+    if (field->kind == FIELD_TEXTS)
+        return array_add(&texts->text, &texts->n, &value, sizeof value, err);
+    if (field->kind == FIELD_TEXT)
+        *(const char **)member = value;
+    else if (record->n_options < MAX_RECORDED)
+        record->options[record->n_options++] = value;
+    else
         return false;
-    out->n = n;
-    memcpy(out->value, numbers, (size_t)n * sizeof *numbers);
     return true;
 }
 
-/* Records the white of the pages, if something shines there. */
-static bool record_white(const struct scene *scene, const struct sampling *sampling,
-                         struct record *out, struct error *err)
+/* Cuts record->text into lines, and each into key and value. Other programs may add lines: an
+ * unknown key is not an error. */
+static bool keep_lines(struct record *record, struct error *err)
 {
-    const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
-    double *white;
-    if (!MAKE_ARRAY(white, pages.n, err, "a white"))
-        return false;
-    const double illumination = scene_white(scene, &pages, white);
+    bool good = true;
+    for (char *line = record->text, *next; good && *line != '\0'; line = next) {
+        next = line + strcspn(line, "\n");
+        if (*next != '\0')
+            *next++ = '\0';
+        char *colon = strstr(line, ": ");
+        if (!colon)
+            continue;
+        *colon = '\0';
+        decode(colon + 2);
+        for (int i = 0; good && i < FIELDS; i++)
+            if (strcmp(line, fields[i].key) == 0)
+                good = keep_value(record, &fields[i], colon + 2, err);
+    }
+    return good;
+}
+
+/* ---- of a scene ---- */
+
+static bool put_files(const struct scene *scene, const char *detector, struct printed *to,
+                      struct error *err)
+{
+    struct inputs inputs;
     const bool done =
-        !(illumination > 0) || (add_numbers(&out->white, white, pages.n, err) &&
-                                add_numbers(&out->illumination, &illumination, 1, err));
-    free(white);
+        inputs_list(scene, detector, false, &inputs, err) && inputs_digest(&inputs, err);
+    for (int i = 0; done && i < inputs.n; i++)
+        put_line(to, "file", inputs.path[i]);
+    inputs_free(&inputs);
     return done;
 }
 
-/* Records how a detector responds to the white, if it sees one. */
-static bool record_white_response(const struct scene *scene, const struct sampling *sampling,
-                                  struct record *out, struct error *err)
+/* Prints the white of these pages, if something shines there; or, for a detector at every nm, how
+ * it responds to the white, if it sees one. */
+static bool put_white(const struct scene *scene, const struct spectral_pages *pages,
+                      const struct fine_detector *fine, struct printed *to, struct error *err)
 {
-    const struct fine_detector *fine = &sampling->fine;
-    const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
-    double *white, response[3];
-    if (!MAKE_ARRAY(white, fine->n, err, "a white"))
+    double *white, response[3] = {0};
+    if (!MAKE_ARRAY(white, pages->n, err, "a white"))
         return false;
-    const double illumination = scene_white(scene, &pages, white);
-    detector_response(fine->weights, white, fine->n, response);
-    free(white);
-    bool seen = false, finite = true;
+    const double illumination = scene_white(scene, pages, white);
+    bool seen = !fine, finite = true;
+    if (fine)
+        detector_response(fine->weights, white, fine->n, response);
     for (int channel = 0; channel < 3; channel++) {
         seen = seen || response[channel] > 0;
         finite = finite && fabs(response[channel]) <= DBL_MAX;
     }
-    if (!(illumination > 0 && seen && finite))
-        return true;
-    free(out->illumination.value);
-    return add_numbers(&out->illumination, &illumination, 1, err) &&
-           add_numbers(&out->white_response, response, 3, err);
+    if (illumination > 0 && seen && finite) {
+        put_numbers(to, "illumination", &illumination, 1);
+        if (fine)
+            put_numbers(to, "white_response", response, 3);
+        else
+            put_numbers(to, "white", white, pages->n);
+    }
+    free(white);
+    return true;
 }
 
-/* Records how the pages become channels. */
-static bool record_sampling(const struct sampling *sampling, struct record *out, struct error *err)
+/* Prints how the pages become channels. */
+static bool put_sampling(const struct scene *scene, const struct sampling *sampling,
+                         struct printed *to, struct error *err)
 {
+    const struct fine_detector *fine = &sampling->fine;
+    const struct spectral_pages every_nm = {.n = fine->n, .wavelength_nm = fine->nm};
     const double first_nm = sampling->pages.first_nm;
-    const double range_nm[] = {first_nm - 0.5, first_nm + sampling->fine.n - 0.5};
-    out->sampling_detector = sampling->detector;
-    out->components = sampling->spectral ? NULL : "yes";
-    if (sampling->fixed)
-        return add_numbers(&out->range_nm, range_nm, 2, err) &&
-               add_numbers(&out->response, sampling->weights, 3 * sampling->pages.n, err);
-    return !sampling->segment_nm ||
-           add_numbers(&out->segments, sampling->segment_nm[0], 2 * sampling->pages.n, err);
+    const double range_nm[] = {first_nm - 0.5, first_nm + fine->n - 0.5};
+    const int n = sampling->pages.n;
+    char name[SAMPLING_NAME];
+    sampling_name(&sampling->method, name);
+    put_line(to, "sampling", name);
+    if (!sampling->fixed) {
+        if (sampling->segment_nm)
+            put_numbers(to, "segments", sampling->segment_nm[0], 2 * n);
+        return true;
+    }
+    put_numbers(to, "response_range", range_nm, 2);
+    put_numbers(to, "response", sampling->weights, 3 * n);
+    return put_white(scene, &every_nm, fine, to, err);
 }
 
+/* What is known of a scene is printed as it will be written, and read from that. */
 bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
                   struct record *out, struct error *err)
 {
-    struct inputs inputs;
-    *out = (struct record){.scene = scene->path, .scene_sha256 = scene->sha256};
-    bool done = inputs_list(scene, detector, &inputs, err) &&
-                record_texts(scene, sampling, &inputs, out, err);
-    inputs_free(&inputs);
+    const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
+    struct printed printed = {.text = NULL};
+    bool done = put_files(scene, detector, &printed, err);
+    for (int i = 0; i < scene->n_lights + scene->n_ambients; i++) {
+        const struct light *light = scene_light(scene, i);
+        print_text(&printed, i < scene->n_lights ? "light: " : "ambient: ");
+        put_value(&printed, light->spectrum.name);
+        print(&printed, "*%.*g\n", exact_digits(light->intensity), light->intensity);
+    }
     if (!sampling || sampling->spectral)
-        done = done && record_white(scene, sampling, out, err);
+        done = done && put_white(scene, &pages, NULL, &printed, err);
     if (sampling)
-        done = done && record_sampling(sampling, out, err) &&
-               (!sampling->fixed || record_white_response(scene, sampling, out, err));
+        done = done && put_sampling(scene, sampling, &printed, err);
+    *out = (struct record){.scene = scene->path,
+                           .scene_sha256 = scene->sha256,
+                           .sampling_detector = sampling ? sampling->detector : NULL,
+                           .components = sampling && !sampling->spectral ? "yes" : NULL,
+                           .text = printed_take(&printed, err)};
+    done = done && out->text && keep_lines(out, err);
     if (!done)
         record_free(out);
     return done;
@@ -237,50 +298,21 @@ bool record_find_change(const struct record *record, const struct scene *scene,
                         const char *detector, char change[FILE_CHANGE], struct error *err)
 {
     struct inputs inputs;
-    struct printed printed = {.text = NULL};
     const int n = record->files.n;
-    bool done = inputs_list(scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
-    char *text = printed_take(&printed, err);
-    const char *now = text;
-    done = done && text;
+    const bool done =
+        inputs_list(scene, detector, false, &inputs, err) && inputs_digest(&inputs, err);
     change[0] = '\0';
     for (int i = 0; done && change[0] == '\0' && (i < n || i < inputs.n); i++) {
         const char *recorded = i < n ? record->files.text[i] : NULL;
-        if (i >= inputs.n || !recorded || strcmp(recorded, now) != 0)
-            describe_change(recorded, i < inputs.n ? now : NULL, change);
-        else
-            now += strlen(now) + 1;
+        const char *now = i < inputs.n ? inputs.path[i] : NULL;
+        if (!recorded || !now || strcmp(recorded, now) != 0)
+            describe_change(recorded, now, change);
     }
     inputs_free(&inputs);
-    free(text);
     return done;
 }
 
 /* ---- writing ---- */
-
-static void put_line(struct printed *stream, const char *key, const char *value)
-{
-    const unsigned char *at = (const unsigned char *)value;
-    print(stream, "%s: ", key);
-    while (*at != '\0') {
-        const int length = utf8_length(at);
-        if (length == 0 || iscntrl(*at) || *at == '%')
-            print(stream, "%%%02X", *at++);
-        else {
-            print_bytes(stream, at, (size_t)length);
-            at += length;
-        }
-    }
-    print_text(stream, "\n");
-}
-
-static void put_numbers(struct printed *stream, const char *key, const struct numbers *numbers)
-{
-    print(stream, "%s:", key);
-    for (int i = 0; i < numbers->n; i++)
-        print(stream, " %.*g", exact_digits(numbers->value[i]), numbers->value[i]);
-    print_text(stream, "\n");
-}
 
 static void put_field(struct printed *stream, const struct record *record,
                       const struct field *field)
@@ -295,8 +327,8 @@ static void put_field(struct printed *stream, const struct record *record,
         put_line(stream, field->key, texts->text[i]);
     for (int i = 0; field->kind == FIELD_OPTION && i < record->n_options; i++)
         put_line(stream, field->key, record->options[i]);
-    if (field->kind == FIELD_NUMBERS && numbers->n > 0)
-        put_numbers(stream, field->key, numbers);
+    if (field->kind == FIELD_NUMBERS)
+        put_numbers(stream, field->key, numbers->value, numbers->n);
 }
 
 char *record_text(const struct record *record, struct error *err)
@@ -346,90 +378,6 @@ static char *description_text(const char *xml, struct error *err)
     else
         memory_lacks(err, (double)(to - from), "a record");
     return text;
-}
-
-/* Replaces each %XX by its byte, in place. */
-static void decode(char *text)
-{
-    char *to = text;
-    for (const char *from = text; *from != '\0'; to++) {
-        unsigned byte;
-        if (*from == '%' && isxdigit((unsigned char)from[1]) && isxdigit((unsigned char)from[2]) &&
-            sscanf(from + 1, "%2x", &byte) == 1) {
-            *to = (char)byte;
-            from += 3;
-        } else
-            *to = *from++;
-    }
-    *to = '\0';
-}
-
-/* Reads finite numbers, one blank between them, and adds them to those of earlier lines. A field of
- * a fixed count begins anew. */
-static bool keep_numbers(struct numbers *out, const struct field *field, const char *value,
-                         struct error *err)
-{
-    struct error ignored = {0};
-    if (field->count > 0)
-        out->n = 0;
-    for (const char *at = value, *end; *at != '\0'; at = *end != '\0' ? end + 1 : end) {
-        end = at + strcspn(at, " ");
-        const struct word word = {.start = at, .length = (size_t)(end - at)};
-        double number;
-        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &number, &ignored) ||
-            !array_add(&out->value, &out->n, &number, sizeof number, err))
-            return false;
-    }
-    return field->count == 0 || out->n == field->count;
-}
-
-/* Keeps a value. Returns false if it is malformed, or one too many. */
-static bool keep_value(struct record *record, const struct field *field, char *value,
-                       struct error *err)
-{
-    void *member = (char *)record + field->offset;
-    switch (field->kind) {
-    case FIELD_TEXT:
-        *(const char **)member = value;
-        return true;
-    case FIELD_TEXTS:
-        return add_text(member, value, err);
-    case FIELD_OPTION:
-        if (record->n_options == MAX_RECORDED)
-            return false;
-        record->options[record->n_options++] = value;
-        return true;
-    default:
-        return keep_numbers(member, field, value, err);
-    }
-}
-
-/* Keeps the value of a known key. Other programs may add lines: an unknown key is not an error. */
-static bool keep_line(struct record *record, const char *key, char *value, struct error *err)
-{
-    for (int i = 0; i < FIELDS; i++)
-        if (strcmp(key, fields[i].key) == 0)
-            return keep_value(record, &fields[i], value, err);
-    return true;
-}
-
-/* Cuts the text into lines, and each into key and value. */
-static bool keep_lines(struct record *record, struct error *err)
-{
-    bool good = true;
-    for (char *line = record->text, *next; good && *line != '\0'; line = next) {
-        next = line + strcspn(line, "\n");
-        if (*next != '\0')
-            *next++ = '\0';
-        char *colon = strstr(line, ": ");
-        if (!colon)
-            continue;
-        *colon = '\0';
-        decode(colon + 2);
-        good = keep_line(record, line, colon + 2, err);
-    }
-    return good && record->program != NULL && record->scene != NULL &&
-           record->scene_sha256 != NULL && record->renderer != NULL;
 }
 
 /* Reads "OFFSET BYTES_PER_PIXEL". Returns true for a record without a map. */
@@ -512,9 +460,10 @@ double record_illumination(const struct record *record)
 bool record_read(const struct image *image, struct record *out, struct error *err)
 {
     *out = (struct record){.text = description_text(image->description, err)};
-    if (out->text != NULL && keep_lines(out, err) && out->full_scale != NULL &&
-        out->scale != NULL && read_map(out) &&
-        (out->white.n == 0 || out->white.n == image->n_pages) && rows_agree(out, image) &&
+    if (out->text != NULL && keep_lines(out, err) && out->program && out->scene &&
+        out->scene_sha256 && out->renderer && out->full_scale != NULL && out->scale != NULL &&
+        read_map(out) && (out->white.n == 0 || out->white.n == image->n_pages) &&
+        rows_agree(out, image) &&
         (record_illumination(out) > 0 || out->white.n + out->white_response.n == 0) &&
         sampling_agrees(out, image))
         return true;

@@ -49,7 +49,8 @@ static void put_layout(struct printed *to, const struct image *image, const stru
 }
 
 /* Prints the labels of pages, by which the tags name them as well, and their wavelengths. */
-static void put_bands(struct printed *to, const struct cube *cube, const struct sampling *sampling)
+static void put_bands(struct printed *to, const struct cube *cube,
+                      const struct sampling_method *method)
 {
     const double *nm = cube->image.wavelengths_nm;
     const int n = cube->image.n_pages;
@@ -58,7 +59,7 @@ static void put_bands(struct printed *to, const struct cube *cube, const struct 
     for (int i = 0; i < n; i++) {
         snprintf(label, sizeof label, PAGE_LABEL, nm[i]);
         if (cube->components)
-            sampling_label(sampling, i, label);
+            sampling_label(method, i, label);
         print_text(to, label);
         put_comma(to, i, n);
     }
@@ -104,7 +105,7 @@ static void put_scale(struct printed *to, const struct cube *cube, int bits)
 /* Returns the header of the stack in a file, allocated; NULL: it cannot be described. */
 static char *header_make(const char *stack, struct error *err)
 {
-    struct sampling sampling = {.detector = NULL};
+    struct sampling_method method;
     struct printed printed = {.text = NULL};
     struct raw_samples raw;
     struct cube cube;
@@ -112,10 +113,10 @@ static char *header_make(const char *stack, struct error *err)
     if (!cube_open(stack, &cube, err))
         return NULL;
     if (image_describe(&cube.image, &raw, err) &&
-        (!cube.components || sampling_read(stack, cube.record.sampling, &sampling.method, err))) {
+        (!cube.components || sampling_read(stack, cube.record.sampling, &method, err))) {
         put_description(&printed, &cube);
         put_layout(&printed, &cube.image, &raw);
-        put_bands(&printed, &cube, &sampling);
+        put_bands(&printed, &cube, &method);
         put_scale(&printed, &cube, raw.bits);
         header = printed_take(&printed, err);
     }
@@ -145,27 +146,19 @@ bool sidecar_can_open(const char *stack, struct error *err)
     return can;
 }
 
-bool stack_commit_envi(struct stack_writer *writer, const char *path, struct outputs *outputs,
-                       struct error *err)
+bool stack_commit(struct stack_writer *writer, const char *beside, struct outputs *outputs,
+                  struct error *err)
 {
-    char *name = sidecar_name(path, err);
+    char *name = beside ? sidecar_name(beside, err) : NULL;
     char *header = name ? header_make(writer->pages.output.temporary, err) : NULL;
-    const bool done = header && stack_commit(writer, outputs, err) &&
-                      file_write(name, header, strlen(header), outputs, err);
+    const bool done = (header || !beside) && output_pass(&writer->pages.output, outputs, err) &&
+                      (!header || file_write(name, header, strlen(header), outputs, err));
+    stack_discard(writer);
     FREE_ALL(header, name);
     return done;
 }
 
 /* ---- the command ---- */
-
-static bool write_header(const char *stack, const char *path, struct outputs *outputs,
-                         struct error *err)
-{
-    char *header = header_make(stack, err);
-    const bool done = header && file_write(path, header, strlen(header), outputs, err);
-    free(header);
-    return done;
-}
 
 static bool run_envi(struct options *options, struct error *err)
 {
@@ -174,9 +167,9 @@ static bool run_envi(struct options *options, struct error *err)
         return error_usage(err, "envi takes a STACK; see spectral envi --help");
     char *beside = sidecar_name(stack, err);
     const char *path = options->output ? options->output : beside;
-    const bool done =
-        beside && scene_refuse(stack, err) && write_header(stack, path, &options->outputs, err);
-    free(beside);
+    char *header = beside && scene_refuse(stack, err) ? header_make(stack, err) : NULL;
+    const bool done = header && file_write(path, header, strlen(header), &options->outputs, err);
+    FREE_ALL(header, beside);
     return done;
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes the spectral stack: a multi-page TIFF, one page a wavelength or component. The object map
  * lies behind the last page. Only the record says where: a reader of TIFF never gets there. */
-#include <assert.h>
 #include <float.h>
+#include <inttypes.h>
+#include <string.h>
 #include <tiffio.h>
 #include <unistd.h>
 
@@ -21,7 +22,7 @@ static bool check_options(const struct stack_options *options, struct error *err
         return error_usage(err,
                            "a full scale of %g cannot be written; expected a positive radiance",
                            options->full_scale);
-    for (int page = 0; options->labels == NULL && page < n_pages; page++) {
+    for (int page = 0; !options->components && page < n_pages; page++) {
         /* Tag 65000 takes floats. Labels have 10 digits: closer wavelengths could share one. */
         double nm = options->wavelengths_nm[page];
         double before = page > 0 ? options->wavelengths_nm[page - 1] : 0;
@@ -41,46 +42,16 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
     out->options.bits = options->bits > 0 ? options->bits : 16;
     if (!check_options(options, err))
         return false;
-    out->pages =
-        (struct pages){.count = options->n_wavelengths,
-                       .width = options->width,
-                       .height = options->height,
-                       .channels = 1,
-                       .bits = out->options.bits,
-                       .bytes_behind = (uint64_t)options->width * (uint64_t)options->height *
-                                       (uint64_t)options->map_bytes,
-                       .room = STACK_UNFINISHED,
-                       .room_bytes = STACK_VERDICT,
-                       .room_tag = TAG_VERDICT};
+    out->pages = (struct pages){.count = options->n_wavelengths,
+                                .width = options->width,
+                                .height = options->height,
+                                .channels = 1,
+                                .bits = out->options.bits,
+                                .bytes_behind = options->map_bytes,
+                                .room = STACK_UNFINISHED,
+                                .room_bytes = STACK_VERDICT,
+                                .room_tag = TAG_VERDICT};
     return pages_open(&out->pages, path, tags_set, out, err);
-}
-
-/* Returns the bytes of a sample of a page. The object map is the page after the last one. */
-static size_t sample_bytes(const struct stack_options *options, int page)
-{
-    if (page == options->n_wavelengths)
-        return (size_t)options->map_bytes;
-    return (size_t)options->bits / 8;
-}
-
-/* Whole rows of a page lie together in the file. */
-bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
-                 struct error *err)
-{
-    const struct stack_options *options = &writer->options;
-    const size_t sample = sample_bytes(options, to->page);
-    const bool together = to->width == options->width;
-    const size_t length = (size_t)to->width * sample * (together ? (size_t)to->height : 1);
-    const char *from = samples;
-    assert(to->page >= 0 && to->page < options->n_wavelengths + (options->map_bytes > 0) &&
-           to->x >= 0 && to->y >= 0 && to->width >= 0 && to->height >= 0 &&
-           to->x <= options->width - to->width && to->y <= options->height - to->height);
-    for (int y = to->y; y < to->y + (together ? 1 : to->height); y++, from += length) {
-        const uint64_t first = (uint64_t)y * (uint64_t)options->width + (uint64_t)to->x;
-        if (!pages_write(&writer->pages, to->page, first * sample, from, length, err))
-            return false;
-    }
-    return true;
 }
 
 /* Blanks fill the room behind the verdict, so that the size of the file does not depend on it.
@@ -90,6 +61,34 @@ bool stack_finish(struct stack_writer *writer, const char *verdict, struct error
     char room[STACK_VERDICT];
     snprintf(room, sizeof room, "%-*.*s", STACK_VERDICT - 1, STACK_VERDICT - 1, verdict);
     return pages_finish(&writer->pages, room, err);
+}
+
+/* ---- the verdict as one line, and the line as numbers ---- */
+
+void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT])
+{
+    snprintf(out, STACK_VERDICT,
+             "%s; %" PRIu64 " samples, %" PRIu64 " exact, %" PRIu64
+             " within 1 count, largest difference %.3g counts, %" PRIu64 " of %" PRIu64
+             " pixels unexplained, %" PRIu64 " of %" PRIu64 " object pixels not checked",
+             verdict->word, verdict->samples, verdict->exact, verdict->within_1, verdict->largest,
+             verdict->unexplained, verdict->pixels, verdict->unchecked, verdict->objects);
+}
+
+/* A line counts as read if it is the text of its numbers. */
+bool stack_verdict_read(const char *line, struct stack_verdict *out)
+{
+    char text[STACK_VERDICT];
+    *out = (struct stack_verdict){.samples = 0};
+    if (sscanf(line,
+               "%15[a-z ]; %" SCNu64 " samples, %" SCNu64 " exact, %" SCNu64
+               " within 1 count, largest difference %lf counts, %" SCNu64 " of %" SCNu64
+               " pixels unexplained, %" SCNu64 " of %" SCNu64 " object pixels not checked",
+               out->word, &out->samples, &out->exact, &out->within_1, &out->largest,
+               &out->unexplained, &out->pixels, &out->unchecked, &out->objects) != 9)
+        return false;
+    stack_verdict_text(out, text);
+    return strcmp(text, line) == 0;
 }
 
 /* ---- two stacks ---- */
@@ -140,7 +139,7 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
         while (page < options->n_wavelengths && offset >= pages_offset(&writer->pages, page + 1))
             page++;
         const uint64_t pixel =
-            (offset - pages_offset(&writer->pages, page)) / sample_bytes(options, page);
+            (offset - pages_offset(&writer->pages, page)) / pages_pixel_bytes(&writer->pages, page);
         out->in_map = page == options->n_wavelengths;
         out->page = out->in_map ? -1 : page;
         out->x = (int)(pixel % (uint64_t)options->width);
@@ -150,13 +149,6 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
 }
 
 /* ---- the end ---- */
-
-bool stack_commit(struct stack_writer *writer, struct outputs *outputs, struct error *err)
-{
-    bool good = output_pass(&writer->pages.output, outputs, err);
-    stack_discard(writer);
-    return good;
-}
 
 void stack_discard(struct stack_writer *writer)
 {

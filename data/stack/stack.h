@@ -22,16 +22,15 @@ struct inputs {
 };
 /* Lists the files that the scene's text and its options name, as far as the picture needs them and
  * they are there: a material that no object uses is not read, and a plan refuses a missing file
- * that it needs. detector: a file or a built-in name; NULL: the scene is not sampled for one. The
- * caller frees *out, also after a failure. */
-bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
+ * that it needs. detector: a file or a built-in name; NULL: the scene is not sampled for one.
+ * texts: lists the files of the scene's text, too, unless that came from a pipe. The caller frees
+ * *out, also after a failure. */
+bool inputs_list(const struct scene *scene, const char *detector, bool texts, struct inputs *out,
                  struct error *err);
-/* Lists these and the files of the scene's text, unless that came from a pipe. */
-bool inputs_all(const struct scene *scene, const char *detector, struct inputs *out,
-                struct error *err);
 void inputs_free(struct inputs *inputs);
-/* Prints "SHA-256 PATH" and a NUL for each file, as this process has read it, or else reads it. */
-bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);
+/* Replaces each path by "SHA-256 PATH", of the file as this process has read it, or else reads it.
+ */
+bool inputs_digest(struct inputs *inputs, struct error *err);
 
 struct texts {
     const char **text; /* the array is owned, the texts are not */
@@ -51,7 +50,7 @@ struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
     const char *scene_sha256;
-    struct texts files;          /* that the scene names, as inputs_digest prints them */
+    struct texts files;          /* that the scene names, as inputs_digest makes them */
     const char *renderer;        /* "raster", or OpenGL's GL_RENDERER */
     char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
     int n_options;
@@ -82,8 +81,6 @@ struct record {
     int map_bytes;
     char *text; /* files, lights, ambients and, once it is read, all strings point into it; owned */
 };
-/* Returns how many decimal digits of a number read back as the same double. */
-int exact_digits(double number);
 /* Records a scene: its name, its files and that of the detector it is drawn for (NULL: none), its
  * lights, its white and its sampling (NULL: none). Scene and sampling must outlive the record. */
 bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
@@ -115,25 +112,18 @@ struct stack_options {
     const char *scene;      /* for the description */
     const char *provenance; /* lines of text for the description: record_text */
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
-    const char *const *labels; /* of the pages, which then have no wavelengths; NULL: they have */
+    /* names the pages, which then have no wavelengths; NULL: they have */
+    const struct sampling_method *components;
 };
-/* A stack that is being written: laid out at once, then filled in rectangles of any order. */
+/* A stack that is being written: laid out at once, then filled by pages_write with uint8_t or
+ * uint16_t counts, or floats. Page n_wavelengths is the object map, of uint8_t or uint16_t. */
 struct stack_writer {
-    struct pages pages; /* and behind them the object map */
+    struct pages pages;
     struct stack_options options;
 };
-/* Lays the file out. The strings in options are copied into the file. The wavelengths are not
- * copied: they must outlive the writer. */
+/* Lays the file out, with copies of what the options point to. */
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
                 struct error *err);
-/* Page n_wavelengths is the object map, behind the last page. */
-struct stack_rectangle {
-    int page, x, y, width, height;
-};
-/* Writes the samples of a rectangle, row by row without gaps: uint8_t or uint16_t counts, or
- * floats; of the object map uint8_t or uint16_t. */
-bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
-                 struct error *err);
 /* Stores `verdict` (the check in one line, printable ASCII, at most STACK_VERDICT - 1 bytes) in the
  * room that stack_open left for it, and reads all directories again to see that they are whole. */
 enum { STACK_VERDICT = 512 };
@@ -147,12 +137,10 @@ struct stack_difference {
 /* Compares a finished stack, not committed yet, with a file. Refuses a file that cannot be read. */
 bool stack_compare(const struct stack_writer *writer, const char *path,
                    struct stack_difference *out, struct error *err);
-/* Lets a finished stack appear under its name: see output_pass. */
-bool stack_commit(struct stack_writer *writer, struct outputs *outputs, struct error *err);
 void stack_discard(struct stack_writer *writer); /* safe after commit */
 const char *stack_library(void);                 /* name and version of the libtiff in use */
 
-/* ---- verdict.c: the verdict on a stack, in numbers ---- */
+/* ---- stack.c: the verdict on a stack, in numbers ---- */
 
 /* How the check of all samples ended, as the line of a stack records it. */
 struct stack_verdict {
@@ -162,6 +150,12 @@ struct stack_verdict {
     uint64_t unexplained, pixels, unchecked, objects;
 };
 void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT]);
+
+/* ---- tags_read.c ---- */
+
+/* The image_tags of stacks, and of any TIFF that records wavelengths as OME-XML, GDAL_METADATA or
+ * page names. */
+bool tags_read(struct image *image, int n, struct page_record *out, struct error *err);
 
 /* ---- cube.c: a spectral stack to be read ---- */
 
@@ -231,10 +225,11 @@ extern const struct command envi_command;
 /* Refuses a stack that will be no file (/dev/null, a pipe), and a header that cannot be written.
  * Leaves no file. */
 bool sidecar_can_open(const char *stack, struct error *err);
-/* Lets a finished stack appear under its name, which is `path` as the user wrote it, and then its
- * header. The header is complete before the stack appears: if it fails by then, neither appears. */
-bool stack_commit_envi(struct stack_writer *writer, const char *path, struct outputs *outputs,
-                       struct error *err);
+/* Lets a finished stack appear under its name (see output_pass), and then its header beside
+ * `beside`, the name as the user wrote it; NULL: without a header. The header is complete before
+ * the stack appears: if it fails by then, neither appears. */
+bool stack_commit(struct stack_writer *writer, const char *beside, struct outputs *outputs,
+                  struct error *err);
 /* Returns the name of a stack's header, allocated; NULL: no memory. */
 char *sidecar_name(const char *stack, struct error *err);
 

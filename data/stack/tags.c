@@ -35,7 +35,7 @@ static int largest_count(const struct stack_options *options)
     return options->bits == 8 ? 255 : 65535;
 }
 
-/* Writes how samples become radiances, or the components that labels name. */
+/* Writes how samples become radiances, or components. */
 static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE])
 {
     char value[40] = "sample";
@@ -43,14 +43,14 @@ static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE
         snprintf(value, sizeof value, "count x full_scale / %d", largest_count(options));
     snprintf(text, TEXT_SIZE, "full_scale: %.*g\nscale: %s = %s%s\n",
              exact_digits(options->full_scale), options->full_scale,
-             options->labels != NULL ? "component" : "radiance", value,
-             options->labels != NULL ? "" : " " RADIANCE_UNIT);
+             options->components ? "component" : "radiance", value,
+             options->components ? "" : " " RADIANCE_UNIT);
 }
 
 static void page_label(const struct stack_options *options, int page, char out[TEXT_SIZE])
 {
-    if (options->labels != NULL)
-        snprintf(out, TEXT_SIZE, "%s", options->labels[page]);
+    if (options->components)
+        sampling_label(options->components, page, out);
     else
         snprintf(out, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
 }
@@ -59,10 +59,8 @@ static void put_channel(struct printed *stream, const struct stack_options *opti
 {
     char label[TEXT_SIZE];
     page_label(options, page, label);
-    print(stream, "<Channel ID=\"Channel:0:%d\" Name=\"", page);
-    print_xml(stream, label);
-    print_text(stream, "\" SamplesPerPixel=\"1\"");
-    if (options->labels == NULL)
+    print(stream, "<Channel ID=\"Channel:0:%d\" Name=\"%s\" SamplesPerPixel=\"1\"", page, label);
+    if (!options->components)
         print(stream, " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"",
               options->wavelengths_nm[page]);
     print_text(stream, "/>\n");
@@ -73,21 +71,22 @@ static void put_channel(struct printed *stream, const struct stack_options *opti
 static void put_description(struct printed *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
-    char scale[TEXT_SIZE];
+    char text[TEXT_SIZE];
     if (page > 0) {
-        if (options->labels != NULL)
-            print(stream, "component=%s", options->labels[page]);
+        page_label(options, page, text);
+        if (options->components)
+            print(stream, "component=%s", text);
         else
             print(stream, "wavelength_nm=%.10g", options->wavelengths_nm[page]);
         return;
     }
-    scale_lines(options, scale);
+    scale_lines(options, text);
     print_text(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OME xmlns=\"" OME_SCHEMA "\""
                        " xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\""
                        " xsi:schemaLocation=\"" OME_SCHEMA " " OME_SCHEMA "/ome.xsd\">\n"
                        "<Image ID=\"Image:0\" Name=\"");
     print_xml(stream, options->scene);
-    print(stream, "\"><Description>%s", scale);
+    print(stream, "\"><Description>%s", text);
     print_xml(stream, options->provenance);
     if (options->map_bytes > 0)
         print(stream, "object_map: %" PRIu64 " %d\n",
@@ -141,15 +140,14 @@ static void put_gdal(struct printed *stream, const struct stack_writer *writer, 
     char label[TEXT_SIZE];
     page_label(options, page, label);
     print_text(stream, "<GDALMetadata>\n");
-    if (options->labels == NULL)
+    if (!options->components)
         put_gdal_wavelength(stream, options, page);
-    print_text(stream, "<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">");
-    print_xml(stream, label);
     print(stream,
-          "</Item>\n<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
+          "<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">%s</Item>\n"
+          "<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
           "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n",
-          exact_digits(scale), scale);
-    if (options->labels == NULL)
+          label, exact_digits(scale), scale);
+    if (!options->components)
         print_text(stream, "<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" RADIANCE_UNIT
                            "</Item>\n");
     print_text(stream, "</GDALMetadata>\n");
@@ -225,7 +223,7 @@ static bool set_first_page(TIFF *tiff, const struct stack_writer *writer, struct
     snprintf(room, sizeof room, "%-*s", STACK_VERDICT - 1, STACK_UNFINISHED);
     return set_printed(tiff, TAG_IMAGEJ_SIZES, writer, 0, put_imagej_sizes, err) &&
            set_printed(tiff, TAG_IMAGEJ_TEXTS, writer, 0, put_imagej_texts, err) &&
-           (writer->options.labels != NULL ||
+           (writer->options.components ||
             set_printed(tiff, TAG_WAVELENGTHS, writer, 0, put_wavelengths, err)) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) && TIFFSetField(tiff, TAG_VERDICT, room);
 }

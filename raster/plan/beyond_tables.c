@@ -81,7 +81,7 @@ int tables_beyond(const struct plan *plan, struct printed *to, char first[BEYOND
 {
     struct tables tables = {.plan = plan, .to = to};
     const struct light *light = plan->scene->lights;
-    const struct ambient *ambient = plan->scene->ambients;
+    const struct light *ambient = plan->scene->ambients;
     for (int i = 0; i < plan->scene->n_lights; i++, light++)
         if (light->intensity != 0)
             look_at(&tables, "light", light->spectrum.name, &light->spectrum, false);

@@ -146,17 +146,13 @@ bool plan_put_files(const struct plan *plan, const char *detector, struct json *
                     struct error *err)
 {
     struct inputs inputs;
-    struct printed printed = {.text = NULL};
-    bool done =
-        inputs_all(plan->scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
-    char *files = printed_take(&printed, err), *at = files;
-    done = done && files;
+    const bool done =
+        inputs_list(plan->scene, detector, true, &inputs, err) && inputs_digest(&inputs, err);
     json_open(json, "files", '[');
-    for (int i = 0; done && i < inputs.n; i++, at += strlen(at) + 1)
-        json_string(json, NULL, at);
+    for (int i = 0; done && i < inputs.n; i++)
+        json_string(json, NULL, inputs.path[i]);
     json_close(json, ']');
     inputs_free(&inputs);
-    free(files);
     return done;
 }
 

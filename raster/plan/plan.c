@@ -127,7 +127,7 @@ bool has_components(const struct plan *plan)
 void band_name(const struct plan *plan, int band, char out[BAND_NAME])
 {
     if (has_components(plan))
-        sampling_label(plan->sampling, band, out);
+        sampling_label(&plan->sampling->method, band, out);
     else
         snprintf(out, BAND_NAME, "%.10g nm", plan->scene->wavelengths_nm[band]);
 }

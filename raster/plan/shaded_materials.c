@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/stack/stack.h"
 #include "raster/plan/inside.h"
 
 /* ---- textures ---- */
@@ -28,7 +29,7 @@ static struct texture *find_texture(struct plan *plan, const struct material *ma
         *texture = (struct texture){.spectral = spectral, .linear = material->texture_linear};
         done = texture_read(path,
                             spectral ? material->spectral_texture_place : material->texture_place,
-                            texture, err);
+                            tags_read, texture, err);
         plan->n_textures += done;
         done = done && index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err);
     }

@@ -8,10 +8,6 @@
 #include "raster/render/inside.h"
 
 enum { MAP_FLOOR, MAP_BAND_FLOOR, MAP_RATIO, MAP_CLASS, MAP_PAGES };
-static const char *const page_names[MAP_PAGES] = {[MAP_FLOOR] = "floor",
-                                                  [MAP_BAND_FLOOR] = "floor in one band",
-                                                  [MAP_RATIO] = "error / bound",
-                                                  [MAP_CLASS] = "class"};
 
 /* The least floor that has a colour of its own, in counts: so the last colour begins where a pixel
  * is not checked. */
@@ -33,16 +29,19 @@ void check_map_print_colours(struct printed *to)
 static bool open_planes(const char *path, const struct plan *plan, struct check_map *out,
                         struct error *err)
 {
-    const struct planes_options options = {
+    const struct picture_options options = {
         .width = plan->scene->width,
         .height = plan->scene->height,
-        .n = MAP_PAGES,
-        .names = page_names,
+        .bits = 32,
+        .channels = {[MAP_FLOOR] = "floor",
+                     [MAP_BAND_FLOOR] = "floor in one band",
+                     [MAP_RATIO] = "error / bound",
+                     [MAP_CLASS] = "class"},
         .description =
             "Cross-check of OpenGL. Floors: the largest error that can pass, in counts of "
             "65535, in all bands alike and in one band; -1: background. Class: 0 checked, "
             "1 ambiguous, 2 not checked, 3 differs."};
-    return planes_open(&out->pages, path, &options, err);
+    return picture_open(&out->picture, path, &options, err);
 }
 
 static bool open_picture(const char *path, const struct plan *plan, struct check_map *out,
@@ -54,7 +53,7 @@ static bool open_picture(const char *path, const struct plan *plan, struct check
     char *description = printed_take(&printed, err);
     const struct picture_options options = {.width = 2 * plan->scene->width,
                                             .height = plan->scene->height,
-                                            .samples = PICTURE_8,
+                                            .bits = 8,
                                             .srgb = true,
                                             .description = description};
     const bool done = description && picture_open(&out->picture, path, &options, err);
@@ -112,10 +111,10 @@ static bool write_planes(struct check_map *map, const struct check *check, struc
     const struct rectangle at = pixels_of(check);
     const size_t n = (size_t)at.width * (size_t)at.height;
     for (int page = 0; page < MAP_PAGES; page++) {
-        const struct plane_rectangle to = {page, at.x, at.y, at.width, at.height};
+        const struct page_rectangle to = {page, at.x, at.y, at.width, at.height};
         for (size_t i = 0; i < n; i++)
             map->samples[i] = sample_of(check, page, i);
-        if (!planes_write(&map->pages, &to, map->samples, err))
+        if (!pages_write(&map->picture.pages, &to, map->samples, err))
             return false;
     }
     return true;
@@ -155,19 +154,17 @@ bool check_map_write(struct check_map *map, const struct check *check, struct er
 
 bool check_map_finish(struct check_map *map, struct error *err)
 {
-    return map->coloured ? picture_finish(&map->picture, err) : planes_finish(&map->pages, err);
+    return picture_finish(&map->picture, err);
 }
 
 bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err)
 {
-    return map->coloured ? picture_commit(&map->picture, outputs, err)
-                         : planes_commit(&map->pages, outputs, err);
+    return picture_commit(&map->picture, outputs, err);
 }
 
 void check_map_discard(struct check_map *map)
 {
     picture_discard(&map->picture);
-    planes_discard(&map->pages);
     free(map->samples);
     map->samples = NULL;
 }

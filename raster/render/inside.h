@@ -21,7 +21,6 @@ void note_dark(const struct lit_scene *lit, struct notes *notes);
  * band, the largest error / bound, and enum check_class. A PNG, twice as wide, has the two floors
  * in colours, side by side. */
 struct check_map {
-    struct pages pages;
     struct picture_writer picture;
     bool coloured;  /* a PNG */
     int width;      /* of the scene's picture */

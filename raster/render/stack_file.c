@@ -48,8 +48,6 @@ bool stack_file_open(struct stack_writer *writer, const struct plan *plan,
     const struct part_rows *rows = &result->rows;
     const bool labelled = sampling && !sampling->spectral;
     char *provenance = make_provenance(plan, output, result, err);
-    const char **labels =
-        labelled && provenance ? sampling_labels(sampling, sampling->pages.n, err) : NULL;
     const struct stack_options options = {.width = plan->scene->width,
                                           .height =
                                               rows->count > 0 ? rows->count : plan->scene->height,
@@ -60,10 +58,9 @@ bool stack_file_open(struct stack_writer *writer, const struct plan *plan,
                                           .scene = plan->scene->path,
                                           .provenance = provenance,
                                           .map_bytes = plan->map_bytes,
-                                          .labels = labels};
-    const bool done =
-        provenance && (labels || !labelled) && stack_open(writer, output->path, &options, err);
-    FREE_ALL(labels, provenance);
+                                          .components = labelled ? &sampling->method : NULL};
+    const bool done = provenance && stack_open(writer, output->path, &options, err);
+    free(provenance);
     return done;
 }
 
@@ -93,6 +90,5 @@ bool stack_file_finish(struct stack_writer *writer, const struct plan *plan,
         return false;
     if (output->discard || !(output->keep || render_agreed(plan, result)))
         return true;
-    return output->envi ? stack_commit_envi(writer, output->path, output->outputs, err)
-                        : stack_commit(writer, output->outputs, err);
+    return stack_commit(writer, output->envi ? output->path : NULL, output->outputs, err);
 }

@@ -482,9 +482,9 @@ static bool write_pages(const struct state *state, const struct written *from, s
     const struct stages *stages = state->stages;
     const struct rectangle *at = &from->at;
     for (int i = 0; i < from->n_pages; i++) {
-        const struct stack_rectangle to = {from->first_page + i, at->x, at->y - stages->first_row,
-                                           at->width, at->height};
-        if (!stack_write(stages->stack, &to, from->samples[i], err))
+        const struct page_rectangle to = {from->first_page + i, at->x, at->y - stages->first_row,
+                                          at->width, at->height};
+        if (!pages_write(&stages->stack->pages, &to, from->samples[i], err))
             return false;
     }
     return true;

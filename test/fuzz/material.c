@@ -61,7 +61,9 @@ void fuzz_mtl(const struct fuzz_input *input)
         const struct word name = {.start = names[i], .length = strlen(names[i])};
         struct material material = {.name = NULL};
         err = (struct error){.status = EXIT_AGREED};
-        if (fuzz_ends(mtl_read(&mtl, nowhere, &name, &material, &err), &err))
+        const struct mtl_entry *entry = mtl_find(&mtl, nowhere, &name, &err);
+        material = (struct material){0};
+        if (fuzz_ends(entry && mtl_read(entry, &material, &err), &err))
             check_material(&material);
         material_free(&material);
     }

@@ -142,7 +142,7 @@ static void read_texture(const char *path, bool spectral)
     static const double nm[] = {300, 500.5, 9000};
     struct error err = {.status = EXIT_AGREED};
     struct texture texture = {.spectral = spectral, .linear = spectral};
-    if (fuzz_ends(texture_read(path, (struct place){0}, &texture, &err), &err) &&
+    if (fuzz_ends(texture_read(path, (struct place){0}, tags_read, &texture, &err), &err) &&
         fuzz_ends(texture_load(&texture, nm, 3, &err), &err)) {
         const size_t n = (size_t)texture.image.width * (size_t)texture.image.height;
         for (size_t i = 0; texture.plane[0] != NULL && i < n; i++)

@@ -322,7 +322,7 @@ static bool open_map(struct comparison *of, struct error *err)
     const struct picture_options options = {
         .width = of->a.cube.image.width,
         .height = of->a.cube.image.height,
-        .samples = of->shown == MAP_NUMBERS ? PICTURE_FLOAT : PICTURE_8,
+        .bits = of->shown == MAP_NUMBERS ? 32 : 8,
         .srgb = of->shown != MAP_NUMBERS,
         .channels = {components ? "largest difference of components"
                                 : "largest difference of radiance",

@@ -209,9 +209,7 @@ static bool open_picture(const struct development *of, const char *path, struct 
     const struct picture_options options = {
         .width = of->cube.image.width,
         .height = of->cube.image.height,
-        .samples = !rgb             ? PICTURE_FLOAT
-                   : of->bits == 16 ? PICTURE_16
-                                    : PICTURE_8,
+        .bits = rgb ? of->bits : 32,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
         .srgb = rgb && of->display == DISPLAY_SRGB,
         .profile = rgb ? profile : NULL,

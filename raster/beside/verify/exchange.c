@@ -270,7 +270,7 @@ static bool open_pixels(struct drawn *of, const struct drawn_names *names, struc
     struct stat status;
     void *numbers = NULL, *depths = NULL;
     if (stat(names->pixels, &status) != 0 || !S_ISDIR(status.st_mode))
-        return image_open(names->pixels, (struct place){NULL, 0, 0}, &of->image, err) &&
+        return image_open(names->pixels, (struct place){NULL, 0, 0}, tags_read, &of->image, err) &&
                check_image(of, err);
     of->folder = names->pixels;
     snprintf(of->path, sizeof of->path, "%.4095s/drawn.txt", of->folder);

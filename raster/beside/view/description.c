@@ -177,7 +177,7 @@ static bool put_lights(struct describer *describer, struct error *err)
     bool done = true;
     json_open(&describer->json, "ambients", '[');
     for (int i = 0; done && i < scene->n_ambients; i++) {
-        const struct ambient *of = &scene->ambients[i];
+        const struct light *of = &scene->ambients[i];
         done = put_light(describer, &of->spectrum, &of->place, of->intensity, NULL, err);
     }
     if (scene->n_ambients == 0)

@@ -118,7 +118,7 @@ static bool page_files_make(const struct scene *scene, struct page_files *out, s
     bool done = string_copy(path_is_builtin(path) ? "" : path, &out->above, err);
     if (done) /* a built-in scene has no folder: its options name files from the working folder */
         out->above[path_name(out->above) - out->above] = '\0';
-    done = done && inputs_list(scene, NULL, &out->inputs, err);
+    done = done && inputs_list(scene, NULL, false, &out->inputs, err);
     for (int i = 0; done && i < scene->n_texts; i++)
         done = add(out, scene->files[i].path, err);
     for (int i = 0; done && i < out->inputs.n; i++)

@@ -143,7 +143,7 @@ static bool open_picture(struct still *still, const char *path, struct error *er
     char *description = picture_text(printed_take(&printed, err));
     const struct picture_options options = {.width = scene->width,
                                             .height = scene->height,
-                                            .samples = PICTURE_8,
+                                            .bits = 8,
                                             .srgb = true,
                                             .description = description};
     const bool done = description && picture_open(&still->picture, path, &options, err);

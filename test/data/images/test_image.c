@@ -206,7 +206,7 @@ static void check_file(const char *file, const char *name, const struct variant 
 {
     struct image image;
     struct error err = {0};
-    if (CHECK(image_open(file, from, &image, &err), "%s: opens %s", name, err.text) &&
+    if (CHECK(image_open(file, from, tags_read, &image, &err), "%s: opens %s", name, err.text) &&
         CHECK(image.width == WIDTH && image.height == HEIGHT && image.n_pages == n_pages,
               "%s: it has %dx%d pixels and %d pages", name, image.width, image.height,
               image.n_pages)) {
@@ -279,7 +279,8 @@ static void read_rows(const struct variant *v, void *row, float *seen)
     for (int y = 0; y < v->height; y++)
         TIFFWriteScanline(tiff, row, (uint32_t)y, 0);
     TIFFClose(tiff);
-    CHECK(image_open(path, from, &image, &err) && image_read(&image, 0, 0, v->height, seen, &err),
+    CHECK(image_open(path, from, tags_read, &image, &err) &&
+              image_read(&image, 0, 0, v->height, seen, &err),
           "%s: is read %s", v->name, err.text);
     image_close(&image);
 }
@@ -381,10 +382,11 @@ static void write_stack(int n_pages, const double *nm, int bits, double full_sca
     for (int page = 0; good && page < n_pages; page++) {
         for (int i = 0; i < PIXELS; i++)
             counts[i] = (uint16_t)count_at(page % 8, i % WIDTH, i / WIDTH, 0, 16);
-        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT},
+        good = pages_write(&writer.pages, &(struct page_rectangle){page, 0, 0, WIDTH, HEIGHT},
                            bits == 32 ? (const void *)radiance : counts, &err);
     }
-    CHECK(good && stack_finish(&writer, "check: agreed", &err) && stack_commit(&writer, NULL, &err),
+    CHECK(good && stack_finish(&writer, "check: agreed", &err) &&
+              stack_commit(&writer, NULL, NULL, &err),
           "a stack is written %s", err.text);
 }
 
@@ -401,7 +403,7 @@ static void test_stack(void)
     struct error err = {0};
     bool exact = true, close = true;
     write_stack(MANY, nm, 16, full_scale);
-    if (!CHECK(image_open(path, from, &image, &err) && image.n_pages == MANY,
+    if (!CHECK(image_open(path, from, tags_read, &image, &err) && image.n_pages == MANY,
                "a stack of %d pages opens %s", MANY, err.text))
         return;
     CHECK(image.scale == full_scale, "its full scale is read back to the bit");
@@ -467,14 +469,15 @@ static void test_foreign(void)
                    &(struct variant){.bits = files[i].bits, .photometric = files[i].photometric}, 1,
                    files[i].spectral ? PAGES : 1, files[i].spectral ? nm : NULL, files[i].scale);
     for (size_t i = 0; i < sizeof untold / sizeof untold[0]; i++) {
-        if (CHECK(image_open(untold[i].file, from, &image, &err), "%s opens %s", untold[i].file,
-                  err.text))
+        if (CHECK(image_open(untold[i].file, from, tags_read, &image, &err), "%s opens %s",
+                  untold[i].file, err.text))
             CHECK(image.wavelengths_nm == NULL &&
                       strstr(image.no_wavelengths, untold[i].what) != NULL,
                   "its wavelengths are refused: %s", image.no_wavelengths);
         image_close(&image);
     }
-    CHECK(image_open("bands_rgb.tif", from, &image, &err) && image.coloured && image.n_pages == 1,
+    CHECK(image_open("bands_rgb.tif", from, tags_read, &image, &err) && image.coloured &&
+              image.n_pages == 1,
           "bands that are RGB are read as one page %s", err.text);
     image_close(&image);
 }
@@ -488,7 +491,7 @@ static void check_refusal(const char *file, const char *what)
     static float seen[PIXELS];
     struct image image;
     struct error err = {0};
-    bool read = image_open(file, from, &image, &err);
+    bool read = image_open(file, from, tags_read, &image, &err);
     for (int page = 0; read && page < image.n_pages; page++)
         read = image_read(&image, page, 0, image.height, seen, &err);
     CHECK(!read && err.status == EXIT_INPUT && strncmp(err.text, "a.scene:3:7: error: ", 20) == 0 &&
@@ -628,7 +631,7 @@ static void check_cuts(const char *file, const char *name)
         struct image image;
         struct error err = {0};
         bytes_write("cut.tif", bytes, cut);
-        bool read = image_open("cut.tif", from, &image, &err);
+        bool read = image_open("cut.tif", from, tags_read, &image, &err);
         for (int page = 0; read && page < PAGES; page++)
             read = page < image.n_pages && image_read(&image, page, 0, image.height, seen, &err);
         passed += read || (err.status == EXIT_AGREED && image.n_pages == PAGES);

@@ -11,13 +11,13 @@
 
 static const unsigned char profile[] = "a profile of an odd number of bytes!!";
 
-static struct picture_options options_of(enum picture_samples samples, int width, int height)
+static struct picture_options options_of(int bits, int width, int height)
 {
     return (struct picture_options){.width = width,
                                     .height = height,
-                                    .samples = samples,
+                                    .bits = bits,
                                     .channels = {"X", "Y", "Z"},
-                                    .profile = samples == PICTURE_FLOAT ? NULL : profile,
+                                    .profile = bits == 32 ? NULL : profile,
                                     .profile_length = sizeof profile,
                                     .description = "two\nlines"};
 }
@@ -33,9 +33,9 @@ static void fill_row(const struct picture_options *options, int y, void *row)
 {
     for (int i = 0; i < 3 * options->width; i++) {
         const unsigned sample = sample_at(options->width, i / 3, y, i % 3);
-        if (options->samples == PICTURE_8)
+        if (options->bits == 8)
             ((uint8_t *)row)[i] = (uint8_t)sample;
-        else if (options->samples == PICTURE_16)
+        else if (options->bits == 16)
             ((uint16_t *)row)[i] = (uint16_t)sample;
         else
             ((float *)row)[i] = (float)sample / -7;
@@ -46,7 +46,7 @@ static void fill_row(const struct picture_options *options, int y, void *row)
 static bool write_rows(struct picture_writer *writer, int step, struct error *err)
 {
     const struct picture_options *options = &writer->options;
-    const size_t size = options->samples == PICTURE_8 ? 1 : options->samples == PICTURE_16 ? 2 : 4;
+    const size_t size = (size_t)options->bits / 8;
     const size_t pitch = 3 * (size_t)options->width * size;
     char *rows = malloc(pitch * (size_t)step);
     bool done = rows != NULL;
@@ -80,17 +80,17 @@ static bool same_files(const char *one, const char *other)
 
 static double read_sample(const struct picture_options *options, const void *row, size_t at)
 {
-    if (options->samples == PICTURE_8)
+    if (options->bits == 8)
         return ((const uint8_t *)row)[at];
-    return options->samples == PICTURE_16 ? ((const uint16_t *)row)[at]
-                                          : -7 * (double)((const float *)row)[at];
+    return options->bits == 16 ? ((const uint16_t *)row)[at]
+                               : -7 * (double)((const float *)row)[at];
 }
 
 /* Returns the number of samples of the current page that differ from those written. */
 static int wrong_samples(TIFF *tiff, const struct picture_options *options, int page)
 {
-    const int n = options->samples == PICTURE_FLOAT ? 1 : 3;
-    const unsigned mask = options->samples == PICTURE_8 ? 255 : 65535;
+    const int n = options->bits == 32 ? 1 : 3;
+    const unsigned mask = options->bits == 8 ? 255 : 65535;
     void *row = malloc((size_t)TIFFScanlineSize64(tiff));
     int wrong = row == NULL;
     for (int y = 0; row != NULL && y < options->height; y++) {
@@ -108,7 +108,7 @@ static int wrong_samples(TIFF *tiff, const struct picture_options *options, int 
 
 static void check_picture(const char *path, const struct picture_options *options)
 {
-    const int n_pages = options->samples == PICTURE_FLOAT ? 3 : 1;
+    const int n_pages = options->bits == 32 ? 3 : 1;
     TIFF *tiff = TIFFOpen(path, "rc");
     if (!CHECK(tiff != NULL, "%s: libtiff opens it", path))
         return;
@@ -122,14 +122,14 @@ static void check_picture(const char *path, const struct picture_options *option
 static void test_samples(void)
 {
     static const struct {
-        enum picture_samples samples;
+        int bits;
         const char *name;
-    } kinds[] = {{PICTURE_8, "8 bits"}, {PICTURE_16, "16 bits"}, {PICTURE_FLOAT, "float"}};
+    } kinds[] = {{8, "8 bits"}, {16, "16 bits"}, {32, "float"}};
     static const int sizes[][2] = {{7, 5}, {1, 1}, {300, 301}, {30000, 3}};
     for (size_t kind = 0; kind < sizeof kinds / sizeof kinds[0]; kind++)
         for (size_t size = 0; size < sizeof sizes / sizeof sizes[0]; size++) {
             const struct picture_options options =
-                options_of(kinds[kind].samples, sizes[size][0], sizes[size][1]);
+                options_of(kinds[kind].bits, sizes[size][0], sizes[size][1]);
             char path[64], other[] = "picture_other.tif";
             struct error err = {0};
             snprintf(path, sizeof path, "picture_%dx%d (%s).tif", options.width, options.height,
@@ -145,10 +145,10 @@ static void test_samples(void)
 }
 
 /* Writes only the last row, so that the file is sparse and takes no room. */
-static void test_big(enum picture_samples samples, int size)
+static void test_big(int bits, int size)
 {
     const char *path = "picture_big.tif";
-    const struct picture_options options = options_of(samples, size, size);
+    const struct picture_options options = options_of(bits, size, size);
     struct picture_writer writer;
     struct error err = {0};
     bool done = picture_open(&writer, path, &options, &err);
@@ -158,12 +158,12 @@ static void test_big(enum picture_samples samples, int size)
     TIFF *tiff = done ? TIFFOpen(path, "r") : NULL;
     CHECK(tiff != NULL && TIFFIsBigTIFF(tiff), "it is a BigTIFF");
     float *row = tiff != NULL ? malloc((size_t)TIFFScanlineSize64(tiff)) : NULL;
-    for (int page = 0; row != NULL && page < (samples == PICTURE_FLOAT ? 3 : 1); page++) {
+    for (int page = 0; row != NULL && page < (bits == 32 ? 3 : 1); page++) {
         const unsigned expected = sample_at(size, 0, size - 1, page);
         CHECK(TIFFSetDirectory(tiff, (uint16_t)page) &&
                   TIFFReadScanline(tiff, row, (uint32_t)size - 1, 0) == 1 &&
-                  fabs(read_sample(&options, row, 0) -
-                       (samples == PICTURE_8 ? expected & 255 : expected)) < 0.01,
+                  fabs(read_sample(&options, row, 0) - (bits == 8 ? expected & 255 : expected)) <
+                      0.01,
               "its last row is in its place, on page %d", page + 1);
     }
     free(row);
@@ -174,7 +174,7 @@ static void test_big(enum picture_samples samples, int size)
 
 static void test_impossible(void)
 {
-    const struct picture_options options = options_of(PICTURE_FLOAT, INT32_MAX, INT32_MAX);
+    const struct picture_options options = options_of(32, INT32_MAX, INT32_MAX);
     struct picture_writer writer;
     struct error err = {0};
     CHECK(!picture_open(&writer, "picture_huge.tif", &options, &err) && err.status == EXIT_INPUT &&
@@ -184,7 +184,7 @@ static void test_impossible(void)
 
 static void test_damage(void)
 {
-    const struct picture_options options = options_of(PICTURE_FLOAT, 7, 5);
+    const struct picture_options options = options_of(32, 7, 5);
     const char *path = "picture_damaged.tif";
     struct picture_writer writer;
     struct stat status;
@@ -203,7 +203,7 @@ static void test_damage(void)
 /* The bytes of a PNG are the same, however many rows come at once. */
 static void test_png_rows(void)
 {
-    static const enum picture_samples kinds[] = {PICTURE_8, PICTURE_16};
+    static const int kinds[] = {8, 16};
     for (size_t kind = 0; kind < sizeof kinds / sizeof kinds[0]; kind++) {
         const struct picture_options options = options_of(kinds[kind], 700, 301);
         struct error err = {0};
@@ -249,7 +249,7 @@ static void test_rectangles(void)
 {
     static uint8_t picture[3 * 100 * 70];
     for (int width = 29; width <= 100; width += 71) {
-        const struct picture_options options = options_of(PICTURE_8, width, 70);
+        const struct picture_options options = options_of(8, width, 70);
         struct picture_writer writer;
         struct error err = {0};
         for (int y = 0; y < options.height; y++)
@@ -300,8 +300,8 @@ int main(void)
 {
     test_enter();
     test_samples();
-    test_big(PICTURE_8, 40000);
-    test_big(PICTURE_FLOAT, 20000);
+    test_big(8, 40000);
+    test_big(32, 20000);
     test_impossible();
     test_damage();
     test_png_rows();

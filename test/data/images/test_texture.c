@@ -40,17 +40,18 @@ static bool write_stack(int n_pages, float times)
     for (int page = 0; good && page < n_pages; page++)
         for (int i = 0; good && i < PIXELS; i++) {
             const float value = times * radiance_at(page, i % WIDTH, HEIGHT - 1 - i / WIDTH);
-            good = stack_write(&writer, &(struct stack_rectangle){page, i % WIDTH, i / WIDTH, 1, 1},
-                               &value, &err);
+            good = pages_write(&writer.pages,
+                               &(struct page_rectangle){page, i % WIDTH, i / WIDTH, 1, 1}, &value,
+                               &err);
         }
-    return CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
+    return CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, NULL, &err),
                  "a stack is written %s", err.text);
 }
 
 static bool read_stack(bool spectral, bool linear, struct texture *out, struct error *err)
 {
     *out = (struct texture){.spectral = spectral, .linear = linear};
-    return texture_read(path, from, out, err);
+    return texture_read(path, from, tags_read, out, err);
 }
 
 static bool plane_is(const float *plane, int page)

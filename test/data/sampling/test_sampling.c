@@ -624,7 +624,7 @@ static void test_print(void)
         CHECK_TEXT(line ? line : "", all_printed[i].expected,
                    "%s: the description is right, and one line", all_printed[i].text);
         free(line);
-        sampling_label(&s, 1, seen);
+        sampling_label(&s.method, 1, seen);
         CHECK_TEXT(seen, all_printed[i].label, "%s: the second page has its label",
                    all_printed[i].text);
         sampling_free(&s);

@@ -33,9 +33,9 @@ static bool written(const char *path, const struct record *record, struct image 
                                     .provenance = text};
     files_read_forget();
     bool done = text && stack_open(&writer, path, &options, err) &&
-                stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 1, 1}, &count, err) &&
-                stack_finish(&writer, "a verdict", err) && stack_commit(&writer, NULL, err) &&
-                image_open(path, nowhere, image, err);
+                pages_write(&writer.pages, &(struct page_rectangle){0, 0, 0, 1, 1}, &count, err) &&
+                stack_finish(&writer, "a verdict", err) && stack_commit(&writer, NULL, NULL, err) &&
+                image_open(path, nowhere, tags_read, image, err);
     free(text);
     return done;
 }

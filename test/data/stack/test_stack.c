@@ -39,7 +39,8 @@ static bool write_rectangle(struct stack_writer *writer, int page, int x, int y,
     uint16_t counts[WIDTH * HEIGHT];
     for (int i = 0; i < width * height; i++)
         counts[i] = count_at(page, x + i % width, y + i / width);
-    return stack_write(writer, &(struct stack_rectangle){page, x, y, width, height}, counts, err);
+    return pages_write(&writer->pages, &(struct page_rectangle){page, x, y, width, height}, counts,
+                       err);
 }
 
 /* Returns a number for each pixel of the object map. */
@@ -58,12 +59,13 @@ static bool write_map(struct stack_writer *writer, int x, int y, int width, int 
         if (writer->options.map_bytes == 2)
             *at++ = (unsigned char)(object / 256);
     }
-    return stack_write(writer, &(struct stack_rectangle){PAGES, x, y, width, height}, bytes, err);
+    return pages_write(&writer->pages, &(struct page_rectangle){PAGES, x, y, width, height}, bytes,
+                       err);
 }
 
 static bool finish(struct stack_writer *writer, const char *verdict, struct error *err)
 {
-    return stack_finish(writer, verdict, err) && stack_commit(writer, NULL, err);
+    return stack_finish(writer, verdict, err) && stack_commit(writer, NULL, NULL, err);
 }
 
 /* Writes every page in rectangles of at most tile x tile pixels, the map, the last page and the
@@ -341,9 +343,10 @@ static void check_large(int width, int map_bytes, bool big)
           "%d pixels: it is a BigTIFF if it exceeds 4 GiB", width);
     CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: the map is written",
           width);
-    CHECK(stack_write(&writer, &(struct stack_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
-              finish(&writer, "", &err),
-          "%d pixels: commits %s", width, err.text);
+    CHECK(
+        pages_write(&writer.pages, &(struct page_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
+            finish(&writer, "", &err),
+        "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
     CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42),
           "%d pixels: the magic number is right", width);
@@ -459,7 +462,7 @@ static void test_damage(void)
 /* Pages may have 8 bits, and labels instead of wavelengths. */
 static void test_narrow(void)
 {
-    const char *const labels[PAGES] = {"red", "a <b>", "component 3", "Y"};
+    const struct sampling_method basis = {.kind = SAMPLING_BASIS, .count = PAGES};
     const char *path = "stack_narrow.tif";
     struct stack_options options = small_options();
     struct stack_writer writer;
@@ -468,22 +471,23 @@ static void test_narrow(void)
     uint8_t counts[WIDTH * HEIGHT];
     float seen[WIDTH * HEIGHT];
     options.bits = 8;
-    options.labels = labels;
+    options.components = &basis;
     bool good = stack_open(&writer, path, &options, &err);
     for (int page = 0; good && page < PAGES; page++) {
         for (int i = 0; i < WIDTH * HEIGHT; i++)
             counts[i] = (uint8_t)(7 * i + 60 * page);
-        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT}, counts,
-                           &err);
+        good = pages_write(&writer.pages, &(struct page_rectangle){page, 0, 0, WIDTH, HEIGHT},
+                           counts, &err);
     }
-    good = good && finish(&writer, "", &err) && image_open(path, (struct place){0}, &image, &err);
+    good = good && finish(&writer, "", &err) &&
+           image_open(path, (struct place){0}, tags_read, &image, &err);
     if (!CHECK(good, "a stack of 8 bits and labels is written and opened %s", err.text))
         return;
     CHECK(image.wavelengths_nm == NULL && image.n_pages == PAGES &&
               image.scale == options.full_scale,
           "it has labels alone, and the exact scale");
     CHECK(strstr(image.description, "/ 255") && strstr(image.description, "\"uint8\"") &&
-              strstr(image.description, "Name=\"a &lt;b&gt;\"") &&
+              strstr(image.description, "Name=\"component 2\"") &&
               !strstr(image.description, " nm") && !strstr(image.description, "EmissionWavelength"),
           "the description records the bits, and the labels without wavelengths");
     good = image_read(&image, PAGES - 1, 0, HEIGHT, seen, &err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the wavelengths and the scale that the pages of a TIFF file record: as data/stack/tags.c
+/* Reads the wavelengths and the scale that the pages of a TIFF file record: as tags.c
  * writes them, as GDAL does, or as OME-XML. */
 #include <float.h>
 #include <math.h>
@@ -7,8 +7,10 @@
 #include <string.h>
 #include <tiffio.h>
 
-#include "data/images/inside.h"
-#include "data/text/text.h"
+#include "data/stack/inside.h"
+
+/* An item of GDAL_METADATA ends at a '<'. */
+enum item { ITEM_WAVELENGTH, ITEM_UNIT, ITEM_MICROMETRES, ITEM_SCALE, ITEM_OFFSET, ITEMS };
 
 /* Returns the number at `at`; NaN: there is none. */
 static double number_at(const char *at)
@@ -17,14 +19,6 @@ static double number_at(const char *at)
     struct error ignored = {0};
     double number;
     return word_number(&word, "it", 0, HUGE_VAL, &number, &ignored) ? number : (double)NAN;
-}
-
-/* Returns the number behind `mark`; NaN: no number is there. Returns `otherwise` if the text has no
- * mark. */
-static double number_after(const char *text, const char *mark, double otherwise)
-{
-    const char *at = strstr(text, mark);
-    return at != NULL ? number_at(at + strlen(mark)) : otherwise;
 }
 
 /* Finds `mark` before `end` in a tag of XML, and returns the place behind it: with the mark "
@@ -50,7 +44,9 @@ static const char *private_text(TIFF *tiff, uint32_t tag)
                : NULL;
 }
 
-void metadata_items(TIFF *tiff, int n_bands, const char **out)
+/* Stores the items of the current directory in out[band * ITEMS + item]; NULL stays where there is
+ * none. A directory of one band need not number it. */
+static void find_items(TIFF *tiff, int n_bands, const char **out)
 {
     static const char *const marks[ITEMS] = {" name=\"wavelength\"", " name=\"wavelength_units\"",
                                              " name=\"CENTRAL_WAVELENGTH_UM\"", " role=\"scale\"",
@@ -70,7 +66,7 @@ void metadata_items(TIFF *tiff, int n_bands, const char **out)
 
 /* Converts a number with a unit to nm. The micro sign also appears as the letter mu and as an
  * entity. NaN: there is no number, or the unit, which is then kept, is unknown. */
-static double length_nm(struct image_file *file, const char *number, const char *unit)
+static double length_nm(struct page_record *out, const char *number, const char *unit)
 {
     static const struct {
         const char *name;
@@ -83,13 +79,13 @@ static double length_nm(struct image_file *file, const char *number, const char 
     for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
         if (strlen(units[i].name) == length && memcmp(units[i].name, unit, length) == 0)
             return number_at(number) * units[i].nm / units[i].divisor;
-    snprintf(file->unit, sizeof file->unit, "%.*s", length < 31 ? (int)length : 31, unit);
+    snprintf(out->unit, sizeof out->unit, "%.*s", length < 31 ? (int)length : 31, unit);
     return (double)NAN;
 }
 
 /* Reads the next <Channel> of the OME-XML: it records the wavelength of the next page. Without a
  * unit it is in nm. */
-static double channel_wavelength(struct image_file *file)
+static double channel_wavelength(struct image_file *file, struct page_record *out)
 {
     static const char mark[] = "<Channel";
     const char *at = file->channels, *number, *unit, *end;
@@ -105,55 +101,42 @@ static double channel_wavelength(struct image_file *file)
     file->channels = end;
     number = attribute(at, end, " EmissionWavelength=\"");
     unit = attribute(at, end, " EmissionWavelengthUnit=\"");
-    return number == NULL ? (double)NAN : length_nm(file, number, unit != NULL ? unit : "nm\"");
+    return number == NULL ? (double)NAN : length_nm(out, number, unit != NULL ? unit : "nm\"");
 }
 
-double metadata_wavelength(struct image_file *file, const char *const items[ITEMS])
+/* Finds the wavelength of the next page. */
+static void find_wavelength(struct image_file *file, const char *const items[ITEMS],
+                            struct page_record *out)
 {
     const char *name = "";
-    file->unit[0] = '\0';
-    const double channel = channel_wavelength(file);
+    const double channel = channel_wavelength(file, out);
     double nm = (double)NAN;
     TIFFGetField(file->tiff, TIFFTAG_PAGENAME, &name);
     if (strcmp(name + strcspn(name, " "), " nm") == 0)
         nm = number_at(name);
     if (isnan(nm) && items[ITEM_WAVELENGTH] != NULL && items[ITEM_UNIT] != NULL)
-        nm = length_nm(file, items[ITEM_WAVELENGTH], items[ITEM_UNIT]);
+        nm = length_nm(out, items[ITEM_WAVELENGTH], items[ITEM_UNIT]);
     if (isnan(nm) && items[ITEM_MICROMETRES] != NULL)
         nm = 1000 * number_at(items[ITEM_MICROMETRES]);
     if (isnan(nm))
         nm = channel;
-    return nm > 0 && nm <= DBL_MAX ? nm : file->unit[0] != '\0' ? 0 : (double)NAN;
+    out->wavelength_nm = nm > 0 && nm <= DBL_MAX ? nm : out->unit[0] != '\0' ? 0 : (double)NAN;
 }
 
-bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,
-                    const char *const items[ITEMS], struct error *err)
+/* Reads the description and the full scale in it, the verdict, and how many pages a stack of this
+ * program records. */
+static bool read_first(struct image *image, struct page_record *out, struct error *err)
 {
-    const double plain = 1 / layout->largest;
-    const double count_scale = items[ITEM_SCALE] != NULL ? number_at(items[ITEM_SCALE]) : plain;
-    if (layout->bits == 32)
-        return true;
-    if (items[ITEM_OFFSET] != NULL && number_at(items[ITEM_OFFSET]) != 0)
-        return image_refuse(image, page, err, "its samples have an offset");
-    if (page == 0) {
-        /* the names before it are the user's */
-        const char *own = strstr(image->description, "<Description>");
-        image->file->count_scale = count_scale;
-        image->scale =
-            number_after(own != NULL ? own : image->description,
-                         "full_scale: ", count_scale == plain ? 1 : count_scale * layout->largest);
-    }
-    return (image->scale > 0 && image->scale <= DBL_MAX &&
-            count_scale == image->file->count_scale) ||
-           image_refuse(image, page, err,
-                        "its scale is not positive, or not that of the first page");
-}
-
-bool metadata_description(struct image *image, struct error *err)
-{
+    static const char full_scale[] = "full_scale: ";
     struct image_file *file = image->file;
     const char *text = "", *verdict = private_text(file->tiff, TAG_VERDICT);
     size_t length = verdict != NULL ? strlen(verdict) : 0;
+    uint16_t page = 0, n_pages = 0;
+    uint32_t count = 0;
+    const char *any = NULL;
+    if (TIFFGetField(file->tiff, TAG_VERDICT, &count, &any) &&
+        TIFFGetField(file->tiff, TIFFTAG_PAGENUMBER, &page, &n_pages))
+        file->n_recorded = n_pages;
     while (length > 0 && verdict[length - 1] == ' ')
         length--;
     TIFFGetField(file->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
@@ -163,6 +146,28 @@ bool metadata_description(struct image *image, struct error *err)
     file->channels = image->description;
     if (length > 0)
         memcpy(image->verdict, verdict, length);
+    /* the names before the element are the user's */
+    const char *element = strstr(image->description, "<Description>");
+    const char *scale = strstr(element != NULL ? element : image->description, full_scale);
+    out->full_scale = scale != NULL ? number_at(scale + strlen(full_scale)) : -1;
     return strcmp(image->verdict, STACK_UNFINISHED) != 0 ||
            image_refuse(image, -1, err, "it is not finished: its render goes on, or was killed");
+}
+
+bool tags_read(struct image *image, int n, struct page_record *out, struct error *err)
+{
+    const char **items;
+    if (image->n_pages == 0 && !read_first(image, out, err))
+        return false;
+    if (!MAKE_ARRAY(items, (size_t)n * ITEMS, err, "the bands of %s", image->path))
+        return false;
+    find_items(image->file->tiff, n, items);
+    for (int band = 0; band < n; band++) {
+        const char *const *own = items + (size_t)band * ITEMS;
+        find_wavelength(image->file, own, &out[band]);
+        out[band].count_scale = own[ITEM_SCALE] != NULL ? number_at(own[ITEM_SCALE]) : -1;
+        out[band].offset = own[ITEM_OFFSET] != NULL ? number_at(own[ITEM_OFFSET]) : 0;
+    }
+    free(items);
+    return true;
 }
