@@ -32,7 +32,7 @@ struct image {
 /* Finds whether the file is a TIFF file, or an ENVI cube, which image_open refuses by name. Fails
  * only where the system does. */
 bool image_is(const char *path, bool *out, struct error *err);
-/* What a page records of itself. Numbers that are none are NaN. */
+/* The tags of a page. Numbers that are none are NaN. */
 struct page_record {
     double wavelength_nm; /* 0: its unit is unknown; NaN: none */
     char unit[32];        /* that is unknown; otherwise "" */

@@ -232,7 +232,7 @@ static bool put_sampling(const struct scene *scene, const struct sampling *sampl
     return put_white(scene, &every_nm, fine, to, err);
 }
 
-/* What is known of a scene is printed as it will be written, and read from that. */
+/* The facts of the scene are printed as they will be written, and read from that. */
 bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
                   struct record *out, struct error *err)
 {

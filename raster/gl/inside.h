@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What only the files of the room "gl" share. */
+/* Only the files of the room "gl" include this. */
 #ifndef RASTER_GL_INSIDE_H
 #define RASTER_GL_INSIDE_H
 
