@@ -71,10 +71,10 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
     const struct band_difference *all = &of->all;
     char pixel[32];
     if (all->largest > 0)
-        print(to, "result            differ %s the tolerance of %s\n",
+        print(to, "result            the stacks differ, %s the tolerance of %s\n",
               comparison_is_within(of) ? "within" : "by more than", tolerance);
     else
-        print_fact(to, "result", "equal");
+        print_fact(to, "result", "the stacks are equal");
     print(to, "stacks            %d x %d pixels, %d %s\n", image->width, image->height,
           image->n_pages, components ? "components" : "wavelengths");
     print(to, "largest           %.6g%s at %s%.10g%s, at pixel %s\n", all->largest, unit,
