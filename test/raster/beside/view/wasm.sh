@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# level: release; packages: clang lld wasi-libc libclang-rt-dev-wasm32 llvm; makes: live
+# level: release; packages: clang lld wasi-libc libclang-rt-dev-wasm32 llvm wabt; makes: live
 # ./build.sh live puts the program, as WebAssembly, into the pages of view; the usual program is smaller, says how to get the other,
 # and refuses what only the other can do.
 # shellcheck disable=SC1091,SC2154
