@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/types.h>
+#include <unistd.h>
 
 static inline uid_t geteuid(void)
 {
@@ -31,7 +32,15 @@ static inline int dup(int descriptor)
     return descriptor;
 }
 
-/* There are no links. */
+/* There are no links: pages lack the function that this one would import. */
+static inline int no_linkat(const char *from, const char *to)
+{
+    (void)from, (void)to;
+    errno = ENOSYS;
+    return -1;
+}
+#define linkat(from_folder, from, to_folder, to, flags) no_linkat(from, to)
+
 static inline char *realpath(const char *path, char *out)
 {
     return out ? strcpy(out, path) : strdup(path);
