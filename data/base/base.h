@@ -1,13 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "base": growing arrays, files, texts, memory. */
-/* The room "threads": loops that several threads share, and stages that work side by side. A thread
- * that has nothing to do sleeps: it takes no processor from OpenGL, from other programs or from its
- * own process. (OpenMP's threads spin while they wait; only the environment, before the program
- * starts, could forbid it.)
- */
-/* The room "index": finds a thing by its name, however many names there are. */
-/* The room "process": the end of this process, wanted or not; jobs and programs in processes of
- * their own. */
+/* The room "base": errors, growing arrays, texts that grow in memory, an index of names, memory and
+ * its limit, threads and processes. A thread that has nothing to do sleeps: it takes no processor
+ * from OpenGL, from other programs or from its own process. (OpenMP's threads spin while they wait;
+ * only the environment, before the program starts, could forbid it.) */
 #ifndef DATA_BASE_BASE_H
 #define DATA_BASE_BASE_H
 

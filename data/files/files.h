@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "digest": SHA-256 (FIPS 180-4). */
-/* The room "output": files that appear whole or not at all, and the names of files that a command
- * writes. */
+/* The room "files": files in, whole, and those that are built in; files out, which appear whole or
+ * not at all and replace no input; the names of both; SHA-256 (FIPS 180-4). */
 #ifndef DATA_FILES_FILES_H
 #define DATA_FILES_FILES_H
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "tiff": pictures in, from TIFF files. */
-/* The room "texture": pictures on surfaces. */
-/* The room "pages": TIFF files out, as pages of one format; colour pictures as TIFF or PNG. */
+/* The room "images": TIFF files in, as pages of samples and as textures; TIFF files out, as pages
+ * of one format; colour pictures out, as TIFF or PNG. */
 #ifndef DATA_IMAGES_IMAGES_H
 #define DATA_IMAGES_IMAGES_H
 

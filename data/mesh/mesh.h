@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "polygon": faces of several corners, and their cutting into triangles. */
-/* The room "mesh": triangles, Wavefront OBJ files. */
-/* The room "shape": the shapes of the scene language as triangles, and the surfaces that the
- * triangles of built-in shapes approximate. */
+/* The room "mesh": triangles from Wavefront OBJ files, polygons and the shapes of the scene
+ * language, and the surfaces that the triangles of built-in shapes approximate. */
 #ifndef DATA_MESH_MESH_H
 #define DATA_MESH_MESH_H
 

@@ -5,14 +5,14 @@
 
 #include "data/sampling/sampling.h"
 
-/* ---- data/sampling/spectral_pages.c: pages made of spectra ---- */
+/* ---- spectral_pages.c: pages made of spectra ---- */
 
 /* Returns the value of a spectrum on a page. SPECTRUM_HOLD means a reflectance, SPECTRUM_ZERO a
  * light. */
 double page_value(const struct spectral_pages *pages, const struct spectrum *spectrum, int page,
                   enum spectrum_ends ends);
 
-/* ---- data/sampling/terms.c: materials under lights ---- */
+/* ---- terms.c: materials under lights ---- */
 
 /* Lists the materials of all objects, each once, and their partners. Lists all materials of a
  * material map, since only its mesh decides which of them are needed. The array is allocated, even

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "terms": products of the spectra of lights and materials, multiplied once for all
- * vertices. It depends on no geometry, no drawing and no method of sampling. */
-/* The room "method": ways to sample a spectrum, as words. */
-/* The room "sampling": few pages stand for a whole spectrum. */
+/* The room "sampling": few pages stand for a whole spectrum. Products of the spectra of lights and
+ * materials are multiplied here, once for all vertices; they depend on no geometry and no drawing.
+ */
 #ifndef DATA_SAMPLING_SAMPLING_H
 #define DATA_SAMPLING_SAMPLING_H
 
@@ -11,7 +10,7 @@
 #include "data/spectra/spectra.h"
 #include "spectral.h"
 
-/* ---- data/sampling/spectral_pages.c: pages made of spectra ---- */
+/* ---- spectral_pages.c: pages made of spectra ---- */
 
 /* The pages of a picture, made of spectra. The arrays belong to others. A page holds the value of a
  * spectrum at the page's wavelength. If there is an analysis, it holds the sum of the spectrum
@@ -42,7 +41,7 @@ bool pages_show(const struct spectral_pages *pages, const struct spectrum *light
  * intensities, or 0 if nothing shines; *out is then undefined. */
 double scene_white(const struct scene *scene, const struct spectral_pages *pages, double *out);
 
-/* ---- data/sampling/illumination.c: lights that shine ---- */
+/* ---- illumination.c: lights that shine ---- */
 
 /* Returns whether a spectrum is 0 at every wavelength, as far as its own numbers show. */
 bool spectrum_is_zero(const struct spectrum *spectrum);
@@ -67,7 +66,7 @@ bool illumination_make(const struct scene *scene, const struct spectral_pages *p
                        bool exchangeable, struct illumination *out, struct error *err);
 void illumination_free(struct illumination *illumination);
 
-/* ---- data/sampling/terms.c: materials under lights ---- */
+/* ---- terms.c: materials under lights ---- */
 
 /* Radiance at a point is a sum over terms of weight(point) x spectrum(wavelength) (local
  * illumination is linear), times the texture there: weights depend on geometry only, spectra on

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "material": the thesis's material files, materials in words, MTL files. */
-/* The room "scene": the scene language. */
-/* The room "catalogue": the names of everything that is built in. */
+/* The room "scene": the scene language; the thesis's material files, materials in words, MTL files;
+ * the names of everything that is built in. */
 #ifndef DATA_SCENE_SCENE_H
 #define DATA_SCENE_SCENE_H
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "inputs": the files that a scene is made of, beside its own text. */
-/* The room "invocation": a scene as the command line names it, changes it and samples it. */
-/* The room "record": how a stack was made, as text in its first page. */
-/* The room "stack": writing a spectral stack, and reading one. */
+/* The room "stack": writes a spectral stack, with a text in its first page on how it was made, and
+ * reads one; lists the files that a scene is made of. Only this room knows the tags of a stack. */
 #ifndef DATA_STACK_STACK_H
 #define DATA_STACK_STACK_H
 

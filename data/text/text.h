@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "text": strict words and numbers in, JSON out. */
-/* The room "names": the files that words name. Some files are built in, and each kind of them has
- * names of its own, which `spectral list` prints. */
-/* The room "options": reads the options of a command line by the rules of a table.
- * This room does not depend on the meaning of a value. Still it refuses a wrong one at once, so
- * that the user sees the first mistake: the table has bounds, choices, and functions of other
- * rooms. */
+/* The room "text": strict words and numbers in; the files that words name, built-in ones by names
+ * of their own, which `spectral list` prints; facts out, as JSON or in words; the options of a
+ * command line. This room does not depend on the meaning of an option. Still it refuses a wrong
+ * value at once, so that the user sees the first mistake: rows have bounds, choices, and functions
+ * of other rooms. */
 #ifndef DATA_TEXT_TEXT_H
 #define DATA_TEXT_TEXT_H
 

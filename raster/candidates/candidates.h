@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Triangles as OpenGL sets them up: clipped at the tile's border and in depth, fanned, and
- * interpolated through planes, with bounds on its errors there. "slack" bounds a position. */
-/* The fragments that OpenGL may have at each pixel: those that it may show, and how many it may
- * draw, hidden ones included. After the reference has drawn, the triangles are walked a second
- * time. */
-/* The candidates of each pixel: the triangle that the reference shows, and every other triangle
- * that OpenGL may show there, with weights and bounds. */
+/* The room "candidates": after the reference has drawn, triangles are walked a second time as
+ * OpenGL sets them up: clipped at the tile's border and in depth, fanned, and interpolated through
+ * planes. The candidates of a pixel are the triangle that the reference shows and every other one
+ * that OpenGL may show there, with weights and bounds; and how many fragments it may draw, hidden
+ * ones included. "slack" bounds a position. */
 #ifndef RASTER_CANDIDATES_CANDIDATES_H
 #define RASTER_CANDIDATES_CANDIDATES_H
 

@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* One geometry explains all bands. Where OpenGL's positions, lighting or places in a texture are
+/* The room "check": judges each pixel of OpenGL's picture: some candidate must explain its
+ * triangle, its depth, its fragments and its radiance in every band, within bounds. Then it judges
+ * the picture: sums over samples and pixels, how much was checked, and what follows. This room
+ * draws nothing, and may not know how bounds and candidates come about. No pixel is skipped.
+ *
+ * One geometry explains all bands. Where OpenGL's positions, lighting or places in a texture are
  * off, they are off by the same amount in every band: a pixel's radiances stay a sum over terms of
  * weight x spectrum, with weights that are off. A few bands, the pilots, show by how much. What the
  * weights so found leave of another band must be small: the roundings of that band, and those of
@@ -13,11 +18,6 @@
  * sum_t (own_tb q_t + rest_tb e_t). A pilot helps to explain itself: what it keeps, and the bound,
  * are divided by 1 - h_bb, so that an error of this band alone shows in full. The gains are those
  * of least squares, with the bounds e as prior knowledge (Kalman 1960). */
-/* The verdict on a picture: sums over samples and pixels, how much was checked, and what follows.
- */
-/* Judges each pixel of OpenGL's picture: some candidate must explain its triangle, its depth, its
- * fragments and its radiance in every band, within bounds. This room draws nothing, and may not
- * know how bounds and candidates come about. No pixel is skipped. */
 #ifndef RASTER_CHECK_CHECK_H
 #define RASTER_CHECK_CHECK_H
 

@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "library": a library of OpenGL that is opened at run time, and the functions of OpenGL
- * that the program calls. */
-/* The room "context": OpenGL without a window, by OSMesa's library or by EGL's. Either is opened at
- * run time, so that the program starts without both. The static program has an OSMesa of its own,
- * and no EGL. */
-/* The room "vertices": what rooms that draw a plan through OpenGL share: the driver that is
- * accepted, meshes in buffer objects, textures, and triangles that are drawn in numbers. */
-/* Draws the plan's picture through OpenGL, a tile and a pass at a time, and says which triangle
- * OpenGL shows at each pixel. It may not know what the reference shows: of lit scenes it reads only
- * where each surface lies in the window, so that it draws nothing that a tile cannot show. */
+/* The room "gl": OpenGL without a window, by a library of OSMesa or of EGL that is opened at run
+ * time, so that the program starts without both. (The static program has an OSMesa of its own, and
+ * no EGL.) Draws the plan's picture, a tile and a pass at a time, and says which triangle OpenGL
+ * shows at each pixel. It may not know what the reference shows: of lit scenes it reads only where
+ * each surface lies in the window, so that it draws nothing that a tile cannot show. Renderers by
+ * shaders share meshes, textures and numbers of triangles with it. */
 #ifndef RASTER_GL_GL_H
 #define RASTER_GL_GL_H
 

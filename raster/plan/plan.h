@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The plan of a render, decided once: instances, terms, effects, passes, bytes. */
-/* The room "passes": which bands OpenGL draws together, in which colours, and which it need not
- * draw. */
-/* The room "notes": the plan in words, and notes on a scene: what makes its picture black or
- * guessed. A note changes no pixel and no exit status. */
+/* The room "plan": what a scene calls for, decided once: instances, terms, effects, bytes; which
+ * bands OpenGL draws together, in which colours, and which it need not draw; the plan as facts. */
 #ifndef RASTER_PLAN_PLAN_H
 #define RASTER_PLAN_PLAN_H
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "stages": draws, judges and writes all tiles of a picture. OpenGL, the check and the
- * file work side by side, each on what the one before has made. */
-/* Renders a plan into a stack, tile by tile and pass by pass, and reports the result. This room
- * connects the reference, OpenGL, the check and the stack. It does not depend on how any of them
- * works. */
+/* The room "render": a scene becomes a plan, and a plan becomes a stack, tile by tile and pass by
+ * pass; the result is reported, with notes on what makes a picture black or guessed. OpenGL, the
+ * check and the file work side by side, each on what the one before has made. This room connects
+ * them, and does not depend on how any of them works. */
 #ifndef RASTER_RENDER_RENDER_H
 #define RASTER_RENDER_RENDER_H
 
@@ -110,12 +109,12 @@ struct render_foreign {
 };
 struct render_output {
     const struct verdict_limits *limits; /* NULL: the usual ones */
-    const char *path;      /* of the stack; NULL: no stack is written */
-    const char *check_map; /* the map of the check; NULL: none is wanted */
-    const char *again;     /* the stack to compare the new one with, byte by byte; NULL: none */
-    bool keep;             /* store the stack even if it fails its check or differs from `again` */
-    bool discard;          /* compare the stack with `again`, and store none */
-    bool envi;             /* write the stack's ENVI header beside it */
+    const char *path;                    /* of the stack; NULL: no stack is written */
+    const char *check_map;               /* the map of the check; NULL: none is wanted */
+    const char *again; /* the stack to compare the new one with, byte by byte; NULL: none */
+    bool keep;         /* store the stack even if it fails its check or differs from `again` */
+    bool discard;      /* compare the stack with `again`, and store none */
+    bool envi;         /* write the stack's ENVI header beside it */
     struct outputs *outputs; /* get all files; NULL: they appear at once */
     struct notes *notes;     /* as notes_make takes them; NULL: none are wanted */
     char *const *recorded;   /* n_recorded options for the record of the stack */

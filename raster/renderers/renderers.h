@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Lists the known properties of each implementation of OpenGL. Bounds, candidates and check read
- * it. */
-/* The room "renderer": the pixels that are to be checked, from wherever they come. A room that has
- * such pixels opens a renderer; the loop over tiles, the check and the report know no more of it
- * than this. A renderer may not know what the reference shows. */
+/* The room "renderers": the pixels that are to be checked, from wherever they come, and the known
+ * properties of each implementation of OpenGL, which bounds, candidates and check read. A room that
+ * has such pixels opens a renderer; the loop over tiles, the check and the report know no more of
+ * it than this. A renderer may not know what the reference shows. */
 #ifndef RASTER_RENDERERS_RENDERERS_H
 #define RASTER_RENDERERS_RENDERERS_H
 

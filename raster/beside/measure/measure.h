@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "traits": measures how an OpenGL does what its specification leaves free, on small
- * targets with known answers, and makes the profile of a driver from it. Bounds then come from the
- * specification and from these measurements, never from the scene under test.
- *
- * "The specification" is that of OpenGL 2.1. */
-/* The room "drivers": what OpenGL can draw on this system. */
+/* The room "measure": what OpenGL can draw on this system, and how it does what its specification
+ * leaves free, measured on small targets with known answers. The profile of a driver is made from
+ * that. Bounds then come from the specification (of OpenGL 2.1) and from these measurements, never
+ * from the scene under test. */
 #ifndef RASTER_BESIDE_MEASURE_MEASURE_H
 #define RASTER_BESIDE_MEASURE_MEASURE_H
 

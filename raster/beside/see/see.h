@@ -1,11 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "chart": charts as SVG. */
-/* The room "develop": a stack as a detector sees it. */
-/* The room "compare": finds where and by how much two stacks differ. */
-/* The room "probe": the spectrum of a pixel or a region. */
-/* Explains the spectrum of a pixel: draws a region of a scene by the reference, and lists the
- * spectra that contribute to it. This room depends neither on OpenGL nor on how the result is
- * printed (data/probe). */
+/* The room "see": stacks as a detector sees them; where and by how much two stacks differ; the
+ * spectrum of a pixel or a region, of a stack, or of a scene with the spectra that contribute to
+ * it; charts as SVG. */
 #ifndef RASTER_BESIDE_SEE_SEE_H
 #define RASTER_BESIDE_SEE_SEE_H
 

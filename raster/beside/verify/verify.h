@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "exchange": pictures that another program draws. spectral export writes a scene as plain
- * files, spectral judge reads that program's pixels as those of a renderer. data/doc/exchange.md is
- * the contract of all files. This room needs no OpenGL. */
-/* The room "verify": many scenes on many drivers, each judged as a render judges its picture. */
+/* The room "verify": many scenes on many drivers, each judged as a render judges its picture; and
+ * pictures that another program draws: spectral export writes a scene as plain files, spectral
+ * judge reads that program's pixels as those of a renderer. data/doc/exchange.md is the contract of
+ * all files. The latter needs no OpenGL. */
 #ifndef RASTER_BESIDE_VERIFY_VERIFY_H
 #define RASTER_BESIDE_VERIFY_VERIFY_H
 
