@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Shared by every file of spectral: version, exit status, errors, places in input files.
  *
- * The program is divided into rooms. A room is a folder with one header, which is its contract:
- * data/text/text.h for data/text/. A file includes this header, the header of its own room and
- * headers of earlier rooms only; data/README.md and raster/README.md list the rooms in order.
- * Functions that only the files of one room call stand in the last section of its header, "Inside
- * this room".
+ * The program is divided into rooms. A room is a folder with one public header, which is its
+ * contract: data/text/text.h for data/text/. Declarations that only its own files share stand in
+ * its inside.h. A file includes this header, the headers of its own room and public headers of
+ * earlier rooms only; data/README.md and raster/README.md list the rooms in order. The core does
+ * not know the rooms in raster/beside/: they enter through the tables there.
  *
  * Data flows one way: scene -> plan -> pixels -> verdict -> stack.
  *
@@ -68,7 +68,7 @@ enum error_kind {
     ERROR_DIFFERENT,   /* EXIT_DIFFERENT */
     ERROR_FAILED,      /* EXIT_SYSTEM, for a failure that errno does not describe */
     ERROR_UNSUPPORTED, /* EXIT_SYSTEM and `unsupported` */
-    ERROR_SYSTEM       /* EXIT_SYSTEM; appends ": " and the description of errno, unless that is 0 */
+    ERROR_SYSTEM /* EXIT_SYSTEM; appends ": " and the description of errno, unless that is 0 */
 };
 /* Sets what the kind says. Puts the place before the message. */
 bool error_of(struct error *err, enum error_kind kind, struct place place, const char *format, ...)
