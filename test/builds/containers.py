@@ -61,7 +61,7 @@ def with_egl(system):
           result.stderr)
     install(system, "libgl1-mesa-dri")
     result = inside(system, "/spectral", *RENDER)
-    check(result.returncode == 0 and re.search("^OpenGL .* by EGL$", result.stdout, re.MULTILINE) and "verdict           agreed" in result.stdout,
+    check(result.returncode == 0 and re.search("^drawn by .* by EGL$", result.stdout, re.MULTILINE) and "verdict           agreed" in result.stdout,
           "with EGL and a driver the program draws and agrees", result.stdout, result.stderr)
 
 

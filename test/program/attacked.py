@@ -22,7 +22,8 @@ KINDS, PROCESSES, NAME = 64, 64, 16  # of struct report in fail.c
 REPORT_BYTES = KINDS * NAME + 8 + PROCESSES * 8 * (KINDS + 1)
 OLDER = b"This file was here before.\n"
 ERROR_LINE = re.compile(r"(\S.*: )?error: ")
-MEASURED = re.compile(rb'^seconds .*$|"(seconds|peak_bytes)": (\{[^}]*\}?|[-+.e\d]*)', re.MULTILINE)
+MEASURED = re.compile(rb'^seconds .*$|^  (read|plan|gl|raster|check|write|total|processor) .*$|'
+                      rb'"(seconds|peak_bytes)": (\{[^}]*\}?|[-+.e\d]*)', re.MULTILINE)
 NM = 400, 500, 600, 700
 WIDTH, HEIGHT = 12, 8
 LONGEST_RUN = 300  # seconds; a longer one hangs

@@ -77,7 +77,7 @@ def missing():
     drawing = ("render", "patches", "--size", "30x20", *NM, "-o", "/dev/null")
     program = without("OSMesa")
     result = run(*drawing, program=program)
-    check(result.returncode == 0 and re.search("^OpenGL .* by EGL$", result.stdout, re.MULTILINE),
+    check(result.returncode == 0 and re.search("^drawn by .* by EGL$", result.stdout, re.MULTILINE),
           "without OSMesa the program takes EGL", result.stdout, result.stderr)
     result = run(*drawing, "--gl", "osmesa", program=program)
     check(result.returncode == 3 and re.fullmatch(r"error: OpenGL is missing: there is no libXXXXXX[^\n]*libosmesa6[^\n]*\n", result.stderr),
