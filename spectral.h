@@ -22,10 +22,13 @@
 #ifndef SPECTRAL_H
 #define SPECTRAL_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #define SPECTRAL_VERSION "0.5.0"
 #define PROGRAM "spectral " SPECTRAL_VERSION

@@ -3,7 +3,6 @@
  * when memory has run out. Nothing is printed here: the command line decides what the user sees. */
 #include <limits.h>
 #include <stdarg.h>
-#include <string.h>
 
 #include "data/base/base.h"
 

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Chromatic adaptation: each cone response to a colour is divided by the response to the white. */
-#include <string.h>
-
 #include "data/colour/colour.h"
-#include "data/maths/maths.h"
 #include "data/text/text.h"
 
 static const char *const names[] = {

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Displays: sRGB, and the monitor of the 1998 thesis. */
-#include <math.h>
-#include <string.h>
-
 #include "data/colour/inside.h"
 #include "data/maths/maths.h"
 

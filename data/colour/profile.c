@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* ICC profiles of displays: three colorants and three curves, version 4.3 (ICC.1:2010). */
-#include <math.h>
-#include <string.h>
-
 #include "data/colour/inside.h"
 
 enum { HEADER = 128, TAGS = 10, TAG_ENTRY = 12 };

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* SHA-256 (FIPS 180-4). Reports and records identify files by it. */
 #include <fcntl.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "data/files/files.h"

@@ -2,8 +2,6 @@
 /* Reads whole files, from disk or compiled in. Reads and writes go on after a signal. */
 #include <fcntl.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The formats of files, by their first bytes, so that a message can say which file this is. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <unistd.h>
 

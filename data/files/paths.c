@@ -2,8 +2,6 @@
 /* Paths: how one file names another, what a path names, and the names of files that a command
  * writes. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>

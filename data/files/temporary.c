@@ -4,8 +4,6 @@
  * temporary name, which is removed when the process ends, unless the process is killed. */
 #define _GNU_SOURCE /* O_TMPFILE, fallocate */
 #include <fcntl.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>

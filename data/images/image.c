@@ -3,9 +3,6 @@
  * picture as grey samples of one directory; each of these bands is a page, too. */
 #include <float.h>
 #include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>

@@ -5,11 +5,7 @@
 #ifndef DATA_IMAGES_IMAGES_H
 #define DATA_IMAGES_IMAGES_H
 
-#include <pthread.h>
-
-#include "data/base/base.h"
 #include "data/files/files.h"
-#include "spectral.h"
 
 struct tiff; /* libtiff's TIFF */
 struct png;

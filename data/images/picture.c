@@ -2,8 +2,6 @@
 /* Writes colour pictures, as TIFF or PNG. RGB is one page of three samples a pixel. Floats are
  * grey pages of a TIFF, one a channel: ImageJ and Pillow open no other floats. */
 #include <assert.h>
-#include <stdlib.h>
-#include <string.h>
 #include <tiffio.h>
 
 #include "data/images/inside.h"

@@ -2,8 +2,6 @@
 /* Writes PNG files: ISO/IEC 15948:2004, "the specification" below. zlib compresses the rows as they
  * come. Each row goes through the filter that makes its bytes smallest, as section 12.8 recommends.
  * zlib gets a row at a time, so that its output does not depend on how many rows come at once. */
-#include <stdlib.h>
-#include <string.h>
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 

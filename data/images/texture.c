@@ -2,8 +2,6 @@
 /* Reads the planes of textures. A spectral texture keeps only the planes of one pass in memory: its
  * stack may be larger than the memory. */
 #include <assert.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "data/images/images.h"
 #include "data/text/text.h"

@@ -3,10 +3,6 @@
  * coordinates become one vertex, in the order of first use. Normals and texture coordinates that
  * the file lacks are computed. Time grows linearly with the size of the file. Finds borders of any
  * mesh. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/mesh/inside.h"
 
 /* ---- the mesh itself ---- */

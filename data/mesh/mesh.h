@@ -6,10 +6,7 @@
 #ifndef DATA_MESH_MESH_H
 #define DATA_MESH_MESH_H
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- mesh.c: triangles ---- */
 

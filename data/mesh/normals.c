@@ -3,9 +3,6 @@
  * divides them. At most points few faces meet, and each is compared with all others there. Where
  * many meet, as at the tip of a cone, a tree finds the neighbours of a face without a look at each.
  */
-#include <math.h>
-#include <stdlib.h>
-
 #include "data/mesh/inside.h"
 
 struct crowd;

@@ -3,8 +3,6 @@
  * checks them all, so that the rest of the mesh builder can rely on them. */
 #include <float.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/mesh/inside.h"
 

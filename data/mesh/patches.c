@@ -3,10 +3,6 @@
  * lattice of places on each patch, and two triangles in each cell. Positions along a seam are
  * computed from the same numbers by the same steps. So neighbours agree in every bit, and no crack
  * can open. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/mesh/inside.h"
 
 enum { TEAPOT_PATCHES = 32 };

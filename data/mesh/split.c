@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Cuts a mesh in half, halves its edges, and takes a part out of a mesh. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/mesh/inside.h"
 
 /* ---- edges that get a vertex ---- */

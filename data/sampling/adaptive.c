@@ -4,10 +4,6 @@
  * emission peaks, and every segment has the fewest nodes that its spectra allow. Beyond Deville's,
  * segments are joined again where they have no need of a cut. Nodes are wavelengths of the grid:
  * there spectra are known, and pages are exactly what the errors were judged by. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
 
 /* Cells from..to - 1 of the grid, and the nodes that stand for them. */

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the spectra of a scene's lights and terms at every nm, from which samplings are made.
  * Textures do not count: a spectral texture is read at the wavelength of each page. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
 
 /* A stack of every nm has no more pages. */

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Samplings by Gaussian quadrature: with one rule, or with one for each of three functions. */
-#include <stdlib.h>
-
 #include "data/colour/colour.h"
 #include "data/sampling/inside.h"
 

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes samplings, samples scenes, and describes samplings in words. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
-#include "data/text/text.h"
 
 /* ---- arrays ---- */
 

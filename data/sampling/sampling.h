@@ -6,10 +6,7 @@
 #ifndef DATA_SAMPLING_SAMPLING_H
 #define DATA_SAMPLING_SAMPLING_H
 
-#include "data/base/base.h"
 #include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "spectral.h"
 
 /* ---- data/sampling/spectral_pages.c: pages made of spectra ---- */
 

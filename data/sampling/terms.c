@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes the terms of a material: spectra of light, reflectance and fluorescence, multiplied. A term
  * that is 0 on every page is left out, unless lights may be exchanged. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
 
 struct luminescence {

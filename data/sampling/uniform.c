@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Samplings by steps, by boxes, and by three numbers. */
-#include <math.h>
-
 #include "data/colour/colour.h"
 #include "data/sampling/inside.h"
-#include "data/text/text.h"
 
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err)
 {

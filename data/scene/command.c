@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral list: the names that scenes and options can use. spectral show: a built-in file. */
 #include <ctype.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/scene/scene.h"
 
 static void list_shapes(struct printed *to)

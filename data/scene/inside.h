@@ -3,7 +3,6 @@
 #ifndef DATA_SCENE_INSIDE_H
 #define DATA_SCENE_INSIDE_H
 
-#include "data/base/base.h"
 #include "data/scene/scene.h"
 
 /* ---- material.c: materials from files and from words ---- */

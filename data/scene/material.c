@@ -2,11 +2,8 @@
 /* Reads materials from files in the format of the 1998 thesis (in its Table 1, the first word of a
  * line is the kind of the line) and from the words of a scene. Both have the same ranges. */
 #include <ctype.h>
-#include <math.h>
-#include <string.h>
 #include <strings.h>
 
-#include "data/files/files.h"
 #include "data/scene/inside.h"
 
 /* Refuses an excitation whose sum is not above 0 and finite. The excitation by a light is divided

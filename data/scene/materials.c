@@ -2,9 +2,6 @@
 /* Finds materials by name, and reads those that objects use. A scene may use a material before it
  * defines it, so this happens when the whole scene is known. The file of a material that no object
  * uses is never opened. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/scene/inside.h"
 
 /* ---- definitions ---- */

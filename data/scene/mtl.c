@@ -3,9 +3,6 @@
  * which say nothing about single wavelengths. This file spreads them over the spectrum so that grey
  * is constant. It reads Kd, Ks, Ns and Ke, and skips all else, since the format has many dialects.
  * An entry is read only if a scene uses it. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "data/scene/inside.h"
 
 enum statement { KD, KS, KE, NS, STATEMENTS };

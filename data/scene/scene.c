@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads scenes: finds the file of a scene, reads one statement a line, and reads the files that it
  * includes. Statements may come in any order; some of them may be given only once. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/files/files.h"
 #include "data/scene/inside.h"
 
 /* ---- files ---- */

@@ -5,11 +5,8 @@
 #ifndef DATA_SCENE_SCENE_H
 #define DATA_SCENE_SCENE_H
 
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- material.c: materials from files and from words ---- */
 

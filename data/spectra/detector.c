@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Detectors: three sensitivities, and the weights by which the radiances of a picture count in
  * them. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "data/spectra/inside.h"
 
 /* ---- wavelengths ---- */

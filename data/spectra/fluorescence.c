@@ -3,10 +3,7 @@
  * light. Sums run over the wavelengths of both the light and the excitation: neither a line between
  * the samples of the excitation nor an excitation between the samples of the light is lost. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/spectra/spectra.h"
 
 /* ---- the wavelengths of two spectra ---- */

@@ -3,9 +3,7 @@
 #ifndef DATA_SPECTRA_SPECTRA_H
 #define DATA_SPECTRA_SPECTRA_H
 
-#include "data/files/files.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- spectrum.c: sampled and analytic spectra ---- */
 

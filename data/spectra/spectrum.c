@@ -2,11 +2,7 @@
 /* Spectra: their values, daylight, and the words that name them. */
 #include <float.h>
 #include <limits.h>
-#include <math.h>
-#include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/spectra/inside.h"
 
 /* A millimetre: longer waves are no light. The limit keeps sums and steps of wavelengths finite. */

@@ -2,9 +2,6 @@
 /* Reads tables of wavelengths and values: columns, as spreadsheets and instruments write them, and
  * CGATS files. A file that can be read in two ways is refused, with the words that decide. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 #include "data/spectra/inside.h"

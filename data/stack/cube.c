@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads a spectral stack, with its record if this program wrote it. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/stack/inside.h"
 

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists the files that a scene is made of. A stack records them with their digests, so that a
  * picture of one machine can be compared with that of another. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/stack/stack.h"
 
 /* ---- finding ---- */

@@ -3,8 +3,6 @@
  * SPy, GDAL and MATLAB can map the TIFF file itself: the header says where its samples begin. */
 #include <ctype.h>
 #include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/stack/inside.h"
 

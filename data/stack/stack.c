@@ -3,7 +3,6 @@
  * lies behind the last page. Only the record says where: a reader of TIFF never gets there. */
 #include <float.h>
 #include <inttypes.h>
-#include <string.h>
 #include <tiffio.h>
 #include <unistd.h>
 

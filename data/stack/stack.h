@@ -6,14 +6,8 @@
 #ifndef DATA_STACK_STACK_H
 #define DATA_STACK_STACK_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* Materials, spectra, textures, meshes: files that decide a picture, and that are not built in. */
 struct inputs {

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads a command line by the rules of a table, and explains the options in it. */
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <sys/resource.h>
 #include <unistd.h>

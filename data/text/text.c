@@ -5,9 +5,6 @@
  * is safe to read one character past a word. */
 #include <float.h>
 #include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "data/text/text.h"

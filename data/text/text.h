@@ -9,13 +9,8 @@
 #ifndef DATA_TEXT_TEXT_H
 #define DATA_TEXT_TEXT_H
 
-#include <stddef.h>
-#include <stdio.h>
-
-#include "data/base/base.h"
 #include "data/files/files.h"
 #include "data/maths/maths.h"
-#include "spectral.h"
 
 struct scene;
 
