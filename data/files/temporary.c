@@ -221,7 +221,7 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     errno = 0;
     if (make(parent, ".spectral-unfinished.", out))
         return true;
-    error_cause(err, place, errno, "cannot make the folder");
+    error_cause(err, place, "cannot make the folder");
     folder_close(out);
     return false;
 }
@@ -234,7 +234,7 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err)
     umask(mask);
     const int own = dirfd(folder->entries);
     if (fchmod(own, 0777 & ~mask) != 0 || fsync(own) != 0 || rename(folder->path, path) != 0)
-        return error_cause(err, place, errno, "cannot make the folder");
+        return error_cause(err, place, "cannot make the folder");
     folder->path[0] = '\0';
     folder_sync(path);
     return true;

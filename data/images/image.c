@@ -393,7 +393,7 @@ static bool open_source(struct image *image, struct error *err)
     if (!file_open(image->path, file->from, &client->descriptor, &client->builtin, err))
         return false;
     if (!client->builtin && fstat(client->descriptor, &status) != 0)
-        return error_cause(err, file->from, errno, "cannot read %s", image->path);
+        return error_cause(err, file->from, "cannot read %s", image->path);
     client->bytes = client->builtin ? client->builtin->length : (uint64_t)status.st_size;
     file->tiff = client_open(client, image->path, "rmc");
     return source_is_sound(image, err) &&

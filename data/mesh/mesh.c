@@ -39,11 +39,11 @@ bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct
 
 void mesh_free(struct mesh *mesh)
 {
-    FREE_ALL(mesh->vertices, mesh->parameters, mesh->triangles, mesh->part);
+    FREE_ALL(mesh->vertices, mesh->parameters, mesh->triangles, mesh->part,
+             mesh->division.triangles, mesh->division.first, mesh->division.number);
     for (int i = 0; mesh->part_names && i < mesh->n_parts; i++)
         free(mesh->part_names[i]);
     free(mesh->part_names);
-    division_free(mesh->division);
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
@@ -307,7 +307,5 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
            add_faces(&builder, out, err);
     FREE_ALL(builder.cutter, builder.order, builder.starts, builder.first_vertex, builder.links);
     obj_free(&builder.obj);
-    if (!good)
-        mesh_free(out);
     return good;
 }

@@ -224,7 +224,7 @@ bool patches_open(const struct shape *shape, struct patches *out, struct error *
     if (shape->kind != SHAPE_TEAPOT)
         return true;
     if (!MAKE_ARRAY(out->teapot, TEAPOT_PATCHES, err, "the teapot") ||
-        !text_open(&text, "builtin:models/teapot.txt", shape->place, err))
+        !text_open(&text, "builtin:models/teapot.txt", shape->place, false, err))
         return false;
     const bool done = read_teapot(&text, out->teapot, err);
     text_free(&text);
@@ -390,8 +390,6 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
     *out = (struct mesh){.place = shape->place, .parametric = true};
     const bool done = patches_open(shape, &patches, err) && add_all(out, &patches, err);
     patches_close(&patches);
-    if (!done)
-        mesh_free(out);
     return done;
 }
 

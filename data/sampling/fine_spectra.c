@@ -74,9 +74,8 @@ static bool add_material(struct fine_spectra *to, const struct illumination *ill
 {
     const size_t n_nm = (size_t)to->n_nm;
     struct material_terms terms;
-    if (!material_terms_make(illumination, material, &terms, err))
-        return false;
-    bool done = (!terms.emits || add_light(to, &material->glow, 1, err)) &&
+    bool done = material_terms_make(illumination, material, &terms, err) &&
+                (!terms.emits || add_light(to, &material->glow, 1, err)) &&
                 (!terms.fluoresces || add_lights(to, illumination, material, err));
     for (int t = 0; done && t < terms.n; t++) {
         double *row = add_row(to, true, err);
@@ -123,8 +122,6 @@ bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct e
         done = add_material(out, &illumination, materials[i], err);
     illumination_free(&illumination);
     FREE_ALL(materials, every_nm.wavelength_nm);
-    if (!done)
-        fine_spectra_free(out);
     return done;
 }
 

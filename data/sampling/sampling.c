@@ -35,12 +35,6 @@ bool fine_detector_make(const struct detector *detector, double first_nm, int n,
     return true;
 }
 
-void fine_detector_free(struct fine_detector *detector)
-{
-    free(detector->nm);
-    *detector = (struct fine_detector){0};
-}
-
 double sampling_seen(const struct sampling *sampling, int j)
 {
     const struct fine_detector *fine = &sampling->fine;
@@ -226,8 +220,6 @@ bool scene_sample(struct scene *scene, const struct sampling_method *method, con
                       (out->spectral || refuse_textures(scene, out, err)) &&
                       replace_wavelengths(scene, out, err);
     fine_spectra_free(&spectra);
-    if (!done)
-        sampling_free(out);
     return done;
 }
 
@@ -303,8 +295,7 @@ void sampling_print(const struct sampling *sampling, struct printed *to)
 void sampling_free(struct sampling *sampling)
 {
     FREE_ALL(sampling->detector, sampling->pages.wavelength_nm, sampling->pages.analysis,
-             sampling->pages.reflectance_analysis, sampling->segment_nm, sampling->weights);
-    fine_detector_free(&sampling->fine);
-    FREE_ALL(sampling->synthesis, sampling->peak_nm);
+             sampling->pages.reflectance_analysis, sampling->segment_nm, sampling->weights,
+             sampling->fine.nm, sampling->synthesis, sampling->peak_nm);
     *sampling = (struct sampling){.detector = NULL};
 }

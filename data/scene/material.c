@@ -157,7 +157,7 @@ bool material_read(const char *path, struct place from, struct material *out, st
     struct text text;
     bool done;
     *out = (struct material){0};
-    if (!file_expected(path, from, FILE_MATERIAL, err) || !text_open(&text, path, from, err))
+    if (!file_expected(path, from, FILE_MATERIAL, err) || !text_open(&text, path, from, false, err))
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
@@ -337,10 +337,7 @@ bool material_read_words(struct text *text, struct material *out, struct error *
 {
     *out = (struct material){.place = text_place(text)};
     out->place.column--; /* the cursor stands behind the { */
-    if (read_block(text, out, err))
-        return true;
-    material_free(out);
-    return false;
+    return read_block(text, out, err);
 }
 
 void material_free(struct material *material)

@@ -6,15 +6,10 @@
 
 /* ---- definitions ---- */
 
-static int find_material(const struct scene_reader *reader, const struct word *word)
-{
-    return index_find(&reader->named, word->start, word->length);
-}
-
 static bool check_name(const struct scene_reader *reader, const struct word *word,
                        struct error *err)
 {
-    const int first = find_material(reader, word);
+    const int first = index_find(&reader->named, word->start, word->length);
     if (word_is(word, "{"))
         return error_at(err, word->place, "expected a name before the {");
     if (first < 0)
@@ -127,7 +122,7 @@ static bool load(struct material *material, struct error *err)
 static bool find_named(const struct scene_reader *reader, const struct word *name, int *out,
                        struct error *err)
 {
-    *out = find_material(reader, name);
+    *out = index_find(&reader->named, name->start, name->length);
     return *out >= 0 ? load(&reader->scene->materials[*out], err)
                      : refuse_unknown(reader->scene, name, err);
 }
@@ -176,9 +171,8 @@ static int find_mtl(struct scene_reader *reader, const char *path, struct place 
     struct mtl mtl;
     if (known >= 0)
         return known;
-    if (!mtl_open(path, from, &mtl, err))
-        return -1;
-    if (index_add(&reader->mtl_paths, path, length, reader->n_mtl, err) &&
+    if (mtl_open(path, from, &mtl, err) &&
+        index_add(&reader->mtl_paths, path, length, reader->n_mtl, err) &&
         array_add(&reader->mtl, &reader->n_mtl, &mtl, sizeof mtl, err))
         return reader->n_mtl - 1;
     mtl_free(&mtl);

@@ -70,10 +70,7 @@ static bool find_entries(struct mtl *mtl, struct error *err)
 bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err)
 {
     *out = (struct mtl){.n_entries = 0};
-    if (text_open(&out->text, path, from, err) && find_entries(out, err))
-        return true;
-    mtl_free(out);
-    return false;
+    return text_open(&out->text, path, from, false, err) && find_entries(out, err);
 }
 
 void mtl_free(struct mtl *mtl)

@@ -215,14 +215,12 @@ bool donaldson_read(const char *path, struct place from, const struct spectrum *
 {
     struct matrix_table table = {.out = out};
     *out = (struct donaldson){.share = NULL};
-    if (!text_open_large(&table.text, path, from, err))
+    if (!text_open(&table.text, path, from, true, err))
         return false;
     table.text.separators = ",;";
     const bool done =
         read_header(&table, err) && read_rows(&table, err) && check_shares(&table, diffuse, err);
     text_free(&table.text);
-    if (!done)
-        donaldson_free(out);
     return done;
 }
 

@@ -483,7 +483,7 @@ static bool read_file(const char *path, struct table *table, struct spectrum *ou
     struct text *text = &table->text;
     struct word first;
     bool done = true;
-    if (!text_open(text, path, table->wanted->table.place, err))
+    if (!text_open(text, path, table->wanted->table.place, false, err))
         return false;
     if (next_word(text, &first)) {
         text->at = text->line_start;

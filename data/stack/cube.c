@@ -4,8 +4,6 @@
 
 #include "data/stack/inside.h"
 
-static const struct place nowhere = {0};
-
 /* Returns whether the object map ends where the file ends, and objects have names. If not, another
  * program changed the stack, or it was cut. */
 static bool map_is_whole(const struct cube *cube)
@@ -21,7 +19,7 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
 {
     struct image *image = &out->image;
     struct error foreign = {0};
-    if (!image_open(path, nowhere, tags_read, image, err))
+    if (!image_open(path, NOWHERE, tags_read, image, err))
         return false;
     const bool own = record_read(image, &out->record, &foreign);
     if (foreign.status == EXIT_SYSTEM) {
@@ -130,7 +128,7 @@ static bool respond_finely(const struct record *record, const struct detector *d
     for (int j = 0; spectrum && j < fine.n; j++)
         fine.nm[j] = spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO); /* radiances now */
     detector_response(fine.weights, spectrum ? fine.nm : NULL, fine.n, out);
-    fine_detector_free(&fine);
+    free(fine.nm);
     return true;
 }
 

@@ -289,9 +289,10 @@ static bool check_outputs(const struct options *options, struct error *err)
 
 /* ---- the command line ---- */
 
-static bool read_words(struct reading reading, struct options *out, struct error *err)
+bool options_read(const struct command *command, bool recorded, char *const *words, int n_words,
+                  struct options *out, struct error *err)
 {
-    const struct command *command = reading.command;
+    struct reading reading = {command, recorded, words, n_words, 0};
     bool only_operands = false;
     *out = (struct options){.command = command};
     if (command->own_size > 0 && !memory_make(&out->own, 1, command->own_size))
@@ -312,18 +313,6 @@ static bool read_words(struct reading reading, struct options *out, struct error
     }
     out->operand = out->operands[0];
     return check_outputs(out, err);
-}
-
-bool options_read(const struct command *command, char *const *words, int n_words,
-                  struct options *out, struct error *err)
-{
-    return read_words((struct reading){command, false, words, n_words, 0}, out, err);
-}
-
-bool options_read_recorded(const struct command *command, char *const *words, int n_words,
-                           struct options *out, struct error *err)
-{
-    return read_words((struct reading){command, true, words, n_words, 0}, out, err);
 }
 
 void options_free(struct options *options)
