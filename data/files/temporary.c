@@ -128,10 +128,9 @@ void temporary_remove(struct output *out)
 bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err)
 {
     struct statvfs disk;
-    if (fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
-        needed / disk.f_frsize <= disk.f_bavail)
-        return true;
-    return error_failed(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
+    return fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
+           needed / disk.f_frsize <= disk.f_bavail ||
+           error_failed(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
                         1e-6 * (double)needed,
                         1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
 }

@@ -411,8 +411,6 @@ bool image_open(const char *path, struct place from, image_tags *read_tags, stru
         out->file->client.descriptor = -1;
         done = refuse_foreign(out, err) && open_source(out, err) && pages_read(out, read_tags, err);
     }
-    if (!done)
-        image_close(out);
     return done;
 }
 

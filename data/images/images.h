@@ -42,7 +42,7 @@ typedef bool image_tags(struct image *image, int n, struct page_record *out, str
 /* Opens the file (or "builtin:..." file) and reads the tags of its pages, but no samples.
  * Refuses, at the place `from`: pages without pixels or of different sizes, other samples than the
  * above, bands without wavelengths, a file that is too short. Refuses a file of another format with
- * the command that converts it. */
+ * the command that converts it. The caller closes *out, also after a failure. */
 bool image_open(const char *path, struct place from, image_tags *read_tags, struct image *out,
                 struct error *err);
 /* Refuses a page (from 0; -1: the file). The message has its wavelength, if that is recorded. */
@@ -214,7 +214,7 @@ struct picture_writer {
     struct picture_options options;
     int row; /* the next one */
     bool finished;
-    struct pages pages; /* of a TIFF */
+    struct pages pages; /* of a TIFF; a PNG has its output */
     struct png *png;    /* NULL: a TIFF; owned */
     struct picture_strip {
         char *samples;  /* owned */

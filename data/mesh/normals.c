@@ -5,7 +5,6 @@
  */
 #include "data/mesh/inside.h"
 
-struct crowd;
 /* The corners at a point. */
 struct meeting {
     const struct obj_corner *corners;

@@ -39,18 +39,8 @@ static bool add_light(struct fine_spectra *to, const struct spectrum *spectrum, 
     return row && check_row(to, row, spectrum->place, err);
 }
 
-/* Adds the luminescence of a material under a light of intensity 1. */
-static bool add_luminescence(struct fine_spectra *to, const struct spectral_pages *every_nm,
-                             const struct material *material, const struct spectrum *light,
-                             struct error *err)
-{
-    double *row = add_row(to, false, err);
-    return row && material_luminescence(every_nm, material, light, row, err) &&
-           check_row(to, row, material->place, err);
-}
-
-/* Adds every light and ambient light, or the luminescence of a material (NULL: none) under it.
- * Lights of one spectrum are one. */
+/* Adds every light and ambient light, or the luminescence of a material (NULL: none) under it, as
+ * if its intensity were 1. Lights of one spectrum are one. */
 static bool add_lights(struct fine_spectra *to, const struct illumination *illumination,
                        const struct material *material, struct error *err)
 {
@@ -60,9 +50,12 @@ static bool add_lights(struct fine_spectra *to, const struct illumination *illum
         const int ambient = i - illumination->n_first;
         const struct light *light = ambient < 0 ? illumination->lights[illumination->first[i]].light
                                                 : &scene->ambients[ambient];
-        done = material
-                   ? add_luminescence(to, &illumination->pages, material, &light->spectrum, err)
-                   : add_light(to, &light->spectrum, light->intensity, err);
+        double *row = material ? add_row(to, false, err) : NULL;
+        done = material ? row &&
+                              material_luminescence(&illumination->pages, material,
+                                                    &light->spectrum, row, err) &&
+                              check_row(to, row, material->place, err)
+                        : add_light(to, &light->spectrum, light->intensity, err);
     }
     return done;
 }

@@ -19,9 +19,8 @@ static bool check_excitation(const struct spectrum *excitation, struct error *er
             values += excitation->value[i];
         sum *= values;
     }
-    if (sum > 0 && isfinite(sum))
-        return true;
-    return error_at(err, excitation->place,
+    return (sum > 0 && isfinite(sum)) ||
+           error_at(err, excitation->place,
                     "the sum of the excitation is %g; expected a finite sum above 0", sum);
 }
 
@@ -144,12 +143,13 @@ static bool complete(struct material *material, const char *no_diffuse, struct e
 static bool complete_file(struct material *out, struct error *err)
 {
     struct material *partner = out->partner;
-    if (!complete(out, "no diffuse reflectance; a material has lines of a wavelength and one", err))
-        return false;
-    return !partner ||
-           (string_copy(out->name, &partner->name, err) &&
-            string_copy(out->path, &partner->path, err) &&
-            complete(partner, "the partner has no mr lines; it needs a diffuse reflectance", err));
+    return complete(out, "no diffuse reflectance; a material has lines of a wavelength and one",
+                    err) &&
+           (!partner ||
+            (string_copy(out->name, &partner->name, err) &&
+             string_copy(out->path, &partner->path, err) &&
+             complete(partner, "the partner has no mr lines; it needs a diffuse reflectance",
+                      err)));
 }
 
 bool material_read(const char *path, struct place from, struct material *out, struct error *err)

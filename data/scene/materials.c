@@ -77,20 +77,16 @@ bool listed_add(struct scene_reader *reader, const struct word *word, int *out, 
 
 /* ---- materials that are used ---- */
 
-/* Returns whether a statement defines the material by its name. A file in a list has no name yet;
+/* Proposes the materials that a statement defines by their names. A file in a list has no name yet;
  * an entry of an MTL file has a name, but no statement. */
-static bool is_defined(const struct material *material)
-{
-    return material->name && !material->from_rgb;
-}
-
 static bool refuse_unknown(const struct scene *scene, const struct word *name, struct error *err)
 {
     struct suggestion suggestion = {.distance = 0};
-    for (int i = 0; i < scene->n_materials; i++)
-        if (is_defined(&scene->materials[i]))
-            suggestion_add(&suggestion, name, scene->materials[i].name,
-                           strlen(scene->materials[i].name));
+    for (int i = 0; i < scene->n_materials; i++) {
+        const struct material *known = &scene->materials[i];
+        if (known->name && !known->from_rgb)
+            suggestion_add(&suggestion, name, known->name, strlen(known->name));
+    }
     return error_at(err, name->place, "the scene defines no material '%.*s'; %s", word_shown(name),
                     name->start,
                     suggestion_end(&suggestion,
@@ -142,11 +138,9 @@ static bool use_partner(const struct scene_reader *reader, int index, struct err
     if (partner == material)
         return error_at(err, name.place, "'%.100s' is its own partner; it must be another material",
                         material->name);
-    if (partner->partner || partner->partner_name)
-        return error_at(err, name.place,
-                        "'%.100s' has a partner itself; a partner must be without one",
-                        partner->name);
-    return true;
+    return (!partner->partner && !partner->partner_name) ||
+           error_at(err, name.place, "'%.100s' has a partner itself; a partner must be without one",
+                    partner->name);
 }
 
 static bool use_named(const struct scene_reader *reader, const struct word *name, int *out,

@@ -211,9 +211,8 @@ static const char *shown(const struct word *word, char out[SHOWN_SIZE])
 static bool word_check(const struct word *word, struct error *err)
 {
     char buffer[SHOWN_SIZE];
-    if (!word->quoted || word->start[word->length] == '"')
-        return true;
-    return error_at(err, word->place,
+    return !word->quoted || word->start[word->length] == '"' ||
+           error_at(err, word->place,
                     "the quote before '%s' must be closed on its line and a blank follow it",
                     shown(word, buffer));
 }
