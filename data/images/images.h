@@ -134,7 +134,8 @@ struct texture {
 /* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
  * with values that hold for every wavelength. A spectral texture is a stack of pages with
  * wavelengths; all of them are read once, to find their smallest and largest value. Refuses a side
- * of more than 16384 texels, since OpenGL's textures have a limit, too. */
+ * of more than 16384 texels, since OpenGL's textures have a limit, too. The caller frees *out, also
+ * after a failure. */
 bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
                   struct error *err);
 /* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end

@@ -93,11 +93,7 @@ bool texture_read(const char *path, struct place from, image_tags *read_tags, st
     if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
         return false;
     pthread_mutex_init(out->reading, NULL);
-    if (!open_pages(path, from, read_tags, out, err)) {
-        texture_free(out);
-        return false;
-    }
-    return true;
+    return open_pages(path, from, read_tags, out, err);
 }
 
 /* Reads the plane of a wavelength. `other` is room for one more page. */

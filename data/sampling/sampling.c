@@ -161,10 +161,8 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
     *out = (struct sampling){.method = *method,
                              .pages = {.first_nm = spectra->first_nm, .n_nm = spectra->n_nm}};
     sampling_name(method, task.name);
-    if (!detector_read(detector, &sees, err))
-        return false;
     const bool done =
-        string_copy(sees.name, &out->detector, err) &&
+        detector_read(detector, &sees, err) && string_copy(sees.name, &out->detector, err) &&
         fine_detector_make(&sees, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
         check_detector(&task, err) && traits_of(method)->make(&task, err) && complete(&task, err);
     detector_free(&sees);
@@ -185,12 +183,12 @@ static bool refuse_textures(const struct scene *scene, const struct sampling *sa
     if (!materials_shown(scene, &materials, &n, err))
         return false;
     for (int i = 0; i < n && refused == NULL; i++)
-        if (materials[i]->spectral_texture != NULL)
+        if (materials[i]->spectral_texture)
             refused = materials[i];
     free(materials);
     sampling_name(&sampling->method, name);
     return refused == NULL ||
-           error_at(err, refused->spectral_texture_place,
+           error_at(err, refused->texture_place,
                     "%s has no wavelengths to take a spectral texture at; box, riemann, gauss and "
                     "adaptive have",
                     name);

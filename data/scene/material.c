@@ -250,10 +250,10 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
     case BLOCK_DONALDSON:
         return word_file(&word, FILE_KINDS, &out->donaldson, err);
     case BLOCK_TEXTURE:
+    case BLOCK_SPECTRAL_TEXTURE: /* one of both: see read_block */
+        free(out->texture);
+        out->spectral_texture = kind == BLOCK_SPECTRAL_TEXTURE;
         return word_file(&word, FILE_TEXTURE, &out->texture, err) && read_filter(text, out, err);
-    case BLOCK_SPECTRAL_TEXTURE:
-        return word_file(&word, FILE_TEXTURE, &out->spectral_texture, err) &&
-               read_filter(text, out, err);
     case BLOCK_EMISSION:
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:
@@ -323,13 +323,12 @@ static bool read_block(struct text *text, struct material *out, struct error *er
     }
     out->gloss_place = given[BLOCK_GLOSS];
     out->donaldson_place = given[BLOCK_DONALDSON];
-    out->texture_place = given[BLOCK_TEXTURE];
-    out->spectral_texture_place = given[BLOCK_SPECTRAL_TEXTURE];
+    out->texture_place = given[out->spectral_texture ? BLOCK_SPECTRAL_TEXTURE : BLOCK_TEXTURE];
     out->partner_place = given[BLOCK_METAMER];
-    return exclude(given[BLOCK_FLUORESCENCE], out->donaldson_place, "fluorescence or donaldson",
+    return exclude(given[BLOCK_FLUORESCENCE], given[BLOCK_DONALDSON], "fluorescence or donaldson",
                    err) &&
-           exclude(out->texture_place, out->spectral_texture_place, "texture or spectral-texture",
-                   err) &&
+           exclude(given[BLOCK_TEXTURE], given[BLOCK_SPECTRAL_TEXTURE],
+                   "texture or spectral-texture", err) &&
            complete_diffuse(out, err);
 }
 
@@ -350,6 +349,6 @@ void material_free(struct material *material)
     if (material->partner)
         material_free(material->partner);
     FREE_ALL(material->partner, material->partner_name, material->donaldson, material->texture,
-             material->spectral_texture, material->name, material->path);
+             material->name, material->path);
     *material = (struct material){0};
 }

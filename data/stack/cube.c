@@ -15,10 +15,11 @@ static bool map_is_whole(const struct cube *cube)
            record->map_offset == cube->image.file->client.bytes - bytes;
 }
 
-static bool open_cube(const char *path, struct cube *out, struct error *err)
+bool cube_open(const char *path, struct cube *out, struct error *err)
 {
     struct image *image = &out->image;
     struct error foreign = {0};
+    *out = (struct cube){.record = {.text = NULL}};
     if (!image_open(path, NOWHERE, tags_read, image, err))
         return false;
     const bool own = record_read(image, &out->record, &foreign);
@@ -42,15 +43,6 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
                " wavelength, that record increasing wavelengths as OME-XML, GDAL_METADATA or page"
                " names such as \"305 nm\"",
                path, image->coloured ? "its pages are RGB" : image->no_wavelengths);
-}
-
-bool cube_open(const char *path, struct cube *out, struct error *err)
-{
-    *out = (struct cube){.record = {.text = NULL}};
-    const bool done = open_cube(path, out, err);
-    if (!done)
-        cube_close(out);
-    return done;
 }
 
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err)

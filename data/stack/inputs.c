@@ -32,7 +32,6 @@ static bool add_material(struct inputs *to, const struct material *material, str
                            material->glow.path,
                            material->donaldson,
                            material->texture,
-                           material->spectral_texture,
                            partner ? partner->texture : NULL};
     bool done = true;
     for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++)

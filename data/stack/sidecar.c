@@ -108,9 +108,7 @@ static char *header_make(const char *stack, struct error *err)
     struct raw_samples raw;
     struct cube cube;
     char *header = NULL;
-    if (!cube_open(stack, &cube, err))
-        return NULL;
-    if (image_describe(&cube.image, &raw, err) &&
+    if (cube_open(stack, &cube, err) && image_describe(&cube.image, &raw, err) &&
         (!cube.components || sampling_read(stack, cube.record.sampling, &method, err))) {
         put_description(&printed, &cube);
         put_layout(&printed, &cube.image, &raw);

@@ -161,7 +161,8 @@ struct cube {
                              map lies where it should */
     bool components;      /* pages have no wavelengths: image.wavelengths_nm is 1, 2, ... */
 };
-/* Reads no samples. Messages name the path; their status is EXIT_INPUT. */
+/* Reads no samples. Messages name the path; their status is EXIT_INPUT. The caller closes *out,
+ * also after a failure. */
 bool cube_open(const char *path, struct cube *out, struct error *err);
 /* Refuses a cube of components: "WHAT needs radiances ...". */
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);

@@ -298,10 +298,8 @@ static bool put_detector(const struct cube *cube, bool is_stack, const char *nam
     struct detector detector = {.name = NULL};
     double lost[3], equal[3], white[3];
     bool has_white;
-    if (!detector_read(name, &detector, err))
-        return false;
     const bool seen =
-        cube_weights(cube, &detector, row, err) &&
+        detector_read(name, &detector, err) && cube_weights(cube, &detector, row, err) &&
         (!is_stack || (cube_equal_response(cube, &detector, row, equal, err) &&
                        cube_white_response(cube, &request, row, &has_white, white, err)));
     if (seen) {
