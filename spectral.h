@@ -22,6 +22,7 @@
 #ifndef SPECTRAL_H
 #define SPECTRAL_H
 
+/* The headers of the C library that most files need. */
 #include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
