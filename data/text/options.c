@@ -189,19 +189,13 @@ static bool store_value(struct options *options, const struct option *option, co
     return true;
 }
 
-/* Returns the value that a word holds behind the name of its option, and sets the length of the
- * name: "--size=4x4", "-j4". NULL: the word is a name alone. */
-static const char *own_value(const char *word, size_t *length)
-{
-    *length = word[1] == '-' ? strcspn(word, "=") : 2;
-    return word[*length] == '\0' ? NULL : word + *length + (word[*length] == '=');
-}
-
-/* Reads one option with its value, which may be the next word. */
+/* Reads one option with its value: behind the name in the same word, as in "--size=4x4" and "-j4",
+ * or the next word. */
 static bool read_option(struct reading *reading, struct options *options, struct error *err)
 {
-    size_t length;
-    const char *word = reading->words[reading->at], *value = own_value(word, &length);
+    const char *word = reading->words[reading->at];
+    const size_t length = word[1] == '-' ? strcspn(word, "=") : 2;
+    const char *value = word[length] == '\0' ? NULL : word + length + (word[length] == '=');
     const struct option *option = find_option(reading, word, length);
     char name[32], first[32];
     if (!option)
