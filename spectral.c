@@ -100,7 +100,7 @@ static bool run_with_options(const struct command *command, char *const *words, 
                              struct error *err)
 {
     struct options options;
-    bool done = options_read(command, words + 2, n_words - 2, &options, err);
+    bool done = options_read(command, false, words + 2, n_words - 2, &options, err);
     options.program = words[0];
     done = done &&
            (options.help ? print_command_usage(command, err) : run_limited(command, &options, err));

@@ -22,10 +22,14 @@
 #ifndef SPECTRAL_H
 #define SPECTRAL_H
 
+/* The headers of the C library that most files need. */
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 #define SPECTRAL_VERSION "0.5.0"
 #define PROGRAM "spectral " SPECTRAL_VERSION
@@ -68,7 +72,9 @@ enum error_kind {
     ERROR_DIFFERENT,   /* EXIT_DIFFERENT */
     ERROR_FAILED,      /* EXIT_SYSTEM, for a failure that errno does not describe */
     ERROR_UNSUPPORTED, /* EXIT_SYSTEM and `unsupported` */
-    ERROR_SYSTEM /* EXIT_SYSTEM; appends ": " and the description of errno, unless that is 0 */
+    ERROR_SYSTEM, /* EXIT_SYSTEM; appends ": " and the description of errno, unless that is 0 */
+    ERROR_CAUSE   /* likewise, but EXIT_INPUT where the path is at fault that the user gave, as
+                     for ENOENT */
 };
 /* Sets what the kind says. Puts the place before the message. */
 bool error_of(struct error *err, enum error_kind kind, struct place place, const char *format, ...)
@@ -80,10 +86,7 @@ bool error_of(struct error *err, enum error_kind kind, struct place place, const
 #define error_failed(err, ...) error_of(err, ERROR_FAILED, NOWHERE, __VA_ARGS__)
 #define error_unsupported(err, ...) error_of(err, ERROR_UNSUPPORTED, NOWHERE, __VA_ARGS__)
 #define error_system(err, ...) error_of(err, ERROR_SYSTEM, NOWHERE, __VA_ARGS__)
-/* Appends ": " and the description of a cause, an errno. Sets EXIT_INPUT where the path is at fault
- * that the user gave, as for ENOENT, and EXIT_SYSTEM for any other cause, as EIO. */
-bool error_cause(struct error *err, struct place place, int cause, const char *format, ...)
-    PRINTF_LIKE(4, 5);
+#define error_cause(err, ...) error_of(err, ERROR_CAUSE, __VA_ARGS__)
 /* Returns the text without "error: ", to be quoted in another message. */
 const char *error_words(const struct error *err);
 

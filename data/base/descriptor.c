@@ -3,7 +3,6 @@
  * list of the files that this process has opened for reading: no output may replace one of them.
  * Whoever opens a file need not know which outputs follow, nor the other way round: so the list is
  * kept by the process, and not passed along. */
-#include <stdlib.h>
 #include <sys/stat.h>
 #include <unistd.h>
 

@@ -3,7 +3,6 @@
  * when memory has run out. Nothing is printed here: the command line decides what the user sees. */
 #include <limits.h>
 #include <stdarg.h>
-#include <string.h>
 
 #include "data/base/base.h"
 
@@ -21,39 +20,6 @@ static size_t write_place(struct place place, char *out, size_t room)
                             path ? ": " : "");
 }
 
-/* Cuts a message that is too long before its end, which is the description of the cause; 0 is
- * none. */
-static bool fail(struct error *err, enum exit_status status, struct place place, int cause,
-                 const char *format, va_list arguments)
-{
-    char ending[256] = "";
-    if (err->status != EXIT_AGREED)
-        return false;
-    err->status = status;
-    if (cause != 0)
-        snprintf(ending, sizeof ending, ": %s", strerror(cause));
-    const size_t room = sizeof err->text - strlen(ending),
-                 used = write_place(place, err->text, room);
-    vsnprintf(err->text + used, room - used, format, arguments);
-    strcat(err->text, ending);
-    hide_unprintable(err->text, "");
-    return false;
-}
-
-bool error_of(struct error *err, enum error_kind kind, struct place place, const char *format, ...)
-{
-    const enum exit_status status = kind == ERROR_INPUT       ? EXIT_INPUT
-                                    : kind == ERROR_DIFFERENT ? EXIT_DIFFERENT
-                                                              : EXIT_SYSTEM;
-    const int cause = kind == ERROR_SYSTEM ? errno : 0;
-    va_list arguments;
-    err->unsupported = err->status == EXIT_AGREED ? kind == ERROR_UNSUPPORTED : err->unsupported;
-    va_start(arguments, format);
-    fail(err, status, place, cause, format, arguments);
-    va_end(arguments);
-    return false;
-}
-
 /* Returns whether a path is at fault: another path, or another right to it, would do. */
 static bool is_of_path(int cause)
 {
@@ -65,12 +31,27 @@ static bool is_of_path(int cause)
     return false;
 }
 
-bool error_cause(struct error *err, struct place place, int cause, const char *format, ...)
+/* Cuts a message that is too long before its end, which is the description of the cause; 0 is
+ * none. */
+bool error_of(struct error *err, enum error_kind kind, struct place place, const char *format, ...)
 {
+    const int cause = kind == ERROR_SYSTEM || kind == ERROR_CAUSE ? errno : 0;
+    const bool input = kind == ERROR_INPUT || (kind == ERROR_CAUSE && is_of_path(cause));
+    char ending[256] = "";
     va_list arguments;
+    if (err->status != EXIT_AGREED)
+        return false;
+    err->status = input ? EXIT_INPUT : kind == ERROR_DIFFERENT ? EXIT_DIFFERENT : EXIT_SYSTEM;
+    err->unsupported = kind == ERROR_UNSUPPORTED;
+    if (cause != 0)
+        snprintf(ending, sizeof ending, ": %s", strerror(cause));
+    const size_t room = sizeof err->text - strlen(ending),
+                 used = write_place(place, err->text, room);
     va_start(arguments, format);
-    fail(err, is_of_path(cause) ? EXIT_INPUT : EXIT_SYSTEM, place, cause, format, arguments);
+    vsnprintf(err->text + used, room - used, format, arguments);
     va_end(arguments);
+    strcat(err->text, ending);
+    hide_unprintable(err->text, "");
     return false;
 }
 

@@ -4,8 +4,6 @@
  * removed first. A signal handler gets no context: its data must be static. */
 #include <fcntl.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

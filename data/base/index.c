@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A hash table with open addressing: a key lies in the first free slot from the one that its hash
  * names. At least half of the slots are free, so that a search soon meets a free one. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/base/base.h"
 
 /* A slot is free if its hash is 0; no key has that hash. */

@@ -4,8 +4,6 @@
  * such a limit, as on other systems than Linux, all is allowed. */
 #include <fcntl.h>
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
 

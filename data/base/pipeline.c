@@ -3,7 +3,6 @@
  * queues. Where stages work one at a time, it is the other way round: a thread holds the lock while
  * it works, and opens it where it waits. Where the system has no threads, the first of two stages
  * runs until a queue that it fills has no free place: then the last one takes what is there. */
-
 #include "data/base/base.h"
 
 /* Begin and end the use of queues. */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the characters that must not reach a terminal. A file of a stranger could otherwise forge a
  * line, drive the terminal, or show its letters in another order. */
-#include <string.h>
-
 #include "data/base/base.h"
 
 /* By table 3-7 of Unicode. */

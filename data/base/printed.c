@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A text that is printed into memory. Only a whole text is returned. */
 #include <stdarg.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "data/base/base.h"

@@ -3,8 +3,6 @@
  * becomes this program again, as a shell would run it, from exec to exit. */
 #include <fcntl.h>
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures seconds and memory of this process, and shows progress on a terminal. */
-#include <stdio.h>
 #include <sys/resource.h>
 #include <time.h>
 #include <unistd.h>

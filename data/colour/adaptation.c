@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Chromatic adaptation: each cone response to a colour is divided by the response to the white. */
-#include <string.h>
-
 #include "data/colour/colour.h"
-#include "data/maths/maths.h"
 #include "data/text/text.h"
 
-static const char *const names[] = {
+const char *const adaptation_names[] = {
     [ADAPTATION_NONE] = "none",           [ADAPTATION_VON_KRIES] = "von-kries",
     [ADAPTATION_FAIRCHILD] = "fairchild", [ADAPTATION_BRADFORD] = "bradford",
     [ADAPTATION_CAT16] = "cat16",
 };
-enum { KINDS = sizeof names / sizeof names[0] };
+enum { KINDS = sizeof adaptation_names / sizeof adaptation_names[0] };
 
 /* Matrices from XYZ. Von Kries: Hunt, Pointer and Estevez's, scaled for D65, with the figures of
  * the thesis's program; the thesis prints them rounded, and -0.023 for -0.2263. Bradford:
@@ -30,18 +27,13 @@ static const double cones[KINDS][3][3] = {
 
 /* ---- names ---- */
 
-const char *adaptation_name(enum adaptation_kind kind)
-{
-    return names[kind];
-}
-
 bool adaptation_read(const char *option, const char *text, struct adaptation *out,
                      struct error *err)
 {
     static const char prefix[] = "fairchild:";
     *out = (struct adaptation){0};
     for (int kind = 0; kind < KINDS; kind++)
-        if (strcmp(text, names[kind]) == 0) {
+        if (strcmp(text, adaptation_names[kind]) == 0) {
             out->kind = (enum adaptation_kind)kind;
             return true;
         }
@@ -88,7 +80,7 @@ static bool check_responses(const struct adaptation *adaptation, const double re
                 err,
                 "%s adaptation needs a white with cone responses above 0; this white "
                 "has %.6g, %.6g, %.6g",
-                names[adaptation->kind], response[0], response[1], response[2]);
+                adaptation_names[adaptation->kind], response[0], response[1], response[2]);
     return true;
 }
 

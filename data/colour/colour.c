@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Colours: chromaticities, CIELAB, CIELUV, and three formulas for the difference of two colours. */
-#include <math.h>
-
 #include "data/colour/colour.h"
 #include "data/maths/maths.h"
 

@@ -48,7 +48,7 @@ struct adaptation {
  * `option`. */
 bool adaptation_read(const char *option, const char *text, struct adaptation *out,
                      struct error *err);
-const char *adaptation_name(enum adaptation_kind kind);
+extern const char *const adaptation_names[]; /* of enum adaptation_kind */
 /* Writes the matrix from XYZ to the cone responses in which a kind adapts; all 0 for none. */
 void adaptation_cones(enum adaptation_kind kind, double out[3][3]);
 /* Writes the matrix from XYZ to adapted XYZ; the identity for none. A complete adaptation maps the
@@ -65,7 +65,7 @@ enum display_kind {
 };
 /* Reads srgb or monitor. Messages name `option`. */
 bool display_read(const char *option, const char *text, enum display_kind *out, struct error *err);
-const char *display_name(enum display_kind kind);
+extern const char *const display_names[]; /* of enum display_kind */
 /* Writes the matrix from XYZ, with Y = 100 for white, to linear red, green and blue from 0 to 1. */
 void display_matrix(enum display_kind kind, double out[3][3]);
 /* Returns the value, 0 to 1, that makes the display show a linear value of channel 0, 1 or 2. Clips

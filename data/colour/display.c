@@ -1,13 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Displays: sRGB, and the monitor of the 1998 thesis. */
-#include <math.h>
-#include <string.h>
-
 #include "data/colour/inside.h"
 #include "data/maths/maths.h"
 
-static const char *const names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};
-enum { KINDS = sizeof names / sizeof names[0] };
+const char *const display_names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};
+enum { KINDS = sizeof display_names / sizeof display_names[0] };
 
 /* The monitor with the figures of the thesis's program. The text of the thesis prints them rounded,
  * and prints equation 14 with the inverse exponent and with offsets that were not used. */
@@ -20,16 +17,11 @@ static const struct display_curve srgb_curve = {2.4, 1 / 1.055, 0.055 / 1.055, 1
 bool display_read(const char *option, const char *text, enum display_kind *out, struct error *err)
 {
     for (int kind = 0; kind < KINDS; kind++)
-        if (strcmp(text, names[kind]) == 0) {
+        if (strcmp(text, display_names[kind]) == 0) {
             *out = (enum display_kind)kind;
             return true;
         }
     return error_usage(err, "%s: expected srgb or monitor, found '%.100s'", option, text);
-}
-
-const char *display_name(enum display_kind kind)
-{
-    return names[kind];
 }
 
 /* Computes the matrix from the chromaticities of sRGB's primaries (ITU-R BT.709), whose amounts add

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* ICC profiles of displays: three colorants and three curves, version 4.3 (ICC.1:2010). */
-#include <math.h>
-#include <string.h>
-
 #include "data/colour/inside.h"
 
 enum { HEADER = 128, TAGS = 10, TAG_ENTRY = 12 };
@@ -66,18 +63,13 @@ static void put_text(struct profile *to, const char *name, const char *text)
         put(to, 2, (unsigned char)*text);
 }
 
-static void put_xyz(struct profile *to, const char *name, const double xyz[3])
+/* Puts an array of n numbers, as of XYZ, or of the rows of a matrix. */
+static void put_array(struct profile *to, const char *name, const char *type, const double *numbers,
+                      int n)
 {
-    begin_tag(to, name, "XYZ ", 20);
-    for (int i = 0; i < 3; i++)
-        put_fixed(to, xyz[i]);
-}
-
-static void put_matrix(struct profile *to, const char *name, double matrix[3][3])
-{
-    begin_tag(to, name, "sf32", 44);
-    for (int i = 0; i < 9; i++)
-        put_fixed(to, matrix[i / 3][i % 3]);
+    begin_tag(to, name, type, (size_t)(8 + 4 * n));
+    for (int i = 0; i < n; i++)
+        put_fixed(to, numbers[i]);
 }
 
 /* Puts a parametricCurveType (10.15): function 3, or function 0 if the curve is a power alone. The
@@ -158,11 +150,11 @@ size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE])
     colour_product(chad, of_display, adapted);
     put_text(&profile, "desc", kind == DISPLAY_SRGB ? "sRGB" : "Monitor of 1998");
     put_text(&profile, "cprt", "No copyright, use freely");
-    put_xyz(&profile, "wtpt", d50);
-    put_matrix(&profile, "chad", chad);
+    put_array(&profile, "wtpt", "XYZ ", d50, 3);
+    put_array(&profile, "chad", "sf32", chad[0], 9);
     for (int j = 0; j < 3; j++)
-        put_xyz(&profile, colorant[j],
-                (const double[]){adapted[0][j], adapted[1][j], adapted[2][j]});
+        put_array(&profile, colorant[j], "XYZ ",
+                  (const double[]){adapted[0][j], adapted[1][j], adapted[2][j]}, 3);
     for (int j = 0; j < 3; j++)
         put_curve(&profile, curve[j], display_curve(kind, j));
     put_header(&profile);

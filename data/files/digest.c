@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* SHA-256 (FIPS 180-4). Reports and records identify files by it. */
 #include <fcntl.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "data/files/files.h"
@@ -58,14 +57,9 @@ static void add_block(uint32_t hash[8], const unsigned char *block)
         b = a;
         a = t1 + t2;
     }
-    hash[0] += a;
-    hash[1] += b;
-    hash[2] += c;
-    hash[3] += d;
-    hash[4] += e;
-    hash[5] += f;
-    hash[6] += g;
-    hash[7] += h;
+    const uint32_t after[8] = {a, b, c, d, e, f, g, h};
+    for (int i = 0; i < 8; i++)
+        hash[i] += after[i];
 }
 
 /* 5.3.3: the fractions of the square roots of the first eight primes. */

@@ -2,8 +2,6 @@
 /* Reads whole files, from disk or compiled in. Reads and writes go on after a signal. */
 #include <fcntl.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -46,7 +44,7 @@ static int open_readable(const char *path, struct place from, int flags, struct 
     if (descriptor >= 0)
         UNTIL_DONE(got, fstat(descriptor, status));
     if (descriptor < 0 || got < 0)
-        error_cause(err, from, errno, "cannot read %s", path);
+        error_cause(err, from, "cannot read %s", path);
     else if (S_ISDIR(status->st_mode))
         refuse_read(err, from, path, "it is a folder");
     else if (file_note_read(descriptor, err))
@@ -68,7 +66,7 @@ static bool read_open(const char *path, struct place from, int descriptor, size_
         char *more = *bytes + length;
         UNTIL_DONE(got, read(descriptor, more, capacity - 1 - length));
         if (got < 0)
-            return error_cause(err, from, errno, "cannot read %s", path);
+            return error_cause(err, from, "cannot read %s", path);
         const char *zero = memchr(more, '\0', (size_t)got);
         if (zero != NULL)
             return error_at(err, (struct place){path, 0, 0},

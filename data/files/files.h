@@ -7,7 +7,6 @@
 #include <dirent.h>
 
 #include "data/base/base.h"
-#include "spectral.h"
 
 /* ---- file.c: whole reads, compiled-in files, files that appear whole or not at all ---- */
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The formats of files, by their first bytes, so that a message can say which file this is. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <unistd.h>
 
@@ -65,12 +63,12 @@ static bool format_find(const char *path, const char **out, struct error *err)
         return true;
     }
     const ssize_t got = read_at(file, start, sizeof start, 0);
-    const int cause = errno;
-    close(file);
     if (got < 0)
-        return error_cause(err, NOWHERE, cause, "cannot read %s", path);
-    *out = format_of(start, (size_t)got);
-    return true;
+        error_cause(err, NOWHERE, "cannot read %s", path);
+    else
+        *out = format_of(start, (size_t)got);
+    close(file);
+    return got >= 0;
 }
 
 /* ---- ENVI cubes: raw samples, and a header beside them ---- */

@@ -4,8 +4,6 @@
 #include <assert.h>
 #include <fcntl.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,7 +16,7 @@ static bool write_fault(struct error *err, const char *path)
 {
     if (errno == EPIPE && err->status == EXIT_AGREED)
         err->status = EXIT_SYSTEM;
-    return error_cause(err, NOWHERE, errno, "cannot write %s",
+    return error_cause(err, NOWHERE, "cannot write %s",
                        output_is_standard(path) ? "to standard output" : path);
 }
 

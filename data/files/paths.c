@@ -2,8 +2,6 @@
 /* Paths: how one file names another, what a path names, and the names of files that a command
  * writes. */
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -68,7 +66,7 @@ static bool examine(const char *path, bool *exists, struct stat *out, struct err
     *exists = stat(path, out) == 0;
     if (*exists)
         return true;
-    error_cause(&failure, NOWHERE, errno, "cannot examine %s", path);
+    error_cause(&failure, NOWHERE, "cannot examine %s", path);
     if (failure.status == EXIT_SYSTEM)
         *err = failure;
     return failure.status != EXIT_SYSTEM;

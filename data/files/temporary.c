@@ -4,8 +4,6 @@
  * temporary name, which is removed when the process ends, unless the process is killed. */
 #define _GNU_SOURCE /* O_TMPFILE, fallocate */
 #include <fcntl.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -130,10 +128,9 @@ void temporary_remove(struct output *out)
 bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err)
 {
     struct statvfs disk;
-    if (fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
-        needed / disk.f_frsize <= disk.f_bavail)
-        return true;
-    return error_failed(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
+    return fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
+           needed / disk.f_frsize <= disk.f_bavail ||
+           error_failed(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
                         1e-6 * (double)needed,
                         1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
 }
@@ -223,7 +220,7 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     errno = 0;
     if (make(parent, ".spectral-unfinished.", out))
         return true;
-    error_cause(err, place, errno, "cannot make the folder");
+    error_cause(err, place, "cannot make the folder");
     folder_close(out);
     return false;
 }
@@ -236,7 +233,7 @@ bool folder_keep(struct folder *folder, const char *path, struct error *err)
     umask(mask);
     const int own = dirfd(folder->entries);
     if (fchmod(own, 0777 & ~mask) != 0 || fsync(own) != 0 || rename(folder->path, path) != 0)
-        return error_cause(err, place, errno, "cannot make the folder");
+        return error_cause(err, place, "cannot make the folder");
     folder->path[0] = '\0';
     folder_sync(path);
     return true;

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Unpacks the built-in files of the minimal program: one piece in gzip's format (RFC 1952). */
-#include <stdlib.h>
-#include <string.h>
 #include <zlib.h>
 
 #include "data/files/files.h"

@@ -2,7 +2,6 @@
 /* The calls by which libtiff reads a file, or a compiled-in file, and writes one. libtiff takes a
  * read that fails for the end of the file, and lack of memory for a tag that is not there: it then
  * goes on with less. So each failure is remembered here, and no file is complete after one. */
-#include <string.h>
 #include <tiffio.h>
 
 #include "data/images/inside.h"

@@ -4,8 +4,6 @@
  * from the file. libtiff decodes all other rows, strip by strip or tile by tile. */
 #include <float.h>
 #include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <tiffio.h>
 
 #include "data/images/inside.h"

@@ -3,9 +3,6 @@
  * picture as grey samples of one directory; each of these bands is a page, too. */
 #include <float.h>
 #include <inttypes.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>
@@ -396,7 +393,7 @@ static bool open_source(struct image *image, struct error *err)
     if (!file_open(image->path, file->from, &client->descriptor, &client->builtin, err))
         return false;
     if (!client->builtin && fstat(client->descriptor, &status) != 0)
-        return error_cause(err, file->from, errno, "cannot read %s", image->path);
+        return error_cause(err, file->from, "cannot read %s", image->path);
     client->bytes = client->builtin ? client->builtin->length : (uint64_t)status.st_size;
     file->tiff = client_open(client, image->path, "rmc");
     return source_is_sound(image, err) &&
@@ -414,8 +411,6 @@ bool image_open(const char *path, struct place from, image_tags *read_tags, stru
         out->file->client.descriptor = -1;
         done = refuse_foreign(out, err) && open_source(out, err) && pages_read(out, read_tags, err);
     }
-    if (!done)
-        image_close(out);
     return done;
 }
 

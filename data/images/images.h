@@ -4,11 +4,7 @@
 #ifndef DATA_IMAGES_IMAGES_H
 #define DATA_IMAGES_IMAGES_H
 
-#include <pthread.h>
-
-#include "data/base/base.h"
 #include "data/files/files.h"
-#include "spectral.h"
 
 struct tiff; /* libtiff's TIFF */
 struct png;
@@ -45,7 +41,7 @@ typedef bool image_tags(struct image *image, int n, struct page_record *out, str
 /* Opens the file (or "builtin:..." file) and reads the tags of its pages, but no samples.
  * Refuses, at the place `from`: pages without pixels or of different sizes, other samples than the
  * above, bands without wavelengths, a file that is too short. Refuses a file of another format with
- * the command that converts it. */
+ * the command that converts it. The caller closes *out, also after a failure. */
 bool image_open(const char *path, struct place from, image_tags *read_tags, struct image *out,
                 struct error *err);
 /* Refuses a page (from 0; -1: the file). The message has its wavelength, if that is recorded. */
@@ -137,7 +133,8 @@ struct texture {
 /* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
  * with values that hold for every wavelength. A spectral texture is a stack of pages with
  * wavelengths; all of them are read once, to find their smallest and largest value. Refuses a side
- * of more than 16384 texels, since OpenGL's textures have a limit, too. */
+ * of more than 16384 texels, since OpenGL's textures have a limit, too. The caller frees *out, also
+ * after a failure. */
 bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
                   struct error *err);
 /* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end
@@ -217,7 +214,7 @@ struct picture_writer {
     struct picture_options options;
     int row; /* the next one */
     bool finished;
-    struct pages pages; /* of a TIFF */
+    struct pages pages; /* of a TIFF; a PNG has its output */
     struct png *png;    /* NULL: a TIFF; owned */
     struct picture_strip {
         char *samples;  /* owned */

@@ -27,12 +27,11 @@ bool image_layout(const struct image *image, int page, struct sample_layout *out
                   struct error *err);
 
 /* png.c: a PNG file (ISO/IEC 15948:2004), written from the top. Its bytes do not depend on how many
- * rows come at once. */
-bool png_open(struct png **out, const char *path, const struct picture_options *options,
-              struct error *err);
+ * rows come at once. The output is the caller's, and stays where it is; png_open opens it. */
+bool png_open(struct png **out, struct output *output, const char *path,
+              const struct picture_options *options, struct error *err);
 bool png_write(struct png *png, const void *samples, int rows, struct error *err);
 bool png_finish(struct png *png, struct error *err);
-bool png_commit(struct png *png, struct outputs *outputs, struct error *err);
-void png_free(struct png *png); /* an uncommitted file is gone; NULL is fine */
+void png_free(struct png *png); /* NULL is fine */
 
 #endif

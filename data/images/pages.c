@@ -8,7 +8,6 @@
  * records the right offset, and no blank pixels are written or kept. */
 #include <assert.h>
 #include <inttypes.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>

@@ -2,8 +2,6 @@
 /* Writes colour pictures, as TIFF or PNG. RGB is one page of three samples a pixel. Floats are
  * grey pages of a TIFF, one a channel: ImageJ and Pillow open no other floats. */
 #include <assert.h>
-#include <stdlib.h>
-#include <string.h>
 #include <tiffio.h>
 
 #include "data/images/inside.h"
@@ -60,7 +58,7 @@ bool picture_open(struct picture_writer *out, const char *path,
     if (!picture_accepts(path, err))
         return false;
     assert(!floating || !picture_is_png(path));
-    return picture_is_png(path) ? png_open(&out->png, path, options, err)
+    return picture_is_png(path) ? png_open(&out->png, &out->pages.output, path, options, err)
                                 : pages_open(&out->pages, path, set_tags, options, err);
 }
 
@@ -140,8 +138,7 @@ bool picture_finish(struct picture_writer *writer, struct error *err)
 bool picture_commit(struct picture_writer *writer, struct outputs *outputs, struct error *err)
 {
     const bool done = (writer->finished || picture_finish(writer, err)) &&
-                      (writer->png ? png_commit(writer->png, outputs, err)
-                                   : output_pass(&writer->pages.output, outputs, err));
+                      output_pass(&writer->pages.output, outputs, err);
     picture_discard(writer);
     return done;
 }

@@ -2,8 +2,6 @@
 /* Writes PNG files: ISO/IEC 15948:2004, "the specification" below. zlib compresses the rows as they
  * come. Each row goes through the filter that makes its bytes smallest, as section 12.8 recommends.
  * zlib gets a row at a time, so that its output does not depend on how many rows come at once. */
-#include <stdlib.h>
-#include <string.h>
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 
@@ -11,7 +9,7 @@
 
 enum { CHUNK_BYTES = 1 << 16, LEVEL = 6, CHANNELS = 3 };
 struct png {
-    struct output output;
+    struct output *output; /* the picture writer's */
     z_stream stream;
     bool deflating; /* the stream is open */
     size_t pixel_bytes, row_bytes;
@@ -32,8 +30,8 @@ static void put_number(uint32_t number, unsigned char *out)
 
 static bool put_bytes(struct png *png, const void *bytes, size_t length, struct error *err)
 {
-    return write_all(png->output.descriptor, bytes, length) ||
-           error_system(err, "%s: cannot be written", png->output.path);
+    return write_all(png->output->descriptor, bytes, length) ||
+           error_system(err, "%s: cannot be written", png->output->path);
 }
 
 /* Writes a chunk of fewer than 2^31 bytes. */
@@ -213,7 +211,7 @@ static bool pack(struct png *png, const unsigned char *bytes, size_t length, int
     while (flush == Z_FINISH ? status != Z_STREAM_END : png->stream.avail_in > 0) {
         status = deflate(&png->stream, flush);
         if (status == Z_STREAM_ERROR)
-            return error_failed(err, "%s: zlib cannot compress the picture", png->output.path);
+            return error_failed(err, "%s: zlib cannot compress the picture", png->output->path);
         if (png->stream.avail_out == 0 && !put_packed(png, err))
             return false;
     }
@@ -265,22 +263,23 @@ static bool allocate_rows(struct png *png, struct error *err)
     return true;
 }
 
-bool png_open(struct png **out, const char *path, const struct picture_options *options,
-              struct error *err)
+bool png_open(struct png **out, struct output *output, const char *path,
+              const struct picture_options *options, struct error *err)
 {
     struct png *png;
     if (!MAKE_ARRAY(*out, 1, err, "a PNG file"))
         return false;
     png = *out;
+    png->output = output;
     png->pixel_bytes = (size_t)CHANNELS * ((size_t)options->bits / 8);
     png->row_bytes = png->pixel_bytes * (size_t)options->width;
     png->deflating = deflateInit(&png->stream, LEVEL) == Z_OK;
     png->stream.next_out = png->packed;
     png->stream.avail_out = sizeof png->packed;
     if ((png->deflating || memory_lacks(err, 0, "zlib, which writes %s", path)) &&
-        allocate_rows(png, err) && output_open(&png->output, path, err) &&
-        put_head(png, options, err))
+        allocate_rows(png, err) && output_open(output, path, err) && put_head(png, options, err))
         return true;
+    output_discard(output);
     png_free(png);
     *out = NULL;
     return false;
@@ -291,17 +290,11 @@ bool png_finish(struct png *png, struct error *err)
     return pack(png, NULL, 0, Z_FINISH, err) && put_chunk(png, "IEND", NULL, 0, err);
 }
 
-bool png_commit(struct png *png, struct outputs *outputs, struct error *err)
-{
-    return output_pass(&png->output, outputs, err);
-}
-
 void png_free(struct png *png)
 {
     if (!png)
         return;
     if (png->deflating)
         deflateEnd(&png->stream);
-    output_discard(&png->output);
     FREE_ALL(png->rows, png);
 }

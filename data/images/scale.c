@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The scale of colours in which pictures show floors and differences. */
-#include <math.h>
-
 #include "data/images/images.h"
 
 static const struct {

@@ -2,8 +2,6 @@
 /* Reads the planes of textures. A spectral texture keeps only the planes of one pass in memory: its
  * stack may be larger than the memory. */
 #include <assert.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "data/images/images.h"
 #include "data/text/text.h"
@@ -95,11 +93,7 @@ bool texture_read(const char *path, struct place from, image_tags *read_tags, st
     if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
         return false;
     pthread_mutex_init(out->reading, NULL);
-    if (!open_pages(path, from, read_tags, out, err)) {
-        texture_free(out);
-        return false;
-    }
-    return true;
+    return open_pages(path, from, read_tags, out, err);
 }
 
 /* Reads the plane of a wavelength. `other` is room for one more page. */

@@ -48,8 +48,6 @@ bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct
 bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
                struct mesh *out, struct error *err);
 
-void division_free(struct division *division); /* in split.c; NULL is fine */
-
 /* obj.c: the statements of a Wavefront OBJ file. */
 
 enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };

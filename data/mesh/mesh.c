@@ -3,10 +3,6 @@
  * coordinates become one vertex, in the order of first use. Normals and texture coordinates that
  * the file lacks are computed. Time grows linearly with the size of the file. Finds borders of any
  * mesh. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/mesh/inside.h"
 
 /* ---- the mesh itself ---- */
@@ -43,11 +39,11 @@ bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct
 
 void mesh_free(struct mesh *mesh)
 {
-    FREE_ALL(mesh->vertices, mesh->parameters, mesh->triangles, mesh->part);
+    FREE_ALL(mesh->vertices, mesh->parameters, mesh->triangles, mesh->part,
+             mesh->division.triangles, mesh->division.first, mesh->division.number);
     for (int i = 0; mesh->part_names && i < mesh->n_parts; i++)
         free(mesh->part_names[i]);
     free(mesh->part_names);
-    division_free(mesh->division);
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
@@ -311,7 +307,5 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
            add_faces(&builder, out, err);
     FREE_ALL(builder.cutter, builder.order, builder.starts, builder.first_vertex, builder.links);
     obj_free(&builder.obj);
-    if (!good)
-        mesh_free(out);
     return good;
 }

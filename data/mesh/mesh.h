@@ -4,10 +4,7 @@
 #ifndef DATA_MESH_MESH_H
 #define DATA_MESH_MESH_H
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- mesh.c: triangles ---- */
 
@@ -26,7 +23,13 @@ struct mesh {
     char **part_names;  /* the usemtl of each part, "" before the first one; NULL: no names */
     int n_parts;        /* at least 1 */
     struct place place; /* that names its shape; for messages */
-    struct division *division; /* the triangles of each part, once mesh_part has asked; owned */
+    /* Once mesh_part has asked, the triangles of part p: triangles[first[p]] up to before
+     * triangles[first[p + 1]]. */
+    struct division {
+        int32_t *triangles, *first; /* NULL: all triangles are part 0; owned */
+        int32_t *number; /* of each vertex in the part that is taken out; otherwise -1; NULL: nobody
+                            has asked yet; owned */
+    } division;
 };
 
 /* Finds the bounding box. Without vertices *low is HUGE_VAL and *high -HUGE_VAL. */

@@ -3,12 +3,8 @@
  * divides them. At most points few faces meet, and each is compared with all others there. Where
  * many meet, as at the tip of a cone, a tree finds the neighbours of a face without a look at each.
  */
-#include <math.h>
-#include <stdlib.h>
-
 #include "data/mesh/inside.h"
 
-struct crowd;
 /* The corners at a point. */
 struct meeting {
     const struct obj_corner *corners;

@@ -3,8 +3,6 @@
  * checks them all, so that the rest of the mesh builder can rely on them. */
 #include <float.h>
 #include <limits.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/mesh/inside.h"
 
@@ -236,7 +234,7 @@ bool obj_read(const char *path, struct place from, struct obj *out, struct error
     struct word name;
     bool good = true;
     *out = (struct obj){.material = {.start = ""}, .name = -1};
-    if (!file_expected(path, from, FILE_MODEL, err) || !text_open_large(&text, path, from, err))
+    if (!file_expected(path, from, FILE_MODEL, err) || !text_open(&text, path, from, true, err))
         return false;
     while (good && text_next_line(&text))
         good = !next_word(&text, &name) || read_statement(&text, &name, out, err);

@@ -3,10 +3,6 @@
  * lattice of places on each patch, and two triangles in each cell. Positions along a seam are
  * computed from the same numbers by the same steps. So neighbours agree in every bit, and no crack
  * can open. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/mesh/inside.h"
 
 enum { TEAPOT_PATCHES = 32 };
@@ -149,13 +145,6 @@ static struct vector weigh(const struct vector point[4], const double weight[4])
         vector_add(vector_scale(point[1], weight[1]), vector_scale(point[2], weight[2])));
 }
 
-/* Returns the outward normal of a patch whose first row is one point. The tangents there, along the
- * two sides of the patch, span the tangent plane. */
-static struct vector pole_normal(const struct vector point[16])
-{
-    return vector_cross(vector_subtract(point[7], point[0]), vector_subtract(point[4], point[0]));
-}
-
 /* Turns the teapot from z up to y up, as in glutSolidTeapot. Adding 0 makes -0 into 0, so that
  * seams agree in that bit, too. */
 static struct vector upright(struct vector a)
@@ -177,9 +166,11 @@ static struct vertex teapot_vertex(const struct teapot_patch *patch, double size
     }
     /* Weights add up to 1 within rounding only, but a pole is one exact point. */
     struct vector position = pole ? point[0] : weigh(across, rows.value);
+    /* Where the first row is one point, the tangents along the two sides span the tangent plane. */
     const struct vector normal =
-        pole ? pole_normal(point)
-             : vector_cross(weigh(along, rows.value), weigh(across, rows.slope));
+        pole
+            ? vector_cross(vector_subtract(point[7], point[0]), vector_subtract(point[4], point[0]))
+            : vector_cross(weigh(along, rows.value), weigh(across, rows.slope));
     position.z -= 1.5;
     return (struct vertex){vector_scale(upright(position), size / 2),
                            vector_normalise(upright(normal)), 1 - column / count, 1 - row / count};
@@ -228,7 +219,7 @@ bool patches_open(const struct shape *shape, struct patches *out, struct error *
     if (shape->kind != SHAPE_TEAPOT)
         return true;
     if (!MAKE_ARRAY(out->teapot, TEAPOT_PATCHES, err, "the teapot") ||
-        !text_open(&text, "builtin:models/teapot.txt", shape->place, err))
+        !text_open(&text, "builtin:models/teapot.txt", shape->place, false, err))
         return false;
     const bool done = read_teapot(&text, out->teapot, err);
     text_free(&text);
@@ -394,8 +385,6 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
     *out = (struct mesh){.place = shape->place, .parametric = true};
     const bool done = patches_open(shape, &patches, err) && add_all(out, &patches, err);
     patches_close(&patches);
-    if (!done)
-        mesh_free(out);
     return done;
 }
 

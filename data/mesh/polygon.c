@@ -3,8 +3,6 @@
  * always ends. If the rest of a ring is no simple polygon, within rounding, it becomes a fan. The
  * time is at most proportional to the square of the number of corners. */
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 #include "data/mesh/inside.h"
 

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The words and sizes of shapes in the scene language. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/mesh/mesh.h"
 

@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Cuts a mesh in half, halves its edges, and takes a part out of a mesh. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/mesh/inside.h"
 
 /* ---- edges that get a vertex ---- */
@@ -227,20 +224,6 @@ bool mesh_halve(struct mesh *mesh, struct error *err)
 
 /* ---- taking a part out ---- */
 
-/* The triangles of part p are triangles[first[p]] up to before triangles[first[p + 1]]. */
-struct division {
-    int32_t *triangles, *first; /* NULL: all triangles are part 0 */
-    int32_t *number;            /* of each vertex in the part that is taken out; otherwise -1 */
-};
-
-void division_free(struct division *division)
-{
-    if (division) {
-        FREE_ALL(division->triangles, division->first, division->number);
-    }
-    free(division);
-}
-
 /* Counting sort. first[p] is first the end of part p, and at last its begin. */
 static void sort_triangles(const struct mesh *mesh, struct division *division)
 {
@@ -252,21 +235,15 @@ static void sort_triangles(const struct mesh *mesh, struct division *division)
         division->triangles[--division->first[mesh->part[i]]] = i;
 }
 
-/* Makes the division of the mesh, which owns it. */
+/* Makes the division of the mesh. */
 static bool divide(struct mesh *mesh, struct error *err)
 {
     static const char what[] = "the parts of a mesh";
-    struct division *division;
-    if (!MAKE_ARRAY(mesh->division, 1, err, what))
+    struct division *division = &mesh->division;
+    if ((mesh->part && (!MAKE_ARRAY(division->triangles, mesh->n_triangles, err, what) ||
+                        !MAKE_ARRAY(division->first, (size_t)mesh->n_parts + 1, err, what))) ||
+        !MAKE_ARRAY(division->number, mesh->n_vertices, err, what))
         return false;
-    division = mesh->division;
-    if (!MAKE_ARRAY(division->number, mesh->n_vertices, err, what) ||
-        (mesh->part && (!MAKE_ARRAY(division->triangles, mesh->n_triangles, err, what) ||
-                        !MAKE_ARRAY(division->first, (size_t)mesh->n_parts + 1, err, what)))) {
-        division_free(division);
-        mesh->division = NULL;
-        return false;
-    }
     for (int i = 0; i < mesh->n_vertices; i++)
         division->number[i] = -1;
     if (mesh->part)
@@ -295,7 +272,7 @@ static int compare_numbers(const void *a, const void *b)
  * Few of them are sorted; many are found among all vertices. */
 static int number_vertices(const struct mesh *from, const struct triangle_list *part, int32_t *used)
 {
-    int32_t *number = from->division->number;
+    int32_t *number = from->division.number;
     int n = 0;
     for (int i = 0; i < part->n; i++)
         for (int k = 0; k < 3; k++) {
@@ -319,7 +296,7 @@ static int number_vertices(const struct mesh *from, const struct triangle_list *
 static void take(const struct mesh *from, const struct triangle_list *part, const int32_t *used,
                  int n_used, struct mesh *out)
 {
-    int32_t *number = from->division->number;
+    int32_t *number = from->division.number;
     out->n_triangles = part->n;
     for (int i = 0; i < part->n; i++)
         for (int k = 0; k < 3; k++)
@@ -335,7 +312,7 @@ static void take(const struct mesh *from, const struct triangle_list *part, cons
 
 static struct triangle_list list_part(const struct mesh *mesh, int part)
 {
-    const struct division *division = mesh->division;
+    const struct division *division = &mesh->division;
     if (part < 0 || (part == 0 && !mesh->part))
         return (struct triangle_list){NULL, mesh->n_triangles};
     if (part >= mesh->n_parts)
@@ -347,7 +324,7 @@ static struct triangle_list list_part(const struct mesh *mesh, int part)
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err)
 {
     *out = (struct mesh){.parametric = from->parametric};
-    if (!from->division && !divide(from, err))
+    if (!from->division.number && !divide(from, err))
         return false;
     const struct triangle_list list = list_part(from, part);
     int32_t *used;

@@ -4,10 +4,6 @@
  * emission peaks, and every segment has the fewest nodes that its spectra allow. Beyond Deville's,
  * segments are joined again where they have no need of a cut. Nodes are wavelengths of the grid:
  * there spectra are known, and pages are exactly what the errors were judged by. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
 
 /* Cells from..to - 1 of the grid, and the nodes that stand for them. */
@@ -49,14 +45,6 @@ static const double *spectrum_row(const struct adaptive *a, int i)
 enum { FARTHEST_NEIGHBOUR = 10 };
 static const double least_excess = 0.5;
 
-static double mean_of(const double *row, int n)
-{
-    double sum = 0;
-    for (int j = 0; j < n; j++)
-        sum += row[j] / n;
-    return sum;
-}
-
 static bool is_summit(const double *row, int n, int j, double threshold)
 {
     for (int away = 1; away <= FARTHEST_NEIGHBOUR && j - away >= 0 && j + away < n; away++) {
@@ -82,9 +70,11 @@ static int foot_of(const double *row, int n, int j, int step)
 static void cut_at_peaks(struct adaptive *a, const double *row, bool *summit)
 {
     const int n = a->spectra->n_nm;
-    const double threshold = least_excess * mean_of(row, n);
+    double mean = 0;
     for (int j = 0; j < n; j++)
-        if (is_summit(row, n, j, threshold)) {
+        mean += row[j] / n;
+    for (int j = 0; j < n; j++)
+        if (is_summit(row, n, j, least_excess * mean)) {
             summit[j] = a->cut[j] = a->cut[foot_of(row, n, j, -1)] = true;
             a->cut[foot_of(row, n, j, 1) + 1] = true;
         }

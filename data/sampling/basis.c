@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Sampling by a linear model: the principal components of a scene's spectra. */
-#include <math.h>
-
 #include "data/sampling/inside.h"
 
 double sampling_dot(const double *a, const double *b, int n)

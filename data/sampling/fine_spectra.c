@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the spectra of a scene's lights and terms at every nm, from which samplings are made.
  * Textures do not count: a spectral texture is read at the wavelength of each page. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
 
 /* A stack of every nm has no more pages. */
@@ -43,18 +39,8 @@ static bool add_light(struct fine_spectra *to, const struct spectrum *spectrum, 
     return row && check_row(to, row, spectrum->place, err);
 }
 
-/* Adds the luminescence of a material under a light of intensity 1. */
-static bool add_luminescence(struct fine_spectra *to, const struct spectral_pages *every_nm,
-                             const struct material *material, const struct spectrum *light,
-                             struct error *err)
-{
-    double *row = add_row(to, false, err);
-    return row && material_luminescence(every_nm, material, light, row, err) &&
-           check_row(to, row, material->place, err);
-}
-
-/* Adds every light and ambient light, or the luminescence of a material (NULL: none) under it.
- * Lights of one spectrum are one. */
+/* Adds every light and ambient light, or the luminescence of a material (NULL: none) under it, as
+ * if its intensity were 1. Lights of one spectrum are one. */
 static bool add_lights(struct fine_spectra *to, const struct illumination *illumination,
                        const struct material *material, struct error *err)
 {
@@ -64,9 +50,12 @@ static bool add_lights(struct fine_spectra *to, const struct illumination *illum
         const int ambient = i - illumination->n_first;
         const struct light *light = ambient < 0 ? illumination->lights[illumination->first[i]].light
                                                 : &scene->ambients[ambient];
-        done = material
-                   ? add_luminescence(to, &illumination->pages, material, &light->spectrum, err)
-                   : add_light(to, &light->spectrum, light->intensity, err);
+        double *row = material ? add_row(to, false, err) : NULL;
+        done = material ? row &&
+                              material_luminescence(&illumination->pages, material,
+                                                    &light->spectrum, row, err) &&
+                              check_row(to, row, material->place, err)
+                        : add_light(to, &light->spectrum, light->intensity, err);
     }
     return done;
 }
@@ -78,9 +67,8 @@ static bool add_material(struct fine_spectra *to, const struct illumination *ill
 {
     const size_t n_nm = (size_t)to->n_nm;
     struct material_terms terms;
-    if (!material_terms_make(illumination, material, &terms, err))
-        return false;
-    bool done = (!terms.emits || add_light(to, &material->glow, 1, err)) &&
+    bool done = material_terms_make(illumination, material, &terms, err) &&
+                (!terms.emits || add_light(to, &material->glow, 1, err)) &&
                 (!terms.fluoresces || add_lights(to, illumination, material, err));
     for (int t = 0; done && t < terms.n; t++) {
         double *row = add_row(to, true, err);
@@ -127,8 +115,6 @@ bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct e
         done = add_material(out, &illumination, materials[i], err);
     illumination_free(&illumination);
     FREE_ALL(materials, every_nm.wavelength_nm);
-    if (!done)
-        fine_spectra_free(out);
     return done;
 }
 

@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Samplings by Gaussian quadrature: with one rule, or with one for each of three functions. */
-#include <stdlib.h>
-
 #include "data/colour/colour.h"
 #include "data/sampling/inside.h"
 
@@ -87,7 +85,8 @@ static void find_functions(struct functions *out)
     double matrix[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     if (functions != FUNCTIONS_XYZ)
         adaptation_cones(ADAPTATION_VON_KRIES, matrix);
-    sampling_transform(matrix, fine->weights, fine->n, out->row);
+    memcpy(out->row, fine->weights, 3 * (size_t)fine->n * sizeof *out->row);
+    colour_apply_all(matrix, fine->n, out->row);
     colour_inverse(matrix, out->back);
     if (functions == FUNCTIONS_ACC) {
         out->first_is_best = true;

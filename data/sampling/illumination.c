@@ -2,11 +2,6 @@
 /* Lists the lights that shine. Lights that differ only in strength share their terms. A light that
  * is 0 everywhere does not shine. If lights may be exchanged, all of them are kept, each by itself.
  */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/files/files.h"
 #include "data/sampling/sampling.h"
 
 bool spectrum_is_zero(const struct spectrum *spectrum)

@@ -57,8 +57,6 @@ double sampling_seen(const struct sampling *sampling, int j);
 /* Refuses more pages than `most` nm. In uniform.c, as the next. */
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err);
 double sampling_dot(const double *a, const double *b, int n); /* in basis.c */
-/* Combines three rows of n numbers by a matrix. */
-void sampling_transform(double m[3][3], const double *rows, int n, double *out);
 
 /* Makers, in uniform.c, gauss.c, adaptive.c and basis.c. Each makes room for pages and sets their
  * wavelengths, or their analysis and synthesis (which is otherwise linear between wavelengths), and

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The methods of sampling: how they differ, and their names as words. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
-#include "data/text/text.h"
 
 static const struct sampling_words boxes = {"box", "boxes", "means of these boxes only"};
 static const struct sampling_words wavelengths = {"wavelength", "wavelengths",

@@ -1,11 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes samplings, samples scenes, and describes samplings in words. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
-#include "data/text/text.h"
 
 /* ---- arrays ---- */
 
@@ -38,12 +33,6 @@ bool fine_detector_make(const struct detector *detector, double first_nm, int n,
         out->nm[j] = first_nm + j;
     detector_weights(detector, out->nm, n, out->weights);
     return true;
-}
-
-void fine_detector_free(struct fine_detector *detector)
-{
-    free(detector->nm);
-    *detector = (struct fine_detector){0};
 }
 
 double sampling_seen(const struct sampling *sampling, int j)
@@ -172,10 +161,8 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
     *out = (struct sampling){.method = *method,
                              .pages = {.first_nm = spectra->first_nm, .n_nm = spectra->n_nm}};
     sampling_name(method, task.name);
-    if (!detector_read(detector, &sees, err))
-        return false;
     const bool done =
-        string_copy(sees.name, &out->detector, err) &&
+        detector_read(detector, &sees, err) && string_copy(sees.name, &out->detector, err) &&
         fine_detector_make(&sees, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
         check_detector(&task, err) && traits_of(method)->make(&task, err) && complete(&task, err);
     detector_free(&sees);
@@ -196,12 +183,12 @@ static bool refuse_textures(const struct scene *scene, const struct sampling *sa
     if (!materials_shown(scene, &materials, &n, err))
         return false;
     for (int i = 0; i < n && refused == NULL; i++)
-        if (materials[i]->spectral_texture != NULL)
+        if (materials[i]->spectral_texture)
             refused = materials[i];
     free(materials);
     sampling_name(&sampling->method, name);
     return refused == NULL ||
-           error_at(err, refused->spectral_texture_place,
+           error_at(err, refused->texture_place,
                     "%s has no wavelengths to take a spectral texture at; box, riemann, gauss and "
                     "adaptive have",
                     name);
@@ -231,8 +218,6 @@ bool scene_sample(struct scene *scene, const struct sampling_method *method, con
                       (out->spectral || refuse_textures(scene, out, err)) &&
                       replace_wavelengths(scene, out, err);
     fine_spectra_free(&spectra);
-    if (!done)
-        sampling_free(out);
     return done;
 }
 
@@ -308,8 +293,7 @@ void sampling_print(const struct sampling *sampling, struct printed *to)
 void sampling_free(struct sampling *sampling)
 {
     FREE_ALL(sampling->detector, sampling->pages.wavelength_nm, sampling->pages.analysis,
-             sampling->pages.reflectance_analysis, sampling->segment_nm, sampling->weights);
-    fine_detector_free(&sampling->fine);
-    FREE_ALL(sampling->synthesis, sampling->peak_nm);
+             sampling->pages.reflectance_analysis, sampling->segment_nm, sampling->weights,
+             sampling->fine.nm, sampling->synthesis, sampling->peak_nm);
     *sampling = (struct sampling){.detector = NULL};
 }

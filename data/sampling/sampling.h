@@ -5,10 +5,7 @@
 #ifndef DATA_SAMPLING_SAMPLING_H
 #define DATA_SAMPLING_SAMPLING_H
 
-#include "data/base/base.h"
 #include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "spectral.h"
 
 /* ---- spectral_pages.c: pages made of spectra ---- */
 
@@ -162,10 +159,9 @@ struct fine_detector {
     double *nm;      /* owned, with the weights behind them */
     double *weights; /* detector_weights there: [channel * n + j] */
 };
-/* Makes a fine detector of n >= 1 nm. Fails only where memory runs out. */
+/* Makes a fine detector of n >= 1 nm. Fails only where memory runs out. The caller frees `nm`. */
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,
                         struct fine_detector *out, struct error *err);
-void fine_detector_free(struct fine_detector *detector);
 
 /* How spectra become pages (`pages`), and pages the channels of a detector (`weights`). */
 struct sampling {

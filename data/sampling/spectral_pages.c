@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Pages made of spectra: computes the value of a spectrum on a page, and the white of a scene. */
 #include <float.h>
-#include <math.h>
 
 #include "data/sampling/inside.h"
 

@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes the terms of a material: spectra of light, reflectance and fluorescence, multiplied. A term
  * that is 0 on every page is left out, unless lights may be exchanged. */
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/sampling/inside.h"
 
 struct luminescence {
@@ -12,6 +8,8 @@ struct luminescence {
     const struct material *material;
     bool glows;              /* the pages show the emission that belongs to an excitation */
     struct donaldson matrix; /* the pages show its emission; no emission: there is none */
+    long integrals;          /* over an excitation that were computed */
+    bool seen;               /* a value was not 0 */
 };
 struct terms_maker {
     const struct illumination *illumination;
@@ -74,35 +72,24 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
     return true;
 }
 
-/* Adds the luminescence under a light to the row; sets *any if any of its values is not 0. */
-static bool luminesce(const struct luminescence *of, const struct spectrum *light, double intensity,
-                      double *row, bool *any, struct error *err)
+/* Adds the luminescence under a light to the row, and sets *lit if any of its values is not 0. */
+static bool luminesce(struct luminescence *of, const struct spectrum *light, double intensity,
+                      double *row, bool *lit, struct error *err)
 {
-    *any = false;
+    bool any = false;
     if (of->glows) {
         double mean = excitation_mean(light, &of->material->excitation);
-        *any = add_product(of->pages, intensity * mean, &of->material->emission, NULL, row);
+        any = add_product(of->pages, intensity * mean, &of->material->emission, NULL, row);
     }
     if (of->matrix.emission.count > 0) {
         struct spectrum emission = {.kind = SPECTRUM_NONE};
         if (!donaldson_emission(&of->matrix, light, &emission, err))
             return false;
-        *any = add_product(of->pages, intensity, &emission, NULL, row);
+        any = add_product(of->pages, intensity, &emission, NULL, row);
         spectrum_free(&emission);
     }
-    return true;
-}
-
-/* Adds the luminescence under a light to the row, and sets *lit if there is any. */
-static bool add_luminescence(struct terms_maker *maker, const struct spectrum *light,
-                             double intensity, double *row, bool *lit, struct error *err)
-{
-    const struct luminescence *luminescence = &maker->luminescence;
-    bool any;
-    if (!luminesce(luminescence, light, intensity, row, &any, err))
-        return false;
-    maker->out->excitation_integrals += luminescence->glows + luminescence->matrix.emission.count;
-    maker->out->fluoresces = maker->out->fluoresces || any;
+    of->integrals += of->glows + of->matrix.emission.count;
+    of->seen = of->seen || any;
     *lit = *lit || any;
     return true;
 }
@@ -111,11 +98,11 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
                            const struct spectrum *light, double *out, struct error *err)
 {
     struct luminescence luminescence;
-    bool any;
+    bool lit = false;
     for (int i = 0; i < pages->n; i++)
         out[i] = 0;
     bool done = open_luminescence(pages, material, &luminescence, err) &&
-                luminesce(&luminescence, light, 1, out, &any, err);
+                luminesce(&luminescence, light, 1, out, &lit, err);
     donaldson_free(&luminescence.matrix);
     return done;
 }
@@ -165,8 +152,8 @@ static bool add_constant(struct terms_maker *maker, struct error *err)
         if (add_product(&illumination->pages, ambient->intensity, &ambient->spectrum,
                         &out->material->diffuse, row))
             out->ambient = true;
-        if (!add_luminescence(maker, &ambient->spectrum, ambient->intensity, row, &out->ambient,
-                              err))
+        if (!luminesce(&maker->luminescence, &ambient->spectrum, ambient->intensity, row,
+                       &out->ambient, err))
             return false;
     }
     out->emits = out->material->glow.kind != SPECTRUM_NONE &&
@@ -184,7 +171,7 @@ static bool add_light(struct terms_maker *maker, int index, struct error *err)
     bool kept = maker->illumination->exchangeable;
     double *row = maker->row;
     bool lit = add_product(pages, light->intensity, &light->spectrum, &material->diffuse, row);
-    if (!add_luminescence(maker, &light->spectrum, light->intensity, row, &lit, err))
+    if (!luminesce(&maker->luminescence, &light->spectrum, light->intensity, row, &lit, err))
         return false;
     if (lit || kept)
         keep_term(maker, TERM_DIFFUSE, index);
@@ -215,10 +202,10 @@ bool material_terms_make(const struct illumination *illumination, const struct m
                 allocate(&maker, err) && add_constant(&maker, err);
     for (int i = 0; done && i < illumination->n_first; i++)
         done = add_light(&maker, illumination->first[i], err);
+    out->fluoresces = maker.luminescence.seen;
+    out->excitation_integrals = maker.luminescence.integrals;
     donaldson_free(&maker.luminescence.matrix);
     free(maker.row);
-    if (!done)
-        material_terms_free(out);
     return done;
 }
 

@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Samplings by steps, by boxes, and by three numbers. */
-#include <math.h>
-
 #include "data/colour/colour.h"
 #include "data/sampling/inside.h"
-#include "data/text/text.h"
 
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err)
 {
@@ -85,13 +82,6 @@ bool sample_box(const struct sampling_task *task, struct error *err)
 
 /* ---- three numbers ---- */
 
-void sampling_transform(double m[3][3], const double *rows, int n, double *out)
-{
-    for (int j = 0; j < n; j++)
-        for (int i = 0; i < 3; i++)
-            out[i * n + j] = m[i][0] * rows[j] + m[i][1] * rows[n + j] + m[i][2] * rows[2 * n + j];
-}
-
 /* Makes the analysis of reflectances: the numbers of the light that a surface reflects of d65, in
  * parts of d65's own. */
 static bool divide_by_d65(const struct sampling_task *task, struct error *err)
@@ -125,14 +115,16 @@ bool sample_tristimulus(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
     double to[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, back[3][3];
+    const size_t n = 3 * (size_t)out->fine.n;
     out->pages.clips = out->method.kind == SAMPLING_RGB;
     if (out->pages.clips)
         display_matrix(DISPLAY_SRGB, to);
     colour_inverse(to, back);
     if (!sampling_room(out, 3, ANALYSIS, err) ||
-        !(out->pages.reflectance_analysis = sampling_numbers(3 * (size_t)out->fine.n, err)))
+        !(out->pages.reflectance_analysis = sampling_numbers(n, err)))
         return false;
-    sampling_transform(to, out->fine.weights, out->fine.n, out->pages.analysis);
+    memcpy(out->pages.analysis, out->fine.weights, n * sizeof *out->pages.analysis);
+    colour_apply_all(to, out->fine.n, out->pages.analysis);
     for (int i = 0; i < 9; i++)
         out->weights[i] = back[i / 3][i % 3];
     return divide_by_d65(task, err);

@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral list: the names that scenes and options can use. spectral show: a built-in file. */
 #include <ctype.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/scene/scene.h"
 
 static void list_shapes(struct printed *to)
@@ -162,11 +157,10 @@ static bool run_show(struct options *options, struct error *err)
 {
     const char *output = options->output ? options->output : "-";
     const struct builtin_file *file;
-    const struct place nowhere = {0};
     int descriptor;
     char *path = NULL;
     bool done = find_shown(options->operand ? options->operand : "", &path, err) &&
-                file_open(path, nowhere, &descriptor, &file, err);
+                file_open(path, NOWHERE, &descriptor, &file, err);
     if (done && isatty(STDOUT_FILENO) && strcmp(output, "-") == 0 &&
         memchr(file->bytes, '\0', file->length))
         done = error_usage(err, "%s is no text; add -o FILE", options->operand);

@@ -3,7 +3,6 @@
 #ifndef DATA_SCENE_INSIDE_H
 #define DATA_SCENE_INSIDE_H
 
-#include "data/base/base.h"
 #include "data/scene/scene.h"
 
 /* ---- material.c: materials from files and from words ---- */
@@ -32,8 +31,7 @@ struct mtl {
     struct mtl_entry *entries;
     int n_entries;
 };
-/* Opens an MTL file and finds its entries. `from` is the place that names it. A failure frees all.
- */
+/* Opens an MTL file and finds its entries. `from` is the place that names it. */
 bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err);
 /* Returns the entry of that name; NULL: there is none, with an error at `from`. */
 struct mtl_entry *mtl_find(const struct mtl *mtl, struct place from, const struct word *name,

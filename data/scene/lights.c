@@ -2,8 +2,6 @@
 /* The lights of a scene: its statements `ambient` and `light`, and the options of the command line
  * that replace them. */
 #include <limits.h>
-#include <math.h>
-#include <string.h>
 
 #include "data/scene/inside.h"
 

@@ -2,11 +2,8 @@
 /* Reads materials from files in the format of the 1998 thesis (in its Table 1, the first word of a
  * line is the kind of the line) and from the words of a scene. Both have the same ranges. */
 #include <ctype.h>
-#include <math.h>
-#include <string.h>
 #include <strings.h>
 
-#include "data/files/files.h"
 #include "data/scene/inside.h"
 
 /* Refuses an excitation whose sum is not above 0 and finite. The excitation by a light is divided
@@ -22,9 +19,8 @@ static bool check_excitation(const struct spectrum *excitation, struct error *er
             values += excitation->value[i];
         sum *= values;
     }
-    if (sum > 0 && isfinite(sum))
-        return true;
-    return error_at(err, excitation->place,
+    return (sum > 0 && isfinite(sum)) ||
+           error_at(err, excitation->place,
                     "the sum of the excitation is %g; expected a finite sum above 0", sum);
 }
 
@@ -147,12 +143,13 @@ static bool complete(struct material *material, const char *no_diffuse, struct e
 static bool complete_file(struct material *out, struct error *err)
 {
     struct material *partner = out->partner;
-    if (!complete(out, "no diffuse reflectance; a material has lines of a wavelength and one", err))
-        return false;
-    return !partner ||
-           (string_copy(out->name, &partner->name, err) &&
-            string_copy(out->path, &partner->path, err) &&
-            complete(partner, "the partner has no mr lines; it needs a diffuse reflectance", err));
+    return complete(out, "no diffuse reflectance; a material has lines of a wavelength and one",
+                    err) &&
+           (!partner ||
+            (string_copy(out->name, &partner->name, err) &&
+             string_copy(out->path, &partner->path, err) &&
+             complete(partner, "the partner has no mr lines; it needs a diffuse reflectance",
+                      err)));
 }
 
 bool material_read(const char *path, struct place from, struct material *out, struct error *err)
@@ -160,7 +157,7 @@ bool material_read(const char *path, struct place from, struct material *out, st
     struct text text;
     bool done;
     *out = (struct material){0};
-    if (!file_expected(path, from, FILE_MATERIAL, err) || !text_open(&text, path, from, err))
+    if (!file_expected(path, from, FILE_MATERIAL, err) || !text_open(&text, path, from, false, err))
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
@@ -253,10 +250,10 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
     case BLOCK_DONALDSON:
         return word_file(&word, FILE_KINDS, &out->donaldson, err);
     case BLOCK_TEXTURE:
+    case BLOCK_SPECTRAL_TEXTURE: /* one of both: see read_block */
+        free(out->texture);
+        out->spectral_texture = kind == BLOCK_SPECTRAL_TEXTURE;
         return word_file(&word, FILE_TEXTURE, &out->texture, err) && read_filter(text, out, err);
-    case BLOCK_SPECTRAL_TEXTURE:
-        return word_file(&word, FILE_TEXTURE, &out->spectral_texture, err) &&
-               read_filter(text, out, err);
     case BLOCK_EMISSION:
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:
@@ -326,13 +323,12 @@ static bool read_block(struct text *text, struct material *out, struct error *er
     }
     out->gloss_place = given[BLOCK_GLOSS];
     out->donaldson_place = given[BLOCK_DONALDSON];
-    out->texture_place = given[BLOCK_TEXTURE];
-    out->spectral_texture_place = given[BLOCK_SPECTRAL_TEXTURE];
+    out->texture_place = given[out->spectral_texture ? BLOCK_SPECTRAL_TEXTURE : BLOCK_TEXTURE];
     out->partner_place = given[BLOCK_METAMER];
-    return exclude(given[BLOCK_FLUORESCENCE], out->donaldson_place, "fluorescence or donaldson",
+    return exclude(given[BLOCK_FLUORESCENCE], given[BLOCK_DONALDSON], "fluorescence or donaldson",
                    err) &&
-           exclude(out->texture_place, out->spectral_texture_place, "texture or spectral-texture",
-                   err) &&
+           exclude(given[BLOCK_TEXTURE], given[BLOCK_SPECTRAL_TEXTURE],
+                   "texture or spectral-texture", err) &&
            complete_diffuse(out, err);
 }
 
@@ -340,10 +336,7 @@ bool material_read_words(struct text *text, struct material *out, struct error *
 {
     *out = (struct material){.place = text_place(text)};
     out->place.column--; /* the cursor stands behind the { */
-    if (read_block(text, out, err))
-        return true;
-    material_free(out);
-    return false;
+    return read_block(text, out, err);
 }
 
 void material_free(struct material *material)
@@ -356,6 +349,6 @@ void material_free(struct material *material)
     if (material->partner)
         material_free(material->partner);
     FREE_ALL(material->partner, material->partner_name, material->donaldson, material->texture,
-             material->spectral_texture, material->name, material->path);
+             material->name, material->path);
     *material = (struct material){0};
 }

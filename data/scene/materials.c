@@ -2,22 +2,14 @@
 /* Finds materials by name, and reads those that objects use. A scene may use a material before it
  * defines it, so this happens when the whole scene is known. The file of a material that no object
  * uses is never opened. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/scene/inside.h"
 
 /* ---- definitions ---- */
 
-static int find_material(const struct scene_reader *reader, const struct word *word)
-{
-    return index_find(&reader->named, word->start, word->length);
-}
-
 static bool check_name(const struct scene_reader *reader, const struct word *word,
                        struct error *err)
 {
-    const int first = find_material(reader, word);
+    const int first = index_find(&reader->named, word->start, word->length);
     if (word_is(word, "{"))
         return error_at(err, word->place, "expected a name before the {");
     if (first < 0)
@@ -85,20 +77,16 @@ bool listed_add(struct scene_reader *reader, const struct word *word, int *out, 
 
 /* ---- materials that are used ---- */
 
-/* Returns whether a statement defines the material by its name. A file in a list has no name yet;
+/* Proposes the materials that a statement defines by their names. A file in a list has no name yet;
  * an entry of an MTL file has a name, but no statement. */
-static bool is_defined(const struct material *material)
-{
-    return material->name && !material->from_rgb;
-}
-
 static bool refuse_unknown(const struct scene *scene, const struct word *name, struct error *err)
 {
     struct suggestion suggestion = {.distance = 0};
-    for (int i = 0; i < scene->n_materials; i++)
-        if (is_defined(&scene->materials[i]))
-            suggestion_add(&suggestion, name, scene->materials[i].name,
-                           strlen(scene->materials[i].name));
+    for (int i = 0; i < scene->n_materials; i++) {
+        const struct material *known = &scene->materials[i];
+        if (known->name && !known->from_rgb)
+            suggestion_add(&suggestion, name, known->name, strlen(known->name));
+    }
     return error_at(err, name->place, "the scene defines no material '%.*s'; %s", word_shown(name),
                     name->start,
                     suggestion_end(&suggestion,
@@ -130,7 +118,7 @@ static bool load(struct material *material, struct error *err)
 static bool find_named(const struct scene_reader *reader, const struct word *name, int *out,
                        struct error *err)
 {
-    *out = find_material(reader, name);
+    *out = index_find(&reader->named, name->start, name->length);
     return *out >= 0 ? load(&reader->scene->materials[*out], err)
                      : refuse_unknown(reader->scene, name, err);
 }
@@ -150,11 +138,9 @@ static bool use_partner(const struct scene_reader *reader, int index, struct err
     if (partner == material)
         return error_at(err, name.place, "'%.100s' is its own partner; it must be another material",
                         material->name);
-    if (partner->partner || partner->partner_name)
-        return error_at(err, name.place,
-                        "'%.100s' has a partner itself; a partner must be without one",
-                        partner->name);
-    return true;
+    return (!partner->partner && !partner->partner_name) ||
+           error_at(err, name.place, "'%.100s' has a partner itself; a partner must be without one",
+                    partner->name);
 }
 
 static bool use_named(const struct scene_reader *reader, const struct word *name, int *out,
@@ -179,9 +165,8 @@ static int find_mtl(struct scene_reader *reader, const char *path, struct place 
     struct mtl mtl;
     if (known >= 0)
         return known;
-    if (!mtl_open(path, from, &mtl, err))
-        return -1;
-    if (index_add(&reader->mtl_paths, path, length, reader->n_mtl, err) &&
+    if (mtl_open(path, from, &mtl, err) &&
+        index_add(&reader->mtl_paths, path, length, reader->n_mtl, err) &&
         array_add(&reader->mtl, &reader->n_mtl, &mtl, sizeof mtl, err))
         return reader->n_mtl - 1;
     mtl_free(&mtl);

@@ -3,9 +3,6 @@
  * which say nothing about single wavelengths. This file spreads them over the spectrum so that grey
  * is constant. It reads Kd, Ks, Ns and Ke, and skips all else, since the format has many dialects.
  * An entry is read only if a scene uses it. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "data/scene/inside.h"
 
 enum statement { KD, KS, KE, NS, STATEMENTS };
@@ -73,10 +70,7 @@ static bool find_entries(struct mtl *mtl, struct error *err)
 bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err)
 {
     *out = (struct mtl){.n_entries = 0};
-    if (text_open(&out->text, path, from, err) && find_entries(out, err))
-        return true;
-    mtl_free(out);
-    return false;
+    return text_open(&out->text, path, from, false, err) && find_entries(out, err);
 }
 
 void mtl_free(struct mtl *mtl)

@@ -2,8 +2,6 @@
 /* The objects of a scene: shapes with their transforms, and the thesis's grid of one object for
  * each material. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
 
 #include "data/scene/inside.h"
 

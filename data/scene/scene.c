@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads scenes: finds the file of a scene, reads one statement a line, and reads the files that it
  * includes. Statements may come in any order; some of them may be given only once. */
-#include <stdlib.h>
-#include <string.h>
-
-#include "data/files/files.h"
 #include "data/scene/inside.h"
 
 /* ---- files ---- */
@@ -22,7 +18,7 @@ bool scene_open(struct scene *scene, const struct word *word, enum file_kind kin
 {
     char *path = NULL;
     bool done = word_file(word, kind, &path, err) && file_expected(path, word->place, kind, err) &&
-                text_open(out, path, word->place, err) && scene_keep(scene, out, err);
+                text_open(out, path, word->place, false, err) && scene_keep(scene, out, err);
     free(path);
     return done;
 }

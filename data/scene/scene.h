@@ -4,11 +4,8 @@
 #ifndef DATA_SCENE_SCENE_H
 #define DATA_SCENE_SCENE_H
 
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- material.c: materials from files and from words ---- */
 
@@ -24,11 +21,10 @@ struct material {
     struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
     char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
     struct place donaldson_place;
-    char *texture;       /* file; owned, NULL: none */
-    bool texture_linear; /* of either kind */
+    char *texture; /* file; owned, NULL: none */
+    bool texture_linear;
+    bool spectral_texture; /* the file is a stack of wavelengths */
     struct place texture_place;
-    char *spectral_texture; /* stack; owned, NULL: none */
-    struct place spectral_texture_place;
     struct spectrum glow;     /* emission that needs no light */
     char *partner_name;       /* `metamer MATERIAL`: name in the scene; owned */
     int partner_index;        /* in the scene, if an object uses this material; otherwise 0 */

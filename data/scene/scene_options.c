@@ -1,8 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene as the command line names and changes it. */
-#include <string.h>
-
-#include "data/files/files.h"
 #include "data/scene/inside.h"
 
 static const struct option changes[] = {

@@ -2,8 +2,6 @@
 /* The view of a scene: wavelengths, size, camera, shading. The same functions read the statements
  * of the scene and the options of the command line that replace them. */
 #include <float.h>
-#include <math.h>
-#include <string.h>
 
 #include "data/scene/inside.h"
 

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Detectors: three sensitivities, and the weights by which the radiances of a picture count in
  * them. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "data/spectra/inside.h"
 
 /* ---- wavelengths ---- */
@@ -59,8 +56,6 @@ bool detector_read(const char *name, struct detector *out, struct error *err)
         s->place.path = out->name;
         done = done && check_sensitivity(s, channel + 1, out->observer && channel == 1, err);
     }
-    if (!done)
-        detector_free(out);
     return done;
 }
 
@@ -90,15 +85,11 @@ void detector_weights(const struct detector *detector, const double *wavelengths
 
 bool observer_read(const char *name, struct detector *out, struct error *err)
 {
-    if (!detector_read(name, out, err))
-        return false;
-    const bool observer = out->observer;
-    if (!observer)
-        detector_free(out);
-    return observer || error_usage(err,
-                                   "%s is a camera or film, which has no tristimulus values;"
-                                   " expected an observer",
-                                   name);
+    return detector_read(name, out, err) &&
+           (out->observer || error_usage(err,
+                                         "%s is a camera or film, which has no tristimulus values;"
+                                         " expected an observer",
+                                         name));
 }
 
 void detector_response(const double *weights, const double *radiance, int n, double out[3])

@@ -3,10 +3,7 @@
  * light. Sums run over the wavelengths of both the light and the excitation: neither a line between
  * the samples of the excitation nor an excitation between the samples of the light is lost. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/spectra/spectra.h"
 
 /* ---- the wavelengths of two spectra ---- */
@@ -218,14 +215,12 @@ bool donaldson_read(const char *path, struct place from, const struct spectrum *
 {
     struct matrix_table table = {.out = out};
     *out = (struct donaldson){.share = NULL};
-    if (!text_open_large(&table.text, path, from, err))
+    if (!text_open(&table.text, path, from, true, err))
         return false;
     table.text.separators = ",;";
     const bool done =
         read_header(&table, err) && read_rows(&table, err) && check_shares(&table, diffuse, err);
     text_free(&table.text);
-    if (!done)
-        donaldson_free(out);
     return done;
 }
 

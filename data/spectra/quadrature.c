@@ -1,9 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Gaussian quadrature: of constant weight (Legendre), and of any discrete weight. */
-#include <math.h>
-#include <stdlib.h>
-
-#include "data/maths/maths.h"
 #include "data/spectra/spectra.h"
 
 /* ---- Legendre ---- */

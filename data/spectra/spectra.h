@@ -3,9 +3,7 @@
 #ifndef DATA_SPECTRA_SPECTRA_H
 #define DATA_SPECTRA_SPECTRA_H
 
-#include "data/files/files.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- spectrum.c: sampled and analytic spectra ---- */
 
@@ -58,9 +56,10 @@ struct detector {
     struct spectrum sensitivity[3];
 };
 /* Reads a built-in detector (spectral list detectors), or a table of a wavelength and three values
- * a line. A table that names its columns x, y and z is an observer; any other is a camera. */
+ * a line. A table that names its columns x, y and z is an observer; any other is a camera. The
+ * caller frees *out, also after a failure. */
 bool detector_read(const char *name, struct detector *out, struct error *err);
-/* Reads a detector, and refuses a camera. */
+/* Reads a detector likewise, and refuses a camera. */
 bool observer_read(const char *name, struct detector *out, struct error *err);
 void detector_free(struct detector *detector);
 /* Computes the weights of n >= 1 increasing wavelengths: out[channel * n + i] is the weight of the

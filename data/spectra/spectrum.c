@@ -2,11 +2,7 @@
 /* Spectra: their values, daylight, and the words that name them. */
 #include <float.h>
 #include <limits.h>
-#include <math.h>
-#include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/spectra/inside.h"
 
 /* A millimetre: longer waves are no light. The limit keeps sums and steps of wavelengths finite. */
@@ -124,9 +120,8 @@ bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double val
 bool spectrum_is_in_nm(const struct spectrum *spectrum, struct error *err)
 {
     const double longest = spectrum->count > 0 ? spectrum->wavelength_nm[spectrum->count - 1] : 20;
-    if (longest >= 20)
-        return true;
-    return error_at(err, spectrum->place,
+    return longest >= 20 ||
+           error_at(err, spectrum->place,
                     "expected wavelengths in nm; these look like %s: multiply them by %s",
                     longest < 1e-3 ? "metres" : "micrometres", longest < 1e-3 ? "1e9" : "1000");
 }

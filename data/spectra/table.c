@@ -2,9 +2,6 @@
 /* Reads tables of wavelengths and values: columns, as spreadsheets and instruments write them, and
  * CGATS files. A file that can be read in two ways is refused, with the words that decide. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 #include "data/spectra/inside.h"
@@ -217,11 +214,10 @@ static bool check_columns(struct table *table, long n_columns, struct place plac
     if (wanted->count > 1 && wanted->count != n_columns)
         return error_at(err, place, "%ld value columns; a detector has %d, as 'wavelength,x,y,z'%s",
                         n_columns, wanted->count, advice);
-    if (wanted->first == 0 && n_columns > wanted->count)
-        return error_at(err, wanted->table.place,
-                        "'%s' has %ld value columns; write '%s:1' for the first of them%s",
-                        label(table, name), n_columns, name, advice);
-    return true;
+    return wanted->first > 0 || n_columns <= wanted->count ||
+           error_at(err, wanted->table.place,
+                    "'%s' has %ld value columns; write '%s:1' for the first of them%s",
+                    label(table, name), n_columns, name, advice);
 }
 
 /* Reads the values of a row. Empty fields may only stand behind the last value. */
@@ -256,9 +252,8 @@ static bool check_order(struct table *table, const struct row *row, struct error
     const double last = table->n_rows > 0 ? table->row[table->n_rows - 1].nm : -HUGE_VAL;
     if (table->n_rows == 1)
         table->decreasing = row->nm < last;
-    if (table->decreasing ? row->nm < last : row->nm > last)
-        return true;
-    return error_at(err, row->place, "wavelength %.15g nm follows %.15g nm; wavelengths must %s",
+    return (table->decreasing ? row->nm < last : row->nm > last) ||
+           error_at(err, row->place, "wavelength %.15g nm follows %.15g nm; wavelengths must %s",
                     row->nm, last,
                     table->decreasing ? "decrease, as in the first two rows" : "increase");
 }
@@ -406,9 +401,8 @@ static bool check_cgats(const double *head, struct place place, struct error *er
     for (int i = BANDS; i <= END_NM; i++)
         if (head[i] == 0)
             return error_at(err, place, "%s is missing before the data", cgats_words[i]);
-    if (head[BANDS] > 1 ? head[START_NM] < head[END_NM] : head[START_NM] == head[END_NM])
-        return true;
-    return error_at(err, place, "%.15g bands from %.15g to %.15g nm; they must increase",
+    return (head[BANDS] > 1 ? head[START_NM] < head[END_NM] : head[START_NM] == head[END_NM]) ||
+           error_at(err, place, "%.15g bands from %.15g to %.15g nm; they must increase",
                     head[BANDS], head[START_NM], head[END_NM]);
 }
 
@@ -486,7 +480,7 @@ static bool read_file(const char *path, struct table *table, struct spectrum *ou
     struct text *text = &table->text;
     struct word first;
     bool done = true;
-    if (!text_open(text, path, table->wanted->table.place, err))
+    if (!text_open(text, path, table->wanted->table.place, false, err))
         return false;
     if (next_word(text, &first)) {
         text->at = text->line_start;

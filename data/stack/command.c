@@ -4,8 +4,7 @@
 
 bool record_open(const char *path, struct image *image, struct record *out, struct error *err)
 {
-    const struct place nowhere = {0};
-    return image_open(path, nowhere, tags_read, image, err) && record_read(image, out, err);
+    return image_open(path, NOWHERE, tags_read, image, err) && record_read(image, out, err);
 }
 
 static void put_texts(struct json *json, const char *key, const char *const *texts, int n)

@@ -1,13 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads a spectral stack, with its record if this program wrote it. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/stack/inside.h"
-
-static const struct place nowhere = {0};
 
 /* Returns whether the object map ends where the file ends, and objects have names. If not, another
  * program changed the stack, or it was cut. */
@@ -20,11 +15,12 @@ static bool map_is_whole(const struct cube *cube)
            record->map_offset == cube->image.file->client.bytes - bytes;
 }
 
-static bool open_cube(const char *path, struct cube *out, struct error *err)
+bool cube_open(const char *path, struct cube *out, struct error *err)
 {
     struct image *image = &out->image;
     struct error foreign = {0};
-    if (!image_open(path, nowhere, tags_read, image, err))
+    *out = (struct cube){.record = {.text = NULL}};
+    if (!image_open(path, NOWHERE, tags_read, image, err))
         return false;
     const bool own = record_read(image, &out->record, &foreign);
     if (foreign.status == EXIT_SYSTEM) {
@@ -47,15 +43,6 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
                " wavelength, that record increasing wavelengths as OME-XML, GDAL_METADATA or page"
                " names such as \"305 nm\"",
                path, image->coloured ? "its pages are RGB" : image->no_wavelengths);
-}
-
-bool cube_open(const char *path, struct cube *out, struct error *err)
-{
-    *out = (struct cube){.record = {.text = NULL}};
-    const bool done = open_cube(path, out, err);
-    if (!done)
-        cube_close(out);
-    return done;
 }
 
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err)
@@ -133,7 +120,7 @@ static bool respond_finely(const struct record *record, const struct detector *d
     for (int j = 0; spectrum && j < fine.n; j++)
         fine.nm[j] = spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO); /* radiances now */
     detector_response(fine.weights, spectrum ? fine.nm : NULL, fine.n, out);
-    fine_detector_free(&fine);
+    free(fine.nm);
     return true;
 }
 

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Lists the files that a scene is made of. A stack records them with their digests, so that a
  * picture of one machine can be compared with that of another. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/stack/stack.h"
 
 /* ---- finding ---- */
@@ -35,7 +32,6 @@ static bool add_material(struct inputs *to, const struct material *material, str
                            material->glow.path,
                            material->donaldson,
                            material->texture,
-                           material->spectral_texture,
                            partner ? partner->texture : NULL};
     bool done = true;
     for (size_t i = 0; i < sizeof paths / sizeof paths[0]; i++)

@@ -2,9 +2,6 @@
 /* spectral join: the stacks of parts become the stack of the whole picture. Each part has whole
  * rows of pixels, and its record says which. All else in the records must be the same. Parts are
  * opened one after the other, so that their number has no limit. */
-#include <stdlib.h>
-#include <string.h>
-
 #include "data/stack/inside.h"
 
 enum { COPIED_BYTES = 1 << 22 };

@@ -4,10 +4,6 @@
 #include <ctype.h>
 #include <float.h>
 #include <limits.h>
-#include <math.h>
-#include <stddef.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/stack/inside.h"
 

@@ -3,8 +3,6 @@
  * SPy, GDAL and MATLAB can map the TIFF file itself: the header says where its samples begin. */
 #include <ctype.h>
 #include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/stack/inside.h"
 
@@ -110,9 +108,7 @@ static char *header_make(const char *stack, struct error *err)
     struct raw_samples raw;
     struct cube cube;
     char *header = NULL;
-    if (!cube_open(stack, &cube, err))
-        return NULL;
-    if (image_describe(&cube.image, &raw, err) &&
+    if (cube_open(stack, &cube, err) && image_describe(&cube.image, &raw, err) &&
         (!cube.components || sampling_read(stack, cube.record.sampling, &method, err))) {
         put_description(&printed, &cube);
         put_layout(&printed, &cube.image, &raw);

@@ -3,7 +3,6 @@
  * lies behind the last page. Only the record says where: a reader of TIFF never gets there. */
 #include <float.h>
 #include <inttypes.h>
-#include <string.h>
 #include <tiffio.h>
 #include <unistd.h>
 
@@ -119,12 +118,11 @@ static bool first_difference(int one, int other, uint64_t *out)
 bool stack_compare(const struct stack_writer *writer, const char *path,
                    struct stack_difference *out, struct error *err)
 {
-    const struct place nowhere = {0};
     const struct stack_options *options = &writer->options;
     const struct builtin_file *builtin;
     uint64_t offset;
     int other;
-    if (!file_open(path, nowhere, &other, &builtin, err))
+    if (!file_open(path, NOWHERE, &other, &builtin, err))
         return false;
     if (builtin != NULL)
         return error_usage(err, "%s: is compiled in; only a file is compared", path);

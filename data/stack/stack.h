@@ -4,14 +4,8 @@
 #ifndef DATA_STACK_STACK_H
 #define DATA_STACK_STACK_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/images/images.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* Materials, spectra, textures, meshes: files that decide a picture, and that are not built in. */
 struct inputs {
@@ -165,7 +159,8 @@ struct cube {
                              map lies where it should */
     bool components;      /* pages have no wavelengths: image.wavelengths_nm is 1, 2, ... */
 };
-/* Reads no samples. Messages name the path; their status is EXIT_INPUT. */
+/* Reads no samples. Messages name the path; their status is EXIT_INPUT. The caller closes *out,
+ * also after a failure. */
 bool cube_open(const char *path, struct cube *out, struct error *err);
 /* Refuses a cube of components: "WHAT needs radiances ...". */
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);

@@ -3,8 +3,6 @@
  * 2016-06 for tifffile and Bio-Formats, GDAL_METADATA as in the GTiff driver, IJMetadata as in
  * ImageJ's TiffEncoder, 65000 and 65111 as in the ODSI-DB of retinal images, the rest TIFF 6.0. */
 #include <inttypes.h>
-#include <stdlib.h>
-#include <string.h>
 #include <tiffio.h>
 
 #include "data/stack/inside.h"

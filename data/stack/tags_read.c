@@ -2,9 +2,6 @@
 /* Reads the wavelengths and the scale that the pages of a TIFF file record: as tags.c
  * writes them, as GDAL does, or as OME-XML. */
 #include <float.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <tiffio.h>
 
 #include "data/stack/inside.h"

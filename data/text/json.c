@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes facts into a text that grows: as JSON, or as words in lines. The caller is responsible for
  * the structure. */
-#include <math.h>
-#include <string.h>
 #include <unistd.h>
 
 #include "data/text/text.h"

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Names of files. A word names a built-in file by the name that `spectral list` prints, or a file
  * of the user. */
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 
 #include "data/text/text.h"

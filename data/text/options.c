@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads a command line by the rules of a table, and explains the options in it. */
-#include <stdlib.h>
-#include <string.h>
 #include <strings.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -191,19 +189,13 @@ static bool store_value(struct options *options, const struct option *option, co
     return true;
 }
 
-/* Returns the value that a word holds behind the name of its option, and sets the length of the
- * name: "--size=4x4", "-j4". NULL: the word is a name alone. */
-static const char *own_value(const char *word, size_t *length)
-{
-    *length = word[1] == '-' ? strcspn(word, "=") : 2;
-    return word[*length] == '\0' ? NULL : word + *length + (word[*length] == '=');
-}
-
-/* Reads one option with its value, which may be the next word. */
+/* Reads one option with its value: behind the name in the same word, as in "--size=4x4" and "-j4",
+ * or the next word. */
 static bool read_option(struct reading *reading, struct options *options, struct error *err)
 {
-    size_t length;
-    const char *word = reading->words[reading->at], *value = own_value(word, &length);
+    const char *word = reading->words[reading->at];
+    const size_t length = word[1] == '-' ? strcspn(word, "=") : 2;
+    const char *value = word[length] == '\0' ? NULL : word + length + (word[length] == '=');
     const struct option *option = find_option(reading, word, length);
     char name[32], first[32];
     if (!option)
@@ -291,9 +283,10 @@ static bool check_outputs(const struct options *options, struct error *err)
 
 /* ---- the command line ---- */
 
-static bool read_words(struct reading reading, struct options *out, struct error *err)
+bool options_read(const struct command *command, bool recorded, char *const *words, int n_words,
+                  struct options *out, struct error *err)
 {
-    const struct command *command = reading.command;
+    struct reading reading = {command, recorded, words, n_words, 0};
     bool only_operands = false;
     *out = (struct options){.command = command};
     if (command->own_size > 0 && !memory_make(&out->own, 1, command->own_size))
@@ -314,18 +307,6 @@ static bool read_words(struct reading reading, struct options *out, struct error
     }
     out->operand = out->operands[0];
     return check_outputs(out, err);
-}
-
-bool options_read(const struct command *command, char *const *words, int n_words,
-                  struct options *out, struct error *err)
-{
-    return read_words((struct reading){command, false, words, n_words, 0}, out, err);
-}
-
-bool options_read_recorded(const struct command *command, char *const *words, int n_words,
-                           struct options *out, struct error *err)
-{
-    return read_words((struct reading){command, true, words, n_words, 0}, out, err);
 }
 
 void options_free(struct options *options)

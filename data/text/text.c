@@ -5,9 +5,6 @@
  * is safe to read one character past a word. */
 #include <float.h>
 #include <limits.h>
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 
 #include "data/text/text.h"
@@ -67,9 +64,9 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
 }
 
 /* Refuses a long regular file before it is read. */
-static bool open_file(struct text *out, const char *path, struct place from, size_t longest,
-                      struct error *err)
+bool text_open(struct text *out, const char *path, struct place from, bool large, struct error *err)
 {
+    const size_t longest = large ? SIZE_MAX : longest_text;
     struct stat status;
     *out = (struct text){0};
     if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && (uint64_t)status.st_size > longest)
@@ -81,16 +78,6 @@ static bool open_file(struct text *out, const char *path, struct place from, siz
         return true;
     text_free(out);
     return false;
-}
-
-bool text_open(struct text *out, const char *path, struct place from, struct error *err)
-{
-    return open_file(out, path, from, longest_text, err);
-}
-
-bool text_open_large(struct text *out, const char *path, struct place from, struct error *err)
-{
-    return open_file(out, path, from, SIZE_MAX, err);
 }
 
 bool text_open_input(struct text *out, const char *name, struct error *err)
@@ -224,9 +211,8 @@ static const char *shown(const struct word *word, char out[SHOWN_SIZE])
 static bool word_check(const struct word *word, struct error *err)
 {
     char buffer[SHOWN_SIZE];
-    if (!word->quoted || word->start[word->length] == '"')
-        return true;
-    return error_at(err, word->place,
+    return !word->quoted || word->start[word->length] == '"' ||
+           error_at(err, word->place,
                     "the quote before '%s' must be closed on its line and a blank follow it",
                     shown(word, buffer));
 }

@@ -7,13 +7,8 @@
 #ifndef DATA_TEXT_TEXT_H
 #define DATA_TEXT_TEXT_H
 
-#include <stddef.h>
-#include <stdio.h>
-
-#include "data/base/base.h"
 #include "data/files/files.h"
 #include "data/maths/maths.h"
-#include "spectral.h"
 
 struct scene;
 
@@ -39,9 +34,9 @@ struct word {
 };
 
 /* Opens a file. `from` is the place that names it. No line is current yet. Refuses a line of more
- * than 64 MiB, and a file of more than 256 MiB; text_open_large opens files of up to 2 GiB. */
-bool text_open(struct text *out, const char *path, struct place from, struct error *err);
-bool text_open_large(struct text *out, const char *path, struct place from, struct error *err);
+ * than 64 MiB, and a file of more than 256 MiB, or, if `large`, of more than 2 GiB. */
+bool text_open(struct text *out, const char *path, struct place from, bool large,
+               struct error *err);
 /* Opens standard input, which is read to its end. `name` takes the place of the path. */
 bool text_open_input(struct text *out, const char *name, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
@@ -268,12 +263,10 @@ struct options {
 
 /* Reads the words behind the command's name: "--option value", "--option=value", flags and
  * operands; behind "--" all words are operands. Refuses an output that is a file of another word.
- * The words must outlive *out. Call options_free also after a failure. */
-bool options_read(const struct command *command, char *const *words, int n_words,
+ * recorded: a stack has recorded the words, and no other options are known. The words must outlive
+ * *out. Call options_free also after a failure. */
+bool options_read(const struct command *command, bool recorded, char *const *words, int n_words,
                   struct options *out, struct error *err);
-/* Reads words that a stack has recorded: no other options are known. */
-bool options_read_recorded(const struct command *command, char *const *words, int n_words,
-                           struct options *out, struct error *err);
 void options_free(struct options *options);
 /* Adds "NAME=VALUE", or the name of a flag (value NULL), to the words that the stack records. */
 bool options_record(struct options *options, const char *name, const char *value,

@@ -2,8 +2,6 @@
 /* Words with a meaning, and small tools for all statements of a scene, so that all of them refuse a
  * mistake in the same way, and propose the known word that a mistyped one stands for. */
 #include <ctype.h>
-#include <math.h>
-#include <string.h>
 #include <strings.h>
 
 #include "data/text/text.h"

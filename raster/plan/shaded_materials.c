@@ -14,24 +14,23 @@
 static struct texture *find_texture(struct plan *plan, const struct material *material,
                                     struct error *err)
 {
-    const bool spectral = material->spectral_texture != NULL;
-    const char *path = spectral ? material->spectral_texture : material->texture;
+    const char *path = material->texture;
     struct texture *texture = &plan->textures[plan->n_textures];
     char *key;
     if (!MAKE_ARRAY(key, strlen(path) + 3, err, "the name of %s", path))
         return NULL;
-    sprintf(key, "%c%c%s", spectral ? 's' : 'g', material->texture_linear ? 'l' : 'n', path);
+    sprintf(key, "%c%c%s", material->spectral_texture ? 's' : 'g',
+            material->texture_linear ? 'l' : 'n', path);
     const int known = index_find(&plan->by_texture, key, strlen(key));
     bool done = true;
     if (known >= 0)
         texture = &plan->textures[known];
     else {
-        *texture = (struct texture){.spectral = spectral, .linear = material->texture_linear};
-        done = texture_read(path,
-                            spectral ? material->spectral_texture_place : material->texture_place,
-                            tags_read, texture, err);
-        plan->n_textures += done;
-        done = done && index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err);
+        *texture = (struct texture){.spectral = material->spectral_texture,
+                                    .linear = material->texture_linear};
+        plan->n_textures++; /* counted first, so that plan_free reaches it after a failure */
+        done = texture_read(path, material->texture_place, tags_read, texture, err) &&
+               index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err);
     }
     free(key);
     return done ? texture : NULL;
@@ -120,11 +119,10 @@ static bool find_terms(struct plan *plan, const struct material *material, int *
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err)
 {
-    const bool textured = material->texture || material->spectral_texture;
     if (!find_terms(plan, material, out, err))
         return false;
     struct shaded_material *shaded = &plan->materials[*out];
-    if (textured && shaded->n_terms > 0 && !shaded->texture) {
+    if (material->texture && shaded->n_terms > 0 && !shaded->texture) {
         shaded->texture = find_texture(plan, material, err);
         if (!shaded->texture)
             return false;

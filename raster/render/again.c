@@ -14,7 +14,7 @@
 static bool recorded_options(const struct options *options, const char *from,
                              const struct record *record, struct options *out, struct error *err)
 {
-    if (!options_read_recorded(&render_command, record->options, record->n_options, out, err))
+    if (!options_read(&render_command, true, record->options, record->n_options, out, err))
         return false;
     if (out->operand)
         return error_usage(err, "%s records '%s', which is not an option", from, out->operand);
@@ -58,7 +58,7 @@ static bool find_below(const char *path, bool *below, struct error *err)
     const struct place nowhere = {NULL, 0, 0};
     char folder[PATH_MAX], file[PATH_MAX];
     if (!realpath(".", folder) || !realpath(path, file))
-        return error_cause(err, nowhere, errno, "cannot find the folder of %s", path);
+        return error_cause(err, nowhere, "cannot find the folder of %s", path);
     const size_t length = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
     *below = strncmp(file, folder, length) == 0 && file[length] == '/';
     return true;

@@ -55,9 +55,8 @@ void fuzz_mtl(const struct fuzz_input *input)
     struct mtl mtl = {0};
     char path[FUZZ_PATH];
     fuzz_write(".mtl", input->bytes, input->length, path);
-    if (!fuzz_ends(mtl_open(path, nowhere, &mtl, &err), &err))
-        return;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    const bool opened = fuzz_ends(mtl_open(path, nowhere, &mtl, &err), &err);
+    for (size_t i = 0; opened && i < sizeof names / sizeof names[0]; i++) {
         const struct word name = {.start = names[i], .length = strlen(names[i])};
         struct material material = {.name = NULL};
         err = (struct error){.status = EXIT_AGREED};

@@ -61,7 +61,7 @@ static void run_command(const struct command *command, char *const *words, int n
     struct error err = {.status = EXIT_AGREED};
     struct options options = {.operand = NULL};
     const bool done =
-        options_read(command, words, n, &options, &err) && command->run(&options, &err);
+        options_read(command, false, words, n, &options, &err) && command->run(&options, &err);
     if (err.status != EXIT_DIFFERENT)
         fuzz_ends(done, &err);
     options_free(&options);

@@ -26,7 +26,7 @@ static bool read_words(const struct options *options, const struct cost_entry *e
         line[n++] = options->recorded[i];
     for (int i = 0; entry && i < entry->n_words; i++)
         line[n++] = entry->words[i];
-    if (!options_read(&render_command, line, n, out, err))
+    if (!options_read(&render_command, false, line, n, out, err))
         return false;
     out->operand = options->operand;
     out->threads = options->threads;

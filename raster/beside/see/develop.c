@@ -188,12 +188,12 @@ void develop_print_settings(const struct development *of, struct printed *to)
         print_white(to, of->seen_white, of->detector.observer, of->white ? of->white : "recorded");
     else
         print_fact(to, "white", "not recorded");
-    print(to, "adaptation        %s", adaptation_name(of->adaptation.kind));
+    print(to, "adaptation        %s", adaptation_names[of->adaptation.kind]);
     if (of->adaptation.kind == ADAPTATION_FAIRCHILD)
         print(to, " to %.6g cd/m2", of->adaptation.luminance);
     print(to, "\nvalues            %s", values[of->values]);
     if (of->values == DEVELOP_RGB)
-        print(to, " of %d bits\ndisplay           %s", of->bits, display_name(of->display));
+        print(to, " of %d bits\ndisplay           %s", of->bits, display_names[of->display]);
     print(to, "\nexposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
 }
 

@@ -81,7 +81,7 @@ static bool write_json(struct options *options, const struct development *of, st
     json_string(&json, "detector", of->detector_name);
     json_truth(&json, "observer", of->detector.observer);
     json_numbers(&json, "white", of->has_white ? of->seen_white : NULL, 3);
-    json_string(&json, "adaptation", adaptation_name(of->adaptation.kind));
+    json_string(&json, "adaptation", adaptation_names[of->adaptation.kind]);
     json_string(&json, "values", values[of->values]);
     json_number(&json, "exposure", of->exposure);
     json_count(&json, "width", (uint64_t)of->cube.image.width);

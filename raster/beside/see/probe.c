@@ -159,9 +159,7 @@ static bool find_object(const struct cube *cube, struct probe *probe, struct err
 bool probe_stack(struct probe *probe, const char *path, struct error *err)
 {
     struct cube cube;
-    if (!cube_open(path, &cube, err))
-        return false;
-    const bool done = cube_needs_radiance(&cube, "a probe", err) &&
+    const bool done = cube_open(path, &cube, err) && cube_needs_radiance(&cube, "a probe", err) &&
                       probe_begin(probe, path, &cube.image, err) && read_bands(&cube, probe, err) &&
                       find_object(&cube, probe, err) && probe_colour(probe, &cube, err);
     cube_close(&cube);

@@ -153,7 +153,7 @@ static bool check_detector(const struct development *of, struct error *err)
         return error_usage(err,
                            "%s is a camera or film, which does not adapt but is balanced to the"
                            " white; %s is for observers",
-                           detector->name, adaptation_name(of->adaptation.kind));
+                           detector->name, adaptation_names[of->adaptation.kind]);
     if (!detector->observer && of->values != DEVELOP_RGB)
         return error_usage(err, "%s is a camera or film, which has no %s; expected an observer",
                            detector->name,

@@ -71,7 +71,7 @@ static bool drawn_read_words(const char *path, struct drawn_words *out, struct e
     struct place given[DRAWN_WORDS] = {{NULL, 0, 0}};
     struct text text;
     *out = (struct drawn_words){.place = {path, 0, 0}};
-    if (!text_open(&text, path, out->place, err))
+    if (!text_open(&text, path, out->place, false, err))
         return false;
     bool done = true;
     while (done && text_next_line(&text))
@@ -90,13 +90,13 @@ static bool read_whole(const char *path, int descriptor, size_t length, void *ou
     const struct place place = {path, 0, 0};
     struct stat status;
     if (fstat(descriptor, &status) != 0)
-        return error_cause(err, place, errno, "cannot read");
+        return error_cause(err, place, "cannot read");
     if ((uint64_t)status.st_size != length)
         return error_at(err, place, "expected a file of %zu bytes, found %lld", length,
                         (long long)status.st_size);
     errno = 0;
     return read_at(descriptor, out, length, 0) == (ssize_t)length ||
-           error_cause(err, place, errno, "cannot read");
+           error_cause(err, place, "cannot read");
 }
 
 /* Reads a file of a folder, which must have so many bytes. *found: NULL: it must be there. */

@@ -298,10 +298,8 @@ static bool put_detector(const struct cube *cube, bool is_stack, const char *nam
     struct detector detector = {.name = NULL};
     double lost[3], equal[3], white[3];
     bool has_white;
-    if (!detector_read(name, &detector, err))
-        return false;
     const bool seen =
-        cube_weights(cube, &detector, row, err) &&
+        detector_read(name, &detector, err) && cube_weights(cube, &detector, row, err) &&
         (!is_stack || (cube_equal_response(cube, &detector, row, equal, err) &&
                        cube_white_response(cube, &request, row, &has_white, white, err)));
     if (seen) {
@@ -331,7 +329,7 @@ static void put_adaptations(struct json *json)
         enum adaptation_kind kind = (enum adaptation_kind)i;
         double cones[3][3], back[3][3], white[3];
         json_open(json, NULL, '{');
-        json_string(json, "name", adaptation_name(kind));
+        json_string(json, "name", adaptation_names[kind]);
         json_truth(json, "incomplete", kind == ADAPTATION_FAIRCHILD);
         if (kind != ADAPTATION_NONE) {
             adaptation_cones(kind, cones);
@@ -373,7 +371,7 @@ static void put_displays(struct json *json)
                 steps[c][code - 1] = code_step(kind, c, code);
         }
         json_open(json, NULL, '{');
-        json_string(json, "name", display_name(kind));
+        json_string(json, "name", display_names[kind]);
         json_rows(json, "matrix", (const double *)matrix, 3);
         json_numbers(json, "largest", largest, 3);
         json_rows(json, "steps", (const double *)steps, 255);

@@ -139,7 +139,7 @@ static bool open_picture(struct still *still, const char *path, struct error *er
     print(&printed,
           "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
           "adaptation        none\ndisplay           %s\nexposure          1\n",
-          scene->path, detector_name, display_name(DISPLAY_SRGB));
+          scene->path, detector_name, display_names[DISPLAY_SRGB]);
     char *description = picture_text(printed_take(&printed, err));
     const struct picture_options options = {.width = scene->width,
                                             .height = scene->height,

@@ -15,7 +15,7 @@ static void matrix_of(enum adaptation_kind kind, double luminance, const double 
     const struct adaptation adaptation = {kind, luminance};
     struct error err = {0};
     CHECK(adaptation_matrix(&adaptation, white, equal, out, &err), "%s adapts to %.4g, %.4g, %.4g",
-          adaptation_name(kind), white[0], white[1], white[2]);
+          adaptation_names[kind], white[0], white[1], white[2]);
 }
 
 static void check_columns(const double seen[3], const double expected[3], double tolerance,
@@ -152,7 +152,7 @@ static void check_refused(void)
             double matrix[3][3];
             CHECK(!adaptation_matrix(&adaptation, bad[i], equal, matrix, &err) &&
                       err.status == EXIT_INPUT,
-                  "%s refuses a white of %g, %g, %g", adaptation_name(adaptation.kind), bad[i][0],
+                  "%s refuses a white of %g, %g, %g", adaptation_names[adaptation.kind], bad[i][0],
                   bad[i][1], bad[i][2]);
         }
 }
@@ -163,10 +163,10 @@ static void check_names(void)
     struct error err = {0};
     enum display_kind display;
     for (int kind = ADAPTATION_NONE; kind <= ADAPTATION_CAT16; kind++)
-        CHECK(adaptation_read("--adaptation", adaptation_name((enum adaptation_kind)kind),
+        CHECK(adaptation_read("--adaptation", adaptation_names[(enum adaptation_kind)kind],
                               &adaptation, &err) &&
                   (int)adaptation.kind == kind && adaptation.luminance == 0,
-              "%s is read", adaptation_name((enum adaptation_kind)kind));
+              "%s is read", adaptation_names[(enum adaptation_kind)kind]);
     CHECK(adaptation_read("--adaptation", "fairchild:318.3", &adaptation, &err) &&
               adaptation.kind == ADAPTATION_FAIRCHILD && adaptation.luminance == 318.3,
           "its luminance is read");

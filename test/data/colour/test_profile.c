@@ -127,7 +127,7 @@ static void check_curves(const struct profile *profile, enum display_kind kind)
             worst = isnan(back) ? HUGE_VAL : fmax(worst, fabs(back - part));
         }
         CHECK_NEAR(worst, 0, 3. / 65536, "%s is the inverse of %s", names[channel],
-                   display_name(kind));
+                   display_names[kind]);
     }
 }
 
@@ -157,7 +157,7 @@ static void check_primaries(const struct profile *profile, enum display_kind kin
     }
     /* 1/65536 of XYZ is 1e-4 of the linear values, with the matrix's and the white's scale */
     CHECK_NEAR(worst, 0, 3e-4, "%s: the colorants are its primaries at their largest value",
-               display_name(kind));
+               display_names[kind]);
 }
 
 int main(int n_arguments, char **arguments)
@@ -172,7 +172,7 @@ int main(int n_arguments, char **arguments)
             check_white(&profile);
             check_curves(&profile, kinds[i]);
             check_primaries(&profile, kinds[i]);
-        } else if (strcmp(arguments[1], display_name(kinds[i])) == 0)
+        } else if (strcmp(arguments[1], display_names[kinds[i]]) == 0)
             return fwrite(profile.bytes, 1, profile.length, stdout) != profile.length;
     }
     return test_end();

@@ -272,6 +272,7 @@ static void check_long_polygons(void)
               strstr(err.text, ":10002:3: error: a face of 10001 corners; expected at most"
                                " 10000: cut it into several faces"),
           "a face of more corners is refused in its place: %s", err.text);
+    mesh_free(&mesh);
 }
 
 /* Degenerate polygons must not loop for ever, and must have finite unit normals. */

@@ -32,9 +32,9 @@ static struct mesh part_of(const struct mesh *mesh, int part)
     struct error err = {.text = ""};
     struct mesh from = *mesh, out;
 
-    from.division = NULL;
+    from.division = (struct division){0};
     test_need(mesh_part(&from, part, &out, &err), err.text);
-    division_free(from.division);
+    FREE_ALL(from.division.triangles, from.division.first, from.division.number);
     return out;
 }
 

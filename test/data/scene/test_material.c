@@ -152,7 +152,7 @@ static void check_absent_words(void)
     material_free(&m);
     text_free(&rest);
     m = read_words(" diffuse 1 donaldson b.csv spectral-texture s.tif }", &rest, &err);
-    CHECK(err.status == EXIT_AGREED && m.donaldson_place.line == 1 && m.spectral_texture != NULL &&
+    CHECK(err.status == EXIT_AGREED && m.donaldson_place.line == 1 && m.spectral_texture &&
               m.donaldson_place.column == 12,
           "a matrix and a stack may be combined");
     CHECK_TEXT(m.donaldson, "scenes/b.csv", "the matrix's path is relative to the scene");

@@ -13,9 +13,11 @@ static struct detector read_detector(const char *name, struct error *err)
 {
     struct detector out;
     *err = (struct error){0};
-    if (!detector_read(name, &out, err))
+    if (!detector_read(name, &out, err)) {
+        detector_free(&out);
         CHECK(out.name == NULL && out.sensitivity[0].value == NULL,
-              "a refused detector is left empty");
+              "a refused detector can be freed");
+    }
     return out;
 }
 

@@ -215,7 +215,8 @@ static struct donaldson read_matrix(const char *content, double diffuse, struct 
     struct place nowhere = {0};
     struct donaldson out;
     *err = (struct error){0};
-    donaldson_read(write_matrix(content), nowhere, &reflectance, &out, err);
+    if (!donaldson_read(write_matrix(content), nowhere, &reflectance, &out, err))
+        donaldson_free(&out);
     return out;
 }
 
@@ -358,6 +359,7 @@ static void check_diffuse_and_size(void)
                           &matrix, &err) &&
               strstr(err.text, ":1:12: error: at 500 nm") != NULL,
           "the matrix is also held to the diffuse reflectance beyond its samples");
+    donaldson_free(&matrix);
     for (int i = 0; i < 4097; i++)
         at += sprintf(at, " %d", 1000 + i);
     matrix = read_matrix(wide, 0.5, &err);
