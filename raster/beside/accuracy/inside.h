@@ -6,6 +6,9 @@
 #include "data/mesh/mesh.h"
 #include "raster/beside/accuracy/accuracy.h"
 
+/* CIEDE2000, for an observer who has adapted to the lights; or counts, of the band with most. */
+enum measure_unit { MEASURE_CIEDE2000, MEASURE_COUNTS };
+
 /* ---- shading_error.c: differences as a detector sees them ---- */
 
 struct measure {
@@ -51,12 +54,23 @@ bool compare_point(const struct judged_surface *of, const struct screen_triangle
                    const double at[2], const double share[3], double *attributes,
                    struct shaded_point out[2]);
 
-/* ---- estimate.c ---- */
+/* ---- estimate.c: the error of a picture ---- */
 
-/* Judges about `wanted` pixels of surfaces that are lit. */
-bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
+struct accuracy_object {
+    int surface;        /* the first of its instances that is seen */
+    double quantile_95; /* 95 % of its pixels have at most this error */
+    int points;         /* of it that were judged */
+};
+struct accuracy_estimate { /* of shading; outlines do not count */
+    enum measure_unit unit;
+    double quantile_95;              /* of all objects' pixels */
+    struct accuracy_object *objects; /* those in view, worst first; owned */
+    int n_objects, n_points;         /* n_points: at which the picture was judged */
+    bool known; /* or empty: the detector is no observer, or shading is flat or phong */
+};
+/* Judges about `wanted` pixels. surfaces: those of the measure's plan, lit. */
+bool accuracy_estimate(const struct measure *measure, const struct surface *surfaces, int wanted,
                        struct accuracy_estimate *out, struct error *err);
-
 void accuracy_estimate_free(struct accuracy_estimate *estimate);
 
 #endif

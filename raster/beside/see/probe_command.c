@@ -7,8 +7,8 @@
 
 #include "data/images/images.h"
 #include "data/scene/scene.h"
-#include "raster/beside/accuracy/accuracy.h"
 #include "raster/beside/see/inside.h"
+#include "raster/render/render.h"
 
 struct probe_own {
     bool csv, svg;
@@ -38,11 +38,11 @@ static bool probe_picture(const struct options *options, struct probe *probe, st
     const struct plan_options plan_options = {.store_raster = true, .threads = options->threads};
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
-    struct refine_result refined = {.levels = 0};
+    struct notes notes = {.n = 0};
     bool done = scene_read_options(options, &scene, err) &&
                 plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                refine_options(options, &plan, &refined, err) && probe_scene(probe, &plan, err);
-    refine_result_free(&refined);
+                notes_refine(options, &plan, &notes, err) && probe_scene(probe, &plan, err);
+    notes_free(&notes);
     plan_free(&plan);
     scene_free(&scene);
     return done;
