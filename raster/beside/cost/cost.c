@@ -204,10 +204,7 @@ static void json_entry(struct json *json, const struct cost_entry *entry)
 {
     json_open(json, NULL, '{');
     json_string(json, "name", entry->name);
-    json_open(json, "options", '[');
-    for (int i = 0; i < entry->n_words; i++)
-        json_string(json, NULL, entry->words[i]);
-    json_close(json, ']');
+    json_strings(json, "options", (const char *const *)entry->words, entry->n_words);
     json_number(json, "seconds", entry->seconds);
     json_number(json, "processor_seconds", entry->processor);
     json_number(json, "fastest", entry->fastest);
@@ -235,8 +232,5 @@ void cost_json(const struct cost *cost, struct json *json)
     for (int i = 0; i < cost->n; i++)
         json_entry(json, &cost->entries[i]);
     json_close(json, ']');
-    json_open(json, "notes", '[');
-    for (int i = 0; i < cost->n_notes; i++)
-        json_string(json, NULL, cost->notes[i]);
-    json_close(json, ']');
+    json_strings(json, "notes", (const char *const *)cost->notes, cost->n_notes);
 }

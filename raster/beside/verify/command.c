@@ -31,9 +31,9 @@ static bool is_listed(const struct driver_list *drivers, int index)
     const char *driver;
     for (int i = 0; i < index; i++) {
         const struct listed_driver *other = &drivers->list[i];
-        if (other->is && strcmp(other->is->names.library, listed->is->names.library) == 0 &&
-            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0 &&
-            strcmp(other->is->names.version, listed->is->names.version) == 0 &&
+        if (other->usable && strcmp(other->is.names.library, listed->is.names.library) == 0 &&
+            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0 &&
+            strcmp(other->is.names.version, listed->is.names.version) == 0 &&
             driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
             return true;
     }
@@ -48,9 +48,9 @@ static bool find_drivers(const struct options *options, struct verification *out
         return add_driver(out, own->render.gl ? own->render.gl : "auto", own->render.renderer, err);
     bool done = drivers_list(&drivers, err);
     for (int i = 0; i < drivers.n && done; i++)
-        if (drivers.list[i].is && !is_listed(&drivers, i))
+        if (drivers.list[i].usable && !is_listed(&drivers, i))
             done = add_driver(out, drivers.list[i].library, drivers.list[i].renderer, err);
-    drivers_free(&drivers);
+    free(drivers.list);
     return done && (out->n_drivers > 0 ||
                     error_unsupported(err, "no OpenGL can draw here; spectral drivers prints why"));
 }

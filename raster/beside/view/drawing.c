@@ -19,6 +19,7 @@
  * term, then the diffuse and the specular weight of each light, then the values of spectral
  * textures at their own wavelengths. Materials share the planes: a position shows one material. */
 struct planes {
+    const struct tile *tile; /* whose chunks are put into planes */
     size_t n_positions;
     int n_weights, n_pages; /* planes of weights, and of textures */
     uint16_t *surface;      /* from 1; 0: background */
@@ -77,30 +78,25 @@ static void put_pixel(const struct lit_scene *lit, const struct picture *picture
         planes->place[i][to] = *weight;
 }
 
-/* A tile whose chunks are put into planes. */
-struct put {
-    const struct tile *tile;
-    struct planes *planes;
-};
-
 static void put_chunk(void *context, int i)
 {
-    const struct put *put = context;
-    const struct lit_scene *lit = put->tile->lit;
-    const struct picture *picture = &put->tile->chunks[i].picture;
+    struct planes *planes = context;
+    const struct lit_scene *lit = planes->tile->lit;
+    const struct picture *picture = &planes->tile->chunks[i].picture;
     const struct rectangle *at = &picture->at;
     const size_t width = (size_t)lit->plan->view.width;
     for (int y = 0; y < at->height; y++)
         for (int x = 0; x < at->width; x++)
-            put_pixel(lit, picture, (size_t)y * (size_t)at->width + (size_t)x, put->planes,
+            put_pixel(lit, picture, (size_t)y * (size_t)at->width + (size_t)x, planes,
                       (size_t)(at->y + y) * width + (size_t)(at->x + x));
 }
 
 static bool put_tile(void *context, const struct tile *tile, struct error *err)
 {
-    struct put put = {tile, context};
+    struct planes *planes = context;
     (void)err;
-    threads_each(tile->lit->plan->options.threads, tile->n_chunks, put_chunk, &put);
+    planes->tile = tile;
+    threads_each(tile->lit->plan->options.threads, tile->n_chunks, put_chunk, planes);
     return true;
 }
 

@@ -169,10 +169,7 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     json_string(&json, "stack", path_name(name));
     json_string(&json, "scene", cube->record.scene);
     put_size(stack, &json);
-    json_open(&json, "objects", '[');
-    for (int i = 0; i < objects->n; i++)
-        json_string(&json, NULL, objects->text[i]);
-    json_close(&json, ']');
+    json_strings(&json, "objects", objects->text, objects->n);
     const bool done = put_white(cube, &json, err) && put_eyes(cube, true, &json, &n_detectors, err);
     if (done)
         return json_take(&json, err);
