@@ -40,8 +40,10 @@ struct estimating {
     struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
                                     owned */
     int n_points;
-    struct counter failed; /* threads that found no memory */
+    double *attributes; /* room for compare_point: that of each block of pixels; owned */
 };
+enum { BLOCK_PIXELS = 128 }; /* that a thread takes at a time */
+
 /* Returns the lattice. The step is odd and the shear even, so that the places are pixel centres;
  * the shear is near the step over the golden ratio, so that rows of pixels do not repeat soon. */
 static struct lattice lattice_of(const struct view *view, int wanted)
@@ -184,15 +186,18 @@ static void judge_pixel(const struct estimating *of, int index, double *attribut
             (float)measure_difference(of->measure, placed->shaded, &points[0], &points[1])};
 }
 
+/* Numbers that compare_point needs. */
+static size_t attributes_of(const struct plan *plan)
+{
+    return 2 * ((size_t)plan->max_rows + 2);
+}
+
 static void judge_block(void *context, size_t first, size_t end)
 {
-    struct estimating *of = context;
-    double *attributes;
-    if (!memory_make(&attributes, 2 * ((size_t)of->plan->max_rows + 2), sizeof *attributes))
-        counter_add(&of->failed, 1);
-    for (size_t i = first; i < end && attributes; i++)
+    const struct estimating *of = context;
+    double *attributes = of->attributes + first / BLOCK_PIXELS * attributes_of(of->plan);
+    for (size_t i = first; i < end; i++)
         judge_pixel(of, (int)i, attributes, &of->points[i]);
-    free(attributes);
 }
 
 /* Opens the patches of all shapes that are seen. */
@@ -275,27 +280,25 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
 bool accuracy_estimate(const struct measure *measure, const struct surface *surfaces, int wanted,
                        struct accuracy_estimate *out, struct error *err)
 {
-    enum { BLOCK_PIXELS = 128 };
     const struct plan *plan = measure->plan;
-    struct estimating of = {
-        .plan = plan, .surfaces = surfaces, .measure = measure, .failed = COUNTER};
+    struct estimating of = {.plan = plan, .surfaces = surfaces, .measure = measure};
     *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
     bool done =
         find_seen(&of, wanted, err) &&
         MAKE_ARRAY(of.patches, (size_t)plan->n_meshes + 1, err, "the shapes that are judged") &&
         MAKE_ARRAY(of.points, (size_t)of.n_pixels + 1, err, "the pixels that are judged") &&
+        MAKE_ARRAY(of.attributes, (size_t)(of.n_pixels / BLOCK_PIXELS + 1) * attributes_of(plan),
+                   err, "the pixels that are judged") &&
         open_seen(&of, err);
     if (done)
         threads_blocks(plan->options.threads, (size_t)of.n_pixels, BLOCK_PIXELS, judge_block, &of);
-    for (int i = 0; i < of.n_pixels && done && of.failed.n == 0; i++)
+    for (int i = 0; i < of.n_pixels && done; i++)
         if (of.points[i].surface >= 0)
             of.points[of.n_points++] = of.points[i];
-    if (of.failed.n > 0)
-        memory_lacks(err, 0, "the pixels that are judged");
-    done = done && of.failed.n == 0 && conclude(&of, out, err);
+    done = done && conclude(&of, out, err);
     for (int i = 0; of.patches && i < plan->n_meshes; i++)
         patches_close(&of.patches[i]);
-    FREE_ALL(of.patches, of.points, of.pixels);
+    FREE_ALL(of.patches, of.points, of.pixels, of.attributes);
     if (!done)
         accuracy_estimate_free(out);
     return done;

@@ -17,8 +17,7 @@ struct measure {
     bool known;        /* false: the detector is no observer, which CIEDE2000 needs */
     double full_scale; /* of counts; 0 until measure_scale has found it */
     double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
-    int *first;        /* of each shaded material: where its terms are in xyz; owned */
-    double (*xyz)[3];  /* of a term of weight 1; owned */
+    double (*xyz)[3];  /* [shaded material][max_rows]: of a term of weight 1; owned */
 };
 /* Makes the measure of a plan: for its sampling's observer, or for `observer`, a detector's name,
  * where the scene is not sampled. A measure that is not known measures nothing. The caller always

@@ -93,10 +93,10 @@ struct advice {
     const struct cost_entry *entry; /* of its rivals and itself, the one of least processor time */
     int n_rivals;                   /* that are as good, and whose times overlap */
 };
-/* Return the fastest entry of at most the tolerance in quantile_95, and the most accurate entry of
- * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
-struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
-struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
+/* Returns the fastest entry of at most this error in quantile_95; HUGE_VAL: the most accurate entry
+ * of at most so many seconds. NULL: none. spectral: only entries whose pages are radiances count.
+ */
+struct advice cost_advise(const struct cost *cost, double error, double seconds, bool spectral);
 void cost_print(const struct cost *cost, struct printed *to);
 void cost_csv(const struct cost *cost, struct printed *to); /* the table */
 void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */

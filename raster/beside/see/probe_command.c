@@ -82,8 +82,7 @@ static void print_colour(const struct probe *probe, struct printed *to)
     print(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
 }
 
-/* Writes the pixel or region in words, e.g. "pixel 3,4". */
-static void region_text(const struct probe *probe, char *out, size_t capacity)
+void region_text(const struct probe *probe, char *out, size_t capacity)
 {
     if (probe->width == 1 && probe->height == 1)
         snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
@@ -166,40 +165,6 @@ static void probe_json(const struct probe *probe, struct json *json)
         json_close(json, '}');
     }
     json_close(json, ']');
-}
-
-static void probe_svg(const struct probe *probe, struct printed *to)
-{
-    struct chart_line lines[MAX_PROBE_COLUMNS];
-    char region[96], title[512];
-    bool relative = false;
-    int n = 0;
-    for (int c = MEAN; c < probe->n_columns; c++) {
-        const struct probe_column *of = &probe->columns[c];
-        relative = relative || of->relative;
-        if (c != SPREAD)
-            lines[n++] = (struct chart_line){.name = of->name,
-                                             .n = probe->n,
-                                             .x = probe->columns[WAVELENGTH].values,
-                                             .y = of->values,
-                                             .right = of->relative};
-    }
-    if (probe->width > 1 || probe->height > 1) {
-        lines[0].name = "radiance ± standard deviation";
-        lines[0].spread = probe->columns[SPREAD].values;
-    }
-    region_text(probe, region, sizeof region);
-    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
-             probe->object ? ", " : "", region, probe->source);
-    const struct chart chart = {.title = title,
-                                .x_label = "wavelength (nm)",
-                                .y_label = "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
-                                .right_label =
-                                    relative ? "reflectance, excitation, emission" : NULL,
-                                .lines = lines,
-                                .n_lines = n,
-                                .wavelengths = true};
-    chart_svg(&chart, to);
 }
 
 /* ---- the command ---- */

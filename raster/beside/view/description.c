@@ -307,13 +307,12 @@ static bool put_detector(const struct cube *cube, bool is_stack, const char *nam
         json_truth(json, "observer", detector.observer);
         json_rows(json, "weights", row, cube->image.n_pages);
         json_numbers(json, "lost", lost, 3);
-    }
-    if (seen && is_stack) {
-        json_numbers(json, "equal", equal, 3);
-        json_numbers(json, "of_white", white, has_white ? 3 : 0);
-    }
-    if (seen)
+        if (is_stack) {
+            json_numbers(json, "equal", equal, 3);
+            json_numbers(json, "of_white", white, has_white ? 3 : 0);
+        }
         json_close(json, '}');
+    }
     detector_free(&detector);
     return seen;
 }
