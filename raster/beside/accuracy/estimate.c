@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
-#include "data/scene/scene.h"
 #include "raster/beside/accuracy/inside.h"
 
 /* ---- some pixels ---- */

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/scene/scene.h"
 #include "raster/beside/accuracy/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/renderers/renderers.h"

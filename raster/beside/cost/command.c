@@ -2,13 +2,10 @@
 /* spectral cost: measures what accuracy costs in time. Each configuration is a command line of
  * render. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "data/files/files.h"
 #include "raster/beside/cost/inside.h"
-#include "raster/beside/see/see.h"
 #include "raster/renderers/renderers.h"
 
 /* ---- report ---- */

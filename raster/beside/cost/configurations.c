@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "data/mesh/mesh.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/cost/inside.h"
 #include "raster/gl/gl.h"
 

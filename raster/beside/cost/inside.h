@@ -4,9 +4,13 @@
 #define RASTER_BESIDE_COST_INSIDE_H
 
 #include "data/base/base.h"
+#include "data/files/files.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
 #include "raster/beside/cost/cost.h"
+#include "raster/beside/see/see.h"
 
 struct cost_options {
     const char *gl, *csv, *svg, *tolerance, *budget;

@@ -6,8 +6,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/files/files.h"
-#include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"
 #include "raster/render/render.h"
 

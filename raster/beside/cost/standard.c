@@ -14,10 +14,7 @@
 
 #include "data/colour/colour.h"
 #include "data/images/images.h"
-#include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"
-#include "raster/beside/see/see.h"
 
 /* The lattice has about so many points. */
 static const double lattice_pixels = 2500;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral drivers: lists what OpenGL can draw here, and the options that choose it. Tries each
  * library with each driver. A process can open one library only. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -2,9 +2,7 @@
 /* Compares measurements with the specification of OpenGL 2.1, and makes the profile of a driver. */
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
 
-#include "data/maths/maths.h"
 #include "raster/beside/measure/inside.h"
 
 /* GL_SUBPIXEL_BITS is at least 4 (table 6.31): a grid of 1/16 pixel. */

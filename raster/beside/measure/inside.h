@@ -4,6 +4,7 @@
 #define RASTER_BESIDE_MEASURE_INSIDE_H
 
 #include "data/base/base.h"
+#include "data/maths/maths.h"
 #include "raster/beside/measure/measure.h"
 
 /* ---- values.c ---- */

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/beside/measure/inside.h"
 #include "raster/bounds/bounds.h"
 

@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
-#include "data/scene/scene.h"
 #include "raster/beside/see/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"

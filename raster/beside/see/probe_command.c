@@ -1,12 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral probe: prints the spectrum of a pixel or a region, of a stack or of a scene. The command
  * lies in raster/ because the reference draws the scene. */
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 
-#include "data/images/images.h"
-#include "data/scene/scene.h"
 #include "raster/beside/see/inside.h"
 #include "raster/render/render.h"
 

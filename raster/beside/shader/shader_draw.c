@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/beside/shader/inside.h"
 

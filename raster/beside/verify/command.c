@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral verify: the drivers and the scenes that are verified; one scene on one driver; all of
  * them, and the report. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/scene/scene.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/inside.h"
 

@@ -4,17 +4,12 @@
  * of triangles and depths, or a TIFF of float pages with colours only. */
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/images/images.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/counts/counts.h"
-#include "raster/reference/reference.h"
 
 /* Pixels of another program as a renderer. */
 struct drawn {

@@ -2,11 +2,9 @@
 /* spectral view: writes an interactive viewer in one HTML file, or the picture that it shows first.
  */
 #include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
 #include "raster/beside/view/inside.h"
 
 /* Kinds of outputs, by the endings of their names: a page; the picture that it shows first; the

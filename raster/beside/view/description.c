@@ -11,12 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
-#include "data/images/images.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/view/inside.h"
 
 /* ---- spectra and rows of numbers as JSON ---- */

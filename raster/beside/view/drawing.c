@@ -6,12 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
 #include "raster/beside/view/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- the picture as planes ---- */
 

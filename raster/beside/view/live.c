@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A live page: it holds this program, compiled for browsers, and the files of the scene. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

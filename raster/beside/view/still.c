@@ -5,15 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
-#include "data/images/images.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/view/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
 #include "raster/counts/counts.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 static const char detector_name[] = "cie1931";
 enum { STILL_BITS = 8 };
