@@ -2,7 +2,6 @@
 /* The command line: help, and main. Only main prints errors and exits. Each command is in the room
  * of its subject; raster/beside/ has the tables of them. */
 #include <signal.h>
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>

@@ -119,7 +119,8 @@ static void print_driver(const struct listed_driver *driver, const struct traits
     const struct context_description *is = &driver->is;
     struct printed *to = &json->printed;
     struct driver profile;
-    char words[DRIVER_WORDS], reason[TRAITS_REASON];
+    struct error refused = {.status = EXIT_AGREED};
+    char words[DRIVER_WORDS];
     print(to, "--gl %s%s%s\n", driver->library, driver->renderer ? " --renderer " : "",
           driver->renderer ? driver->renderer : "");
     if (!driver->usable) {
@@ -135,10 +136,11 @@ static void print_driver(const struct listed_driver *driver, const struct traits
     if (!traits)
         return;
     traits_print(traits, to);
-    const bool bounded = traits_profile(traits, &profile, reason);
+    const bool bounded = traits_profile(traits, &profile, &refused);
     if (bounded)
         driver_print(&profile, words);
-    print(to, "  bounds          %s%s\n", bounded ? "" : "none: ", bounded ? words : reason);
+    print(to, "  bounds          %s%s\n",
+          bounded ? "" : "none: ", bounded ? words : error_words(&refused));
 }
 
 static void json_bounds(const struct driver *of, struct json *json)
@@ -159,7 +161,7 @@ static void json_driver(const struct listed_driver *driver, const struct traits 
 {
     const struct context_description *is = &driver->is;
     struct driver profile;
-    char reason[TRAITS_REASON];
+    struct error refused = {.status = EXIT_AGREED};
     json_open(json, NULL, '{');
     json_string(json, "gl", driver->library);
     json_string(json, "renderer", driver->renderer);
@@ -176,9 +178,9 @@ static void json_driver(const struct listed_driver *driver, const struct traits 
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
     }
     if (traits) {
-        const bool bounded = traits_profile(traits, &profile, reason);
+        const bool bounded = traits_profile(traits, &profile, &refused);
         traits_json(traits, json);
-        json_string(json, "cannot_be_checked", bounded ? NULL : reason);
+        json_string(json, "cannot_be_checked", bounded ? NULL : error_words(&refused));
         if (bounded)
             json_bounds(&profile, json);
     }

@@ -196,21 +196,21 @@ void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
     }
 }
 
-/* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: see
- * put_differences. Allocated; NULL: no memory. */
-static unsigned char *planes_bytes(const struct planes *planes, size_t *length, struct error *err)
+/* ---- in a page ---- */
+
+/* Puts the shape, and then the surfaces and all planes in units of their scales, as 16-bit samples:
+ * see put_differences. */
+static bool put_planes(const struct planes *planes, struct printed *to, struct error *err)
 {
-    const size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages);
+    const size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages),
+                 length = 2 * n * (1 + n_values);
     unsigned char *bytes;
     uint16_t *samples = NULL;
-    *length = 2 * n * (1 + n_values);
-    if (!MAKE_ARRAY(bytes, *length, err, "the pixels of a page") ||
-        !MAKE_ARRAY(samples, n, err, "the pixels of a page")) {
-        free(bytes);
-        return NULL;
-    }
-    put_differences(planes->surface, n, bytes);
-    for (size_t plane = 0; plane < n_values; plane++) {
+    bool done = MAKE_ARRAY(bytes, length, err, "the pixels of a page") &&
+                MAKE_ARRAY(samples, n, err, "the pixels of a page");
+    if (done)
+        put_differences(planes->surface, n, bytes);
+    for (size_t plane = 0; done && plane < n_values; plane++) {
         const float *values = planes->values + plane * n;
         const double scale = planes->scale[plane];
         for (size_t i = 0; i < n; i++)
@@ -218,19 +218,9 @@ static unsigned char *planes_bytes(const struct planes *planes, size_t *length, 
                 (uint16_t)(scale > 0 ? fmax(0, floor((double)values[i] / scale + 0.5)) : 0);
         put_differences(samples, n, bytes + 2 * n * (1 + plane));
     }
-    free(samples);
-    return bytes;
-}
-
-/* ---- in a page ---- */
-
-static bool put_planes(const struct planes *planes, struct printed *to, struct error *err)
-{
-    size_t length;
-    unsigned char *bytes = planes_bytes(planes, &length, err);
     put_json(to, "shape", planes->shape);
-    const bool done = bytes && put_packed(to, "planes", bytes, length, err);
-    free(bytes);
+    done = done && put_packed(to, "planes", bytes, length, err);
+    FREE_ALL(bytes, samples);
     return done;
 }
 

@@ -208,11 +208,9 @@ static char *start_json(const struct options *options, const struct scene *scene
         done = add_file(options, scene, &files.list[i], &json, bytes, err);
     page_files_free(&files);
     json_close(&json, ']');
-    char *text = json_take(&json, done ? err : &(struct error){.status = EXIT_AGREED});
-    if (done)
-        return text;
-    free(text);
-    return NULL;
+    char *text = done ? json_take(&json, err) : NULL;
+    free(printed_end(&json.printed));
+    return text;
 }
 
 static bool put_files(const struct options *options, const struct scene *scene,
