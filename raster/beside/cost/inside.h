@@ -11,6 +11,7 @@
 #include "data/stack/stack.h"
 #include "raster/beside/cost/cost.h"
 #include "raster/beside/see/see.h"
+#include "raster/render/render.h"
 
 struct cost_options {
     const char *gl, *csv, *svg, *tolerance, *budget;
@@ -114,10 +115,10 @@ bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
 
 /* ---- measure.c ---- */
 
-/* Reads and samples the scene as render does with the words of the entry (NULL: none); without a
- * sampling, *sampling stays zeroed. The caller always frees both. */
-bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
-               struct sampling *sampling, struct error *err);
+/* Reads and samples the scene as render does with the words of the entry (NULL: none). The job
+ * comes in zeroed; the caller always frees it. */
+bool cost_read(const struct options *options, const struct cost_entry *entry,
+               struct render_job *job, struct error *err);
 /* Measures all configurations that make sense for the scene. The caller always frees *out. */
 bool cost_measure(const struct options *options, struct cost *out, struct error *err);
 

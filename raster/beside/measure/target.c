@@ -134,15 +134,6 @@ static void point_inputs(const struct target *target)
 
 /* ---- either ---- */
 
-/* Makes what target_shade needs, once, when the canvas is in use. */
-static bool target_prepare(struct target *target, struct error *err)
-{
-    if (target->contexts->way != GL_WITHOUT_SHADERS)
-        return prepare_shaders(target, err);
-    prepare_lighting(target);
-    return true;
-}
-
 void target_shade(const struct target *target, enum target_mode mode, double gloss)
 {
     (target->contexts->way == GL_WITHOUT_SHADERS ? set_lighting : set_program)(target, mode, gloss);
@@ -219,7 +210,9 @@ bool target_open(struct contexts *contexts, struct target **out, struct error *e
     target->random = 1;
     if (target->contexts->way == GL_ES && !contexts_have(contexts, "GL_NV_read_depth_stencil"))
         return error_unsupported(err, "this OpenGL ES cannot read depths, which measurements need");
-    if (!target_prepare(target, err))
+    if (contexts->way == GL_WITHOUT_SHADERS)
+        prepare_lighting(target);
+    else if (!prepare_shaders(target, err))
         return false;
     set_state(target);
     return true;

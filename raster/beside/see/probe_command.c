@@ -31,16 +31,10 @@ static bool region_read(const struct options *options, struct probe *out, struct
 
 static bool probe_picture(const struct options *options, struct probe *probe, struct error *err)
 {
-    const struct plan_options plan_options = {.store_raster = true, .threads = options->threads};
-    struct scene scene = {.path = NULL};
-    struct plan plan = {.scene = NULL};
-    struct notes notes = {.n = 0};
-    bool done = scene_read_options(options, &scene, err) &&
-                plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                notes_refine(options, &plan, &notes, err) && probe_scene(probe, &plan, err);
-    notes_free(&notes);
-    plan_free(&plan);
-    scene_free(&scene);
+    struct render_job job = {.options = {.store_raster = true, .threads = options->threads}};
+    const bool done = scene_read_options(options, &job.scene, err) &&
+                      job_plan(options, &job, err) && probe_scene(probe, &job.plan, err);
+    job_free(&job);
     return done;
 }
 

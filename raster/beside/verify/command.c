@@ -223,28 +223,24 @@ static bool judge(void *context, void *out, struct error *err)
 }
 
 /* Draws and judges a scene in a process of its own, which a driver may end. Fails where it is
- * interrupted, or the scene is wrong: every other failure is a result. The options are those of the
- * command. */
-static bool verify_run(const struct options *options, const struct verify_driver *driver,
-                       const struct verify_scene *scene, struct verify_result *out,
-                       struct error *err)
+ * interrupted, or the scene is wrong: every other failure is a result. */
+static bool verify_run(struct task *task, struct verify_result *out, struct error *err)
 {
-    struct task task = {options, driver, scene};
     struct error own = {.status = EXIT_AGREED};
-    if (process_run(judge, &task, out, sizeof *out, &own))
+    if (process_run(judge, task, out, sizeof *out, &own))
         return true;
     if (own.status == EXIT_INPUT) {
         *err = own;
         return false;
     }
-    memset(out, 0, sizeof *out);
-    out->outcome = VERIFY_FAILED;
+    *out = (struct verify_result){.outcome = VERIFY_FAILED};
     snprintf(out->text, sizeof out->text, "%.1000s", error_words(&own));
     return true;
 }
 
 /* ---- the runs ---- */
 
+/* The options are those of the command. */
 static bool run_all(const struct options *options, struct verification *of, struct error *err)
 {
     struct progress_line line;
@@ -254,7 +250,8 @@ static bool run_all(const struct options *options, struct verification *of, stru
     for (int i = 0; i < n; i++) {
         struct verify_driver *driver = &of->drivers[i / of->n_scenes];
         struct verify_result *result = &of->results[i];
-        if (!verify_run(options, driver, &of->scenes[i % of->n_scenes], result, err))
+        struct task task = {options, driver, &of->scenes[i % of->n_scenes]};
+        if (!verify_run(&task, result, err))
             return false;
         if (result->outcome != VERIFY_FAILED) {
             driver->names = result->names;

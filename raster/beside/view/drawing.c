@@ -228,7 +228,7 @@ bool viewer_write(struct viewing *view, struct error *err)
 {
     struct planes planes = {.shape = NULL};
     struct printed data = {.text = NULL};
-    char *scene = planes_make(view->plan, true, &planes, &view->notes, err)
+    char *scene = planes_make(view->plan, true, &planes, view->notes, err)
                       ? description_make(view, err)
                       : NULL;
     if (scene)

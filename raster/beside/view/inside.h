@@ -31,7 +31,7 @@ struct viewing {
     size_t bytes;                   /* of a page */
     int n_illuminants, n_detectors; /* 0: a live page finds them */
     uint64_t out_of_gamut;          /* pixels of a picture with a clipped channel */
-    struct notes notes;
+    struct notes *notes;
 };
 /* All functions that take a view and end in _write write its output. On failure no file has been
  * created or changed. */

@@ -234,7 +234,7 @@ bool live_write(struct viewing *view, struct error *err)
     struct options *options = view->options;
     struct printed data = {.text = NULL};
     const bool done = page_allows(view->plan, err) &&
-                      notes_of_plan(view->plan, SOME_PIXELS, &view->notes, err) &&
+                      notes_of_plan(view->plan, SOME_PIXELS, view->notes, err) &&
                       put_files(options, view->plan->scene, &data, err) &&
                       page_write(PAGE_LIVE, &data, options, &view->bytes, err);
     free(printed_end(&data));

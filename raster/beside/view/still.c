@@ -146,7 +146,7 @@ bool still_write(struct viewing *view, struct error *err)
     const struct rectangle picture = plan_picture(view->plan);
     still.plan.options.bits = 32;
     const bool done = prepare(&still, err) &&
-                      notes_make(&still.lit, SOME_PIXELS, &view->notes, err) &&
+                      notes_make(&still.lit, SOME_PIXELS, view->notes, err) &&
                       open_picture(&still, view->options->output, err) &&
                       tiles_each(&still.lit, &picture, put_tile, &still, err) &&
                       picture_commit(&still.picture, &view->options->outputs, err);
