@@ -2,7 +2,6 @@
 /* The command line: help, and main. Only main prints errors and exits. Each command is in the room
  * of its subject; raster/beside/ has the tables of them. */
 #include <signal.h>
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 #include <unistd.h>
@@ -16,12 +15,6 @@
 
 /* ---- help ---- */
 
-static void print_commands(struct printed *to)
-{
-    for (int i = 0; commands[i]; i++)
-        print(to, "  %-8s %s\n", commands[i]->name, commands[i]->summary);
-}
-
 static const char scene_operand[] =
     "SCENE is a scene file, a list of material files, a built-in scene (default:\n"
     "colorchecker), or - for standard input.\n";
@@ -33,7 +26,8 @@ static bool print_usage(struct error *err)
         to, "usage: spectral COMMAND [SCENE] [OPTIONS]\n\n"
             "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every\n"
             "pixel of every wavelength against its own rasterizer, and writes a TIFF stack.\n\n");
-    print_commands(to);
+    for (int i = 0; commands[i]; i++)
+        print(to, "  %-8s %s\n", commands[i]->name, commands[i]->summary);
     print(to, "\n%s\n", scene_operand);
     print_text(to, "spectral COMMAND --help explains a command and lists its options.\n"
                    "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input,\n"
@@ -89,12 +83,6 @@ static bool print_version(struct error *err)
 
 /* ---- main ---- */
 
-static bool run_limited(const struct command *command, struct options *options, struct error *err)
-{
-    options_limit_memory(options);
-    return command->run(options, err);
-}
-
 /* The words are those of the whole command line. */
 static bool run_with_options(const struct command *command, char *const *words, int n_words,
                              struct error *err)
@@ -102,8 +90,9 @@ static bool run_with_options(const struct command *command, char *const *words, 
     struct options options;
     bool done = options_read(command, false, words + 2, n_words - 2, &options, err);
     options.program = words[0];
-    done = done &&
-           (options.help ? print_command_usage(command, err) : run_limited(command, &options, err));
+    if (done && !options.help)
+        options_limit_memory(&options);
+    done = done && (options.help ? print_command_usage(command, err) : command->run(&options, err));
     /* a command that found a difference may have kept its outputs */
     struct error failure = {.status = EXIT_AGREED};
     if ((done || err->status == EXIT_DIFFERENT) && !outputs_commit(&options.outputs, &failure)) {
@@ -128,31 +117,23 @@ static const struct command *find_command(const char *name, struct error *err)
     return NULL;
 }
 
-static bool is_one_of(const char *word, const char *const *list)
-{
-    while (*list && strcmp(word, *list) != 0)
-        list++;
-    return *list;
-}
-
 static bool run_command(int argc, char **argv, struct error *err)
 {
-    static const char *const version[] = {"--version", "-V", NULL};
-    static const char *const help[] = {"--help", "-h", "help", NULL};
-    const struct command *command;
+    const char *name = argc > 1 ? argv[1] : "";
+    const bool help =
+        strcmp(name, "--help") == 0 || strcmp(name, "-h") == 0 || strcmp(name, "help") == 0;
     if (!builtin_unpack(err))
         return false;
     if (argc < 2)
         return greet(err);
-    if (is_one_of(argv[1], version))
+    if (strcmp(name, "--version") == 0 || strcmp(name, "-V") == 0)
         return print_version(err);
-    if (is_one_of(argv[1], help) && argc == 2)
+    if (help && argc == 2)
         return print_usage(err);
-    command = find_command(is_one_of(argv[1], help) ? argv[2] : argv[1], err);
+    const struct command *command = find_command(help ? argv[2] : name, err);
     if (!command)
         return false;
-    return is_one_of(argv[1], help) ? print_command_usage(command, err)
-                                    : run_with_options(command, argv, argc, err);
+    return help ? print_command_usage(command, err) : run_with_options(command, argv, argc, err);
 }
 
 int main(int argc, char **argv)

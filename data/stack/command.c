@@ -7,14 +7,6 @@ bool record_open(const char *path, struct image *image, struct record *out, stru
     return image_open(path, NOWHERE, tags_read, image, err) && record_read(image, out, err);
 }
 
-static void put_texts(struct json *json, const char *key, const char *const *texts, int n)
-{
-    json_open(json, key, '[');
-    for (int i = 0; i < n; i++)
-        json_string(json, NULL, texts[i]);
-    json_close(json, ']');
-}
-
 /* Puts what words have beside the facts. */
 static void print_meaning(const struct record *record, struct printed *to)
 {
@@ -35,17 +27,17 @@ static void put_facts(struct json *json, const struct image *image, const struct
     json_string(json, "program", record->program);
     json_string(json, "scene", record->scene);
     json_string(json, "scene_sha256", record->scene_sha256);
-    put_texts(json, "files", record->files.text, record->files.n);
-    put_texts(json, "options", (const char *const *)record->options, record->n_options);
+    json_strings(json, "files", record->files.text, record->files.n);
+    json_strings(json, "options", (const char *const *)record->options, record->n_options);
     json_string(json, "renderer", record->renderer);
-    put_texts(json, "lights", record->lights.text, record->lights.n);
-    put_texts(json, "ambient_lights", record->ambients.text, record->ambients.n);
+    json_strings(json, "lights", record->lights.text, record->lights.n);
+    json_strings(json, "ambient_lights", record->ambients.text, record->ambients.n);
     json_string(json, "sampling", record->sampling);
     json_string(json, "sampled_for", record->sampling_detector);
     if (json->words && record->map_bytes > 0)
         json_count(json, "objects", (uint64_t)record->objects.n);
     else if (!json->words)
-        put_texts(json, "objects", record->objects.text, record->objects.n);
+        json_strings(json, "objects", record->objects.text, record->objects.n);
     json_count(json, "width", (uint64_t)image->width);
     json_count(json, "height", (uint64_t)image->height);
     json_count(json, "pages", (uint64_t)image->n_pages);

@@ -176,6 +176,14 @@ void json_numbers(struct json *json, const char *key, const double *values, int 
     json_close(json, ']');
 }
 
+void json_strings(struct json *json, const char *key, const char *const *values, int n)
+{
+    json_open(json, key, '[');
+    for (int i = 0; i < n; i++)
+        json_string(json, NULL, values[i]);
+    json_close(json, ']');
+}
+
 char *json_take(struct json *json, struct error *err)
 {
     print_text(&json->printed, "}\n");

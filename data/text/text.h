@@ -150,6 +150,7 @@ void json_count(struct json *json, const char *key, uint64_t value);
 void json_truth(struct json *json, const char *key, bool value);
 /* An array; null where values is NULL. Words name the first and the last number. */
 void json_numbers(struct json *json, const char *key, const double *values, int n);
+void json_strings(struct json *json, const char *key, const char *const *values, int n);
 /* Ends the object and the text. Returns it, and it then belongs to the caller; NULL: no memory. */
 char *json_take(struct json *json, struct error *err);
 /* Ends both and writes the text to a file, as file_write; words appear on standard output. */

@@ -241,6 +241,5 @@ struct hypothesis {
     struct check_failure failure;
     int band; /* the last one; -1: OpenGL shows another candidate */
 };
-size_t chunk_pixels(const struct chunk *chunk);
 
 #endif

@@ -37,4 +37,6 @@ void check_fail(struct check *check, size_t pixel, const struct check_failure *f
 
 void samples_add(struct check_samples *to, const struct check_samples *from);
 
+size_t chunk_pixels(const struct chunk *chunk);
+
 #endif

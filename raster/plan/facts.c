@@ -148,10 +148,7 @@ bool plan_put_files(const struct plan *plan, const char *detector, struct json *
     struct inputs inputs;
     const bool done =
         inputs_list(plan->scene, detector, true, &inputs, err) && inputs_digest(&inputs, err);
-    json_open(json, "files", '[');
-    for (int i = 0; done && i < inputs.n; i++)
-        json_string(json, NULL, inputs.path[i]);
-    json_close(json, ']');
+    json_strings(json, "files", (const char *const *)inputs.path, done ? inputs.n : 0);
     inputs_free(&inputs);
     return done;
 }

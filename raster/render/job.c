@@ -102,7 +102,7 @@ bool job_plan(const struct options *options, struct render_job *job, struct erro
     const double start = clock_seconds();
     const bool done =
         plan_make(&job->scene, sampling_or_none(&job->sampling), &job->options, &job->plan, err) &&
-        notes_refine(options, &job->plan, &job->notes, err);
+        (!shading_judge || shading_judge->refine(options, &job->plan, &job->notes.shading, err));
     job->seconds.plan = clock_seconds() - start;
     return done;
 }

@@ -83,12 +83,6 @@ void notes_put_shading(const struct plan *plan, const struct notes *notes, struc
         shading_judge->put(plan, notes->shading, json);
 }
 
-bool notes_refine(const struct options *options, struct plan *plan, struct notes *notes,
-                  struct error *err)
-{
-    return !shading_judge || shading_judge->refine(options, plan, &notes->shading, err);
-}
-
 void notes_free(struct notes *notes)
 {
     if (notes->shading)

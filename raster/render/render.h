@@ -35,7 +35,7 @@ struct notes {
 /* Pixels at which shading is judged: enough for a note, and for a table of objects. */
 enum { SOME_PIXELS = 2048, MANY_PIXELS = 16384 };
 /* Makes the notes on a lit scene, in time linear in vertices x terms and in triangles. *out comes
- * in zeroed, but for what notes_refine left. Judges the shading of about so many pixels, unless the
+ * in zeroed, but for what refining left. Judges the shading of about so many pixels, unless the
  * plan was refined. */
 bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
                 struct error *err);
@@ -49,16 +49,13 @@ void notes_print_shading(const struct notes *notes, struct printed *to);
 void notes_print(const struct notes *notes, struct printed *to);
 /* Prints the lines; as JSON: the array "notes" of objects with the members "code" and "text". */
 void notes_put(const struct notes *notes, struct json *json);
-/* Divides the triangles of a plan if the options ask for it. After an error the plan can only be
- * freed. */
-bool notes_refine(const struct options *options, struct plan *plan, struct notes *notes,
-                  struct error *err);
 void notes_free(struct notes *notes);
 
 /* Judges by how much a shaded picture is off light at every point of the true surfaces, before it
  * is drawn: see raster/beside/accuracy. */
 struct shading_judge {
-    /* As notes_refine. *out is allocated; NULL: the options do not ask for it. */
+    /* Divides the triangles of a plan if the options ask for it. After an error the plan can
+     * only be freed. *out is allocated; NULL: the options do not ask for it. */
     bool (*refine)(const struct options *options, struct plan *plan, struct shading **out,
                    struct error *err);
     /* Judges about so many pixels, unless the plan was refined, and adds notes. */

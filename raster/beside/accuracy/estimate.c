@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
-#include "data/scene/scene.h"
 #include "raster/beside/accuracy/inside.h"
 
 /* ---- some pixels ---- */
@@ -24,11 +22,26 @@ struct lattice_pixel {
     int32_t surface;                 /* -1: background */
     struct screen_triangle triangle; /* that is seen */
 };
-struct seen_pixels {
+struct judged_point {
+    int surface; /* -1: none */
+    const struct object *object;
+    float error;
+};
+struct estimating {
+    const struct plan *plan;
+    const struct surface *surfaces;
+    const struct measure *measure;
     struct lattice lattice;
     struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
-    int n;
+    int n_pixels;
+    struct patches *patches;     /* of each mesh of the plan that is seen; owned */
+    struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
+                                    owned */
+    int n_points;
+    double *attributes; /* room for compare_point: that of each block of pixels; owned */
 };
+enum { BLOCK_PIXELS = 128 }; /* that a thread takes at a time */
+
 /* Returns the lattice. The step is odd and the shear even, so that the places are pixel centres;
  * the shear is near the step over the golden ratio, so that rows of pixels do not repeat soon. */
 static struct lattice lattice_of(const struct view *view, int wanted)
@@ -80,7 +93,7 @@ static bool lies_between(const struct lattice *lattice, const struct surface *su
 
 /* A triangle that is scanned. */
 struct lattice_scan {
-    const struct seen_pixels *seen;
+    const struct estimating *of;
     int surface;
     const struct screen_triangle *triangle;
 };
@@ -90,24 +103,24 @@ struct lattice_scan {
 static bool draw_pixel(void *context, int x, int y)
 {
     const struct lattice_scan *scan = context;
-    const struct lattice *lattice = &scan->seen->lattice;
+    const struct lattice *lattice = &scan->of->lattice;
     const int column = x - first_column(lattice, y);
     double at[2];
     if (column < 0 || column >= lattice->columns)
         return true;
     place_of(lattice, x, y, at);
     const double depth = covered_depth(scan->triangle, at[0], at[1]);
-    struct lattice_pixel *pixel = &scan->seen->pixels[y * lattice->columns + column];
+    struct lattice_pixel *pixel = &scan->of->pixels[y * lattice->columns + column];
     if (depth >= 0 && depth < pixel->depth)
         *pixel = (struct lattice_pixel){depth, scan->surface, *scan->triangle};
     return true;
 }
 
-static void draw_triangle(const struct seen_pixels *seen, int surface,
+static void draw_triangle(const struct estimating *of, int surface,
                           const struct screen_triangle *triangle)
 {
-    struct lattice_scan scan = {seen, surface, triangle};
-    const struct lattice *lattice = &seen->lattice;
+    struct lattice_scan scan = {of, surface, triangle};
+    const struct lattice *lattice = &of->lattice;
     const int leftmost = first_column(lattice, lattice->rows);
     const struct rectangle at = {leftmost, 0, lattice->columns - leftmost, lattice->rows};
     struct screen_triangle sheared = *triangle;
@@ -118,54 +131,35 @@ static void draw_triangle(const struct seen_pixels *seen, int surface,
     scan_triangle(&sheared, &at, 0, draw_pixel, &scan);
 }
 
-static void draw_surface(const struct plan *plan, const struct surface *surfaces, int surface,
-                         const struct seen_pixels *seen)
+static void draw_surface(const struct estimating *of, int index)
 {
     /* near, then far */
     static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
     struct screen_triangle parts[SCREEN_TRIANGLES];
-    const struct instance *instance = surfaces[surface].instance;
-    for (int i = 0; i < instance->n_triangles; i++) {
-        if (lies_between(&seen->lattice, &surfaces[surface], instance->triangles[i]))
+    const struct surface *surface = &of->surfaces[index];
+    for (int i = 0; i < surface->instance->n_triangles; i++) {
+        if (lies_between(&of->lattice, surface, surface->instance->triangles[i]))
             continue;
-        const int n = screen_triangles(&plan->view, &surfaces[surface], i, depth_planes, 2, parts);
+        const int n = screen_triangles(&of->plan->view, surface, i, depth_planes, 2, parts);
         for (int part = 0; part < n; part++)
-            draw_triangle(seen, surface, &parts[part]);
+            draw_triangle(of, index, &parts[part]);
     }
 }
 
 /* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
-static bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
-                      struct seen_pixels *out, struct error *err)
+static bool find_seen(struct estimating *of, int wanted, struct error *err)
 {
-    *out = (struct seen_pixels){.lattice = lattice_of(&plan->view, wanted)};
-    out->n = out->lattice.rows * out->lattice.columns;
-    if (!MAKE_ARRAY(out->pixels, (size_t)out->n + 1, err, "the pixels that are judged"))
+    of->lattice = lattice_of(&of->plan->view, wanted);
+    of->n_pixels = of->lattice.rows * of->lattice.columns;
+    if (!MAKE_ARRAY(of->pixels, (size_t)of->n_pixels + 1, err, "the pixels that are judged"))
         return false;
-    for (int i = 0; i < out->n; i++)
-        out->pixels[i] = (struct lattice_pixel){.depth = 1, .surface = -1};
-    for (int s = 0; s < plan->n_instances; s++)
-        if (plan->instances[s].in_view && !plan->instances[s].twin)
-            draw_surface(plan, surfaces, s, out);
+    for (int i = 0; i < of->n_pixels; i++)
+        of->pixels[i] = (struct lattice_pixel){.depth = 1, .surface = -1};
+    for (int s = 0; s < of->plan->n_instances; s++)
+        if (of->plan->instances[s].in_view && !of->plan->instances[s].twin)
+            draw_surface(of, s);
     return true;
 }
-
-struct judged_point {
-    int surface; /* -1: none */
-    const struct object *object;
-    float error;
-};
-struct estimating {
-    const struct plan *plan;
-    const struct surface *surfaces;
-    const struct measure *measure;
-    struct seen_pixels seen;
-    struct patches *patches;     /* of each mesh of the plan that is seen; owned */
-    struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
-                                    owned */
-    int n_points;
-    struct counter failed; /* threads that found no memory */
-};
 
 /* ---- points ---- */
 
@@ -173,11 +167,11 @@ struct estimating {
 static void judge_pixel(const struct estimating *of, int index, double *attributes,
                         struct judged_point *out)
 {
-    const struct lattice_pixel *pixel = &of->seen.pixels[index];
+    const struct lattice_pixel *pixel = &of->pixels[index];
     struct shaded_point points[2];
     double at[2], share[3];
     out->surface = -1;
-    if (pixel->surface < 0 || !lattice_place(&of->seen.lattice, index, at))
+    if (pixel->surface < 0 || !lattice_place(&of->lattice, index, at))
         return;
     const struct placed_instance *placed = &of->plan->instances[pixel->surface];
     const struct judged_surface surface = {of->plan, placed, &of->plan->meshes[placed->mesh],
@@ -190,24 +184,27 @@ static void judge_pixel(const struct estimating *of, int index, double *attribut
             (float)measure_difference(of->measure, placed->shaded, &points[0], &points[1])};
 }
 
+/* Numbers that compare_point needs. */
+static size_t attributes_of(const struct plan *plan)
+{
+    return 2 * ((size_t)plan->max_rows + 2);
+}
+
 static void judge_block(void *context, size_t first, size_t end)
 {
-    struct estimating *of = context;
-    double *attributes;
-    if (!memory_make(&attributes, 2 * ((size_t)of->plan->max_rows + 2), sizeof *attributes))
-        counter_add(&of->failed, 1);
-    for (size_t i = first; i < end && attributes; i++)
+    const struct estimating *of = context;
+    double *attributes = of->attributes + first / BLOCK_PIXELS * attributes_of(of->plan);
+    for (size_t i = first; i < end; i++)
         judge_pixel(of, (int)i, attributes, &of->points[i]);
-    free(attributes);
 }
 
 /* Opens the patches of all shapes that are seen. */
 static bool open_seen(struct estimating *of, struct error *err)
 {
-    for (int i = 0; i < of->seen.n; i++) {
-        if (of->seen.pixels[i].surface < 0)
+    for (int i = 0; i < of->n_pixels; i++) {
+        if (of->pixels[i].surface < 0)
             continue;
-        const int index = of->plan->instances[of->seen.pixels[i].surface].mesh;
+        const int index = of->plan->instances[of->pixels[i].surface].mesh;
         const struct plan_mesh *mesh = &of->plan->meshes[index];
         if (mesh->mesh.parametric && !of->patches[index].shape &&
             !patches_open(&mesh->shape, &of->patches[index], err))
@@ -278,50 +275,30 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
 
 /* ---- all of it ---- */
 
-bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
+bool accuracy_estimate(const struct measure *measure, const struct surface *surfaces, int wanted,
                        struct accuracy_estimate *out, struct error *err)
 {
-    enum { BLOCK_PIXELS = 128 };
     const struct plan *plan = measure->plan;
-    struct estimating of = {
-        .plan = plan, .surfaces = surfaces, .measure = measure, .failed = COUNTER};
+    struct estimating of = {.plan = plan, .surfaces = surfaces, .measure = measure};
     *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
     bool done =
-        seen_find(plan, surfaces, wanted, &of.seen, err) &&
+        find_seen(&of, wanted, err) &&
         MAKE_ARRAY(of.patches, (size_t)plan->n_meshes + 1, err, "the shapes that are judged") &&
-        MAKE_ARRAY(of.points, (size_t)of.seen.n + 1, err, "the pixels that are judged") &&
+        MAKE_ARRAY(of.points, (size_t)of.n_pixels + 1, err, "the pixels that are judged") &&
+        MAKE_ARRAY(of.attributes, (size_t)(of.n_pixels / BLOCK_PIXELS + 1) * attributes_of(plan),
+                   err, "the pixels that are judged") &&
         open_seen(&of, err);
     if (done)
-        threads_blocks(plan->options.threads, (size_t)of.seen.n, BLOCK_PIXELS, judge_block, &of);
-    for (int i = 0; i < of.seen.n && done && of.failed.n == 0; i++)
+        threads_blocks(plan->options.threads, (size_t)of.n_pixels, BLOCK_PIXELS, judge_block, &of);
+    for (int i = 0; i < of.n_pixels && done; i++)
         if (of.points[i].surface >= 0)
             of.points[of.n_points++] = of.points[i];
-    if (of.failed.n > 0)
-        memory_lacks(err, 0, "the pixels that are judged");
-    done = done && of.failed.n == 0 && conclude(&of, out, err);
+    done = done && conclude(&of, out, err);
     for (int i = 0; of.patches && i < plan->n_meshes; i++)
         patches_close(&of.patches[i]);
-    free(of.patches);
-    free(of.points);
-    free(of.seen.pixels);
+    FREE_ALL(of.patches, of.points, of.pixels, of.attributes);
     if (!done)
         accuracy_estimate_free(out);
-    return done;
-}
-
-/* ---- the estimate of a note ---- */
-
-bool accuracy_estimate(const struct plan *plan, const struct surface *surfaces, int wanted,
-                       struct accuracy_estimate *out, struct error *err)
-{
-    struct measure measure;
-    *out = (struct accuracy_estimate){.objects = NULL};
-    if (plan->view.shading != GOURAUD)
-        return true;
-    bool done = measure_make(plan, MEASURE_CIEDE2000, "cie1931", &measure, err);
-    if (done && measure.known)
-        done = estimate_measured(&measure, surfaces, wanted, out, err);
-    measure_free(&measure);
     return done;
 }
 

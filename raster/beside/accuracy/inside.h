@@ -3,8 +3,13 @@
 #ifndef RASTER_BESIDE_ACCURACY_INSIDE_H
 #define RASTER_BESIDE_ACCURACY_INSIDE_H
 
+#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
 #include "raster/beside/accuracy/accuracy.h"
+
+/* CIEDE2000, for an observer who has adapted to the lights; or counts, of the band with most. */
+enum measure_unit { MEASURE_CIEDE2000, MEASURE_COUNTS };
 
 /* ---- shading_error.c: differences as a detector sees them ---- */
 
@@ -14,8 +19,7 @@ struct measure {
     bool known;        /* false: the detector is no observer, which CIEDE2000 needs */
     double full_scale; /* of counts; 0 until measure_scale has found it */
     double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
-    int *first;        /* of each shaded material: where its terms are in xyz; owned */
-    double (*xyz)[3];  /* of a term of weight 1; owned */
+    double (*xyz)[3];  /* [shaded material][max_rows]: of a term of weight 1; owned */
 };
 /* Makes the measure of a plan: for its sampling's observer, or for `observer`, a detector's name,
  * where the scene is not sampled. A measure that is not known measures nothing. The caller always
@@ -51,12 +55,23 @@ bool compare_point(const struct judged_surface *of, const struct screen_triangle
                    const double at[2], const double share[3], double *attributes,
                    struct shaded_point out[2]);
 
-/* ---- estimate.c ---- */
+/* ---- estimate.c: the error of a picture ---- */
 
-/* Judges about `wanted` pixels of surfaces that are lit. */
-bool estimate_measured(const struct measure *measure, const struct surface *surfaces, int wanted,
+struct accuracy_object {
+    int surface;        /* the first of its instances that is seen */
+    double quantile_95; /* 95 % of its pixels have at most this error */
+    int points;         /* of it that were judged */
+};
+struct accuracy_estimate { /* of shading; outlines do not count */
+    enum measure_unit unit;
+    double quantile_95;              /* of all objects' pixels */
+    struct accuracy_object *objects; /* those in view, worst first; owned */
+    int n_objects, n_points;         /* n_points: at which the picture was judged */
+    bool known; /* or empty: the detector is no observer, or shading is flat or phong */
+};
+/* Judges about `wanted` pixels. surfaces: those of the measure's plan, lit. */
+bool accuracy_estimate(const struct measure *measure, const struct surface *surfaces, int wanted,
                        struct accuracy_estimate *out, struct error *err);
-
 void accuracy_estimate_free(struct accuracy_estimate *estimate);
 
 #endif

@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "data/images/images.h"
-#include "data/maths/maths.h"
 #include "raster/beside/accuracy/inside.h"
 
 /* ---- points in the window ---- */

@@ -5,14 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/scene/scene.h"
 #include "raster/beside/accuracy/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/renderers/renderers.h"
 
 /* ---- the words of the option ---- */
 
-static bool read_wanted(const char *option, const char *text, struct wanted_accuracy *out,
+static bool read_wanted(const char *option, const char *text, double *out, enum measure_unit *unit,
                         struct error *err)
 {
     static const char counts[] = "counts";
@@ -21,23 +20,39 @@ static bool read_wanted(const char *option, const char *text, struct wanted_accu
     const bool in_counts = length > tail && strcmp(text + length - tail, counts) == 0;
     const struct word word = {
         .start = text, .length = length - (in_counts ? tail : 0), .place = {option, 1, 1}};
-    out->unit = in_counts ? MEASURE_COUNTS : MEASURE_CIEDE2000;
-    return word_number(&word, "error", finest, coarsest, &out->error, err);
+    *unit = in_counts ? MEASURE_COUNTS : MEASURE_CIEDE2000;
+    return word_number(&word, "error", finest, coarsest, out, err);
 }
 
 /* Refuses a value of --accuracy that is no error: "0.5" is in CIEDE2000, "8counts" in counts of
  * 65535. */
 static bool accuracy_accepts(const char *option, const char *value, struct error *err)
 {
-    struct wanted_accuracy wanted;
-    return read_wanted(option, value, &wanted, err);
+    double error;
+    enum measure_unit unit;
+    return read_wanted(option, value, &error, &unit, err);
 }
 
 /* ---- the error of the plan ---- */
 
+struct refined_object {
+    int surface;        /* the first of its instances */
+    long before, after; /* triangles */
+};
+struct shading {
+    struct accuracy_estimate estimate; /* of the plan as it is now */
+    bool is_refined;                   /* otherwise all that follows is zeroed */
+    double wanted;                     /* error that 95 % of the pixels of each object may have */
+    long most_triangles;               /* that the picture may have */
+    double error_before;               /* quantile_95 of the plan that came in */
+    struct refined_object *objects;    /* that were divided; owned */
+    int n_objects, levels;             /* levels: how often the worst object was divided */
+    long triangles_before, triangles_after; /* of the plan */
+    bool stopped; /* most_triangles does not allow to divide an object that is not good enough */
+};
 struct refinement {
     struct plan *plan;
-    struct refine_result *result; /* has all objects of the scene until the end */
+    struct shading *result; /* has all objects of the scene until the end */
     struct measure measure;
     int *halvings; /* of each object of the scene; owned */
 };
@@ -53,7 +68,7 @@ static bool look(struct refinement *of, struct error *err)
     bool done = lit_make(of->plan, driver_of(NULL), &lit, &work, err);
     if (done) {
         measure_scale(&of->measure, lit.surfaces);
-        done = estimate_measured(&of->measure, lit.surfaces, REFINED_PIXELS, estimate, err);
+        done = accuracy_estimate(&of->measure, lit.surfaces, REFINED_PIXELS, estimate, err);
     }
     lit_free(&lit);
     return done;
@@ -95,13 +110,13 @@ static bool is_divisible(const struct refinement *of, int object)
  * their triangles. Returns whether there are any. */
 static bool choose(const struct refinement *of)
 {
-    struct refine_result *result = of->result;
+    struct shading *result = of->result;
     const struct accuracy_estimate *estimate = &result->estimate;
     long room = result->most_triangles - of->plan->n_triangles;
     bool any = false;
     for (int i = 0; i < estimate->n_objects; i++) {
         const int object = object_of(of->plan, estimate->objects[i].surface);
-        if (estimate->objects[i].quantile_95 <= result->wanted.error || !is_divisible(of, object))
+        if (estimate->objects[i].quantile_95 <= result->wanted || !is_divisible(of, object))
             continue;
         /* a triangle becomes four; at poles and rims of built-in shapes, six at most */
         const bool is_mesh = of->plan->scene->objects[object].shape.kind == SHAPE_MESH;
@@ -139,7 +154,7 @@ static void divide_twins(const struct refinement *of)
 /* Divides objects until all are good enough, or can be divided no more. */
 static bool divide(struct refinement *of, struct error *err)
 {
-    struct refine_result *out = of->result;
+    struct shading *out = of->result;
     bool done = look(of, err);
     out->error_before = out->estimate.quantile_95;
     count_triangles(of);
@@ -160,24 +175,34 @@ static bool divide(struct refinement *of, struct error *err)
 
 /* ---- all of it ---- */
 
-bool refine_options(const struct options *options, struct plan *plan, struct refine_result *out,
-                    struct error *err)
+static bool make_shading(struct shading **out, struct error *err)
+{
+    return MAKE_ARRAY(*out, 1, err, "the error of shading");
+}
+
+static bool refine(const struct options *options, struct plan *plan, struct shading **out,
+                   struct error *err)
 {
     enum { USUAL_TRIANGLES = 4000000 };
     const char *observer = options_detector(options), *scene = plan->scene->path;
     const size_t n = (size_t)plan->scene->n_objects + 1;
-    struct refinement of = {.plan = plan, .result = out};
+    struct refinement of = {.plan = plan};
+    enum measure_unit unit;
     if (!options->accuracy)
         return true;
-    *out = (struct refine_result){
-        .most_triangles = options->max_triangles > 0 ? options->max_triangles : USUAL_TRIANGLES,
-        .triangles_before = plan->n_triangles,
-        .triangles_after = plan->n_triangles};
+    if (!make_shading(out, err))
+        return false;
+    of.result = *out;
+    **out = (struct shading){.is_refined = true,
+                             .most_triangles = options->max_triangles > 0 ? options->max_triangles
+                                                                          : USUAL_TRIANGLES,
+                             .triangles_before = plan->n_triangles,
+                             .triangles_after = plan->n_triangles};
     const bool done =
-        read_wanted("--accuracy", options->accuracy, &out->wanted, err) &&
+        read_wanted("--accuracy", options->accuracy, &of.result->wanted, &unit, err) &&
         MAKE_ARRAY(of.halvings, n, err, "the objects of %s", scene) &&
-        MAKE_ARRAY(out->objects, n, err, "the objects of %s", scene) &&
-        measure_make(plan, out->wanted.unit, observer, &of.measure, err) &&
+        MAKE_ARRAY(of.result->objects, n, err, "the objects of %s", scene) &&
+        measure_make(plan, unit, observer, &of.measure, err) &&
         (of.measure.known ||
          error_usage(err,
                      "--accuracy in CIEDE2000 needs an observer, and %s is none; expected counts, "
@@ -189,11 +214,11 @@ bool refine_options(const struct options *options, struct plan *plan, struct ref
     return done;
 }
 
-void refine_result_free(struct refine_result *result)
+static void free_shading(struct shading *shading)
 {
-    accuracy_estimate_free(&result->estimate);
-    free(result->objects);
-    *result = (struct refine_result){.objects = NULL};
+    accuracy_estimate_free(&shading->estimate);
+    free(shading->objects);
+    free(shading);
 }
 
 /* ---- the error in words ---- */
@@ -202,12 +227,6 @@ void refine_result_free(struct refine_result *result)
 static const double just_seen = 1;
 /* An object of fewer judged pixels has no quantile to rely on. */
 enum { FEWEST_POINTS = 20 };
-
-struct shading {
-    bool is_refined;
-    struct refine_result refined;
-    struct accuracy_estimate estimate; /* unless it was refined */
-};
 
 static const char *unit_of(const struct accuracy_estimate *estimate)
 {
@@ -219,10 +238,10 @@ static const char *unit_of(const struct accuracy_estimate *estimate)
 /* Adds a note on a refinement that did not reach the wanted error. */
 static void note_refined(const struct plan *plan, struct notes *notes)
 {
-    const struct refine_result *refined = &notes->shading->refined;
+    const struct shading *refined = notes->shading;
     const struct accuracy_estimate *reached = &refined->estimate;
     char name[256], limit[64] = "the finest --tessellation is reached";
-    if (reached->n_objects == 0 || reached->objects[0].quantile_95 <= refined->wanted.error)
+    if (reached->n_objects == 0 || reached->objects[0].quantile_95 <= refined->wanted)
         return;
     if (refined->stopped)
         snprintf(limit, sizeof limit, "--max-triangles %ld allows no more",
@@ -239,8 +258,6 @@ static void note_shading(const struct plan *plan, struct notes *notes)
     const struct accuracy_estimate *shading = &notes->shading->estimate;
     char name[256];
     int worst = 0;
-    if (notes->shading->is_refined)
-        note_refined(plan, notes);
     while (worst < shading->n_objects && shading->objects[worst].points < FEWEST_POINTS)
         worst++;
     if (worst == shading->n_objects || !(shading->objects[worst].quantile_95 > just_seen))
@@ -254,24 +271,20 @@ static void note_shading(const struct plan *plan, struct notes *notes)
 
 static void print_shading(const struct shading *shading, struct printed *to)
 {
-    const struct refine_result *refined = &shading->refined;
-    const struct accuracy_estimate *estimate =
-        shading->is_refined ? &refined->estimate : &shading->estimate;
-    if (!shading->is_refined && estimate->known)
+    const struct accuracy_estimate *estimate = &shading->estimate;
+    if (shading->is_refined && estimate->known)
+        print(to,
+              "accuracy          %.3g %s at 95 %% of object pixels: %ld triangles became %ld, on "
+              "%d object%s\n",
+              estimate->quantile_95, unit_of(estimate), shading->triangles_before,
+              shading->triangles_after, shading->n_objects, shading->n_objects == 1 ? "" : "s");
+    else if (shading->is_refined)
+        print_text(to, "accuracy          flat shading is not refined\n");
+    else if (estimate->known)
         print(
             to,
             "shading           within %.2g %s of light at every point, at 95 %% of object pixels\n",
             estimate->quantile_95, unit_of(estimate));
-    if (!shading->is_refined)
-        return;
-    if (!estimate->known)
-        print_text(to, "accuracy          flat shading is not refined\n");
-    else
-        print(to,
-              "accuracy          %.3g %s at 95 %% of object pixels: %ld triangles became %ld, on "
-              "%d object%s\n",
-              estimate->quantile_95, unit_of(estimate), refined->triangles_before,
-              refined->triangles_after, refined->n_objects, refined->n_objects == 1 ? "" : "s");
 }
 
 /* ---- facts ---- */
@@ -289,8 +302,7 @@ enum { WORST_IN_WORDS = 8 }; /* objects; JSON has them all */
 
 static void put_accuracy(const struct plan *plan, const struct shading *shading, struct json *json)
 {
-    const struct accuracy_estimate *estimate = /* of the picture as it is drawn */
-        shading->is_refined ? &shading->refined.estimate : &shading->estimate;
+    const struct accuracy_estimate *estimate = &shading->estimate;
     json_open(json, "accuracy", '{');
     json_string(json, "unit", unit_of(estimate));
     json_number(json, "error_95", estimate->known ? estimate->quantile_95 : (double)NAN);
@@ -304,19 +316,18 @@ static void put_accuracy(const struct plan *plan, const struct shading *shading,
     }
     json_close(json, ']');
     if (shading->is_refined) {
-        const struct refine_result *refined = &shading->refined;
         json_open(json, "refined", '{');
-        json_number(json, "wanted", refined->wanted.error);
-        json_number(json, "error_95_before", refined->error_before);
-        json_count(json, "triangles_before", (uint64_t)refined->triangles_before);
-        json_count(json, "triangles_after", (uint64_t)refined->triangles_after);
-        json_count(json, "levels", (uint64_t)refined->levels);
-        json_truth(json, "stopped", refined->stopped);
+        json_number(json, "wanted", shading->wanted);
+        json_number(json, "error_95_before", shading->error_before);
+        json_count(json, "triangles_before", (uint64_t)shading->triangles_before);
+        json_count(json, "triangles_after", (uint64_t)shading->triangles_after);
+        json_count(json, "levels", (uint64_t)shading->levels);
+        json_truth(json, "stopped", shading->stopped);
         json_open(json, "objects", '[');
-        for (int i = 0; i < refined->n_objects; i++) {
-            open_entry(plan, refined->objects[i].surface, json);
-            json_count(json, "triangles_before", (uint64_t)refined->objects[i].before);
-            json_count(json, "triangles_after", (uint64_t)refined->objects[i].after);
+        for (int i = 0; i < shading->n_objects; i++) {
+            open_entry(plan, shading->objects[i].surface, json);
+            json_count(json, "triangles_before", (uint64_t)shading->objects[i].before);
+            json_count(json, "triangles_after", (uint64_t)shading->objects[i].after);
             json_close(json, '}');
         }
         json_close(json, ']');
@@ -327,37 +338,30 @@ static void put_accuracy(const struct plan *plan, const struct shading *shading,
 
 /* ---- the judge ---- */
 
-static bool make_shading(struct shading **out, struct error *err)
+/* Estimates the error of a plan that was not refined. Vertices are lit only for smooth shading. */
+static bool estimate(const struct lit_scene *lit, int pixels, struct accuracy_estimate *out,
+                     struct error *err)
 {
-    return MAKE_ARRAY(*out, 1, err, "the error of shading");
-}
-
-static bool refine(const struct options *options, struct plan *plan, struct shading **out,
-                   struct error *err)
-{
-    if (!options->accuracy)
+    struct measure measure;
+    if (lit->plan->view.shading != GOURAUD)
         return true;
-    if (!make_shading(out, err))
-        return false;
-    (*out)->is_refined = true;
-    return refine_options(options, plan, &(*out)->refined, err);
+    bool done = measure_make(lit->plan, MEASURE_CIEDE2000, "cie1931", &measure, err);
+    if (done && measure.known)
+        done = accuracy_estimate(&measure, lit->surfaces, pixels, out, err);
+    measure_free(&measure);
+    return done;
 }
 
 static bool judge(const struct lit_scene *lit, int pixels, struct notes *notes, struct error *err)
 {
-    if (!notes->shading &&
-        (!make_shading(&notes->shading, err) ||
-         !accuracy_estimate(lit->plan, lit->surfaces, pixels, &notes->shading->estimate, err)))
+    if (notes->shading && notes->shading->is_refined)
+        note_refined(lit->plan, notes);
+    else if (!make_shading(&notes->shading, err) ||
+             !estimate(lit, pixels, &notes->shading->estimate, err))
         return false;
-    note_shading(lit->plan, notes);
+    else
+        note_shading(lit->plan, notes);
     return true;
-}
-
-static void free_shading(struct shading *shading)
-{
-    accuracy_estimate_free(&shading->estimate);
-    refine_result_free(&shading->refined);
-    free(shading);
 }
 
 const struct shading_judge accuracy_judge = {.refine = refine,

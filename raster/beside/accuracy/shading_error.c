@@ -47,20 +47,13 @@ static bool find_terms(const struct plan *plan, const double *weights, struct me
                        struct error *err)
 {
     const size_t n_bands = (size_t)plan->n_bands;
-    const char *scene = plan->scene->path;
-    int n = 0;
-    if (!MAKE_ARRAY(out->first, (size_t)plan->n_materials + 1, err, "the materials of %s", scene))
-        return false;
-    for (int m = 0; m < plan->n_materials; m++) {
-        out->first[m] = n;
-        n += plan->materials[m].n_terms;
-    }
-    if (!MAKE_ARRAY(out->xyz, (size_t)n + 1, err, "the colours of %s", scene))
+    if (!MAKE_ARRAY(out->xyz, plan->n_materials * plan->max_rows + 1, err, "the colours of %s",
+                    plan->scene->path))
         return false;
     for (int m = 0; m < plan->n_materials; m++)
         for (int t = 0; t < plan->materials[m].n_terms; t++)
             detector_response(weights, plan->materials[m].made.spectra + (size_t)t * n_bands,
-                              plan->n_bands, out->xyz[out->first[m] + t]);
+                              plan->n_bands, out->xyz[m * plan->max_rows + t]);
     return true;
 }
 
@@ -122,15 +115,14 @@ static double counts_between(const struct measure *measure, int shaded,
 
 void measure_free(struct measure *measure)
 {
-    free(measure->first);
     free(measure->xyz);
-    *measure = (struct measure){.first = NULL};
+    *measure = (struct measure){.xyz = NULL};
 }
 
 static void xyz_of(const struct measure *measure, int shaded, const struct shaded_point *point,
                    double xyz[3])
 {
-    double(*const term)[3] = measure->xyz + measure->first[shaded];
+    double(*const term)[3] = measure->xyz + shaded * measure->plan->max_rows;
     xyz[0] = xyz[1] = xyz[2] = 0;
     for (int t = 0; t < measure->plan->materials[shaded].n_terms; t++)
         for (int c = 0; c < 3; c++)

@@ -1,13 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral cost: measures what accuracy costs in time. Each configuration is a command line of
  * render. */
-#include <stdio.h>
+#include <math.h>
 #include <string.h>
 #include <unistd.h>
 
-#include "data/files/files.h"
 #include "raster/beside/cost/inside.h"
-#include "raster/beside/see/see.h"
 #include "raster/renderers/renderers.h"
 
 /* ---- report ---- */
@@ -80,11 +78,13 @@ static bool report(struct options *options, const struct cost *cost, double tole
     if (!printed_show(&table, to, err) || !write_files(cost, options, err))
         return false;
     snprintf(what, sizeof what, "95 %% within %.10g CIEDE2000", tolerance);
-    bool done = !own->tolerance || recommend(options, what, cost_within(cost, tolerance, false),
-                                             cost_within(cost, tolerance, true), &advice, err);
+    bool done =
+        !own->tolerance || recommend(options, what, cost_advise(cost, tolerance, HUGE_VAL, false),
+                                     cost_advise(cost, tolerance, HUGE_VAL, true), &advice, err);
     snprintf(what, sizeof what, "seconds within %.10g", budget);
-    done = done && (!own->budget || recommend(options, what, cost_affordable(cost, budget, false),
-                                              cost_affordable(cost, budget, true), &advice, err));
+    done = done &&
+           (!own->budget || recommend(options, what, cost_advise(cost, HUGE_VAL, budget, false),
+                                      cost_advise(cost, HUGE_VAL, budget, true), &advice, err));
     return printed_show(&advice, to, err) && done;
 }
 

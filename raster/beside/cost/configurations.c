@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "data/mesh/mesh.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/cost/inside.h"
 #include "raster/gl/gl.h"
 
@@ -121,19 +120,17 @@ static void survey_picture(const struct scene *scene, struct survey *out)
 
 /* Makes the sampling of the scene by a method. A method that refuses the scene leaves *out
  * empty. Fails only where the system does. */
-static bool read_sampling(const struct options *options, const char *method, struct sampling *out,
+static bool read_sampling(const struct options *options, const char *method, struct render_job *out,
                           struct error *err)
 {
     struct error refusal = {.status = EXIT_AGREED};
     struct cost_entry entry = {.n_words = 0};
-    struct scene scene = {.path = NULL};
     const bool done = say(&entry, NULL, "--sampling=", method, &refusal) &&
                       say(&entry, NULL, "--detector=", options_detector(options), &refusal) &&
-                      cost_read(options, &entry, &scene, out, &refusal);
+                      cost_read(options, &entry, out, &refusal);
     cost_entry_free(&entry);
-    scene_free(&scene);
     if (!done)
-        sampling_free(out);
+        job_free(out);
     if (!done && refusal.status == EXIT_SYSTEM)
         *err = refusal;
     return done || refusal.status != EXIT_SYSTEM;
@@ -142,14 +139,14 @@ static bool read_sampling(const struct options *options, const char *method, str
 /* Finds peaks and rank by making two samplings. A sampling that refuses the scene finds nothing. */
 static bool survey_spectra(const struct options *options, struct survey *out, struct error *err)
 {
-    struct sampling sampling = {.detector = NULL};
-    bool done = read_sampling(options, "adaptive:0.01", &sampling, err);
-    out->peaks = sampling.n_peaks > 0;
-    sampling_free(&sampling);
+    struct render_job job = {.options = {.threads = 0}};
+    bool done = read_sampling(options, "adaptive:0.01", &job, err);
+    out->peaks = job.sampling.n_peaks > 0;
+    job_free(&job);
     if (done && !out->spectral_texture) {
-        done = read_sampling(options, "basis:1", &sampling, err);
-        out->rank = sampling.rank;
-        sampling_free(&sampling);
+        done = read_sampling(options, "basis:1", &job, err);
+        out->rank = job.sampling.rank;
+        job_free(&job);
     }
     return done;
 }
@@ -166,22 +163,21 @@ static bool survey(void *context, void *result, struct error *err)
 {
     const struct options *options = *(const struct options **)context;
     struct survey *out = result;
-    struct scene scene = {.path = NULL};
-    struct sampling sampling = {.detector = NULL};
+    struct render_job job = {.options = {.threads = 0}};
+    const struct scene *scene = &job.scene;
     struct detector observer = {.name = NULL};
     bool done = observer_read(out->observer, &observer, err) &&
-                cost_read(options, NULL, &scene, &sampling, err) && check_positions(&scene, err);
+                cost_read(options, NULL, &job, err) && check_positions(scene, err);
     if (done) {
-        snprintf(out->scene, sizeof out->scene, "%s", scene.path);
-        out->width = scene.width;
-        out->height = scene.height;
-        out->positions = scene.positions;
-        survey_picture(&scene, out);
+        snprintf(out->scene, sizeof out->scene, "%s", scene->path);
+        out->width = scene->width;
+        out->height = scene->height;
+        out->positions = scene->positions;
+        survey_picture(scene, out);
         done = survey_spectra(options, out, err);
     }
     detector_free(&observer);
-    sampling_free(&sampling);
-    scene_free(&scene);
+    job_free(&job);
     return done;
 }
 

@@ -91,45 +91,31 @@ static bool is_within(const struct cost_entry *entry, const struct limits *limit
 }
 
 /* Compares the best entry with its rivals: those within the same limits whose times overlap its
- * own. Wall time cannot rank them, and processor time scatters less. */
-static struct advice advise(const struct cost *cost, const struct cost_entry *best,
-                            const struct limits *limits)
+ * own. Wall time cannot rank them, and processor time scatters less. Entries are sorted by seconds,
+ * so the first one within the limits is the fastest. Errors have no noise, so that the rivals of
+ * the most accurate entry are as accurate. */
+struct advice cost_advise(const struct cost *cost, double error, double seconds, bool spectral)
 {
+    const bool accurate = error == HUGE_VAL; /* the fastest is wanted otherwise */
+    struct limits limits = {error, seconds, spectral};
+    const struct cost_entry *best = NULL;
+    for (int i = 0; i < cost->n && (accurate || !best); i++)
+        if (is_within(&cost->entries[i], &limits) &&
+            (!best || cost->entries[i].accuracy.quantile_95 < limits.error)) {
+            best = &cost->entries[i];
+            limits.error = accurate ? best->accuracy.quantile_95 : error;
+        }
     struct advice advice = {best, 0};
     for (int i = 0; best && i < cost->n; i++) {
         const struct cost_entry *rival = &cost->entries[i];
         const bool overlap = rival->fastest <= best->slowest && best->fastest <= rival->slowest;
-        if (rival == best || !is_within(rival, limits) || !overlap)
+        if (rival == best || !is_within(rival, &limits) || !overlap)
             continue;
         advice.n_rivals++;
         if (rival->processor < advice.entry->processor)
             advice.entry = rival;
     }
     return advice;
-}
-
-/* Entries are sorted by seconds, so the first match is the fastest. */
-struct advice cost_within(const struct cost *cost, double tolerance, bool spectral)
-{
-    const struct limits limits = {tolerance, HUGE_VAL, spectral};
-    int i = 0;
-    while (i < cost->n && !is_within(&cost->entries[i], &limits))
-        i++;
-    return advise(cost, i < cost->n ? &cost->entries[i] : NULL, &limits);
-}
-
-/* Errors have no noise, so that the rivals of the most accurate entry are as accurate. */
-struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral)
-{
-    struct limits limits = {HUGE_VAL, seconds, spectral};
-    const struct cost_entry *best = NULL;
-    for (int i = 0; i < cost->n; i++)
-        if (is_within(&cost->entries[i], &limits) &&
-            (!best || cost->entries[i].accuracy.quantile_95 < limits.error)) {
-            best = &cost->entries[i];
-            limits.error = best->accuracy.quantile_95;
-        }
-    return advise(cost, best, &limits);
 }
 
 /* ---- tables ---- */
@@ -204,10 +190,7 @@ static void json_entry(struct json *json, const struct cost_entry *entry)
 {
     json_open(json, NULL, '{');
     json_string(json, "name", entry->name);
-    json_open(json, "options", '[');
-    for (int i = 0; i < entry->n_words; i++)
-        json_string(json, NULL, entry->words[i]);
-    json_close(json, ']');
+    json_strings(json, "options", (const char *const *)entry->words, entry->n_words);
     json_number(json, "seconds", entry->seconds);
     json_number(json, "processor_seconds", entry->processor);
     json_number(json, "fastest", entry->fastest);
@@ -235,8 +218,5 @@ void cost_json(const struct cost *cost, struct json *json)
     for (int i = 0; i < cost->n; i++)
         json_entry(json, &cost->entries[i]);
     json_close(json, ']');
-    json_open(json, "notes", '[');
-    for (int i = 0; i < cost->n_notes; i++)
-        json_string(json, NULL, cost->notes[i]);
-    json_close(json, ']');
+    json_strings(json, "notes", (const char *const *)cost->notes, cost->n_notes);
 }

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 
 #include "raster/beside/cost/inside.h"
-#include "raster/beside/see/see.h"
 
 enum {
     WIDTH = CHART_WIDTH - CHART_LEFT - CHART_MARGIN, /* of the area */

@@ -4,9 +4,14 @@
 #define RASTER_BESIDE_COST_INSIDE_H
 
 #include "data/base/base.h"
+#include "data/files/files.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
 #include "raster/beside/cost/cost.h"
+#include "raster/beside/see/see.h"
+#include "raster/render/render.h"
 
 struct cost_options {
     const char *gl, *csv, *svg, *tolerance, *budget;
@@ -93,10 +98,10 @@ struct advice {
     const struct cost_entry *entry; /* of its rivals and itself, the one of least processor time */
     int n_rivals;                   /* that are as good, and whose times overlap */
 };
-/* Return the fastest entry of at most the tolerance in quantile_95, and the most accurate entry of
- * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
-struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
-struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
+/* Returns the fastest entry of at most this error in quantile_95; HUGE_VAL: the most accurate entry
+ * of at most so many seconds. NULL: none. spectral: only entries whose pages are radiances count.
+ */
+struct advice cost_advise(const struct cost *cost, double error, double seconds, bool spectral);
 void cost_print(const struct cost *cost, struct printed *to);
 void cost_csv(const struct cost *cost, struct printed *to); /* the table */
 void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */
@@ -110,10 +115,10 @@ bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
 
 /* ---- measure.c ---- */
 
-/* Reads and samples the scene as render does with the words of the entry (NULL: none); without a
- * sampling, *sampling stays zeroed. The caller always frees both. */
-bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
-               struct sampling *sampling, struct error *err);
+/* Reads and samples the scene as render does with the words of the entry (NULL: none). The job
+ * comes in zeroed; the caller always frees it. */
+bool cost_read(const struct options *options, const struct cost_entry *entry,
+               struct render_job *job, struct error *err);
 /* Measures all configurations that make sense for the scene. The caller always frees *out. */
 bool cost_measure(const struct options *options, struct cost *out, struct error *err);
 

@@ -6,10 +6,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/files/files.h"
-#include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"
-#include "raster/render/render.h"
 
 enum { DEFAULT_RUNS = 5 };
 
@@ -64,12 +61,12 @@ static bool run_program(const struct options *options, const struct cost_entry *
     return process_program(line, out, err);
 }
 
-bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
-               struct sampling *sampling, struct error *err)
+bool cost_read(const struct options *options, const struct cost_entry *entry,
+               struct render_job *job, struct error *err)
 {
     struct options own = {.operand = NULL};
-    bool done =
-        read_words(options, entry, &own, err) && scene_read_sampled(&own, scene, sampling, err);
+    bool done = read_words(options, entry, &own, err) &&
+                scene_read_sampled(&own, &job->scene, &job->sampling, err);
     options_free(&own);
     return done;
 }
@@ -110,13 +107,11 @@ static bool render_job(void *context, void *out, struct error *err)
 static bool compare_job(void *context, void *out, struct error *err)
 {
     struct measurement *measurement = context;
-    struct scene scene = {.path = NULL};
-    struct sampling sampling = {.detector = NULL};
+    struct render_job job = {.options = {.threads = 0}};
     const bool done =
-        cost_read(measurement->options, measurement->entry, &scene, &sampling, err) &&
-        standard_compare(measurement->stack, &sampling, &measurement->standard, out, err);
-    sampling_free(&sampling);
-    scene_free(&scene);
+        cost_read(measurement->options, measurement->entry, &job, err) &&
+        standard_compare(measurement->stack, &job.sampling, &measurement->standard, out, err);
+    job_free(&job);
     return done;
 }
 

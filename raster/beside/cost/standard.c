@@ -14,10 +14,7 @@
 
 #include "data/colour/colour.h"
 #include "data/images/images.h"
-#include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
 #include "raster/beside/cost/inside.h"
-#include "raster/beside/see/see.h"
 
 /* The lattice has about so many points. */
 static const double lattice_pixels = 2500;
@@ -54,7 +51,7 @@ static bool open_walk(struct walk *walk, const char *stack, struct error *err)
            sight_make(&walk->rows.cube, walk->standard->observer, &white, &walk->sight, err);
 }
 
-static size_t chunk_pixels(const struct walk *walk)
+static size_t pixels_at_hand(const struct walk *walk)
 {
     return (size_t)walk->rows.n * (size_t)walk->standard->width;
 }
@@ -80,7 +77,7 @@ static bool walk_rows(struct walk *walk, bool (*chunk)(struct walk *walk, struct
     for (int y = 0; y < walk->standard->height; y += walk->rows.most) {
         if (!rows_read(&walk->rows, y, err) || !chunk(walk, err))
             return false;
-        walk->pixels += chunk_pixels(walk);
+        walk->pixels += pixels_at_hand(walk);
         for (int row = 0; row < walk->rows.n; row++)
             if ((y + row) % walk->standard->step == 0) {
                 lattice_row(walk, row);
@@ -145,7 +142,7 @@ static bool summarize_chunk(struct walk *walk, struct error *err)
 {
     if (!find_shown(walk, err))
         return false;
-    threads_blocks(walk->threads, chunk_pixels(walk), BLOCK_PIXELS, summarize_pixels, walk);
+    threads_blocks(walk->threads, pixels_at_hand(walk), BLOCK_PIXELS, summarize_pixels, walk);
     return true;
 }
 
@@ -209,7 +206,7 @@ static void compare_pixels(void *context, size_t first, size_t end)
 /* Keeps the differences of pixels that show an object. */
 static bool compare_chunk(struct walk *walk, struct error *err)
 {
-    const size_t n_pixels = chunk_pixels(walk);
+    const size_t n_pixels = pixels_at_hand(walk);
     float *differences = walk->differences + walk->n_differences;
     size_t n = 0;
     (void)err;

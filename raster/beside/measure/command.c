@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral drivers: lists what OpenGL can draw here, and the options that choose it. Tries each
  * library with each driver. A process can open one library only. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,14 +29,14 @@ static bool count_devices(void *context, void *out, struct error *err)
 static bool is_new(const struct listed_driver *listed, const struct driver_list *before)
 {
     const struct context_wish wish = wish_of(listed);
-    if (!listed->is ||
-        (wish.driver && strncmp(listed->is->names.renderer, wish.driver, strlen(wish.driver)) != 0))
+    if (!listed->usable ||
+        (wish.driver && strncmp(listed->is.names.renderer, wish.driver, strlen(wish.driver)) != 0))
         return false;
     for (int i = 0; i < before->n; i++) {
         const struct listed_driver *other = &before->list[i];
-        if (other->is && strcmp(other->library, listed->library) == 0 &&
+        if (other->usable && strcmp(other->library, listed->library) == 0 &&
             wish_of(other).way == wish.way &&
-            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0)
+            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0)
             return false;
     }
     return true;
@@ -49,20 +48,12 @@ static bool try_renderer(const char *library, const char *renderer, struct drive
                          struct error *err)
 {
     struct listed_driver listed = {.renderer = renderer};
-    struct context_description is;
     struct error own = {.status = EXIT_AGREED};
     snprintf(listed.library, sizeof listed.library, "%s", library);
-    if (process_run(describe, &listed, &is, sizeof is, &own)) {
-        if (!MAKE_ARRAY(listed.is, 1, err, "the list of drivers"))
-            return false;
-        *listed.is = is;
-    } else
-        snprintf(listed.reason, sizeof listed.reason, "%.500s", error_words(&own));
-    if ((!renderer || is_new(&listed, out)) &&
-        array_add(&out->list, &out->n, &listed, sizeof listed, err))
-        return true;
-    free(listed.is);
-    return err->status == EXIT_AGREED;
+    listed.usable = process_run(describe, &listed, &listed.is, sizeof listed.is, &own);
+    snprintf(listed.reason, sizeof listed.reason, "%.500s", error_words(&own));
+    return (renderer && !is_new(&listed, out)) ||
+           array_add(&out->list, &out->n, &listed, sizeof listed, err);
 }
 
 /* A library that cannot draw may still draw with shaders. */
@@ -98,7 +89,11 @@ bool drivers_list(struct driver_list *out, struct error *err)
     return true;
 }
 
-/* ---- measurements ---- */
+/* ---- the command ---- */
+
+struct drivers_options {
+    bool measure;
+};
 
 static bool measure(void *context, void *out, struct error *err)
 {
@@ -109,34 +104,6 @@ static bool measure(void *context, void *out, struct error *err)
     return done;
 }
 
-/* Measures each one that is usable. */
-static bool drivers_measure(struct driver_list *drivers, struct error *err)
-{
-    for (int i = 0; i < drivers->n; i++) {
-        struct listed_driver *listed = &drivers->list[i];
-        if (!listed->is)
-            continue;
-        if (!MAKE_ARRAY(listed->traits, 1, err, "the traits of a driver") ||
-            !process_run(measure, listed, listed->traits, sizeof *listed->traits, err))
-            return false;
-    }
-    return true;
-}
-
-void drivers_free(struct driver_list *drivers)
-{
-    for (int i = 0; i < drivers->n; i++)
-        FREE_ALL(drivers->list[i].is, drivers->list[i].traits);
-    free(drivers->list);
-    *drivers = (struct driver_list){.n = 0};
-}
-
-/* ---- the command ---- */
-
-struct drivers_options {
-    bool measure;
-};
-
 /* Returns the profile by which a render judges a driver. */
 static const char *profile_of(const struct context_description *is)
 {
@@ -144,16 +111,19 @@ static const char *profile_of(const struct context_description *is)
     return known == driver_of(NULL) ? "measured" : known->name;
 }
 
-/* Prints the options, and what they choose; what was measured, and the bounds of a driver that does
- * so. */
-static void print_driver(const struct listed_driver *driver, struct printed *to)
+/* Prints the options, and what they choose; what was measured (NULL: nothing), and the bounds of a
+ * driver that does so. */
+static void print_driver(const struct listed_driver *driver, const struct traits *traits,
+                         struct json *json)
 {
-    const struct context_description *is = driver->is;
+    const struct context_description *is = &driver->is;
+    struct printed *to = &json->printed;
     struct driver profile;
-    char words[DRIVER_WORDS], reason[TRAITS_REASON];
+    struct error refused = {.status = EXIT_AGREED};
+    char words[DRIVER_WORDS];
     print(to, "--gl %s%s%s\n", driver->library, driver->renderer ? " --renderer " : "",
           driver->renderer ? driver->renderer : "");
-    if (!is) {
+    if (!driver->usable) {
         print(to, "  cannot draw: %s\n", driver->reason);
         return;
     }
@@ -163,13 +133,14 @@ static void print_driver(const struct listed_driver *driver, struct printed *to)
           is->names.renderer, is->names.library, is->names.version, is->vendor, profile_of(is),
           is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
           is->largest_texture);
-    if (!driver->traits)
+    if (!traits)
         return;
-    traits_print(driver->traits, to);
-    const bool bounded = traits_profile(driver->traits, &profile, reason);
+    traits_print(traits, to);
+    const bool bounded = traits_profile(traits, &profile, &refused);
     if (bounded)
         driver_print(&profile, words);
-    print(to, "  bounds          %s%s\n", bounded ? "" : "none: ", bounded ? words : reason);
+    print(to, "  bounds          %s%s\n",
+          bounded ? "" : "none: ", bounded ? words : error_words(&refused));
 }
 
 static void json_bounds(const struct driver *of, struct json *json)
@@ -185,17 +156,18 @@ static void json_bounds(const struct driver *of, struct json *json)
     json_close(json, '}');
 }
 
-static void json_driver(const struct listed_driver *driver, struct json *json)
+static void json_driver(const struct listed_driver *driver, const struct traits *traits,
+                        struct json *json)
 {
-    const struct context_description *is = driver->is;
+    const struct context_description *is = &driver->is;
     struct driver profile;
-    char reason[TRAITS_REASON];
+    struct error refused = {.status = EXIT_AGREED};
     json_open(json, NULL, '{');
     json_string(json, "gl", driver->library);
     json_string(json, "renderer", driver->renderer);
-    json_truth(json, "usable", is != NULL);
-    json_string(json, "reason", is ? NULL : driver->reason);
-    if (is) {
+    json_truth(json, "usable", driver->usable);
+    json_string(json, "reason", driver->usable ? NULL : driver->reason);
+    if (driver->usable) {
         json_string(json, "gl_library", is->names.library);
         json_string(json, "gl_vendor", is->vendor);
         json_string(json, "gl_renderer", is->names.renderer);
@@ -205,10 +177,10 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
     }
-    if (is && driver->traits) {
-        const bool bounded = traits_profile(driver->traits, &profile, reason);
-        traits_json(driver->traits, json);
-        json_string(json, "cannot_be_checked", bounded ? NULL : reason);
+    if (traits) {
+        const bool bounded = traits_profile(traits, &profile, &refused);
+        traits_json(traits, json);
+        json_string(json, "cannot_be_checked", bounded ? NULL : error_words(&refused));
         if (bounded)
             json_bounds(&profile, json);
     }
@@ -220,22 +192,23 @@ static bool run_drivers(struct options *options, struct error *err)
     const struct drivers_options *own = options->own;
     struct driver_list drivers;
     struct json json;
-    bool usable = false,
-         done = drivers_list(&drivers, err) && (!own->measure || drivers_measure(&drivers, err));
+    bool usable = false, done = drivers_list(&drivers, err);
     (options->json ? json_begin : words_begin)(&json);
     json_open(&json, "drivers", '[');
     for (int i = 0; done && i < drivers.n; i++) {
-        usable = usable || drivers.list[i].is;
-        if (options->json)
-            json_driver(&drivers.list[i], &json);
-        else
-            print_driver(&drivers.list[i], &json.printed);
+        struct listed_driver *driver = &drivers.list[i];
+        struct traits traits;
+        const bool measured = own->measure && driver->usable;
+        done = !measured || process_run(measure, driver, &traits, sizeof traits, err);
+        usable = usable || driver->usable;
+        if (done)
+            (options->json ? json_driver : print_driver)(driver, measured ? &traits : NULL, &json);
     }
     json_close(&json, ']');
     if (!done)
         free(printed_end(&json.printed));
     done = done && json_write(&json, options->json, &options->outputs, err);
-    drivers_free(&drivers);
+    free(drivers.list);
     return done && (usable || error_failed(err, "no OpenGL can draw here; --renderer raster can"));
 }
 

@@ -2,9 +2,7 @@
 /* Compares measurements with the specification of OpenGL 2.1, and makes the profile of a driver. */
 #include <math.h>
 #include <stdarg.h>
-#include <stdio.h>
 
-#include "data/maths/maths.h"
 #include "raster/beside/measure/inside.h"
 
 /* GL_SUBPIXEL_BITS is at least 4 (table 6.31): a grid of 1/16 pixel. */
@@ -48,57 +46,53 @@ static double largest_depth_error(const struct traits *traits)
     return fmax(-traits->depth_low, traits->depth_high);
 }
 
-static bool refuse(char reason[TRAITS_REASON], const char *format, ...) PRINTF_LIKE(2, 3);
-static bool refuse(char reason[TRAITS_REASON], const char *format, ...)
-{
-    va_list values;
-    va_start(values, format);
-    vsnprintf(reason, TRAITS_REASON, format, values);
-    va_end(values);
-    return false;
-}
-
 /* Refuses what breaks the specification in a way that no bound covers. */
-static bool check_traits(const struct traits *of, char reason[TRAITS_REASON])
+static bool check_traits(const struct traits *of, struct error *err)
 {
     const double depth = largest_depth_error(of);
     return (of->edge_px <= most_px ||
-            refuse(reason, "it draws edges off by %.3g pixel; at most 1/16 is allowed",
-                   of->edge_px)) &&
+            error_failed(err, "it draws edges off by %.3g pixel; at most 1/16 is allowed",
+                         of->edge_px)) &&
            (depth <= most_depth_steps ||
-            refuse(reason, "it stores depths off by %.4g steps of 24 bits; at most %g are allowed",
-                   depth, most_depth_steps)) &&
-           (of->provoking == 2 || refuse(reason,
-                                         "it takes the colour of a flat triangle from corner %d; "
-                                         "the last one is required",
-                                         of->provoking + 1)) &&
-           (!of->clamps || refuse(reason, "it clamps colours although clamps are switched off")) &&
+            error_failed(err,
+                         "it stores depths off by %.4g steps of 24 bits; at most %g are allowed",
+                         depth, most_depth_steps)) &&
+           (of->provoking == 2 ||
+            error_failed(err,
+                         "it takes the colour of a flat triangle from corner %d; "
+                         "the last one is required",
+                         of->provoking + 1)) &&
+           (!of->clamps ||
+            error_failed(err, "it clamps colours although clamps are switched off")) &&
            (of->varying_pixels == 0 ||
-            refuse(reason,
-                   "its passes do not show the same triangles: %ld of %ld pixels differ between "
-                   "flat and lit ones",
-                   of->varying_pixels, of->seen_pixels)) &&
+            error_failed(
+                err,
+                "its passes do not show the same triangles: %ld of %ld pixels differ between "
+                "flat and lit ones",
+                of->varying_pixels, of->seen_pixels)) &&
            (of->value_px <= most_px ||
-            refuse(reason,
-                   "it interpolates values as if corners were off by %.3g pixel; at most 1/16 is "
-                   "allowed",
-                   of->value_px)) &&
+            error_failed(
+                err,
+                "it interpolates values as if corners were off by %.3g pixel; at most 1/16 is "
+                "allowed",
+                of->value_px)) &&
            (of->filter_texels <= most_filter_texels ||
-            refuse(reason,
-                   "its weights of linear filtering are off by %.3g; at most 1/16 is bounded",
-                   of->filter_texels)) &&
+            error_failed(err,
+                         "its weights of linear filtering are off by %.3g; at most 1/16 is bounded",
+                         of->filter_texels)) &&
            (lighting_of(of) <= most_lighting ||
-            refuse(reason,
-                   "its lighting is off by %.3g of a highlight and %.3g roundings of a cosine; 1 "
-                   "part in 100000 is allowed",
-                   of->power_error, of->normal_roundings));
+            error_failed(
+                err,
+                "its lighting is off by %.3g of a highlight and %.3g roundings of a cosine; 1 "
+                "part in 100000 is allowed",
+                of->power_error, of->normal_roundings));
 }
 
-bool traits_profile(const struct traits *traits, struct driver *out, char reason[TRAITS_REASON])
+bool traits_profile(const struct traits *traits, struct driver *out, struct error *err)
 {
     const struct driver *most = driver_of(NULL);
     *out = *most;
-    if (!check_traits(traits, reason))
+    if (!check_traits(traits, err))
         return false;
     out->name = "measured";
     out->is_measured = true;

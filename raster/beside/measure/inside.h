@@ -4,6 +4,7 @@
 #define RASTER_BESIDE_MEASURE_INSIDE_H
 
 #include "data/base/base.h"
+#include "data/maths/maths.h"
 #include "raster/beside/measure/measure.h"
 
 /* ---- values.c ---- */
@@ -35,10 +36,9 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
 
 /* ---- driver_profile.c ---- */
 
-/* Makes the profile. Returns false, and the reason as "it ...", where the specification does not
- * allow what was measured, or no bound covers it. */
-enum { TRAITS_REASON = 256 };
-bool traits_profile(const struct traits *traits, struct driver *out, char reason[TRAITS_REASON]);
+/* Makes the profile. Fails, with the reason as "it ...", where the specification does not allow
+ * what was measured, or no bound covers it. */
+bool traits_profile(const struct traits *traits, struct driver *out, struct error *err);
 /* Prints what was measured beside what the specification allows. */
 void traits_print(const struct traits *traits, struct printed *to);
 void traits_json(const struct traits *traits, struct json *json);

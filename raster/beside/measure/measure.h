@@ -26,10 +26,10 @@ extern const struct command drivers_command;
 /* A library and a driver, as the options --gl and --renderer name them. */
 struct listed_driver {
     char library[16];
-    const char *renderer;           /* NULL: the one that comes without --renderer */
-    struct context_description *is; /* NULL: it is not usable; owned */
-    char reason[512];               /* why not, in a line */
-    struct traits *traits;          /* NULL: not measured; owned */
+    const char *renderer; /* NULL: the one that comes without --renderer */
+    bool usable;
+    struct context_description is; /* if it is usable */
+    char reason[512];              /* why it is not, in a line */
 };
 struct driver_list {
     struct listed_driver *list; /* owned */
@@ -37,8 +37,7 @@ struct driver_list {
 };
 /* Tries OSMesa, EGL, and each of EGL's devices, with each driver of Mesa's, with and without
  * shaders, in processes of their own. Leaves out a driver that a library does not have, or has
- * without being asked for it. The caller always frees *out. */
+ * without being asked for it. The caller always frees the list. */
 bool drivers_list(struct driver_list *out, struct error *err);
-void drivers_free(struct driver_list *drivers);
 
 #endif

@@ -9,7 +9,7 @@
 /* How the corners of a target's triangles become colours: by OpenGL's own lighting and textures, or
  * by shaders that do what those of raster/beside/shader do. */
 
-enum { POSITION, COLOUR, NORMAL, COORDINATES, INPUTS };
+enum { INPUTS = 4 }; /* of a shader */
 
 /* ---- by OpenGL's own lighting ---- */
 
@@ -119,32 +119,20 @@ static void set_program(const struct target *target, enum target_mode mode, doub
     call->Uniform1f(call->GetUniformLocation(name, "gloss"), (GLfloat)gloss);
 }
 
+/* The inputs are the members of a corner, in their order. */
 static void point_inputs(const struct target *target)
 {
-    static const struct {
-        GLuint input;
-        GLint n;
-        size_t at;
-    } inputs[] = {{POSITION, 3, offsetof(struct target_corner, position)},
-                  {COLOUR, 3, offsetof(struct target_corner, colour)},
-                  {NORMAL, 3, offsetof(struct target_corner, normal)},
-                  {COORDINATES, 2, offsetof(struct target_corner, s_t)}};
-    for (int i = 0; i < INPUTS; i++)
-        target->call->VertexAttribPointer(inputs[i].input, inputs[i].n, GL_FLOAT, GL_FALSE,
+    static const GLint numbers[INPUTS] = {3, 3, 3, 2};
+    size_t at = 0;
+    for (GLuint i = 0; i < INPUTS; i++) {
+        target->call->VertexAttribPointer(i, numbers[i], GL_FLOAT, GL_FALSE,
                                           sizeof(struct target_corner),
-                                          (const void *)inputs[i].at); /* into the bound buffer */
+                                          (const void *)at); /* into the bound buffer */
+        at += (size_t)numbers[i] * sizeof(float);
+    }
 }
 
 /* ---- either ---- */
-
-/* Makes what target_shade needs, once, when the canvas is in use. */
-static bool target_prepare(struct target *target, struct error *err)
-{
-    if (target->contexts->way != GL_WITHOUT_SHADERS)
-        return prepare_shaders(target, err);
-    prepare_lighting(target);
-    return true;
-}
 
 void target_shade(const struct target *target, enum target_mode mode, double gloss)
 {
@@ -222,7 +210,9 @@ bool target_open(struct contexts *contexts, struct target **out, struct error *e
     target->random = 1;
     if (target->contexts->way == GL_ES && !contexts_have(contexts, "GL_NV_read_depth_stencil"))
         return error_unsupported(err, "this OpenGL ES cannot read depths, which measurements need");
-    if (!target_prepare(target, err))
+    if (contexts->way == GL_WITHOUT_SHADERS)
+        prepare_lighting(target);
+    else if (!prepare_shaders(target, err))
         return false;
     set_state(target);
     return true;

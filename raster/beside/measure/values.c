@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/beside/measure/inside.h"
 #include "raster/bounds/bounds.h"
 
@@ -312,10 +311,10 @@ bool driver_measure(struct contexts *contexts, const char *gl_renderer, struct d
 {
     struct canvas *in_use = contexts->current;
     struct traits traits;
-    char reason[TRAITS_REASON];
+    struct error refused = {.status = EXIT_AGREED};
     return traits_measure(contexts, &traits, err) && canvas_use(in_use, in_use->pixels, err) &&
-           (traits_profile(&traits, out, reason) ||
+           (traits_profile(&traits, out, &refused) ||
             error_unsupported(err,
                               "%s cannot be checked: %s; spectral drivers --measure prints more",
-                              gl_renderer, reason));
+                              gl_renderer, error_words(&refused)));
 }

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/beside/see/inside.h"
 
 /* ---- linear scales ---- */

@@ -96,52 +96,92 @@ double legend_y(const struct chart_legend *legend, int top, int cell)
 
 /* ---- the plot ---- */
 
+/* Curves over wavelengths: the radiance, shaded up to its standard deviation over a region, and
+ * what explains it. */
 struct plot {
-    const struct chart *chart;
+    const struct probe *probe;
     struct chart_area area;
 };
 
-static const struct axis *axis_of(const struct plot *plot, const struct chart_line *line)
+static int lines_of(const struct probe *probe)
 {
-    return line->right && plot->chart->right_label ? &plot->area.right : &plot->area.y;
+    return probe->n_columns - SPREAD;
 }
 
-static bool is_drawn(const struct chart_line *line, int i)
+static const struct probe_column *column_of(const struct plot *plot, int line)
 {
-    return i >= 0 && i < line->n && isfinite(line->x[i]) && isfinite(line->y[i]);
+    return &plot->probe->columns[line == 0 ? MEAN : line + SPREAD];
 }
 
-static double spread_at(const struct chart_line *line, int i)
+static bool has_spread(const struct plot *plot, int line)
 {
-    const double spread = line->spread ? line->spread[i] : 0;
-    return isfinite(line->y[i] - spread) && isfinite(line->y[i] + spread) ? spread : 0;
+    return line == 0 && (plot->probe->width > 1 || plot->probe->height > 1);
+}
+
+static const char *name_of(const struct plot *plot, int line)
+{
+    return has_spread(plot, line) ? "radiance ± standard deviation" : column_of(plot, line)->name;
+}
+
+static const struct axis *axis_of(const struct plot *plot, int line)
+{
+    return column_of(plot, line)->relative ? &plot->area.right : &plot->area.y;
+}
+
+static bool is_drawn(const struct plot *plot, int line, int i)
+{
+    return i < plot->probe->n && isfinite(plot->probe->columns[WAVELENGTH].values[i]) &&
+           isfinite(column_of(plot, line)->values[i]);
+}
+
+static double spread_at(const struct plot *plot, int line, int i)
+{
+    const double y = column_of(plot, line)->values[i],
+                 spread = has_spread(plot, line) ? plot->probe->columns[SPREAD].values[i] : 0;
+    return isfinite(y - spread) && isfinite(y + spread) ? spread : 0;
 }
 
 /* Returns the lower end of the spread at a point. It is not below 0 if the value is not, because
  * radiances are not negative. */
-static double band_low(const struct chart_line *line, int i)
+static double band_low(const struct plot *plot, int line, int i)
 {
-    return fmax(line->y[i] - spread_at(line, i), fmin(line->y[i], 0));
+    const double y = column_of(plot, line)->values[i];
+    return fmax(y - spread_at(plot, line, i), fmin(y, 0));
+}
+
+/* Returns the upper end. */
+static double band_high(const struct plot *plot, int line, int i)
+{
+    return column_of(plot, line)->values[i] + spread_at(plot, line, i);
 }
 
 static void fit_axes(struct plot *plot)
 {
-    const struct chart *chart = plot->chart;
     double x[2] = {HUGE_VAL, -HUGE_VAL}, left[2] = {HUGE_VAL, -HUGE_VAL}, right[2] = {0, 1};
-    for (int l = 0; l < chart->n_lines; l++) {
-        const struct chart_line *line = &chart->lines[l];
+    for (int line = 0; line < lines_of(plot->probe); line++) {
         double *y = axis_of(plot, line) == &plot->area.right ? right : left;
-        for (int i = 0; i < line->n; i++)
-            if (is_drawn(line, i)) {
-                x[0] = fmin(x[0], line->x[i]);
-                x[1] = fmax(x[1], line->x[i]);
-                y[0] = fmin(y[0], band_low(line, i));
-                y[1] = fmax(y[1], line->y[i] + spread_at(line, i));
+        for (int i = 0; i < plot->probe->n; i++)
+            if (is_drawn(plot, line, i)) {
+                const double nm = plot->probe->columns[WAVELENGTH].values[i];
+                x[0] = fmin(x[0], nm);
+                x[1] = fmax(x[1], nm);
+                y[0] = fmin(y[0], band_low(plot, line, i));
+                y[1] = fmax(y[1], band_high(plot, line, i));
             }
     }
     plot->area.x = axis_linear(x[0], x[1], 10);
     plot->area.y = axis_from_zero(left[0], left[1], 6);
     plot->area.right = axis_from_zero(right[0], right[1], 6);
+}
+
+static double x_at(const struct plot *plot, int i)
+{
+    return chart_x(&plot->area, plot->probe->columns[WAVELENGTH].values[i]);
+}
+
+static double y_of(const struct plot *plot, int line, double value)
+{
+    return chart_y(&plot->area, axis_of(plot, line), value);
 }
 
 /* ---- colours of wavelengths ---- */
@@ -197,61 +237,54 @@ static void put_stroke(struct printed *to, int line)
 
 /* Writes the path through points from first to end - 1; upper: through the upper ends of their
  * spread. */
-static void put_path(const struct plot *plot, const struct chart_line *line, int first, int end,
-                     bool upper)
+static void put_path(const struct plot *plot, int line, int first, int end, bool upper)
 {
     for (int i = first; i < end; i++)
-        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L',
-              chart_x(&plot->area, line->x[i]),
-              chart_y(&plot->area, axis_of(plot, line),
-                      line->y[i] + (upper ? spread_at(line, i) : 0)));
+        print(
+            plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', x_at(plot, i),
+            y_of(plot, line, upper ? band_high(plot, line, i) : column_of(plot, line)->values[i]));
 }
 
 /* Draws neighbouring points from first to end - 1, and their spread, from the first to the last
  * point and back. A single point is a dot, and its spread a bar. */
-static void draw_run(const struct plot *plot, int index, int first, int end)
+static void draw_run(const struct plot *plot, int line, int first, int end)
 {
-    const struct chart_line *line = &plot->chart->lines[index];
-    const struct axis *axis = axis_of(plot, line);
-    const char *colour = colours[index % N_COLOURS];
+    const char *colour = colours[line % N_COLOURS];
     struct printed *to = plot->area.to;
     if (end - first == 1) {
-        const double x = chart_x(&plot->area, line->x[first]), y = line->y[first];
         print(to,
               "<path stroke=\"%s\" d=\"M%.2f,%.2fV%.2f\"/><circle fill=\"%s\" cx=\"%.2f\" "
               "cy=\"%.2f\" r=\"4\"/>\n",
-              colour, x, chart_y(&plot->area, axis, band_low(line, first)),
-              chart_y(&plot->area, axis, y + spread_at(line, first)), colour, x,
-              chart_y(&plot->area, axis, y));
+              colour, x_at(plot, first), y_of(plot, line, band_low(plot, line, first)),
+              y_of(plot, line, band_high(plot, line, first)), colour, x_at(plot, first),
+              y_of(plot, line, column_of(plot, line)->values[first]));
         return;
     }
-    if (line->spread) {
+    if (has_spread(plot, line)) {
         print(to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"", colour);
         put_path(plot, line, first, end, true);
         for (int i = end - 1; i >= first; i--)
-            print(to, "L%.2f,%.2f", chart_x(&plot->area, line->x[i]),
-                  chart_y(&plot->area, axis, band_low(line, i)));
+            print(to, "L%.2f,%.2f", x_at(plot, i), y_of(plot, line, band_low(plot, line, i)));
         print_text(to, "Z\"/>\n");
     }
     print_text(to, "<path ");
-    put_stroke(to, index);
+    put_stroke(to, line);
     print_text(to, " d=\"");
     put_path(plot, line, first, end, false);
     print_text(to, "\"/>\n");
 }
 
 /* Draws a line. Values that are not finite interrupt it. */
-static void draw_line(const struct plot *plot, int index)
+static void draw_line(const struct plot *plot, int line)
 {
-    const struct chart_line *line = &plot->chart->lines[index];
     print_text(plot->area.to, "<g><title>");
-    chart_text(plot->area.to, line->name, 200);
+    chart_text(plot->area.to, name_of(plot, line), 200);
     print_text(plot->area.to, "</title>\n");
-    for (int first = 0, end; first < line->n; first = end) {
-        for (end = first; is_drawn(line, end);)
+    for (int first = 0, end; first < plot->probe->n; first = end) {
+        for (end = first; is_drawn(plot, line, end);)
             end++;
         if (end > first)
-            draw_run(plot, index, first, end);
+            draw_run(plot, line, first, end);
         else
             end++;
     }
@@ -262,31 +295,31 @@ static void draw_line(const struct plot *plot, int index)
 
 static const char *legend_note(const struct plot *plot, int line)
 {
-    return axis_of(plot, &plot->chart->lines[line]) == &plot->area.right ? " (right axis)" : "";
+    return axis_of(plot, line) == &plot->area.right ? " (right axis)" : "";
 }
 
 static struct chart_legend legend_of(const struct plot *plot)
 {
     int longest = 1;
-    for (int l = 0; l < plot->chart->n_lines; l++) {
+    for (int line = 0; line < lines_of(plot->probe); line++) {
         const int length =
-            chart_text_length(plot->chart->lines[l].name) + chart_text_length(legend_note(plot, l));
+            chart_text_length(name_of(plot, line)) + chart_text_length(legend_note(plot, line));
         longest = length > longest ? length : longest;
     }
-    return chart_legend(plot->chart->n_lines, longest, SAMPLE);
+    return chart_legend(lines_of(plot->probe), longest, SAMPLE);
 }
 
 static void draw_legend(const struct plot *plot, int top)
 {
     const struct chart_legend legend = legend_of(plot);
-    for (int l = 0; l < plot->chart->n_lines; l++) {
-        const char *note = legend_note(plot, l);
-        const double x = legend_x(&legend, l), y = legend_y(&legend, top, l);
+    for (int line = 0; line < lines_of(plot->probe); line++) {
+        const char *note = legend_note(plot, line);
+        const double x = legend_x(&legend, line), y = legend_y(&legend, top, line);
         print(plot->area.to, "<path ");
-        put_stroke(plot->area.to, l);
+        put_stroke(plot->area.to, line);
         print(plot->area.to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
               x + SAMPLE + 8, y + 0.35 * CHART_TEXT_SIZE);
-        chart_text(plot->area.to, plot->chart->lines[l].name,
+        chart_text(plot->area.to, name_of(plot, line),
                    chart_fitting(legend.column - SAMPLE - 16, CHART_TEXT_SIZE) -
                        chart_text_length(note));
         print(plot->area.to, "%s</text>\n", note);
@@ -295,22 +328,28 @@ static void draw_legend(const struct plot *plot, int top)
 
 /* ---- the file ---- */
 
-void chart_svg(const struct chart *chart, struct printed *to)
+void probe_svg(const struct probe *probe, struct printed *to)
 {
-    struct plot plot = {.chart = chart, .area = {.to = to, .height = PLOT_HEIGHT}};
-    plot.area.width =
-        CHART_WIDTH - CHART_LEFT - (chart->right_label ? CHART_RIGHT_AXIS : CHART_MARGIN);
-    fit_axes(&plot);
     const int legend =
         CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
-    chart_head(to, chart->title, legend + CHART_LEGEND_ROW * legend_of(&plot).rows);
-    if (chart->wavelengths)
-        draw_visible(&plot);
+    struct plot plot = {.probe = probe, .area = {.to = to, .height = PLOT_HEIGHT}};
+    char region[96], title[512];
+    bool right = false; /* there is an axis there */
+    for (int column = MEAN; column < probe->n_columns; column++)
+        right = right || probe->columns[column].relative;
+    plot.area.width = CHART_WIDTH - CHART_LEFT - (right ? CHART_RIGHT_AXIS : CHART_MARGIN);
+    fit_axes(&plot);
+    region_text(probe, region, sizeof region);
+    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
+             probe->object ? ", " : "", region, probe->source);
+    chart_head(to, title, legend + CHART_LEGEND_ROW * legend_of(&plot).rows);
+    draw_visible(&plot);
     chart_axes(&plot.area,
-               (const char *const[]){chart->x_label, chart->y_label, chart->right_label},
-               chart->wavelengths ? STRIP : 0);
-    for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
-        draw_line(&plot, l);
+               (const char *const[]){"wavelength (nm)", "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
+                                     right ? "reflectance, excitation, emission" : NULL},
+               STRIP);
+    for (int line = lines_of(probe) - 1; line >= 0; line--) /* the first one on top */
+        draw_line(&plot, line);
     draw_legend(&plot, legend);
     print_text(to, "</svg>\n");
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral compare: prints where and by how much two stacks differ, in words and as JSON. */
-#include <stdio.h>
 
-#include "data/images/images.h"
 #include "raster/beside/see/inside.h"
 
 struct compare_own {

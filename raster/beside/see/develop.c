@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
 #include "raster/beside/see/inside.h"
 
 /* ---- sums of pages ---- */

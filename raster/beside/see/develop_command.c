@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral develop: the colour picture of a stack. */
-#include <stdio.h>
 #include <string.h>
 
-#include "data/images/images.h"
 #include "raster/beside/see/inside.h"
 
 /* ---- options ---- */

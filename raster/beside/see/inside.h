@@ -4,28 +4,15 @@
 #define RASTER_BESIDE_SEE_INSIDE_H
 
 #include "data/colour/colour.h"
+#include "data/images/images.h"
+#include "data/maths/maths.h"
 #include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "raster/beside/see/see.h"
 #include "raster/plan/plan.h"
 
-/* ---- chart.c: curves ---- */
-
-struct chart_line {
-    const char *name;
-    int n;
-    const double *x, *y;
-    const double *spread; /* shaded from y - spread to y + spread, but not below 0 if y >= 0; NULL:
-                             none */
-    bool right;           /* uses the axis on the right, e.g. a reflectance */
-};
-struct chart {
-    const char *title, *x_label, *y_label, *right_label; /* right_label NULL: no such axis */
-    const struct chart_line *lines;
-    int n_lines;
-    bool wavelengths; /* x is in nm: a strip shows the colours of the visible range */
-};
-void chart_svg(const struct chart *chart, struct printed *to); /* prints a whole SVG 1.1 file */
+/* ---- chart.c ---- */
 
 /* Writes a decimal exponent: ×10 and raised digits. */
 void chart_exponent(struct printed *to, int exponent);
@@ -180,5 +167,10 @@ bool probe_stack(struct probe *probe, const char *path, struct error *err);
  * excitation, emission and own light. The region is one of the plan's picture. */
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
 void probe_free(struct probe *probe);
+
+/* chart.c: prints a whole SVG 1.1 file. The region of a probe is a pixel or more. */
+void probe_svg(const struct probe *probe, struct printed *to);
+/* Writes the pixel or region in words, e.g. "pixel 3,4". */
+void region_text(const struct probe *probe, char *out, size_t capacity);
 
 #endif

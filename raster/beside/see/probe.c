@@ -6,8 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
-#include "data/scene/scene.h"
 #include "raster/beside/see/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
@@ -261,25 +259,18 @@ static bool add_curve(struct probe *probe, const char *name, enum curve_kind kin
     return true;
 }
 
-static bool add_light(struct probe *probe, const char *kind, int index, double intensity,
-                      const struct spectrum *spectrum, struct error *err)
-{
-    char name[sizeof probe->columns[0].name];
-    snprintf(name, sizeof name, "%s %d (%s)", kind, index + 1, spectrum->name);
-    return add_curve(probe, name, LIGHT, intensity, spectrum, err);
-}
-
 static bool add_lights(struct probe *probe, const struct scene *scene, struct error *err)
 {
-    for (int i = 0; i < scene->n_lights; i++)
-        if (!add_light(probe, "light", i, scene->lights[i].intensity, &scene->lights[i].spectrum,
-                       err))
-            return false;
-    for (int i = 0; i < scene->n_ambients; i++)
-        if (!add_light(probe, "ambient light", i, scene->ambients[i].intensity,
-                       &scene->ambients[i].spectrum, err))
-            return false;
-    return true;
+    bool done = true;
+    for (int i = 0; done && i < scene->n_lights + scene->n_ambients; i++) {
+        const struct light *light = scene_light(scene, i);
+        const bool ambient = i >= scene->n_lights;
+        char name[sizeof probe->columns[0].name];
+        snprintf(name, sizeof name, "%s %d (%s)", ambient ? "ambient light" : "light",
+                 1 + i - (ambient ? scene->n_lights : 0), light->spectrum.name);
+        done = add_curve(probe, name, LIGHT, light->intensity, &light->spectrum, err);
+    }
+    return done;
 }
 
 static bool add_material(struct probe *probe, const struct material *material, struct error *err)

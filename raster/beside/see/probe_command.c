@@ -1,14 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral probe: prints the spectrum of a pixel or a region, of a stack or of a scene. The command
  * lies in raster/ because the reference draws the scene. */
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
 
-#include "data/images/images.h"
-#include "data/scene/scene.h"
-#include "raster/beside/accuracy/accuracy.h"
 #include "raster/beside/see/inside.h"
+#include "raster/render/render.h"
 
 struct probe_own {
     bool csv, svg;
@@ -35,16 +31,10 @@ static bool region_read(const struct options *options, struct probe *out, struct
 
 static bool probe_picture(const struct options *options, struct probe *probe, struct error *err)
 {
-    const struct plan_options plan_options = {.store_raster = true, .threads = options->threads};
-    struct scene scene = {.path = NULL};
-    struct plan plan = {.scene = NULL};
-    struct refine_result refined = {.levels = 0};
-    bool done = scene_read_options(options, &scene, err) &&
-                plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                refine_options(options, &plan, &refined, err) && probe_scene(probe, &plan, err);
-    refine_result_free(&refined);
-    plan_free(&plan);
-    scene_free(&scene);
+    struct render_job job = {.options = {.store_raster = true, .threads = options->threads}};
+    const bool done = scene_read_options(options, &job.scene, err) &&
+                      job_plan(options, &job, err) && probe_scene(probe, &job.plan, err);
+    job_free(&job);
     return done;
 }
 
@@ -82,8 +72,7 @@ static void print_colour(const struct probe *probe, struct printed *to)
     print(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
 }
 
-/* Writes the pixel or region in words, e.g. "pixel 3,4". */
-static void region_text(const struct probe *probe, char *out, size_t capacity)
+void region_text(const struct probe *probe, char *out, size_t capacity)
 {
     if (probe->width == 1 && probe->height == 1)
         snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
@@ -166,40 +155,6 @@ static void probe_json(const struct probe *probe, struct json *json)
         json_close(json, '}');
     }
     json_close(json, ']');
-}
-
-static void probe_svg(const struct probe *probe, struct printed *to)
-{
-    struct chart_line lines[MAX_PROBE_COLUMNS];
-    char region[96], title[512];
-    bool relative = false;
-    int n = 0;
-    for (int c = MEAN; c < probe->n_columns; c++) {
-        const struct probe_column *of = &probe->columns[c];
-        relative = relative || of->relative;
-        if (c != SPREAD)
-            lines[n++] = (struct chart_line){.name = of->name,
-                                             .n = probe->n,
-                                             .x = probe->columns[WAVELENGTH].values,
-                                             .y = of->values,
-                                             .right = of->relative};
-    }
-    if (probe->width > 1 || probe->height > 1) {
-        lines[0].name = "radiance ± standard deviation";
-        lines[0].spread = probe->columns[SPREAD].values;
-    }
-    region_text(probe, region, sizeof region);
-    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
-             probe->object ? ", " : "", region, probe->source);
-    const struct chart chart = {.title = title,
-                                .x_label = "wavelength (nm)",
-                                .y_label = "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
-                                .right_label =
-                                    relative ? "reflectance, excitation, emission" : NULL,
-                                .lines = lines,
-                                .n_lines = n,
-                                .wavelengths = true};
-    chart_svg(&chart, to);
 }
 
 /* ---- the command ---- */

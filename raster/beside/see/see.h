@@ -99,7 +99,7 @@ struct tolerance {
 /* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
 
-/* ---- rows.c: a stack in chunks of rows ---- */
+/* ---- compare.c: a stack in chunks of rows ---- */
 
 struct stack_rows {
     struct cube cube;

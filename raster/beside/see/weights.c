@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
 #include "raster/beside/see/inside.h"
 
 /* ---- by a sampling of the stack's spectra ---- */

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "raster/beside/shader/inside.h"
 
@@ -99,47 +98,34 @@ static void clear(struct shader *shader)
 
 /* ---- a material ---- */
 
-/* Colours of passes; of lights and passes. */
-struct batch_colours {
-    GLfloat constant[MOST_PASSES][4], diffuse[LIGHTS_PER_PASS * MOST_PASSES][4],
-        specular[LIGHTS_PER_PASS * MOST_PASSES][4];
-    int n_lights;
-};
-
-/* Passes that a batch does not have are black. */
-static void collect_colours(const struct shader *shader, int material, int group,
-                            struct batch_colours *out)
-{
-    const int n = shader->base.n_units;
-    memset(out, 0, sizeof *out);
-    for (int k = 0; k < shader->n_batch; k++) {
-        struct pass_colours colours;
-        pass_colours(shader->base.plan, &shader->base.plan->materials[material], group,
-                     shader->order[shader->batch + k], shader->full_scale, &colours);
-        memcpy(out->constant[k], colours.constant, sizeof colours.constant);
-        out->n_lights = colours.n_lights;
-        for (int i = 0; i < colours.n_lights; i++) {
-            memcpy(out->diffuse[i * n + k], colours.diffuse[i], sizeof colours.diffuse[i]);
-            memcpy(out->specular[i * n + k], colours.specular[i], sizeof colours.specular[i]);
-        }
-    }
-}
-
+/* Gives a program the colours of a material, of passes or of lights and passes, unless it has them.
+ * Passes that a batch does not have are black. */
 static void set_material(const struct shader *shader, struct program *program, int material,
                          int group)
 {
-    struct batch_colours colours;
+    const struct shaded_material *shaded = &shader->base.plan->materials[material];
+    const struct gl_functions *call = shader->base.call;
     const int n = shader->base.n_units;
+    GLfloat constant[MOST_PASSES][4] = {{0}}, diffuse[LIGHTS_PER_PASS * MOST_PASSES][4] = {{0}},
+            specular[LIGHTS_PER_PASS * MOST_PASSES][4] = {{0}};
+    struct pass_colours colours = {.n_lights = 0};
     if (program->material == material && program->batch == shader->n_batches)
         return;
     program->material = material;
     program->batch = shader->n_batches;
-    collect_colours(shader, material, group, &colours);
-    shader->base.call->Uniform4fv(program->constant, n, colours.constant[0]);
-    shader->base.call->Uniform4fv(program->diffuse, colours.n_lights * n, colours.diffuse[0]);
-    shader->base.call->Uniform4fv(program->specular, colours.n_lights * n, colours.specular[0]);
-    shader->base.call->Uniform1f(program->gloss,
-                                 (GLfloat)shader->base.plan->materials[material].material->gloss);
+    for (int k = 0; k < shader->n_batch; k++) {
+        pass_colours(shader->base.plan, shaded, group, shader->order[shader->batch + k],
+                     shader->full_scale, &colours);
+        memcpy(constant[k], colours.constant, sizeof constant[k]);
+        for (int i = 0; i < colours.n_lights; i++) {
+            memcpy(diffuse[i * n + k], colours.diffuse[i], sizeof colours.diffuse[i]);
+            memcpy(specular[i * n + k], colours.specular[i], sizeof colours.specular[i]);
+        }
+    }
+    call->Uniform4fv(program->constant, n, constant[0]);
+    call->Uniform4fv(program->diffuse, colours.n_lights * n, diffuse[0]);
+    call->Uniform4fv(program->specular, colours.n_lights * n, specular[0]);
+    call->Uniform1f(program->gloss, (GLfloat)shaded->material->gloss);
 }
 
 /* ---- drawing ---- */

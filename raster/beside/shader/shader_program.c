@@ -2,7 +2,6 @@
 /* Programs of shaders, written for the effects of a scene. Lighting is that of OpenGL 1.x: section
  * 2.14.1 of the OpenGL 2.1 specification. Each light has the statements of its own kind only. */
 
-#include "data/base/base.h"
 #include "raster/beside/shader/inside.h"
 
 static bool is_flat(const struct shader *of)

@@ -1,11 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral verify: the drivers and the scenes that are verified; one scene on one driver; all of
  * them, and the report. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/scene/scene.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/inside.h"
 
@@ -31,9 +29,9 @@ static bool is_listed(const struct driver_list *drivers, int index)
     const char *driver;
     for (int i = 0; i < index; i++) {
         const struct listed_driver *other = &drivers->list[i];
-        if (other->is && strcmp(other->is->names.library, listed->is->names.library) == 0 &&
-            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0 &&
-            strcmp(other->is->names.version, listed->is->names.version) == 0 &&
+        if (other->usable && strcmp(other->is.names.library, listed->is.names.library) == 0 &&
+            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0 &&
+            strcmp(other->is.names.version, listed->is.names.version) == 0 &&
             driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
             return true;
     }
@@ -48,9 +46,9 @@ static bool find_drivers(const struct options *options, struct verification *out
         return add_driver(out, own->render.gl ? own->render.gl : "auto", own->render.renderer, err);
     bool done = drivers_list(&drivers, err);
     for (int i = 0; i < drivers.n && done; i++)
-        if (drivers.list[i].is && !is_listed(&drivers, i))
+        if (drivers.list[i].usable && !is_listed(&drivers, i))
             done = add_driver(out, drivers.list[i].library, drivers.list[i].renderer, err);
-    drivers_free(&drivers);
+    free(drivers.list);
     return done && (out->n_drivers > 0 ||
                     error_unsupported(err, "no OpenGL can draw here; spectral drivers prints why"));
 }
@@ -225,28 +223,24 @@ static bool judge(void *context, void *out, struct error *err)
 }
 
 /* Draws and judges a scene in a process of its own, which a driver may end. Fails where it is
- * interrupted, or the scene is wrong: every other failure is a result. The options are those of the
- * command. */
-static bool verify_run(const struct options *options, const struct verify_driver *driver,
-                       const struct verify_scene *scene, struct verify_result *out,
-                       struct error *err)
+ * interrupted, or the scene is wrong: every other failure is a result. */
+static bool verify_run(struct task *task, struct verify_result *out, struct error *err)
 {
-    struct task task = {options, driver, scene};
     struct error own = {.status = EXIT_AGREED};
-    if (process_run(judge, &task, out, sizeof *out, &own))
+    if (process_run(judge, task, out, sizeof *out, &own))
         return true;
     if (own.status == EXIT_INPUT) {
         *err = own;
         return false;
     }
-    memset(out, 0, sizeof *out);
-    out->outcome = VERIFY_FAILED;
+    *out = (struct verify_result){.outcome = VERIFY_FAILED};
     snprintf(out->text, sizeof out->text, "%.1000s", error_words(&own));
     return true;
 }
 
 /* ---- the runs ---- */
 
+/* The options are those of the command. */
 static bool run_all(const struct options *options, struct verification *of, struct error *err)
 {
     struct progress_line line;
@@ -256,7 +250,8 @@ static bool run_all(const struct options *options, struct verification *of, stru
     for (int i = 0; i < n; i++) {
         struct verify_driver *driver = &of->drivers[i / of->n_scenes];
         struct verify_result *result = &of->results[i];
-        if (!verify_run(options, driver, &of->scenes[i % of->n_scenes], result, err))
+        struct task task = {options, driver, &of->scenes[i % of->n_scenes]};
+        if (!verify_run(&task, result, err))
             return false;
         if (result->outcome != VERIFY_FAILED) {
             driver->names = result->names;

@@ -4,26 +4,33 @@
  * of triangles and depths, or a TIFF of float pages with colours only. */
 #include <errno.h>
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/images/images.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/counts/counts.h"
-#include "raster/reference/reference.h"
+
+/* Pixels of another program as a renderer. */
+struct drawn {
+    struct renderer renderer; /* the first member */
+    const struct plan *plan;
+    const char *folder;   /* NULL: the pixels are those of the image */
+    char path[4096 + 32]; /* of drawn.txt */
+    char id[DIGEST_TEXT]; /* that drawn.txt has, and its place there */
+    struct place id_place;
+    struct image image;
+    float *numbers;   /* 4 a pixel; 0, as the background's, where the folder has none; owned */
+    uint32_t *depths; /* likewise */
+};
+
+static size_t count_pixels(const struct plan *plan)
+{
+    return (size_t)plan->view.width * (size_t)plan->view.height;
+}
 
 /* ---- drawn.txt ---- */
 
-/* The words of drawn.txt. */
-struct drawn_words {
-    char id[DIGEST_TEXT];
-    struct renderer_names names;
-    struct place place; /* of the id; its path belongs to the caller of drawn_read_words */
-};
 /* Copies the rest of a line, as a driver's name has blanks and may have anything else. */
 static void copy_rest(const struct text *text, char *out, size_t capacity)
 {
@@ -39,10 +46,11 @@ static void copy_rest(const struct text *text, char *out, size_t capacity)
 
 enum drawn_word { DRAWN_ID, DRAWN_RENDERER, DRAWN_VERSION, DRAWN_WORDS };
 
-static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct drawn_words *out,
+static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct drawn *out,
                       struct error *err)
 {
     static const char *const known[] = {"id", "renderer", "version", NULL};
+    struct renderer_names *names = &out->renderer.names;
     struct word word;
     if (!text_word(text, &word))
         return true;
@@ -52,102 +60,61 @@ static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct
             return false;
         snprintf(out->id, sizeof out->id, "%.*s", (int)(word.length < 64 ? word.length : 64),
                  word.start);
-        out->place = word.place;
+        out->id_place = word.place;
         return text_end(text, "id", err);
     case DRAWN_RENDERER:
-        copy_rest(text, out->names.renderer, sizeof out->names.renderer);
+        copy_rest(text, names->renderer, sizeof names->renderer);
         return true;
     case DRAWN_VERSION:
-        copy_rest(text, out->names.version, sizeof out->names.version);
+        copy_rest(text, names->version, sizeof names->version);
         return true;
     default:
         return false;
     }
 }
 
-/* Reads the file `path`, which must outlive *out. */
-static bool drawn_read_words(const char *path, struct drawn_words *out, struct error *err)
+static bool read_words(struct drawn *of, struct error *err)
 {
+    const struct place whole = {of->path, 0, 0};
     struct place given[DRAWN_WORDS] = {{NULL, 0, 0}};
     struct text text;
-    *out = (struct drawn_words){.place = {path, 0, 0}};
-    if (!text_open(&text, path, out->place, false, err))
+    if (!text_open(&text, of->path, whole, false, err))
         return false;
     bool done = true;
     while (done && text_next_line(&text))
-        done = read_line(&text, given, out, err);
-    out->place.path = path;
+        done = read_line(&text, given, of, err);
+    of->id_place.path = of->path; /* which outlives that of the text */
     text_free(&text);
-    return done && (out->id[0] || error_at(err, (struct place){path, 0, 0},
-                                           "expected a line \"id\" with the id of scene.txt"));
-}
-
-/* ---- numbers ---- */
-
-static bool read_whole(const char *path, int descriptor, size_t length, void *out,
-                       struct error *err)
-{
-    const struct place place = {path, 0, 0};
-    struct stat status;
-    if (fstat(descriptor, &status) != 0)
-        return error_cause(err, place, "cannot read");
-    if ((uint64_t)status.st_size != length)
-        return error_at(err, place, "expected a file of %zu bytes, found %lld", length,
-                        (long long)status.st_size);
-    errno = 0;
-    return read_at(descriptor, out, length, 0) == (ssize_t)length ||
-           error_cause(err, place, "cannot read");
-}
-
-/* Reads a file of a folder, which must have so many bytes. *found: NULL: it must be there. */
-static bool drawn_read_file(const char *folder, const char *name, size_t length, void *out,
-                            bool *found, struct error *err)
-{
-    char path[4096 + FILE_NAME];
-    const struct builtin_file *builtin;
-    int descriptor;
-    snprintf(path, sizeof path, "%.4095s/%s", folder, name);
-    if (found && !(*found = !file_is_missing(path)))
-        return true;
-    if (!file_open(path, (struct place){path, 0, 0}, &descriptor, &builtin, err))
-        return false;
-    const bool done = read_whole(path, descriptor, length, out, err);
-    close(descriptor);
-    return done;
-}
-
-/* ---- a renderer ---- */
-
-struct drawn {
-    struct renderer renderer; /* the first member */
-    const struct plan *plan;
-    const char *folder;   /* NULL: the pixels are those of the image */
-    char path[4096 + 32]; /* of drawn.txt */
-    struct drawn_words words;
-    struct image image;
-    float *numbers;   /* 4 floats a pixel; NULL: there are none */
-    uint32_t *depths; /* NULL: there are none */
-};
-
-static size_t count_pixels(const struct plan *plan)
-{
-    return (size_t)plan->view.width * (size_t)plan->view.height;
+    return done &&
+           (of->id[0] || error_at(err, whole, "expected a line \"id\" with the id of scene.txt"));
 }
 
 /* ---- a folder ---- */
 
-/* Reads a file with n numbers of each pixel; *out stays NULL where it is missing. */
-static bool read_optional(const struct drawn *of, const char *name, size_t n, void **out,
-                          struct error *err)
+/* Reads a file of the folder, which must have n numbers of 4 bytes a pixel. *found: NULL: it must
+ * be there. */
+static bool read_numbers(const struct drawn *of, const char *name, size_t n, void *out, bool *found,
+                         struct error *err)
 {
     const size_t length = count_pixels(of->plan) * n * 4;
-    char *bytes;
-    bool found = false;
-    const bool done = MAKE_ARRAY(bytes, length, err, "%s", name) &&
-                      drawn_read_file(of->folder, name, length, bytes, &found, err);
-    *out = found && done ? bytes : NULL;
-    if (!*out)
-        free(bytes);
+    char path[4096 + FILE_NAME];
+    const struct place place = {path, 0, 0};
+    const struct builtin_file *builtin;
+    struct stat status;
+    int descriptor;
+    snprintf(path, sizeof path, "%.4095s/%s", of->folder, name);
+    if (found && !(*found = !file_is_missing(path)))
+        return true;
+    if (!file_open(path, place, &descriptor, &builtin, err))
+        return false;
+    bool done = fstat(descriptor, &status) == 0 || error_cause(err, place, "cannot read");
+    if (done && (uint64_t)status.st_size != length)
+        done = error_at(err, place, "expected a file of %zu bytes, found %lld", length,
+                        (long long)status.st_size);
+    errno = 0;
+    done = done && (read_at(descriptor, out, length, 0) == (ssize_t)length ||
+                    error_cause(err, place, "cannot read"));
+    close(descriptor);
     return done;
 }
 
@@ -160,11 +127,11 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
     if (!of->folder)
         return true;
     return scene_describe(lit, NULL, id, err) &&
-           (strcmp(id, of->words.id) == 0 ||
-            error_at(err, of->words.place,
+           (strcmp(id, of->id) == 0 ||
+            error_at(err, of->id_place,
                      "these pixels were drawn of another scene: expected id %s, found %s (give "
                      "judge the scene and the options of export)",
-                     id, of->words.id));
+                     id, of->id));
 }
 
 /* ---- a TIFF ---- */
@@ -218,10 +185,6 @@ static bool draw_image(struct drawn *of, float *out, int first_band, double full
 
 /* ---- the renderer ---- */
 
-struct drawn_names {
-    const char *pixels, *driver; /* a folder, or a TIFF; the choice of --driver, NULL: none */
-};
-
 static void drawn_aim(struct renderer *renderer, const struct rectangle *tile)
 {
     (void)renderer, (void)tile; /* there is one */
@@ -236,8 +199,7 @@ static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, do
     if (!of->folder)
         return draw_image(of, out, first_band, full_scale, err);
     snprintf(name, sizeof name, "colours-%d.bin", first_band);
-    return drawn_read_file(of->folder, name, count_pixels(of->plan) * 4 * sizeof *out, out, NULL,
-                           err);
+    return read_numbers(of, name, 4, out, NULL, err);
 }
 
 static bool drawn_identify(struct renderer *renderer, struct error *err)
@@ -248,11 +210,9 @@ static bool drawn_identify(struct renderer *renderer, struct error *err)
 
 static struct shown drawn_shown(const struct renderer *renderer, int x, int y)
 {
-    static const float background[3];
     const struct drawn *of = (const struct drawn *)renderer;
     const size_t at = (size_t)y * (size_t)of->plan->view.width + (size_t)x;
-    return shown_of(of->plan->n_instances, of->numbers ? of->numbers + 4 * at : background,
-                    of->depths ? of->depths[at] : 0);
+    return shown_of(of->plan->n_instances, of->numbers + 4 * at, of->depths[at]);
 }
 
 static void drawn_close(struct renderer *renderer)
@@ -265,30 +225,39 @@ static void drawn_close(struct renderer *renderer)
 
 /* ---- opening ---- */
 
-static bool open_pixels(struct drawn *of, const struct drawn_names *names, struct error *err)
+/* Opens a folder, or a TIFF. */
+static bool open_pixels(struct drawn *of, const char *pixels, struct error *err)
 {
+    const size_t n = count_pixels(of->plan);
     struct stat status;
-    void *numbers = NULL, *depths = NULL;
-    if (stat(names->pixels, &status) != 0 || !S_ISDIR(status.st_mode))
-        return image_open(names->pixels, (struct place){NULL, 0, 0}, tags_read, &of->image, err) &&
-               check_image(of, err);
-    of->folder = names->pixels;
+    bool numbers = false, depths = false;
+    if (!MAKE_ARRAY(of->numbers, 4 * n, err, "numbers.bin") ||
+        !MAKE_ARRAY(of->depths, n, err, "depths.bin"))
+        return false;
+    of->renderer.lacks = (struct renderer_lacks){true, true};
+    if (stat(pixels, &status) != 0 || !S_ISDIR(status.st_mode))
+        return image_open(pixels, NOWHERE, tags_read, &of->image, err) && check_image(of, err);
+    of->folder = pixels;
     snprintf(of->path, sizeof of->path, "%.4095s/drawn.txt", of->folder);
-    const bool done = drawn_read_words(of->path, &of->words, err) &&
-                      read_optional(of, "numbers.bin", 4, &numbers, err) &&
-                      read_optional(of, "depths.bin", 1, &depths, err);
-    of->numbers = numbers;
-    of->depths = depths;
-    of->renderer.names = of->words.names;
+    const bool done = read_words(of, err) &&
+                      read_numbers(of, "numbers.bin", 4, of->numbers, &numbers, err) &&
+                      read_numbers(of, "depths.bin", 1, of->depths, &depths, err);
+    of->renderer.lacks = (struct renderer_lacks){!numbers, !depths};
     return done;
 }
 
-/* Opens pixels, whose struct drawn_names comes in, as a renderer of the plan: see gl_open. Colours
- * are read pass by pass. */
-static bool drawn_open(void *names, const struct plan *plan, int n_buffers, struct renderer **out,
+struct judge_options {
+    struct render_options render; /* the first member */
+    const char *driver;
+};
+
+/* Opens the pixels that the options name as a renderer of the plan: see gl_open. Colours are read
+ * pass by pass. */
+static bool drawn_open(void *options, const struct plan *plan, int n_buffers, struct renderer **out,
                        struct error *err)
 {
-    const char *driver = ((const struct drawn_names *)names)->driver;
+    const char *pixels = ((const struct options *)options)->operands[1];
+    const struct judge_options *own = ((const struct options *)options)->own;
     static const struct renderer_kind kind = {.take_scene = drawn_take_scene,
                                               .aim = drawn_aim,
                                               .draw = drawn_draw,
@@ -309,7 +278,7 @@ static bool drawn_open(void *names, const struct plan *plan, int n_buffers, stru
                            plan->tile_width, plan->tile_height);
     if (!renderer_make_buffers(&of->renderer, n_buffers, count_pixels(plan), "the pixels of a pass",
                                err) ||
-        !open_pixels(of, names, err))
+        !open_pixels(of, pixels, err))
         return false;
     struct renderer_names *by = &of->renderer.names;
     snprintf(by->library, sizeof by->library, "another program");
@@ -317,8 +286,7 @@ static bool drawn_open(void *names, const struct plan *plan, int n_buffers, stru
         snprintf(by->renderer, sizeof by->renderer, "an unnamed renderer");
     if (!by->version[0])
         snprintf(by->version, sizeof by->version, "unknown version");
-    of->renderer.driver = *driver_of(driver ? driver : by->renderer);
-    of->renderer.lacks = (struct renderer_lacks){!of->numbers, !of->depths};
+    of->renderer.driver = *driver_of(own->driver ? own->driver : by->renderer);
     return true;
 }
 
@@ -337,21 +305,14 @@ static bool run_export(struct options *options, struct error *err)
 
 /* ---- judge ---- */
 
-struct judge_options {
-    struct render_options render; /* the first member */
-    const char *driver;
-};
-
 static bool run_judge(struct options *options, struct error *err)
 {
-    const struct judge_options *own = options->own;
-    struct drawn_names names = {.driver = own->driver};
+    const struct render_options *own = options->own;
     if (options->n_operands < 2)
         return error_usage(err, "judge needs SCENE and PIXELS: a folder, or a TIFF");
-    names.pixels = options->operands[1];
-    const struct render_foreign foreign = {.open = drawn_open, .of = &names};
+    const struct render_foreign foreign = {.open = drawn_open, .of = options};
     const struct render_output output = {
-        .check_map = own->render.check_map, .outputs = &options->outputs, .foreign = &foreign};
+        .check_map = own->check_map, .outputs = &options->outputs, .foreign = &foreign};
     return render_with_options(options, &output, NULL, err);
 }
 

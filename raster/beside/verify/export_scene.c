@@ -3,14 +3,9 @@
  * order of this machine, and lines of words. */
 #include <stdlib.h>
 
-#include "data/images/images.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "data/scene/scene.h"
 #include "raster/beside/verify/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/counts/counts.h"
-#include "raster/reference/reference.h"
 
 /* A description that grows. */
 struct description {

@@ -5,9 +5,14 @@
 
 #include "data/base/base.h"
 #include "data/files/files.h"
+#include "data/images/images.h"
+#include "data/scene/scene.h"
 #include "raster/beside/verify/verify.h"
+#include "raster/bounds/bounds.h"
 #include "raster/check/check.h"
+#include "raster/counts/counts.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 #include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The results as a table, as JSON and as JUnit's XML. */
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 #include "raster/beside/verify/inside.h"

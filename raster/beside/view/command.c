@@ -2,11 +2,9 @@
 /* spectral view: writes an interactive viewer in one HTML file, or the picture that it shows first.
  */
 #include <inttypes.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
 #include "raster/beside/view/inside.h"
 
 /* Kinds of outputs, by the endings of their names: a page; the picture that it shows first; the
@@ -52,8 +50,8 @@ static void print_view(const struct viewing *view, enum output_kind kind, struct
     if (kind != PICTURE && is_still(view->options) && !own->still)
         print_text(to, "kind              still: lights and eye can be changed; ./build.sh live "
                        "makes a program whose pages can change all of the scene\n");
-    notes_print_shading(&view->notes, to);
-    notes_print(&view->notes, to);
+    notes_print_shading(view->notes, to);
+    notes_print(view->notes, to);
 }
 
 static bool write_json(const struct viewing *view, enum output_kind kind, struct error *err)
@@ -72,29 +70,24 @@ static bool write_json(const struct viewing *view, enum output_kind kind, struct
         json_count(&json, "illuminants", (uint64_t)view->n_illuminants);
         json_count(&json, "detectors", (uint64_t)view->n_detectors);
     }
-    notes_put(&view->notes, &json);
+    notes_put(view->notes, &json);
     json_string(&json, "output", options->output);
     return json_write(&json, options->json, &options->outputs, err);
 }
 
 static bool view_scene(struct options *options, enum output_kind kind, struct error *err)
 {
-    const struct plan_options plan_options = {
-        .store_raster = true, .exchangeable = kind != PICTURE, .threads = options->threads};
-    struct scene scene = {.path = NULL};
-    struct plan plan = {.scene = NULL};
-    struct viewing view = {.options = options, .plan = &plan};
+    struct render_job job = {.options = {.store_raster = true,
+                                         .exchangeable = kind != PICTURE,
+                                         .threads = options->threads}};
+    struct viewing view = {.options = options, .plan = &job.plan, .notes = &job.notes};
     struct printed table = {.text = NULL};
-    const bool done = scene_read_options(options, &scene, err) &&
-                      output_can_open(options->json, err) &&
-                      plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                      notes_refine(options, &plan, &view.notes, err) && writers[kind](&view, err) &&
-                      (!options->json || write_json(&view, kind, err));
+    const bool done = scene_read_options(options, &job.scene, err) &&
+                      output_can_open(options->json, err) && job_plan(options, &job, err) &&
+                      writers[kind](&view, err) && (!options->json || write_json(&view, kind, err));
     if (done && !options->quiet && kind < PLANES)
         print_view(&view, kind, &table);
-    notes_free(&view.notes);
-    plan_free(&plan);
-    scene_free(&scene);
+    job_free(&job);
     return printed_show(&table, options_table(options, options->output), err) && done;
 }
 

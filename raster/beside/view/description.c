@@ -11,12 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
-#include "data/images/images.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/view/inside.h"
 
 /* ---- spectra and rows of numbers as JSON ---- */
@@ -149,22 +146,21 @@ static bool put_illuminants(struct describer *describer, struct error *err)
     return done;
 }
 
-/* Puts a light of the scene: its place and its direction or position, as far as they are given.
- * Adds its illuminant if that is new. */
-static bool put_light(struct describer *describer, const struct spectrum *spectrum,
-                      const struct place *place, double intensity, const struct light *light,
+/* Puts a light: its place in the scene's text, if it has one, and its direction or position. Adds
+ * its illuminant if that is new. */
+static bool put_light(struct describer *describer, const struct light *light, bool ambient,
                       struct error *err)
 {
     struct json *json = &describer->json;
-    const int illuminant = find_illuminant(describer, spectrum, err);
+    const int illuminant = find_illuminant(describer, &light->spectrum, err);
     if (illuminant < 0)
         return false;
     json_open(json, NULL, '{');
     json_count(json, "illuminant", (uint64_t)illuminant);
-    json_number(json, "intensity", intensity);
-    if (place)
-        put_place(json, place);
-    if (light)
+    json_number(json, "intensity", light->intensity);
+    if (light->place.path)
+        put_place(json, &light->place);
+    if (!ambient)
         put_vector(json, light->directional ? "direction" : "position", light->position);
     json_close(json, '}');
     return true;
@@ -174,20 +170,17 @@ static bool put_light(struct describer *describer, const struct spectrum *spectr
 static bool put_lights(struct describer *describer, struct error *err)
 {
     const struct scene *scene = describer->view->plan->scene;
+    const struct light none = {.spectrum = describer->illuminants[0]};
     bool done = true;
     json_open(&describer->json, "ambients", '[');
-    for (int i = 0; done && i < scene->n_ambients; i++) {
-        const struct light *of = &scene->ambients[i];
-        done = put_light(describer, &of->spectrum, &of->place, of->intensity, NULL, err);
-    }
+    for (int i = 0; done && i < scene->n_ambients; i++)
+        done = put_light(describer, &scene->ambients[i], true, err);
     if (scene->n_ambients == 0)
-        done = put_light(describer, &describer->illuminants[0], NULL, 0, NULL, err);
+        done = put_light(describer, &none, true, err);
     json_close(&describer->json, ']');
     json_open(&describer->json, "lights", '[');
-    for (int i = 0; done && i < scene->n_lights; i++) {
-        const struct light *of = &scene->lights[i];
-        done = put_light(describer, &of->spectrum, &of->place, of->intensity, of, err);
-    }
+    for (int i = 0; done && i < scene->n_lights; i++)
+        done = put_light(describer, &scene->lights[i], false, err);
     json_close(&describer->json, ']');
     return done;
 }
@@ -309,13 +302,12 @@ static bool put_detector(const struct cube *cube, bool is_stack, const char *nam
         json_truth(json, "observer", detector.observer);
         json_rows(json, "weights", row, cube->image.n_pages);
         json_numbers(json, "lost", lost, 3);
-    }
-    if (seen && is_stack) {
-        json_numbers(json, "equal", equal, 3);
-        json_numbers(json, "of_white", white, has_white ? 3 : 0);
-    }
-    if (seen)
+        if (is_stack) {
+            json_numbers(json, "equal", equal, 3);
+            json_numbers(json, "of_white", white, has_white ? 3 : 0);
+        }
         json_close(json, '}');
+    }
     detector_free(&detector);
     return seen;
 }

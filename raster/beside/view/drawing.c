@@ -6,12 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
 #include "raster/beside/view/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- the picture as planes ---- */
 
@@ -19,6 +14,7 @@
  * term, then the diffuse and the specular weight of each light, then the values of spectral
  * textures at their own wavelengths. Materials share the planes: a position shows one material. */
 struct planes {
+    const struct tile *tile; /* whose chunks are put into planes */
     size_t n_positions;
     int n_weights, n_pages; /* planes of weights, and of textures */
     uint16_t *surface;      /* from 1; 0: background */
@@ -77,30 +73,25 @@ static void put_pixel(const struct lit_scene *lit, const struct picture *picture
         planes->place[i][to] = *weight;
 }
 
-/* A tile whose chunks are put into planes. */
-struct put {
-    const struct tile *tile;
-    struct planes *planes;
-};
-
 static void put_chunk(void *context, int i)
 {
-    const struct put *put = context;
-    const struct lit_scene *lit = put->tile->lit;
-    const struct picture *picture = &put->tile->chunks[i].picture;
+    struct planes *planes = context;
+    const struct lit_scene *lit = planes->tile->lit;
+    const struct picture *picture = &planes->tile->chunks[i].picture;
     const struct rectangle *at = &picture->at;
     const size_t width = (size_t)lit->plan->view.width;
     for (int y = 0; y < at->height; y++)
         for (int x = 0; x < at->width; x++)
-            put_pixel(lit, picture, (size_t)y * (size_t)at->width + (size_t)x, put->planes,
+            put_pixel(lit, picture, (size_t)y * (size_t)at->width + (size_t)x, planes,
                       (size_t)(at->y + y) * width + (size_t)(at->x + x));
 }
 
 static bool put_tile(void *context, const struct tile *tile, struct error *err)
 {
-    struct put put = {tile, context};
+    struct planes *planes = context;
     (void)err;
-    threads_each(tile->lit->plan->options.threads, tile->n_chunks, put_chunk, &put);
+    planes->tile = tile;
+    threads_each(tile->lit->plan->options.threads, tile->n_chunks, put_chunk, planes);
     return true;
 }
 
@@ -205,21 +196,21 @@ void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
     }
 }
 
-/* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: see
- * put_differences. Allocated; NULL: no memory. */
-static unsigned char *planes_bytes(const struct planes *planes, size_t *length, struct error *err)
+/* ---- in a page ---- */
+
+/* Puts the shape, and then the surfaces and all planes in units of their scales, as 16-bit samples:
+ * see put_differences. */
+static bool put_planes(const struct planes *planes, struct printed *to, struct error *err)
 {
-    const size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages);
+    const size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages),
+                 length = 2 * n * (1 + n_values);
     unsigned char *bytes;
     uint16_t *samples = NULL;
-    *length = 2 * n * (1 + n_values);
-    if (!MAKE_ARRAY(bytes, *length, err, "the pixels of a page") ||
-        !MAKE_ARRAY(samples, n, err, "the pixels of a page")) {
-        free(bytes);
-        return NULL;
-    }
-    put_differences(planes->surface, n, bytes);
-    for (size_t plane = 0; plane < n_values; plane++) {
+    bool done = MAKE_ARRAY(bytes, length, err, "the pixels of a page") &&
+                MAKE_ARRAY(samples, n, err, "the pixels of a page");
+    if (done)
+        put_differences(planes->surface, n, bytes);
+    for (size_t plane = 0; done && plane < n_values; plane++) {
         const float *values = planes->values + plane * n;
         const double scale = planes->scale[plane];
         for (size_t i = 0; i < n; i++)
@@ -227,19 +218,9 @@ static unsigned char *planes_bytes(const struct planes *planes, size_t *length, 
                 (uint16_t)(scale > 0 ? fmax(0, floor((double)values[i] / scale + 0.5)) : 0);
         put_differences(samples, n, bytes + 2 * n * (1 + plane));
     }
-    free(samples);
-    return bytes;
-}
-
-/* ---- in a page ---- */
-
-static bool put_planes(const struct planes *planes, struct printed *to, struct error *err)
-{
-    size_t length;
-    unsigned char *bytes = planes_bytes(planes, &length, err);
     put_json(to, "shape", planes->shape);
-    const bool done = bytes && put_packed(to, "planes", bytes, length, err);
-    free(bytes);
+    done = done && put_packed(to, "planes", bytes, length, err);
+    FREE_ALL(bytes, samples);
     return done;
 }
 
@@ -247,7 +228,7 @@ bool viewer_write(struct viewing *view, struct error *err)
 {
     struct planes planes = {.shape = NULL};
     struct printed data = {.text = NULL};
-    char *scene = planes_make(view->plan, true, &planes, &view->notes, err)
+    char *scene = planes_make(view->plan, true, &planes, view->notes, err)
                       ? description_make(view, err)
                       : NULL;
     if (scene)

@@ -4,13 +4,20 @@
 #define RASTER_BESIDE_VIEW_INSIDE_H
 
 #include "data/base/base.h"
+#include "data/colour/colour.h"
 #include "data/files/files.h"
+#include "data/images/images.h"
 #include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
 #include "raster/beside/see/see.h"
 #include "raster/beside/view/view.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 #include "raster/render/render.h"
+#include "raster/renderers/renderers.h"
 
 struct view_options {
     const char *budget;
@@ -24,7 +31,7 @@ struct viewing {
     size_t bytes;                   /* of a page */
     int n_illuminants, n_detectors; /* 0: a live page finds them */
     uint64_t out_of_gamut;          /* pixels of a picture with a clipped channel */
-    struct notes notes;
+    struct notes *notes;
 };
 /* All functions that take a view and end in _write write its output. On failure no file has been
  * created or changed. */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A live page: it holds this program, compiled for browsers, and the files of the scene. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -128,40 +127,34 @@ static bool page_files_make(const struct scene *scene, struct page_files *out, s
 
 /* ---- their bytes ---- */
 
-static bool add_bytes(struct printed *to, int descriptor, const char *path, struct error *err)
-{
-    struct stat status;
-    char *bytes;
-    const struct place place = {path, 0, 0};
-    if (fstat(descriptor, &status) != 0)
-        return error_system(err, "cannot read %s", path);
-    const size_t length = (size_t)status.st_size;
-    if (!memory_suffices(3 * (double)status.st_size, place, err, "a page with %s", path) ||
-        !MAKE_ARRAY(bytes, length + 1, err, "%s", path))
-        return false;
-    const ssize_t got = read_at(descriptor, bytes, length, 0);
-    const bool done =
-        got < 0 ? error_system(err, "cannot read %s", path)
-                : (size_t)got == length || error_system(err, "%s has become shorter", path);
-    if (done)
-        print_bytes(to, bytes, length);
-    free(bytes);
-    return done;
-}
-
 /* Adds the bytes of a file. Those of standard input are read already. */
 static bool add_content(struct printed *to, const struct scene *scene, const char *path,
                         struct error *err)
 {
     const struct builtin_file *builtin;
+    struct stat status;
     int descriptor;
+    char *bytes = NULL;
     if (scene_is_input(path)) {
         print_bytes(to, scene->files[0].bytes, scene->files[0].length);
         return true;
     }
-    if (!file_open(path, (struct place){NULL, 0, 0}, &descriptor, &builtin, err))
+    if (!file_open(path, NOWHERE, &descriptor, &builtin, err))
         return false;
-    const bool done = add_bytes(to, descriptor, path, err);
+    bool done = fstat(descriptor, &status) == 0 || error_system(err, "cannot read %s", path);
+    const size_t length = done ? (size_t)status.st_size : 0;
+    done = done &&
+           memory_suffices(3 * (double)length, (struct place){path, 0, 0}, err, "a page with %s",
+                           path) &&
+           MAKE_ARRAY(bytes, length + 1, err, "%s", path);
+    const ssize_t got = done ? read_at(descriptor, bytes, length, 0) : 0;
+    if (done && got < 0)
+        done = error_system(err, "cannot read %s", path);
+    else if (done && (size_t)got < length)
+        done = error_system(err, "%s has become shorter", path);
+    if (done)
+        print_bytes(to, bytes, length);
+    free(bytes);
     close(descriptor);
     return done;
 }
@@ -208,21 +201,16 @@ static char *start_json(const struct options *options, const struct scene *scene
     json_string(&json, "program", PROGRAM);
     json_string(&json, "scene", page_name(path_name(scene->path)));
     json_truth(&json, "gallery", ((const struct view_options *)options->own)->gallery);
-    json_open(&json, "options", '[');
-    for (int i = 0; i < options->n_recorded; i++)
-        json_string(&json, NULL, options->recorded[i]);
-    json_close(&json, ']');
+    json_strings(&json, "options", (const char *const *)options->recorded, options->n_recorded);
     json_open(&json, "files", '[');
     bool done = page_files_make(scene, &files, err);
     for (int i = 0; done && i < files.n; i++)
         done = add_file(options, scene, &files.list[i], &json, bytes, err);
     page_files_free(&files);
     json_close(&json, ']');
-    char *text = json_take(&json, done ? err : &(struct error){.status = EXIT_AGREED});
-    if (done)
-        return text;
-    free(text);
-    return NULL;
+    char *text = done ? json_take(&json, err) : NULL;
+    free(printed_end(&json.printed));
+    return text;
 }
 
 static bool put_files(const struct options *options, const struct scene *scene,
@@ -246,7 +234,7 @@ bool live_write(struct viewing *view, struct error *err)
     struct options *options = view->options;
     struct printed data = {.text = NULL};
     const bool done = page_allows(view->plan, err) &&
-                      notes_of_plan(view->plan, SOME_PIXELS, &view->notes, err) &&
+                      notes_of_plan(view->plan, SOME_PIXELS, view->notes, err) &&
                       put_files(options, view->plan->scene, &data, err) &&
                       page_write(PAGE_LIVE, &data, options, &view->bytes, err);
     free(printed_end(&data));

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/images/images.h"
 #include "raster/beside/view/inside.h"
 
 /* ---- samples ---- */
@@ -63,12 +62,9 @@ static bool read_pages(struct stack_page *of, float *out, struct error *err)
 static bool store_counts(struct stack_page *of, const float *values, struct error *err)
 {
     uint16_t *counts;
-    if (!MAKE_ARRAY(counts, of->n_pixels, err, "the pixels of a page") ||
-        !MAKE_ARRAY(of->samples, of->n_bytes, err, "the pixels of a page")) {
-        free(counts);
-        return false;
-    }
-    for (int page = 0; page < of->rows.cube.image.n_pages; page++) {
+    const bool done = MAKE_ARRAY(counts, of->n_pixels, err, "the pixels of a page") &&
+                      MAKE_ARRAY(of->samples, of->n_bytes, err, "the pixels of a page");
+    for (int page = 0; done && page < of->rows.cube.image.n_pages; page++) {
         const float *from = values + (size_t)page * of->n_pixels;
         for (size_t i = 0; i < of->n_pixels; i++)
             counts[i] = (uint16_t)fmin(
@@ -77,7 +73,7 @@ static bool store_counts(struct stack_page *of, const float *values, struct erro
         put_differences(counts, of->n_pixels, of->samples + (size_t)page * 2 * of->n_pixels);
     }
     free(counts);
-    return true;
+    return done;
 }
 
 static bool read_samples(struct stack_page *of, struct error *err)
@@ -169,15 +165,11 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     json_string(&json, "stack", path_name(name));
     json_string(&json, "scene", cube->record.scene);
     put_size(stack, &json);
-    json_open(&json, "objects", '[');
-    for (int i = 0; i < objects->n; i++)
-        json_string(&json, NULL, objects->text[i]);
-    json_close(&json, ']');
+    json_strings(&json, "objects", objects->text, objects->n);
     const bool done = put_white(cube, &json, err) && put_eyes(cube, true, &json, &n_detectors, err);
-    if (done)
-        return json_take(&json, err);
+    char *text = done ? json_take(&json, err) : NULL;
     free(printed_end(&json.printed));
-    return NULL;
+    return text;
 }
 
 /* ---- a page, or its data alone ---- */

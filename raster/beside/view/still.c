@@ -5,15 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
-#include "data/images/images.h"
-#include "data/spectra/spectra.h"
 #include "raster/beside/view/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
 #include "raster/counts/counts.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 static const char detector_name[] = "cie1931";
 enum { STILL_BITS = 8 };
@@ -27,23 +20,18 @@ struct still {
     uint8_t (*codes)[3];
     struct picture_writer picture;
     struct counter out_of_gamut; /* pixels with a clipped channel */
-};
-
-/* ---- a tile ---- */
-
-/* Bands that are added to the pixels of a tile. */
-struct adding {
-    const struct still *still;
+    /* Bands that are added to the pixels of a tile. */
     const struct tile *tile;
     int band, end;
     struct counter undefined; /* samples that are not finite */
 };
 
+/* ---- a tile ---- */
+
 static void add_bands(void *context, int i)
 {
-    struct adding *adding = context;
-    const struct still *still = adding->still;
-    const struct picture *picture = &adding->tile->chunks[i].picture;
+    struct still *still = context;
+    const struct picture *picture = &still->tile->chunks[i].picture;
     const int n_bands = still->plan.n_bands;
     const struct rectangle above = {0, 0, picture->at.width, i * CHUNK_ROWS},
                            before = plan_pixels(&still->plan, &above),
@@ -53,27 +41,27 @@ static void add_bands(void *context, int i)
     float *radiance = still->radiance + first;
     double(*rgb)[3] = still->rgb + first;
     uint64_t undefined = 0;
-    for (int band = adding->band; band < adding->end; band++) {
+    for (int band = still->band; band < still->end; band++) {
         const struct stored_band stored = {&still->plan, band, 1, radiance};
         undefined += store_reference(&stored, 1, &still->lit, picture).undefined;
         for (size_t k = 0; k < n; k++)
             for (int channel = 0; channel < 3; channel++)
                 rgb[k][channel] += still->weights[channel * n_bands + band] * (double)radiance[k];
     }
-    counter_add(&adding->undefined, undefined);
+    counter_add(&still->undefined, undefined);
 }
 
-/* Sums all bands of a tile. */
-static bool sum_tile(struct still *still, const struct tile *tile, struct error *err)
+/* Sums all bands of the tile. */
+static bool sum_tile(struct still *still, struct error *err)
 {
     const int n_bands = still->plan.n_bands;
-    for (int band = 0; band < n_bands; band += BANDS_PER_PASS) {
-        const int end = band + BANDS_PER_PASS < n_bands ? band + BANDS_PER_PASS : n_bands;
-        struct adding adding = {still, tile, band, end, COUNTER};
-        if (!plan_load_textures(&still->plan, band, err))
+    for (still->band = 0; still->band < n_bands; still->band = still->end) {
+        still->end =
+            still->band + BANDS_PER_PASS < n_bands ? still->band + BANDS_PER_PASS : n_bands;
+        if (!plan_load_textures(&still->plan, still->band, err))
             return false;
-        threads_each(still->plan.options.threads, tile->n_chunks, add_bands, &adding);
-        if (adding.undefined.n > 0)
+        threads_each(still->plan.options.threads, still->tile->n_chunks, add_bands, still);
+        if (still->undefined.n > 0)
             return error_usage(err, "%s: a radiance is not finite", still->plan.scene->path);
     }
     return true;
@@ -97,7 +85,8 @@ static bool put_tile(void *context, const struct tile *tile, struct error *err)
     const struct picture_rectangle to = {at.x, at.y, at.width, at.height};
     const size_t n = (size_t)at.width * (size_t)at.height;
     memset(still->rgb, 0, n * sizeof *still->rgb);
-    if (!sum_tile(still, tile, err))
+    still->tile = tile;
+    if (!sum_tile(still, err))
         return false;
     threads_blocks(still->plan.options.threads, n, BLOCK_PIXELS, store_pixels, still);
     return picture_put(&still->picture, &to, still->codes, err);
@@ -153,11 +142,11 @@ static bool open_picture(struct still *still, const char *path, struct error *er
 
 bool still_write(struct viewing *view, struct error *err)
 {
-    struct still still = {.plan = *view->plan, .out_of_gamut = COUNTER};
+    struct still still = {.plan = *view->plan, .out_of_gamut = COUNTER, .undefined = COUNTER};
     const struct rectangle picture = plan_picture(view->plan);
     still.plan.options.bits = 32;
     const bool done = prepare(&still, err) &&
-                      notes_make(&still.lit, SOME_PIXELS, &view->notes, err) &&
+                      notes_make(&still.lit, SOME_PIXELS, view->notes, err) &&
                       open_picture(&still, view->options->output, err) &&
                       tiles_each(&still.lit, &picture, put_tile, &still, err) &&
                       picture_commit(&still.picture, &view->options->outputs, err);

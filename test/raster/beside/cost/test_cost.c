@@ -10,7 +10,6 @@
 #include <signal.h>
 #include <unistd.h>
 
-
 /* ---- the frontier ---- */
 
 static struct cost_entry entry(double fastest, double seconds, double slowest, double error)
@@ -48,24 +47,25 @@ static void frontier(void)
         CHECK(entries[i].uncertain == uncertain[i], "entry %d is %swithin noise", i,
               uncertain[i] ? "" : "not ");
     }
-    CHECK(cost_within(&cost, 2, false).entry == &entries[2],
+    CHECK(cost_advise(&cost, 2, HUGE_VAL, false).entry == &entries[2],
           "within an error of 2 the fastest entry is named");
-    CHECK(cost_within(&cost, 100, false).entry == &entries[0],
+    CHECK(cost_advise(&cost, 100, HUGE_VAL, false).entry == &entries[0],
           "within an error of 100 the fastest of all entries is named");
-    CHECK(cost_within(&cost, 0, false).entry == &entries[5],
+    CHECK(cost_advise(&cost, 0, HUGE_VAL, false).entry == &entries[5],
           "within an error of 0 the entry without error is named");
-    CHECK(cost_affordable(&cost, 4, false).entry == &entries[2],
+    CHECK(cost_advise(&cost, HUGE_VAL, 4, false).entry == &entries[2],
           "in 4 s the most accurate entry is named, and the faster of two equals");
-    CHECK(cost_affordable(&cost, 1, false).entry == &entries[0], "a budget may be used up");
-    CHECK(!cost_affordable(&cost, 0.99, false).entry, "in 0.99 s no entry is named");
-    CHECK(!cost_within(&cost, 100, true).entry && !cost_affordable(&cost, 100, true).entry,
+    CHECK(cost_advise(&cost, HUGE_VAL, 1, false).entry == &entries[0], "a budget may be used up");
+    CHECK(!cost_advise(&cost, HUGE_VAL, 0.99, false).entry, "in 0.99 s no entry is named");
+    CHECK(!cost_advise(&cost, 100, HUGE_VAL, true).entry &&
+              !cost_advise(&cost, HUGE_VAL, 100, true).entry,
           "no entry of the three has spectra");
     entries[4].accuracy.spectral = true;
-    CHECK(cost_within(&cost, 2.5, true).entry == &entries[4] &&
-              cost_affordable(&cost, 100, true).entry == &entries[4],
+    CHECK(cost_advise(&cost, 2.5, HUGE_VAL, true).entry == &entries[4] &&
+              cost_advise(&cost, HUGE_VAL, 100, true).entry == &entries[4],
           "a request for spectra names the only entry that has them");
     entries[5].accuracy.quantile_95 = 0.5;
-    CHECK(!cost_within(&cost, 0.4, false).entry, "within 0.4 no entry is named");
+    CHECK(!cost_advise(&cost, 0.4, HUGE_VAL, false).entry, "within 0.4 no entry is named");
 }
 
 /* Times of the clock that overlap do not rank configurations; those of the processor do. */
@@ -82,16 +82,16 @@ static void rivals(void)
     struct cost cost = {.entries = entries, .n = 5};
     for (int i = 0; i < cost.n; i++)
         entries[i].processor = processor[i];
-    struct advice advice = cost_within(&cost, 0.5, false);
+    struct advice advice = cost_advise(&cost, 0.5, HUGE_VAL, false);
     CHECK(advice.entry == &entries[1] && advice.n_rivals == 2,
           "of three whose times overlap, the one with the least processor time is named");
-    advice = cost_within(&cost, 0.1, false);
+    advice = cost_advise(&cost, 0.1, HUGE_VAL, false);
     CHECK(advice.entry == &entries[4] && advice.n_rivals == 0, "an entry alone has no rivals");
-    advice = cost_affordable(&cost, 1.75, false);
+    advice = cost_advise(&cost, HUGE_VAL, 1.75, false);
     CHECK(advice.entry == &entries[2] && advice.n_rivals == 0,
           "the most accurate entry has no rivals that are less accurate");
     entries[1].accuracy.quantile_95 = 0.2;
-    advice = cost_affordable(&cost, 1.75, false);
+    advice = cost_advise(&cost, HUGE_VAL, 1.75, false);
     CHECK(advice.entry == &entries[1] && advice.n_rivals == 1,
           "of two that are as accurate, the one with the least processor time is named");
 }

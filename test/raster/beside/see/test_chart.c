@@ -4,22 +4,31 @@
 #include "raster/beside/see/inside.h"
 #include "svg.h"
 
-static char *svg_of(const struct chart *chart)
+static char *svg_of(const struct probe *probe)
 {
     struct printed printed = {.text = NULL};
-    chart_svg(chart, &printed);
+    probe_svg(probe, &printed);
     return svg_end(&printed);
 }
 
-/* Returns a chart of one line with n points. */
-static struct chart chart_of(struct chart_line *line, int n, const double *x, const double *y)
+/* Returns the probe of a pixel with n radiances. */
+static struct probe probe_of(int n, const double *x, const double *y)
 {
-    *line = (struct chart_line){.name = "line", .n = n, .x = x, .y = y};
-    return (struct chart){.title = "title",
-                          .x_label = "wavelength (nm)",
-                          .y_label = "radiance",
-                          .lines = line,
-                          .n_lines = 1};
+    static char source[] = "source";
+    static double zero[8];
+    struct probe probe = {.width = 1, .height = 1, .source = source, .n = n, .n_columns = CURVES};
+    probe.columns[WAVELENGTH] = (struct probe_column){.values = (double *)(uintptr_t)x};
+    probe.columns[MEAN] =
+        (struct probe_column){.name = "radiance", .values = (double *)(uintptr_t)y};
+    probe.columns[SPREAD] = (struct probe_column){.values = zero};
+    return probe;
+}
+
+/* Makes it that of a region, with these deviations. */
+static void spread(struct probe *probe, const double *deviations)
+{
+    probe->width = 2;
+    probe->columns[SPREAD].values = (double *)(uintptr_t)deviations;
 }
 
 static void test_ticks(void)
@@ -44,9 +53,8 @@ static void test_ticks(void)
         {{0, 100000}, "labels never have more than five digits", {"400", "0.0", "0.2", "×10⁵"}},
     };
     for (size_t i = 0; i < sizeof axes / sizeof axes[0]; i++) {
-        struct chart_line line;
-        const struct chart chart = chart_of(&line, 2, (double[]){380, 730}, axes[i].y);
-        char *svg = svg_of(&chart), text[64];
+        const struct probe probe = probe_of(2, (double[]){380, 730}, axes[i].y);
+        char *svg = svg_of(&probe), text[64];
         bool all = true;
         for (int k = 0; k < 4; k++) {
             snprintf(text, sizeof text, ">%s</text>", axes[i].labels[k]);
@@ -79,16 +87,10 @@ static void test_degenerate(void)
         {4, x, least, "L", "the smallest numbers draw a line"},
         {4, close, flat, "L", "points at one place draw a line"},
     };
-    struct chart_line line;
-    struct chart chart = {.title = "", .x_label = "", .y_label = ""};
-    char *svg = svg_of(&chart);
-    CHECK(svg_is_sound(svg), "a chart without lines is well-formed");
-    free(svg);
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        chart = chart_of(&line, cases[i].n, cases[i].x, cases[i].y);
-        line.spread = cases[i].y;
-        chart.wavelengths = true;
-        svg = svg_of(&chart);
+        struct probe probe = probe_of(cases[i].n, cases[i].x, cases[i].y);
+        spread(&probe, cases[i].y);
+        char *svg = svg_of(&probe);
         CHECK(svg_is_sound(svg) && strstr(svg, cases[i].part) != NULL, "%s", cases[i].name);
         free(svg);
     }
@@ -96,26 +98,23 @@ static void test_degenerate(void)
 
 static void test_bands(void)
 {
-    const double x[] = {400, 500, 600}, y[] = {0, 2, 1}, spread[] = {0, 0.5, 0};
-    struct chart_line line;
-    struct chart chart = chart_of(&line, 3, x, y);
-    char *svg = svg_of(&chart);
-    CHECK(strstr(svg, "fill-opacity") == NULL && strstr(svg, "visible") == NULL,
-          "a chart without spread has no grey band, and without wavelengths no spectrum");
+    const double x[] = {400, 500, 600}, y[] = {0, 2, 1};
+    struct probe probe = probe_of(3, x, y);
+    char *svg = svg_of(&probe);
+    CHECK(strstr(svg, "fill-opacity") == NULL, "the chart of a pixel has no grey band");
     free(svg);
-    line.spread = spread;
-    chart.wavelengths = true;
-    svg = svg_of(&chart);
+    spread(&probe, (double[]){0, 0.5, 0});
+    svg = svg_of(&probe);
     const char *band = strstr(svg, "fill-opacity"), *spectrum = strstr(svg, "url(#visible)");
     CHECK(band != NULL && strstr(band + 1, "fill-opacity") == NULL && spectrum != NULL &&
               strstr(spectrum + 1, "url(#visible)") == NULL,
-          "a chart with both has a grey band and a spectrum");
+          "the chart of a region has a grey band and a spectrum");
     CHECK(strstr(svg, "<stop offset=\"0.0000\"") != NULL &&
               strstr(svg, "<stop offset=\"1.0000\"") != NULL,
           "the coloured spectrum begins and ends with the axis");
     free(svg);
-    line.spread = (double[]){3, 3, 3};
-    svg = svg_of(&chart);
+    spread(&probe, (double[]){3, 3, 3});
+    svg = svg_of(&probe);
     CHECK(strstr(svg, ">-") == NULL, "the grey band around values that are not negative ends at 0");
     free(svg);
 }
@@ -123,11 +122,11 @@ static void test_bands(void)
 static void test_text(void)
 {
     const double x[] = {400, 500}, y[] = {0, 1};
-    struct chart_line line;
-    struct chart chart = chart_of(&line, 2, x, y);
+    struct probe probe = probe_of(2, x, y);
     char *svg, longest[4001];
-    line.name = "<b> & \"quotes\" \x01 \xff \xef\xbf\xbf \xc3\xa4";
-    svg = svg_of(&chart);
+    snprintf(probe.columns[MEAN].name, sizeof probe.columns[MEAN].name, "%s",
+             "<b> & \"quotes\" \x01 \xff \xef\xbf\xbf \xc3\xa4");
+    svg = svg_of(&probe);
     CHECK(svg_is_sound(svg), "names are escaped");
     CHECK(strstr(svg, "&lt;b&gt; &amp; &quot;quotes&quot; \xef\xbf\xbd \xef\xbf\xbd \xef\xbf\xbd "
                       "\xc3\xa4</text>") != NULL,
@@ -135,8 +134,12 @@ static void test_text(void)
     free(svg);
     memset(longest, 'w', sizeof longest - 1);
     longest[sizeof longest - 1] = '\0';
-    line.name = chart.title = chart.x_label = chart.y_label = longest;
-    svg = svg_of(&chart);
+    probe.object = probe.source = longest;
+    for (int i = 0; i < 3; i++)
+        memset(probe.columns[probe.n_columns++].name, 'w', sizeof probe.columns[0].name - 1);
+    for (int i = CURVES; i < probe.n_columns; i++)
+        probe.columns[i].values = probe.columns[MEAN].values;
+    svg = svg_of(&probe);
     CHECK(svg_is_sound(svg) && strlen(svg) < 20000 && strstr(svg, "w…</text>") != NULL,
           "long texts are cut to the room");
     free(svg);
@@ -146,14 +149,12 @@ static void test_strokes(void)
 {
     enum { LINES = 35 };
     const double x[] = {400, 500}, y[] = {0, 1};
-    struct chart_line lines[LINES];
-    struct chart chart = chart_of(lines, 2, x, y);
+    struct probe probe = probe_of(2, x, y);
     char strokes[LINES][200];
     bool alike = false;
-    for (int i = 1; i < LINES; i++)
-        lines[i] = lines[0];
-    chart.n_lines = LINES;
-    char *svg = svg_of(&chart), *legend = strstr(svg, "<path fill=\"none\"");
+    while (probe.n_columns < LINES + SPREAD)
+        probe.columns[probe.n_columns++] = probe.columns[MEAN];
+    char *svg = svg_of(&probe), *legend = strstr(svg, "<path fill=\"none\"");
     for (int i = 0; i < LINES; i++) {
         const char *from = strstr(legend, "stroke=\""), *to = strstr(from, " d=\"");
         snprintf(strokes[i], sizeof strokes[i], "%.*s", (int)(to - from), from);
