@@ -291,12 +291,10 @@ static void make_vertices(void *context, size_t first, size_t end)
     counter_add(&of->power_functions, (uint64_t)work.power_functions);
 }
 
-static bool make_surface(const struct lit_scene *lit, int index, struct light_work *work,
-                         struct error *err)
+static bool make_surface(struct lit_scene *lit, int index, struct error *err)
 {
     const struct placed_instance *placed = &lit->plan->instances[index];
     const bool is_lit = instance_is_lit(lit->plan, placed);
-    struct light_work ignored = {0};
     struct view unlit = lit->plan->view;
     unlit.n_lights = 0;
     struct bounding of = {.lit = lit,
@@ -312,10 +310,11 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);
     threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
                    make_vertices, &of);
-    work = is_lit ? work : &ignored;
-    work->vertices_lit += (long)of.vertices_lit.n;
-    work->specular_vertices += (long)of.specular_vertices.n;
-    work->power_functions += (long)of.power_functions.n;
+    if (is_lit) {
+        lit->work.vertices_lit += (long)of.vertices_lit.n;
+        lit->work.specular_vertices += (long)of.specular_vertices.n;
+        lit->work.power_functions += (long)of.power_functions.n;
+    }
     for (int i = 0; i < placed->instance.n_vertices; i++)
         if (!check_vertex(of.surface, of.bounds, i, err))
             return false;
@@ -327,16 +326,15 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
 }
 
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
-              struct light_work *work, struct error *err)
+              struct error *err)
 {
     const int n = plan->n_instances;
-    *work = (struct light_work){0};
-    *out = (struct lit_scene){.plan = plan, .driver = driver};
+    *out = (struct lit_scene){.plan = plan, .driver = driver, .full_scale = 1};
     if (!MAKE_ARRAY(out->surfaces, n, err, "%d objects", n) ||
         !MAKE_ARRAY(out->bounds, n, err, "the bounds of %d objects", n))
         return false;
     for (int i = 0; i < plan->n_instances; i++)
-        if (!make_surface(out, i, work, err))
+        if (!make_surface(out, i, err))
             return false;
     return true;
 }

@@ -413,11 +413,12 @@ static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
     return true;
 }
 
-bool fit_make(const struct plan *plan, double full_scale, struct fit *out, struct error *err)
+bool fit_make(const struct lit_scene *lit, struct fit *out, struct error *err)
 {
+    const struct plan *plan = lit->plan;
     *out = (struct fit){.plan = plan};
     bool done = MAKE_ARRAY(out->materials, plan->n_materials, err, "the fit of materials") &&
-                make_spectra(out, full_scale, err) &&
+                make_spectra(out, lit->full_scale, err) &&
                 (buffer_steps(plan) > 0 || pilots_choose(out, err));
     for (int m = 0; m < plan->n_materials && done && out->n_passes > 0; m++)
         done = fit_material(out, m, err);

@@ -8,14 +8,14 @@
 
 /* ---- totals ---- */
 
-static const struct check_verdict nothing = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
-                                             .worst_depth_ratio = -1};
+const struct check_verdict empty_verdict = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
+                                            .worst_depth_ratio = -1};
 
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err)
 {
     const struct plan *plan = scene->lit->plan;
     const int n = plan->n_instances;
-    *out = (struct check_totals){.scene = scene, .verdict = nothing};
+    *out = (struct check_totals){.scene = scene, .verdict = empty_verdict};
     if (!MAKE_ARRAY(out->first, n, err, "%d objects", n) ||
         !MAKE_ARRAY(out->unchecked, n, err, "%d objects", n))
         return false;
@@ -45,7 +45,7 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
                  const struct mean_bound *mean)
 {
     const double counts = shaded_brightest(totals->scene->lit->bounds[surface].shaded) /
-                          totals->scene->full_scale * FULL_COUNT;
+                          totals->scene->lit->full_scale * FULL_COUNT;
     const bool bounded = floor < FULL_COUNT,
                checked = floor <= checked_counts(totals->scene->lit->plan);
     totals->verdict.objects++;
@@ -63,20 +63,10 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
     totals->varying[shown] += varying;
 }
 
-void sums_add(struct tile_sums *picture, struct tile_sums *tile)
+void totals_add(struct check_totals *to, struct check_totals *from)
 {
-    struct check_totals *to = &picture->totals, *from = &tile->totals;
-    picture->odd.clipped += tile->odd.clipped;
-    picture->odd.undefined += tile->odd.undefined;
-    picture->light.points_lit += tile->light.points_lit;
-    picture->light.specular_vertices += tile->light.specular_vertices;
-    picture->light.power_functions += tile->light.power_functions;
-    tile->odd = (struct odd_samples){0, 0};
-    tile->light = (struct light_work){.points_lit = 0};
-    if (!from->scene)
-        return;
     verdict_add(&to->verdict, &from->verdict);
-    from->verdict = nothing;
+    from->verdict = empty_verdict;
     to->shared += from->shared;
     from->shared = 0;
     for (size_t i = 0; i < from->n_shown; i++) {
@@ -110,7 +100,7 @@ static const double chance = 21.4164; /* ln(2 x 10^9) */
 static double mean_limit(const struct check_totals *totals)
 {
     const struct plan *plan = totals->scene->lit->plan;
-    if (totals->scene->clips && buffer_steps(plan) > 0)
+    if (totals->scene->lit->clips && buffer_steps(plan) > 0)
         return HUGE_VAL;
     const double pixels = (double)totals->verdict.pixels;
     double squares = 0;

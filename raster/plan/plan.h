@@ -71,6 +71,16 @@ struct plan_options {
     bool complete;     /* another program draws: every pass, and the backs that solids hide, too */
     int threads;       /* 0: one a processor; the plan holds the number */
 };
+/* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
+ * pass, or for several that follow each other and have the same products of spectra. A pass whose
+ * products are 0 has no frame: its pixels are 0. Where another program draws (plan_options), each
+ * pass has a frame of its own. */
+enum { DARK = -1 };
+struct passes {
+    int n_frames, n_dark; /* n_dark: passes without a frame */
+    int *frame;           /* of each pass, ascending; or DARK; owned */
+    int *first_pass;      /* of each frame; owned */
+};
 struct plan {
     const struct scene *scene;
     const struct sampling *sampling; /* NULL: none */
@@ -97,6 +107,7 @@ struct plan {
     uint64_t file_bytes, tile_bytes;
     int map_bytes; /* of a number in the object map; 0: there is none */
     struct plan_effect effects[MAX_EFFECTS];
+    struct passes passes;
     struct plan_work { /* counted where it is done */
         long excitation_integrals, terms, unseen_instances, idle_lights, undrawn_textures;
     } work;
@@ -144,20 +155,6 @@ bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
 /* ---- passes.c ---- */
 
-/* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
- * pass, or for several that follow each other and have the same products of spectra. A pass whose
- * products are 0 has no frame: its pixels are 0. Where another program draws (plan_options), each
- * pass has a frame of its own. */
-enum { DARK = -1 };
-struct passes {
-    int n_frames, n_dark; /* n_dark: passes without a frame */
-    int *frame;           /* of each pass, ascending; or DARK; owned */
-    int *first_pass;      /* of each frame; owned */
-};
-/* The plan is made. passes_free accepts what a failure left. */
-bool passes_make(const struct plan *plan, struct passes *out, struct error *err);
-void passes_free(struct passes *passes);
-
 /* The colours of a material in a pass under one group of lights: products of the spectra of lights
  * and material in parts of full scale, red, green and blue for three bands, and 1. Where there is
  * no such term, or no such band, a colour is black. */
@@ -187,8 +184,8 @@ void pass_add(const struct plan *plan, const float *part, float *sum);
 
 /* ---- facts.c: the plan as JSON or in words ---- */
 
-/* Puts the facts: work, effects, lights, values that are guessed. Fails only where memory does. */
-bool plan_facts(const struct plan *plan, struct json *json, struct error *err);
+/* Puts the facts: work, effects, lights, values that are guessed. */
+void plan_facts(const struct plan *plan, struct json *json);
 /* Puts the list of the scene's files with their digests. detector: of its sampling; NULL: none was
  * given. Fails only where memory or a file does. */
 bool plan_put_files(const struct plan *plan, const char *detector, struct json *json,

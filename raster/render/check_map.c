@@ -65,11 +65,8 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
                     struct error *err)
 {
     *out = (struct check_map){.coloured = picture_is_png(path), .width = plan->scene->width};
-    if (MAKE_ARRAY(out->samples, plan->tile_width * CHUNK_ROWS, err, "rows of %s", path) &&
-        (out->coloured ? open_picture : open_planes)(path, plan, out, err))
-        return true;
-    free(out->samples);
-    return false;
+    return MAKE_ARRAY(out->samples, plan->tile_width * CHUNK_ROWS, err, "rows of %s", path) &&
+           (out->coloured ? open_picture : open_planes)(path, plan, out, err);
 }
 
 /* ---- pixels ---- */

@@ -103,7 +103,8 @@ static bool print_header(const char *stack, bool written, struct printed *to, st
 static bool put_verbose(const struct options *options, const struct plan *plan,
                         const struct render_result *result, struct json *words, struct error *err)
 {
-    if (!plan_facts(plan, words, err) || !plan_put_files(plan, options->detector, words, err))
+    plan_facts(plan, words);
+    if (!plan_put_files(plan, options->detector, words, err))
         return false;
     report_put(plan, result, words);
     return true;

@@ -36,9 +36,8 @@ bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *ou
 bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out, struct error *err)
 {
     struct lit_scene lit;
-    struct light_work work;
-    const bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) &&
-                      notes_make(&lit, judged_pixels, out, err);
+    const bool done =
+        lit_make(plan, driver_of(NULL), &lit, err) && notes_make(&lit, judged_pixels, out, err);
     lit_free(&lit);
     return done;
 }

@@ -110,12 +110,12 @@ struct render_foreign {
 };
 struct render_output {
     const struct verdict_limits *limits; /* NULL: the usual ones */
-    const char *path;      /* of the stack; NULL: no stack is written */
-    const char *check_map; /* the map of the check; NULL: none is wanted */
-    const char *again;     /* the stack to compare the new one with, byte by byte; NULL: none */
-    bool keep;             /* store the stack even if it fails its check or differs from `again` */
-    bool discard;          /* compare the stack with `again`, and store none */
-    bool envi;             /* write the stack's ENVI header beside it */
+    const char *path;                    /* of the stack; NULL: no stack is written */
+    const char *check_map;               /* the map of the check; NULL: none is wanted */
+    const char *again; /* the stack to compare the new one with, byte by byte; NULL: none */
+    bool keep;         /* store the stack even if it fails its check or differs from `again` */
+    bool discard;      /* compare the stack with `again`, and store none */
+    bool envi;         /* write the stack's ENVI header beside it */
     struct outputs *outputs; /* get all files; NULL: they appear at once */
     struct notes *notes;     /* as notes_make takes them; NULL: none are wanted */
     char *const *recorded;   /* n_recorded options for the record of the stack */

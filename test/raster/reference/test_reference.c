@@ -59,11 +59,10 @@ static void open_picture(const char *path, bool exact, struct both *out)
 {
     const struct plan_options options = {.check = true, .threads = 1};
     struct error err = {.text = ""};
-    struct light_work work;
     *out = (struct both){.triangles = NULL};
     test_need(scene_read(path, &out->scene, &err) &&
                   plan_make(&out->scene, NULL, &options, &out->plan, &err) &&
-                  lit_make(&out->plan, driver_of(NULL), &out->lit, &work, &err),
+                  lit_make(&out->plan, driver_of(NULL), &out->lit, &err),
               err.text);
     out->vertices = calloc((size_t)out->plan.n_instances, sizeof(struct slow_vertex *));
     out->triangles = calloc((size_t)out->plan.n_triangles, sizeof *out->triangles);
