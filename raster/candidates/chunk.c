@@ -255,35 +255,33 @@ static void draw_chunk(void *context, int i)
         counter_add(&drawn->failures, 1);
 }
 
-bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
-               bool (*work)(void *context, const struct tile *tile, struct error *err),
-               void *context, struct error *err)
+/* Draws the chunks of a tile, by the plan's threads, calls `work`, and frees the chunks. */
+static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct error *err)
 {
-    struct tile tile = {
-        .lit = lit, .at = *at, .n_chunks = (at->height + CHUNK_ROWS - 1) / CHUNK_ROWS};
-    struct drawn_tile drawn = {&tile, COUNTER};
-    if (!MAKE_ARRAY(tile.chunks, tile.n_chunks, err, "a tile"))
+    const struct plan *plan = tile->lit->plan;
+    struct drawn_tile drawn = {tile, COUNTER};
+    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+    if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
         return false;
-    threads_each(lit->plan->options.threads, tile.n_chunks, draw_chunk, &drawn);
+    threads_each(plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
     const bool done = (drawn.failures.n == 0 ||
-                       memory_lacks(err, (double)lit->plan->tile_bytes, "a tile of %d x %d pixels",
-                                    at->width, at->height)) &&
-                      work(context, &tile, err);
-    for (int i = 0; i < tile.n_chunks; i++)
-        chunk_free(&tile.chunks[i]);
-    free(tile.chunks);
+                       memory_lacks(err, (double)plan->tile_bytes, "a tile of %d x %d pixels",
+                                    tile->at.width, tile->at.height)) &&
+                      work(context, tile, err);
+    for (int i = 0; i < tile->n_chunks; i++)
+        chunk_free(&tile->chunks[i]);
+    free(tile->chunks);
     return done;
 }
 
-bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
-                bool (*work)(void *context, const struct tile *tile, struct error *err),
+bool tiles_each(const struct lit_scene *lit, const struct rectangle *region, tile_work *work,
                 void *context, struct error *err)
 {
     const int n = plan_tiles(lit->plan, region);
     bool done = true;
     for (int i = 0; done && i < n; i++) {
-        const struct rectangle at = plan_tile(lit->plan, region, i);
-        done = tile_draw(lit, &at, work, context, err);
+        struct tile tile = {.lit = lit, .at = plan_tile(lit->plan, region, i)};
+        done = draw_tile(&tile, work, context, err);
     }
     return done;
 }

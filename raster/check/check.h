@@ -32,6 +32,7 @@
 enum { MAX_PILOT_PASSES = 3, MAX_PILOTS = MAX_PILOT_PASSES * BANDS_PER_PASS };
 /* A material; spectra are in counts. Arrays are owned. */
 struct material_fit {
+    int n_terms;
     float *spectra, *own, *rest; /* [band][term] */
     float *gains;                /* [pilot][term] */
     struct band_fit {
@@ -43,8 +44,9 @@ struct material_fit {
 struct fit {
     const struct plan *plan;
     int n_passes,
-        passes[MAX_PILOT_PASSES];   /* of the pilots, ascending: only the last may be short */
-    struct material_fit *materials; /* as of the plan */
+        passes[MAX_PILOT_PASSES];     /* of the pilots, ascending: only the last may be short */
+    int n_pilots, pilots[MAX_PILOTS]; /* their bands */
+    struct material_fit *materials;   /* as of the plan */
 };
 /* Chooses the pilots: the passes that say most about the weights of all materials. Nothing is
  * fitted in a colour buffer of few steps, whose rounding hides what a fit could show, and on

@@ -99,7 +99,7 @@ static void put_work(struct json *json, const struct plan *plan)
 static void put_effects(struct json *json, const struct plan *plan)
 {
     json_open(json, "effects", '[');
-    for (int i = 0; i < plan->n_effects; i++) {
+    for (int i = 0; i < N_EFFECTS; i++) {
         const struct plan_effect *effect = &plan->effects[i];
         if (json->words) {
             print(&json->printed, "%-17s %s (%s)\n", effect->name, effect->used ? "yes" : "no",

@@ -53,7 +53,7 @@ struct placed_instance {
     enum view_plane outside; /* all of it lies outside of this plane */
     struct instance instance;
 };
-enum { MAX_EFFECTS = 18, BAND_NAME = 32 };
+enum { N_EFFECTS = 18, BAND_NAME = 32 };
 struct plan_effect {
     const char *name;
     bool used;
@@ -100,13 +100,13 @@ struct plan {
     struct eye_light *lights;         /* those that shine; and each as the scene has it: */
     const struct light **sources;
     bool *is_idle, *shows_texture; /* lights that add exactly 0 to all in view; textures in view */
-    int n_meshes, n_materials, n_textures, n_instances, n_lights, n_effects;
+    int n_meshes, n_materials, n_textures, n_instances, n_lights;
     int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
     int max_rows;       /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     uint64_t file_bytes, tile_bytes;
     int map_bytes; /* of a number in the object map; 0: there is none */
-    struct plan_effect effects[MAX_EFFECTS];
+    struct plan_effect effects[N_EFFECTS];
     struct passes passes;
     struct plan_work { /* counted where it is done */
         long excitation_integrals, terms, unseen_instances, idle_lights, undrawn_textures;

@@ -47,7 +47,7 @@ struct rendering {
     double since;                   /* clock_seconds at the last clock_in */
     struct renderer *renderer;      /* with GL_BUFFERS; NULL: only the reference draws */
     struct lit_scene lit;
-    int first_tile, n_tiles;        /* those to be drawn: whole rows */
+    struct rectangle region;        /* to be drawn: whole rows of tiles */
     struct check_scene check_scene; /* lit NULL: there is no check */
     struct check_totals totals;     /* of the picture; open, if there is a check */
     struct check_map map;           /* if the output has one */
@@ -111,18 +111,6 @@ bool render_again(struct options *options, struct error *err);
 bool stores_raster(const struct render_options *own);
 /* Returns an option that needs a check, if there is one; otherwise NULL. */
 const char *asks_check(const struct render_options *own);
-
-/* ---- stack_file.c: the stack of a render ---- */
-
-/* Opens the stack, with its record. */
-bool stack_file_open(struct stack_writer *writer, const struct plan *plan,
-                     const struct render_output *output, const struct render_result *result,
-                     struct error *err);
-/* Completes the stack, compares it with the stack that is made again, and commits it if it agrees
- * or is kept anyway. */
-bool stack_file_finish(struct stack_writer *writer, const struct plan *plan,
-                       const struct render_output *output, struct render_result *result,
-                       struct error *err);
 
 /* Puts what the judge of shading found, as the object "accuracy". */
 void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json);

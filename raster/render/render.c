@@ -47,35 +47,87 @@ static bool open_renderer(struct rendering *of, struct error *err)
     return done;
 }
 
-/* Finds the tiles to be drawn: those of the picture, or whole rows of them for a part. */
-static bool find_tiles(struct rendering *of, struct error *err)
+/* Finds what is to be drawn: the picture, or whole rows of its tiles for a part. */
+static bool find_region(struct rendering *of, struct error *err)
 {
     const struct plan *plan = of->plan;
     const struct picture_part *part = &of->output->part;
-    const struct rectangle picture = plan_picture(plan);
-    const int n = plan_tiles(plan, &picture), height = plan->tile_height,
-              all = (picture.height + height - 1) / height, columns = n / all,
-              from = part->count > 0 ? (int)((long)all * (part->number - 1) / part->count) : 0,
-              to = part->count > 0 ? (int)((long)all * part->number / part->count) : all;
+    const int height = plan->tile_height, last = plan->view.height,
+              all = (last + height - 1) / height;
+    of->region = plan_picture(plan);
     if (part->count > all)
         return error_usage(err,
                            "--part %d/%d: a part has whole rows of tiles, and this picture has %d; "
                            "expected at most %d parts",
                            part->number, part->count, all, all);
-    of->first_tile = from * columns;
-    of->n_tiles = (to - from) * columns;
     if (part->count == 0)
         return true;
-    const struct rectangle first = plan_tile(plan, &picture, of->first_tile),
-                           last = plan_tile(plan, &picture, to * columns - 1);
-    of->result->rows.first = plan_pixels(plan, &first).y;
-    of->result->rows.count = (last.y + last.height - first.y) / plan->scene->positions;
+    const int end = (int)((long)all * part->number / part->count) * height;
+    of->region.y = (int)((long)all * (part->number - 1) / part->count) * height;
+    of->region.height = (end < last ? end : last) - of->region.y;
+    const struct rectangle pixels = plan_pixels(plan, &of->region);
+    of->result->rows = (struct part_rows){pixels.y, pixels.height};
     return true;
+}
+
+/* ---- the stack: its record, and whether it is stored ---- */
+
+/* Lists the names of the objects in the order of their numbers; none if there is no object map. */
+static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
+{
+    const char **names;
+    if (!MAKE_ARRAY(names, plan->n_instances, err, "the names of objects"))
+        return false;
+    record->objects = (struct texts){names, plan->map_bytes > 0 ? plan->n_instances : 0};
+    for (int i = 0; i < record->objects.n; i++)
+        names[i] = object_name(plan, i);
+    return true;
+}
+
+/* Returns the record of the stack as text, allocated; NULL on failure. */
+static char *make_provenance(const struct rendering *of, struct error *err)
+{
+    const struct plan *plan = of->plan;
+    const struct render_output *output = of->output;
+    const struct part_rows *rows = &of->result->rows;
+    const int n = plan->sampling && !plan->sampling->spectral ? 0 : plan->n_bands;
+    struct record record;
+    char *text = NULL;
+    if (!record_scene(plan->scene, plan->sampling, output->detector, &record, err))
+        return NULL;
+    record.program = PROGRAM;
+    record.renderer = render_stored(plan, of->result);
+    record.n_options = output->n_recorded;
+    for (int i = 0; i < record.n_options; i++)
+        record.options[i] = output->recorded[i];
+    if (list_objects(plan, &record, err) &&
+        (rows->count == 0 ||
+         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)))
+        text = record_text(&record, err);
+    record_free(&record);
+    return text;
 }
 
 static bool open_stack(struct rendering *of, struct error *err)
 {
-    const bool done = stack_file_open(&of->stack, of->plan, of->output, of->result, err);
+    const struct plan *plan = of->plan;
+    const struct sampling *sampling = plan->sampling;
+    const struct part_rows *rows = &of->result->rows;
+    const bool labelled = sampling && !sampling->spectral;
+    char *provenance = make_provenance(of, err);
+    const struct stack_options options = {.width = plan->scene->width,
+                                          .height =
+                                              rows->count > 0 ? rows->count : plan->scene->height,
+                                          .n_wavelengths = plan->n_bands,
+                                          .wavelengths_nm = plan->scene->wavelengths_nm,
+                                          .full_scale = of->lit.full_scale,
+                                          .bits = plan->options.bits,
+                                          .scene = plan->scene->path,
+                                          .provenance = provenance,
+                                          .map_bytes = plan->map_bytes,
+                                          .components = labelled ? &sampling->method : NULL};
+    const bool done = provenance && stack_open(&of->stack, of->output->path, &options, err);
+    free(provenance);
     clock_in(&of->since, &of->result->seconds.write);
     return done;
 }
@@ -93,7 +145,7 @@ static bool prepare(struct rendering *of, struct error *err)
     result->full_scale = of->lit.full_scale;
     result->light = of->lit.work;
     clock_in(&of->since, &result->seconds.raster);
-    return find_tiles(of, err) && (!of->plan->options.check || open_check(of, err)) &&
+    return find_region(of, err) && (!of->plan->options.check || open_check(of, err)) &&
            (!output->path || open_stack(of, err));
 }
 
@@ -110,7 +162,9 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
                                          result->rows.count > 0 && !plan->options.store_raster);
 }
 
-/* Completes the result after the last pixel. */
+/* ---- everything after the last pixel ---- */
+
+/* Completes the result. */
 static void take_results(struct rendering *of)
 {
     struct render_result *result = of->result;
@@ -127,12 +181,44 @@ static void take_results(struct rendering *of)
     }
 }
 
+/* Refuses samples that no page can hold. */
+static bool are_finite(const struct render_result *result, struct error *err)
+{
+    return result->odd.undefined == 0 ||
+           error_failed(err,
+                        "%llu samples are not finite (or too large for a float page); "
+                        "nothing was written",
+                        (unsigned long long)result->odd.undefined);
+}
+
+/* Completes the stack, compares it with the stack that is made again, and commits it if it agrees
+ * or is kept anyway. */
+static bool finish_stack(struct rendering *of, struct error *err)
+{
+    const struct plan *plan = of->plan;
+    const struct render_output *output = of->output;
+    struct render_result *result = of->result;
+    const char *again = result->odd.undefined == 0 ? output->again : NULL;
+    char verdict[STACK_VERDICT];
+    if (!output->keep && !again && !render_agreed(plan, result))
+        return true;
+    if (!are_finite(result, err))
+        return false;
+    report_verdict(plan, &result->check, verdict);
+    if (!stack_finish(&of->stack, verdict, err) ||
+        (again && !stack_compare(&of->stack, again, &result->difference, err)))
+        return false;
+    if (output->discard || !(output->keep || render_agreed(plan, result)))
+        return true;
+    return stack_commit(&of->stack, output->envi ? output->path : NULL, output->outputs, err);
+}
+
 /* Both files are complete before the first of them appears. */
 static bool finish(struct rendering *of, struct error *err)
 {
     const struct render_output *output = of->output;
     if ((of->check_scene.mapped && !check_map_finish(&of->map, err)) ||
-        (output->path && !stack_file_finish(&of->stack, of->plan, output, of->result, err)))
+        (output->path && !finish_stack(of, err)))
         return false;
     clock_in(&of->since, &of->result->seconds.write);
     return !of->check_scene.mapped || check_map_commit(&of->map, output->outputs, err);

@@ -137,14 +137,15 @@ static bool draw_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     const struct plan *plan = state->plan;
-    const struct rectangle picture = plan_picture(plan);
+    const struct rectangle *region = &state->of->region;
+    const int n_tiles = plan_tiles(plan, region);
     int *frames;
     if (!MAKE_ARRAY(frames, plan->passes.n_frames, err, "the order of passes"))
         return false;
     order_frames(state, frames);
     bool done = expect_frames(state, frames, err);
-    for (int i = 0; i < state->of->n_tiles && done; i++) {
-        const struct rectangle at = plan_tile(plan, &picture, state->of->first_tile + i);
+    for (int i = 0; i < n_tiles && done; i++) {
+        const struct rectangle at = plan_tile(plan, region, i);
         done = draw_tile(state, &at, frames, err);
     }
     free(frames);
@@ -456,14 +457,9 @@ static bool treat_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     const struct rendering *of = state->of;
-    const struct rectangle picture = plan_picture(state->plan);
-    bool done = true;
-    state->all_steps = (long)of->n_tiles * state->plan->n_passes;
+    state->all_steps = (long)plan_tiles(of->plan, &of->region) * of->plan->n_passes;
     state->since = clock_seconds();
-    for (int i = 0; i < of->n_tiles && done; i++) {
-        const struct rectangle at = plan_tile(state->plan, &picture, of->first_tile + i);
-        done = tile_draw(&of->lit, &at, treat_tile, state, err);
-    }
+    const bool done = tiles_each(&of->lit, &of->region, treat_tile, state, err);
     queue_end(&state->counted);
     return done;
 }

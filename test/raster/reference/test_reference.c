@@ -91,13 +91,11 @@ static void close_picture(struct both *picture)
 }
 
 /* Draws the picture as one tile, and calls `work` with it. */
-static void draw_tile(const struct both *picture,
-                      bool (*work)(void *context, const struct tile *tile, struct error *err),
-                      void *context)
+static void draw_tile(const struct both *picture, tile_work *work, void *context)
 {
     const struct rectangle at = {0, 0, picture->scene.width, picture->scene.height};
     struct error err = {.status = EXIT_AGREED};
-    test_need(tile_draw(&picture->lit, &at, work, context, &err), "out of memory");
+    test_need(tiles_each(&picture->lit, &at, work, context, &err), "out of memory");
 }
 
 /* ---- the plan's lights ---- */
