@@ -61,6 +61,7 @@ struct lit_scene {
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
               struct error *err);
 void lit_free(struct lit_scene *lit);
+void light_work_add(struct light_work *to, const struct light_work *from);
 const struct surface_bounds *bounds_of(const struct lit_scene *lit,
                                        const struct screen_triangle *screen);
 /* False where nothing of a surface can be in the rectangle. */

@@ -12,9 +12,6 @@
 /* Leaves one note, on a picture that shows no object. */
 void notes_of_nothing(struct notes *notes);
 
-/* dark.c: adds notes on a black picture, and on black objects in view. */
-void note_dark(const struct lit_scene *lit, struct notes *notes);
-
 /* ---- check_map.c ---- */
 
 /* A map of the check, written chunk by chunk. A TIFF has float pages of the floor, the floor of one
@@ -66,12 +63,6 @@ void clock_in(double *since, double *part);
 enum { AHEAD_FRAMES = 2, GL_BUFFERS = AHEAD_FRAMES + MAX_PILOT_PASSES };
 /* Draws, judges and writes all tiles. Output and verdict do not depend on the number of threads. */
 bool stages_run(struct rendering *of, struct error *err);
-
-/* object_map.c. Fills the object map of a tile: of each pixel the number, from 1, of the object
- * that most of its positions show; 0: the background. at: the tile in pixels of the stack. The
- * renderer of the stored pixels decides. */
-void map_objects(const struct rendering *of, const struct tile *tile, const struct rectangle *at,
-                 unsigned char *out);
 
 /* ---- verdict_words.c: the verdict in words ---- */
 

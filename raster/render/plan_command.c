@@ -6,35 +6,27 @@
 #include "data/scene/scene.h"
 #include "raster/render/inside.h"
 
-static bool put_plan(const struct plan *plan, const struct notes *notes, const char *detector,
-                     struct json *json, struct error *err)
+static bool put_plan(const struct render_job *job, const char *detector, struct json *json,
+                     struct error *err)
 {
-    plan_facts(plan, json);
-    notes_put_shading(plan, notes, json);
-    notes_put(notes, json);
-    return plan_put_files(plan, detector, json, err);
+    plan_facts(&job->plan, json);
+    notes_put_shading(&job->plan, &job->notes, json);
+    notes_put(&job->notes, json);
+    return plan_put_files(&job->plan, detector, json, err);
 }
 
 static bool run_plan(struct options *options, struct error *err)
 {
-    const struct plan_options plan_options = {.threads = options->threads};
-    struct scene scene = {.path = NULL};
-    struct sampling sampling = {.detector = NULL};
-    struct plan plan = {.scene = NULL};
-    struct notes notes = {.n = 0};
+    struct render_job job = {.options = {.threads = options->threads}};
     struct json json;
     (options->json ? json_begin : words_begin)(&json);
-    bool done = scene_read_sampled(options, &scene, &sampling, err) &&
-                plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
-                notes_refine(options, &plan, &notes, err) &&
-                notes_of_plan(&plan, MANY_PIXELS, &notes, err) &&
-                put_plan(&plan, &notes, options->detector, &json, err) &&
+    bool done = scene_read_sampled(options, &job.scene, &job.sampling, err) &&
+                job_plan(options, &job, err) &&
+                notes_of_plan(&job.plan, MANY_PIXELS, &job.notes, err) &&
+                put_plan(&job, options->detector, &json, err) &&
                 json_write(&json, options->json, &options->outputs, err);
     free(printed_end(&json.printed)); /* after a failure */
-    notes_free(&notes);
-    plan_free(&plan);
-    sampling_free(&sampling);
-    scene_free(&scene);
+    job_free(&job);
     return done;
 }
 

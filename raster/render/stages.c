@@ -396,6 +396,51 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
 
 /* ---- the object map ---- */
 
+/* Returns the number, from 1, of the object at a position of the tile. The renderer of the stored
+ * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface
+ * number counts as background. */
+static int object_at(const struct rendering *of, const struct tile *tile, int x, int y)
+{
+    const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
+    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->at.width + (size_t)x;
+    const int surface = of->plan->options.store_raster
+                            ? picture->surface[pixel]
+                            : of->renderer->kind->shown(of->renderer, x, y).surface;
+    return surface < of->plan->n_instances ? surface + 1 : 0;
+}
+
+/* Returns the object that most positions of a pixel show; of equally many the one that comes first.
+ */
+static int pixel_object(const struct rendering *of, const struct tile *tile, int x, int y)
+{
+    const int side = of->plan->scene->positions, n = side * side;
+    int objects[MOST_POSITIONS * MOST_POSITIONS], best = 0, most = 0;
+    for (int i = 0; i < n; i++)
+        objects[i] = object_at(of, tile, x * side + i % side, y * side + i / side);
+    for (int i = 0; i < n && most <= n / 2; i++) {
+        int count = 0;
+        for (int k = 0; k < n; k++)
+            count += objects[k] == objects[i];
+        best = count > most ? objects[i] : best;
+        most = count > most ? count : most;
+    }
+    return best;
+}
+
+/* Fills the object map of a tile: of each pixel the number, from 1, of the object that most of its
+ * positions show; 0: the background. at: the tile in pixels of the stack. */
+static void map_objects(const struct rendering *of, const struct tile *tile,
+                        const struct rectangle *at, unsigned char *out)
+{
+    for (int y = 0; y < at->height; y++)
+        for (int x = 0; x < at->width; x++) {
+            const int object = pixel_object(of, tile, x, y);
+            *out++ = (unsigned char)(object % 256);
+            if (of->plan->map_bytes > 1)
+                *out++ = (unsigned char)(object / 256);
+        }
+}
+
 /* Makes the object map of a tile. */
 static bool add_object_map(struct state *state, const struct tile *tile)
 {
@@ -413,16 +458,6 @@ static bool add_object_map(struct state *state, const struct tile *tile)
 
 /* ---- judging ---- */
 
-static void add_work(struct light_work *to, const struct tile *tile)
-{
-    for (int i = 0; i < tile->n_chunks; i++) {
-        const struct light_work *work = &tile->chunks[i].picture.work;
-        to->points_lit += work->points_lit;
-        to->specular_vertices += work->specular_vertices;
-        to->power_functions += work->power_functions;
-    }
-}
-
 static void take_step(struct state *state)
 {
     state->steps++;
@@ -435,7 +470,8 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     struct state *state = context;
     const bool checking = state->plan->options.check;
     clock_in(&state->since, &state->of->result->seconds.raster);
-    add_work(&state->of->result->light, tile);
+    for (int i = 0; i < tile->n_chunks; i++)
+        light_work_add(&state->of->result->light, &tile->chunks[i].picture.work);
     bool done = (!checking || open_checks(state, tile, err)) && add_object_map(state, tile);
     if (done && checking)
         queue_free(&state->numbers);
