@@ -5,11 +5,7 @@
 #ifndef RASTER_BOUNDS_BOUNDS_H
 #define RASTER_BOUNDS_BOUNDS_H
 
-#include "data/maths/maths.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* A value of the reference; OpenGL's value is off from it by at most the error. */
 struct bounded {

@@ -3,8 +3,6 @@
  * OpenGL may be off there. Refuses what single precision cannot hold. */
 #include <math.h>
 
-#include "data/base/base.h"
-#include "data/scene/scene.h"
 #include "raster/bounds/inside.h"
 
 /* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the

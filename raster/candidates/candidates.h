@@ -10,8 +10,6 @@
 #define RASTER_CANDIDATES_CANDIDATES_H
 
 #include "raster/bounds/bounds.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- pixel.c: a triangle at a pixel ---- */
 

@@ -5,10 +5,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "raster/candidates/inside.h"
-#include "raster/plan/plan.h"
 
 /* The state of a chunk while its pixels get their bounds. */
 struct bounding {

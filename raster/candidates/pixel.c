@@ -4,12 +4,7 @@
  * places in a texture are computed once for all of them. Each band's own roundings come on top. */
 #include <math.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/maths/maths.h"
-#include "data/sampling/sampling.h"
 #include "raster/candidates/inside.h"
-#include "raster/plan/plan.h"
 
 bool pixel_open(const struct fragments *fragments, struct bounded_pixel *out)
 {

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "raster/check/inside.h"
 
 size_t chunk_pixels(const struct chunk *chunk)

@@ -21,13 +21,8 @@
 #ifndef RASTER_CHECK_CHECK_H
 #define RASTER_CHECK_CHECK_H
 
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 enum { MAX_PILOT_PASSES = 3, MAX_PILOTS = MAX_PILOT_PASSES * BANDS_PER_PASS };
 /* A material; spectra are in counts. Arrays are owned. */

@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "raster/check/inside.h"
 
 /* Returns the number of a pass with pilots; -1: it has none. */

@@ -3,7 +3,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "data/base/base.h"
 #include "raster/check/inside.h"
 
 /* ---- totals ---- */

@@ -5,9 +5,6 @@
 #define RASTER_COUNTS_COUNTS_H
 
 #include "raster/bounds/bounds.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- full_scale.c ---- */
 

@@ -5,9 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
-#include "data/scene/scene.h"
 #include "raster/counts/counts.h"
 
 /* ---- upper bounds for Phong shading ---- */

@@ -16,13 +16,7 @@
 #include <GL/gl.h>
 #include <GL/glext.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
 #include "raster/bounds/bounds.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* ---- library.c: the functions of OpenGL ---- */
 

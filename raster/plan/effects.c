@@ -2,7 +2,6 @@
 /* Lists the effects of a plan, each with the reason why it is simulated or not. */
 #include <string.h>
 
-#include "data/spectra/spectra.h"
 #include "raster/plan/inside.h"
 
 /* ---- counting what the plan uses ---- */

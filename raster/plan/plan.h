@@ -7,16 +7,9 @@
 #ifndef RASTER_PLAN_PLAN_H
 #define RASTER_PLAN_PLAN_H
 
-#include "data/base/base.h"
 #include "data/images/images.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/text/text.h"
-#include "raster/reference/reference.h"
 #include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* CHUNK_ROWS: of a tile, that a thread draws and judges at a time; a pixel lies in one chunk. */
 enum { CHUNK_ROWS = 16, LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };

@@ -5,9 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "raster/gl/gl.h"
 #include "raster/render/inside.h"
 
 /* ---- checks before anything is drawn ---- */

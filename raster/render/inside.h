@@ -3,8 +3,6 @@
 #ifndef RASTER_RENDER_INSIDE_H
 #define RASTER_RENDER_INSIDE_H
 
-#include "data/images/images.h"
-#include "raster/candidates/candidates.h"
 #include "raster/render/render.h"
 
 /* ---- notes.c: a list of notes ---- */

@@ -3,9 +3,6 @@
  * object in view is black in all bands, and on tables that end early. */
 #include <stdarg.h>
 
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "raster/render/inside.h"
 
 void note_add(struct notes *notes, const char *code, const char *format, ...)

@@ -2,8 +2,6 @@
 /* spectral plan: what would be simulated, and why. */
 #include <stdlib.h>
 
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/render/inside.h"
 
 static bool put_plan(const struct render_job *job, const char *detector, struct json *json,

@@ -3,8 +3,6 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "data/sampling/sampling.h"
-#include "raster/gl/gl.h"
 #include "raster/render/inside.h"
 
 const char *render_stored(const struct plan *plan, const struct render_result *result)

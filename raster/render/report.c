@@ -3,8 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/render/inside.h"
 
 /* NaN: there is none. */
