@@ -12,7 +12,6 @@ struct bounding {
     struct fragments fragments;
     struct chunk *chunk;
     struct bounded_pixel pixel;
-    size_t capacity[5]; /* of the arrays of the chunk that grow */
 };
 
 /* ---- ambiguous pixels ---- */
@@ -23,18 +22,13 @@ static float stored_depth_error(double error, double depth)
     return (float)(error + roundings(1) * fabs(depth));
 }
 
-static bool has_room(struct bounding *bounding, size_t n_rows)
+static bool make_room(struct chunk *out, size_t n_rows)
 {
-    struct chunk *out = bounding->chunk;
-    size_t *capacity = bounding->capacity;
-    return array_grow(&out->candidates, &capacity[1], out->n_candidates + 1,
-                      sizeof *out->candidates) &&
-           array_grow(&out->candidate_rows, &capacity[2], out->n_numbers + n_rows,
-                      sizeof *out->candidate_rows) &&
-           array_grow(&out->candidate_errors, &capacity[3], out->n_numbers + n_rows,
-                      sizeof *out->candidate_errors) &&
-           array_grow(&out->candidate_own, &capacity[4], out->n_numbers + n_rows,
-                      sizeof *out->candidate_own);
+    const size_t n = out->n_numbers;
+    return array_grow(&out->candidates, out->n_candidates, 1, sizeof *out->candidates) &&
+           array_grow(&out->candidate_rows, n, n_rows, sizeof *out->candidate_rows) &&
+           array_grow(&out->candidate_errors, n, n_rows, sizeof *out->candidate_errors) &&
+           array_grow(&out->candidate_own, n, n_rows, sizeof *out->candidate_own);
 }
 
 /* Adds the pixel's triangle as it is lit now, at one place of its texture. */
@@ -45,7 +39,7 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
     const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
     const size_t first = out->n_numbers,
                  n_rows = (size_t)pixel_rows(triangle->screen.surface->instance);
-    if (!has_room(bounding, n_rows))
+    if (!make_room(out, n_rows))
         return false;
     pixel_take_place(&bounding->pixel, place);
     put_rows(bounding->pixel.surface->instance, bounding->pixel.attributes, place->place,
@@ -73,16 +67,15 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
 {
     const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
     struct texel_point choices[TEXEL_CHOICES];
-    int n_gates = 1;
-    for (int gates = 0; gates < n_gates; gates++) {
+    unsigned gates = 0;
+    do {
         pixel_bound(&bounding->pixel, triangle, x, y, true);
-        n_gates = pixel_gates(&bounding->pixel);
-        pixel_turn_gates(&bounding->pixel, (unsigned)gates);
+        pixel_turn_gates(&bounding->pixel, gates);
         int n = pixel_choices(&bounding->pixel, choices);
         for (int i = 0; i < n; i++)
             if (!add_candidate(bounding, fragment, &choices[i]))
                 return false;
-    }
+    } while (++gates < 1U << bounding->pixel.n_gated);
     return true;
 }
 
@@ -102,8 +95,7 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
     const struct seam *seam = &bounding->fragments.seams[index];
     struct chunk *out = bounding->chunk;
-    if (!array_grow(&out->ambiguous, &bounding->capacity[0], out->n_ambiguous + 1,
-                    sizeof *out->ambiguous))
+    if (!array_grow(&out->ambiguous, out->n_ambiguous, 1, sizeof *out->ambiguous))
         return false;
     struct ambiguous_pixel *ambiguous = &out->ambiguous[out->n_ambiguous++];
     *ambiguous =
@@ -151,7 +143,7 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     const struct bounded_triangle *triangle =
         &bounding->fragments.triangles[bounding->fragments.fragments[list->head].triangle];
     pixel_bound(&bounding->pixel, triangle, x, y, false);
-    if (pixel_gates(&bounding->pixel) > 1 || pixel_choices(&bounding->pixel, choices) > 1)
+    if (bounding->pixel.n_gated > 0 || pixel_choices(&bounding->pixel, choices) > 1)
         return true;
     pixel_take_place(&bounding->pixel, &choices[0]);
     struct pixel_bounds *bounds = &out->pixels[index];

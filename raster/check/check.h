@@ -155,7 +155,6 @@ struct check_totals {
     double shared;   /* of all pixels: see struct mean_bound; in counts */
     double *varying; /* of each triangle, the sum over its pixels */
     size_t n_triangles;
-    size_t *shown, n_shown, most_shown;  /* the triangles of a tile whose sum is above 0 */
     size_t *first;                       /* of each surface, its first triangle in `varying` */
     uint64_t (*unchecked)[BOUND_CAUSES]; /* of each surface: its pixels that are not checked */
 };

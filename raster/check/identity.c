@@ -17,8 +17,8 @@ static bool fits_depth(struct check *check, const struct shown *shown, double de
     return off <= error;
 }
 
-/* What OpenGL may show at a pixel. Depths are rounded to single precision: their errors cover
- * that. */
+/* A triangle that OpenGL may show at a pixel. Depths are rounded to single precision: their errors
+ * cover that. */
 struct named {
     int32_t surface, triangle; /* -1: the background */
     double depth, error;

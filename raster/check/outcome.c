@@ -22,16 +22,12 @@ bool totals_open(const struct check_scene *scene, struct check_totals *out, stru
         out->first[s] = out->n_triangles;
         out->n_triangles += (size_t)plan->instances[s].instance.n_triangles;
     }
-    /* a pixel of a tile shows at most one triangle */
-    const size_t pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    out->most_shown = pixels < out->n_triangles ? pixels : out->n_triangles;
-    return MAKE_ARRAY(out->varying, out->n_triangles, err, "%zu triangles", out->n_triangles) &&
-           MAKE_ARRAY(out->shown, out->most_shown, err, "%zu triangles", out->most_shown);
+    return MAKE_ARRAY(out->varying, out->n_triangles, err, "%zu triangles", out->n_triangles);
 }
 
 void totals_free(struct check_totals *totals)
 {
-    FREE_ALL(totals->first, totals->unchecked, totals->varying, totals->shown);
+    FREE_ALL(totals->first, totals->unchecked, totals->varying);
     *totals = (struct check_totals){.scene = NULL};
 }
 
@@ -55,11 +51,7 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
         return;
     /* a float below the least normal number may have lost its digits */
     totals->shared += ((double)mean->shared + (double)FLT_MIN) * counts;
-    const size_t shown = totals->first[surface] + (size_t)triangle;
-    const double varying = (double)mean->varying * counts;
-    if (totals->varying[shown] <= 0 && !(varying <= 0)) /* NaN, too */
-        totals->shown[totals->n_shown++] = shown;
-    totals->varying[shown] += varying;
+    totals->varying[totals->first[surface] + (size_t)triangle] += (double)mean->varying * counts;
 }
 
 void totals_add(struct check_totals *to, struct check_totals *from)
@@ -68,12 +60,10 @@ void totals_add(struct check_totals *to, struct check_totals *from)
     from->verdict = empty_verdict;
     to->shared += from->shared;
     from->shared = 0;
-    for (size_t i = 0; i < from->n_shown; i++) {
-        double *varying = &from->varying[from->shown[i]];
-        to->varying[from->shown[i]] += *varying;
-        *varying = 0;
+    for (size_t i = 0; i < from->n_triangles; i++) {
+        to->varying[i] += from->varying[i];
+        from->varying[i] = 0;
     }
-    from->n_shown = 0;
     for (int s = 0; s < from->scene->lit->plan->n_instances; s++)
         for (int c = 0; c < BOUND_CAUSES; c++) {
             to->unchecked[s][c] += from->unchecked[s][c];
@@ -103,11 +93,8 @@ static double mean_limit(const struct check_totals *totals)
         return HUGE_VAL;
     const double pixels = (double)totals->verdict.pixels;
     double squares = 0;
-    for (int s = 0; s < plan->n_instances; s++)
-        for (int t = 0; t < plan->instances[s].instance.n_triangles; t++) {
-            double sum = totals->varying[totals->first[s] + (size_t)t];
-            squares += sum * sum;
-        }
+    for (size_t i = 0; i < totals->n_triangles; i++)
+        squares += totals->varying[i] * totals->varying[i];
     return (totals->shared + sqrt(2 * chance * squares)) / pixels + buffer_rounding(plan) +
            flushed_counts();
 }

@@ -12,7 +12,7 @@
 #ifndef RASTER_GL_GL_H
 #define RASTER_GL_GL_H
 
-#define GL_GLEXT_PROTOTYPES /* prototypes of all functions, of which only the types are taken */
+#define GL_GLEXT_PROTOTYPES /* for the types of all functions */
 #include <GL/gl.h>
 #include <GL/glext.h>
 
