@@ -5,11 +5,7 @@
 #ifndef RASTER_BOUNDS_BOUNDS_H
 #define RASTER_BOUNDS_BOUNDS_H
 
-#include "data/maths/maths.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* A value of the reference; OpenGL's value is off from it by at most the error. */
 struct bounded {
@@ -52,12 +48,16 @@ struct lit_scene {
     const struct driver *driver;
     struct surface *surfaces; /* one an instance, in drawing order */
     struct surface_bounds *bounds;
+    struct light_work work; /* of all vertices */
+    double full_scale;      /* the radiance of the largest count; 1 until find_full_scale */
+    bool clips;             /* a vertex is brighter than that */
 };
 /* Refuses NaN and infinity, by object. The plan must outlive *out; lit_free accepts what a failure
  * left. Without a check no errors of weights are bounded. */
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
-              struct light_work *work, struct error *err);
+              struct error *err);
 void lit_free(struct lit_scene *lit);
+void light_work_add(struct light_work *to, const struct light_work *from);
 const struct surface_bounds *bounds_of(const struct lit_scene *lit,
                                        const struct screen_triangle *screen);
 /* False where nothing of a surface can be in the rectangle. */

@@ -3,7 +3,6 @@
  * leaves it through a back, so backs are hidden, and OpenGL need not draw them. */
 #include <math.h>
 
-#include "data/base/base.h"
 #include "raster/bounds/inside.h"
 
 double edge_error(const struct driver *driver, int width, int height)

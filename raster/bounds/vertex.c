@@ -3,8 +3,6 @@
  * OpenGL may be off there. Refuses what single precision cannot hold. */
 #include <math.h>
 
-#include "data/base/base.h"
-#include "data/scene/scene.h"
 #include "raster/bounds/inside.h"
 
 /* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
@@ -107,7 +105,8 @@ struct bounding {
     struct surface_bounds *bounds;
     struct matrix product;
     bool may_be_exact;
-    struct counter vertices_lit, specular_vertices, power_functions;
+    pthread_mutex_t lock; /* of the work */
+    struct light_work work;
 };
 
 /* A vertex out of view needs no bounds: OpenGL does not get it. */
@@ -280,23 +279,29 @@ static bool allocate(const struct bounding *of, const struct placed_instance *pl
 /* Vertices that a thread takes at a time. To light fewer takes less time than to start a thread. */
 enum { BLOCK_VERTICES = 256 };
 
+void light_work_add(struct light_work *to, const struct light_work *from)
+{
+    to->vertices_lit += from->vertices_lit;
+    to->points_lit += from->points_lit;
+    to->specular_vertices += from->specular_vertices;
+    to->power_functions += from->power_functions;
+}
+
 static void make_vertices(void *context, size_t first, size_t end)
 {
     struct bounding *of = context;
     struct light_work work = {0};
     for (size_t i = first; i < end; i++)
         make_vertex(of, (int)i, &work);
-    counter_add(&of->vertices_lit, (uint64_t)work.vertices_lit);
-    counter_add(&of->specular_vertices, (uint64_t)work.specular_vertices);
-    counter_add(&of->power_functions, (uint64_t)work.power_functions);
+    pthread_mutex_lock(&of->lock);
+    light_work_add(&of->work, &work);
+    pthread_mutex_unlock(&of->lock);
 }
 
-static bool make_surface(const struct lit_scene *lit, int index, struct light_work *work,
-                         struct error *err)
+static bool make_surface(struct lit_scene *lit, int index, struct error *err)
 {
     const struct placed_instance *placed = &lit->plan->instances[index];
     const bool is_lit = instance_is_lit(lit->plan, placed);
-    struct light_work ignored = {0};
     struct view unlit = lit->plan->view;
     unlit.n_lights = 0;
     struct bounding of = {.lit = lit,
@@ -304,18 +309,14 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
                           .surface_index = index,
                           .surface = &lit->surfaces[index],
                           .bounds = &lit->bounds[index],
-                          .vertices_lit = COUNTER,
-                          .specular_vertices = COUNTER,
-                          .power_functions = COUNTER};
+                          .lock = PTHREAD_MUTEX_INITIALIZER};
     if (!allocate(&of, placed, err))
         return false;
     of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);
     threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
                    make_vertices, &of);
-    work = is_lit ? work : &ignored;
-    work->vertices_lit += (long)of.vertices_lit.n;
-    work->specular_vertices += (long)of.specular_vertices.n;
-    work->power_functions += (long)of.power_functions.n;
+    if (is_lit)
+        light_work_add(&lit->work, &of.work);
     for (int i = 0; i < placed->instance.n_vertices; i++)
         if (!check_vertex(of.surface, of.bounds, i, err))
             return false;
@@ -327,16 +328,15 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
 }
 
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
-              struct light_work *work, struct error *err)
+              struct error *err)
 {
     const int n = plan->n_instances;
-    *work = (struct light_work){0};
-    *out = (struct lit_scene){.plan = plan, .driver = driver};
+    *out = (struct lit_scene){.plan = plan, .driver = driver, .full_scale = 1};
     if (!MAKE_ARRAY(out->surfaces, n, err, "%d objects", n) ||
         !MAKE_ARRAY(out->bounds, n, err, "the bounds of %d objects", n))
         return false;
     for (int i = 0; i < plan->n_instances; i++)
-        if (!make_surface(out, i, work, err))
+        if (!make_surface(out, i, err))
             return false;
     return true;
 }

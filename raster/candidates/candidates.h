@@ -8,8 +8,6 @@
 #define RASTER_CANDIDATES_CANDIDATES_H
 
 #include "raster/bounds/bounds.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- pixel.c: a triangle at a pixel ---- */
 
@@ -84,14 +82,10 @@ struct tile {
     struct chunk *chunks; /* from the top */
     int n_chunks;
 };
-/* Draws the chunks of a tile, by the plan's threads, calls `work`, and frees the chunks. */
-bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
-               bool (*work)(void *context, const struct tile *tile, struct error *err),
-               void *context, struct error *err);
-/* Does so with each tile of a region of the plan's picture, row by row. Stops at the first failure.
- */
-bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
-                bool (*work)(void *context, const struct tile *tile, struct error *err),
+/* Draws each tile of a region of the plan's picture, row by row, in chunks that the plan's threads
+ * share; calls `work` with it, and frees it. Stops at the first failure. */
+typedef bool tile_work(void *context, const struct tile *tile, struct error *err);
+bool tiles_each(const struct lit_scene *lit, const struct rectangle *region, tile_work *work,
                 void *context, struct error *err);
 
 #endif

@@ -5,17 +5,13 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "raster/candidates/inside.h"
-#include "raster/plan/plan.h"
 
 /* The state of a chunk while its pixels get their bounds. */
 struct bounding {
     struct fragments fragments;
     struct chunk *chunk;
     struct bounded_pixel pixel;
-    size_t capacity[5]; /* of the arrays of the chunk that grow */
 };
 
 /* ---- ambiguous pixels ---- */
@@ -26,18 +22,13 @@ static float stored_depth_error(double error, double depth)
     return (float)(error + roundings(1) * fabs(depth));
 }
 
-static bool has_room(struct bounding *bounding, size_t n_rows)
+static bool make_room(struct chunk *out, size_t n_rows)
 {
-    struct chunk *out = bounding->chunk;
-    size_t *capacity = bounding->capacity;
-    return array_grow(&out->candidates, &capacity[1], out->n_candidates + 1,
-                      sizeof *out->candidates) &&
-           array_grow(&out->candidate_rows, &capacity[2], out->n_numbers + n_rows,
-                      sizeof *out->candidate_rows) &&
-           array_grow(&out->candidate_errors, &capacity[3], out->n_numbers + n_rows,
-                      sizeof *out->candidate_errors) &&
-           array_grow(&out->candidate_own, &capacity[4], out->n_numbers + n_rows,
-                      sizeof *out->candidate_own);
+    const size_t n = out->n_numbers;
+    return array_grow(&out->candidates, out->n_candidates, 1, sizeof *out->candidates) &&
+           array_grow(&out->candidate_rows, n, n_rows, sizeof *out->candidate_rows) &&
+           array_grow(&out->candidate_errors, n, n_rows, sizeof *out->candidate_errors) &&
+           array_grow(&out->candidate_own, n, n_rows, sizeof *out->candidate_own);
 }
 
 /* Adds the pixel's triangle as it is lit now, at one place of its texture. */
@@ -48,7 +39,7 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
     const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
     const size_t first = out->n_numbers,
                  n_rows = (size_t)pixel_rows(triangle->screen.surface->instance);
-    if (!has_room(bounding, n_rows))
+    if (!make_room(out, n_rows))
         return false;
     pixel_take_place(&bounding->pixel, place);
     put_rows(bounding->pixel.surface->instance, bounding->pixel.attributes, place->place,
@@ -76,16 +67,15 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
 {
     const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
     struct texel_point choices[TEXEL_CHOICES];
-    int n_gates = 1;
-    for (int gates = 0; gates < n_gates; gates++) {
+    unsigned gates = 0;
+    do {
         pixel_bound(&bounding->pixel, triangle, x, y, true);
-        n_gates = pixel_gates(&bounding->pixel);
-        pixel_turn_gates(&bounding->pixel, (unsigned)gates);
+        pixel_turn_gates(&bounding->pixel, gates);
         int n = pixel_choices(&bounding->pixel, choices);
         for (int i = 0; i < n; i++)
             if (!add_candidate(bounding, fragment, &choices[i]))
                 return false;
-    }
+    } while (++gates < 1U << bounding->pixel.n_gated);
     return true;
 }
 
@@ -105,8 +95,7 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
     const struct seam *seam = &bounding->fragments.seams[index];
     struct chunk *out = bounding->chunk;
-    if (!array_grow(&out->ambiguous, &bounding->capacity[0], out->n_ambiguous + 1,
-                    sizeof *out->ambiguous))
+    if (!array_grow(&out->ambiguous, out->n_ambiguous, 1, sizeof *out->ambiguous))
         return false;
     struct ambiguous_pixel *ambiguous = &out->ambiguous[out->n_ambiguous++];
     *ambiguous =
@@ -154,7 +143,7 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     const struct bounded_triangle *triangle =
         &bounding->fragments.triangles[bounding->fragments.fragments[list->head].triangle];
     pixel_bound(&bounding->pixel, triangle, x, y, false);
-    if (pixel_gates(&bounding->pixel) > 1 || pixel_choices(&bounding->pixel, choices) > 1)
+    if (bounding->pixel.n_gated > 0 || pixel_choices(&bounding->pixel, choices) > 1)
         return true;
     pixel_take_place(&bounding->pixel, &choices[0]);
     struct pixel_bounds *bounds = &out->pixels[index];
@@ -255,35 +244,33 @@ static void draw_chunk(void *context, int i)
         counter_add(&drawn->failures, 1);
 }
 
-bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
-               bool (*work)(void *context, const struct tile *tile, struct error *err),
-               void *context, struct error *err)
+/* Draws the chunks of a tile, by the plan's threads, calls `work`, and frees the chunks. */
+static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct error *err)
 {
-    struct tile tile = {
-        .lit = lit, .at = *at, .n_chunks = (at->height + CHUNK_ROWS - 1) / CHUNK_ROWS};
-    struct drawn_tile drawn = {&tile, COUNTER};
-    if (!MAKE_ARRAY(tile.chunks, tile.n_chunks, err, "a tile"))
+    const struct plan *plan = tile->lit->plan;
+    struct drawn_tile drawn = {tile, COUNTER};
+    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+    if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
         return false;
-    threads_each(lit->plan->options.threads, tile.n_chunks, draw_chunk, &drawn);
+    threads_each(plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
     const bool done = (drawn.failures.n == 0 ||
-                       memory_lacks(err, (double)lit->plan->tile_bytes, "a tile of %d x %d pixels",
-                                    at->width, at->height)) &&
-                      work(context, &tile, err);
-    for (int i = 0; i < tile.n_chunks; i++)
-        chunk_free(&tile.chunks[i]);
-    free(tile.chunks);
+                       memory_lacks(err, (double)plan->tile_bytes, "a tile of %d x %d pixels",
+                                    tile->at.width, tile->at.height)) &&
+                      work(context, tile, err);
+    for (int i = 0; i < tile->n_chunks; i++)
+        chunk_free(&tile->chunks[i]);
+    free(tile->chunks);
     return done;
 }
 
-bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
-                bool (*work)(void *context, const struct tile *tile, struct error *err),
+bool tiles_each(const struct lit_scene *lit, const struct rectangle *region, tile_work *work,
                 void *context, struct error *err)
 {
     const int n = plan_tiles(lit->plan, region);
     bool done = true;
     for (int i = 0; done && i < n; i++) {
-        const struct rectangle at = plan_tile(lit->plan, region, i);
-        done = tile_draw(lit, &at, work, context, err);
+        struct tile tile = {.lit = lit, .at = plan_tile(lit->plan, region, i)};
+        done = draw_tile(&tile, work, context, err);
     }
     return done;
 }

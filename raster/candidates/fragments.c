@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "raster/candidates/inside.h"
 
 /* ---- presence ---- */
@@ -93,15 +91,17 @@ static enum presence clipped_presence(const struct clipped_triangle *triangle, d
     return presence;
 }
 
-bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
+/* The room is a power of two. It suffices if the last element that is there and the last one that
+ * comes have the same highest bit. */
+bool array_grow(void *array, size_t n, size_t more, size_t size)
 {
-    if (needed <= *capacity)
+    const size_t needed = n + more;
+    size_t room = 1;
+    if (needed == 0 || (n > 1 && ((n - 1) ^ (needed - 1)) < n - 1))
         return true;
-    size_t larger = *capacity * 2 > needed ? *capacity * 2 : needed + 256;
-    if (larger > INT32_MAX || !memory_resize(array, larger, size))
-        return false;
-    *capacity = larger;
-    return true;
+    while (room < needed)
+        room *= 2;
+    return room <= INT32_MAX && memory_resize(array, room, size);
 }
 
 /* ---- visibility ---- */
@@ -140,8 +140,7 @@ static bool add_fragment(struct fragments *of, struct fragment_list *pixel,
     if (place >= 0) {
         of->unused = of->fragments[place].next;
     } else {
-        if (!array_grow(&of->fragments, &of->fragment_capacity, of->n_fragments + 1,
-                        sizeof *of->fragments))
+        if (!array_grow(&of->fragments, of->n_fragments, 1, sizeof *of->fragments))
             return false;
         place = (int32_t)of->n_fragments++;
     }
@@ -226,10 +225,8 @@ bool is_closed(const struct seam *seam)
 static bool add_part(struct fragments *of, const struct triangle_part *part)
 {
     size_t n_clipped = (size_t)(part->bounded.n_clipped + part->bounded.n_slivers);
-    if (!array_grow(&of->triangles, &of->triangle_capacity, of->n_triangles + 1,
-                    sizeof *of->triangles) ||
-        !array_grow(&of->clipped, &of->clipped_capacity, of->n_clipped + n_clipped,
-                    sizeof *of->clipped))
+    if (!array_grow(&of->triangles, of->n_triangles, 1, sizeof *of->triangles) ||
+        !array_grow(&of->clipped, of->n_clipped, n_clipped, sizeof *of->clipped))
         return false;
     struct bounded_triangle *triangle = &of->triangles[of->n_triangles];
     *triangle = part->bounded;

@@ -89,8 +89,7 @@ struct fragments {
     struct bounded_triangle *triangles;
     struct fragment *fragments;
     struct clipped_triangle *clipped;
-    size_t n_triangles, n_fragments, n_clipped, triangle_capacity, fragment_capacity,
-        clipped_capacity;
+    size_t n_triangles, n_fragments, n_clipped;
     int32_t unused; /* list of fragments to use again */
 };
 /* Finds the fragments of all pixels of out->rows; tile and rows are set. False: no memory. */
@@ -102,18 +101,16 @@ unsigned clipped_at(const struct fragments *fragments, const struct bounded_tria
                     double px, double py);
 /* True if an edge near the centre always has a triangle on either side. */
 bool is_closed(const struct seam *seam);
-/* Makes room for `needed` elements. False: no memory, or more than int32_t counts. */
-bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
+/* Makes room for `more` elements behind n, in an array that had room for n by this function. False:
+ * no memory, or more than int32_t counts. */
+bool array_grow(void *array, size_t n, size_t more, size_t size);
 
 /* ---- pixel.c: a triangle at a pixel ---- */
 
-/* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
-struct attribute_bound {
-    float constant, fixed, per_d, own_constant, own_fixed, slope;
-};
-
 struct bounded_pixel {
     const struct fragments *fragments;
+    const struct lit_scene *lit;
+    bool flat; /* one vertex of a triangle counts */
     const struct bounded_triangle *triangle;
     const struct surface *surface;
     const struct shaded_material *shaded;
@@ -127,9 +124,9 @@ struct bounded_pixel {
     float *own, *slopes;           /* of a band by itself; change within a pixel's width */
     struct texel_point place; /* in its texture, and the value there unless the texture is varied */
     double value;
-    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
-    bool *bounded;                  /* [clipped triangle] */
-    size_t max_attributes;          /* of any surface */
+    struct colour_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
+    bool *bounded;               /* [clipped triangle] */
+    size_t max_attributes;       /* of any surface */
 };
 /* False: no memory. The fragments must outlive *out; pixel_close accepts what a failure left. */
 bool pixel_open(const struct fragments *fragments, struct bounded_pixel *out);
@@ -140,9 +137,8 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
 /* Finds the places in the texture that OpenGL may sample: 1 without a texture. Take one of them. */
 int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES]);
 void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *place);
-/* Counts the outcomes of unclear gates at the triangle's vertices, the reference's first, at
- * most 8. Turn to one of them, after pixel_bound. */
-int pixel_gates(const struct bounded_pixel *pixel);
+/* Turns to one of the 1 << n_gated outcomes of unclear gates at the triangle's vertices, the
+ * reference's first, after pixel_bound. */
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
 /* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
  */

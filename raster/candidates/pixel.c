@@ -4,17 +4,16 @@
  * places in a texture are computed once for all of them. Each band's own roundings come on top. */
 #include <math.h>
 
-#include "data/base/base.h"
-#include "data/images/images.h"
-#include "data/maths/maths.h"
-#include "data/sampling/sampling.h"
 #include "raster/candidates/inside.h"
-#include "raster/plan/plan.h"
 
 bool pixel_open(const struct fragments *fragments, struct bounded_pixel *out)
 {
-    size_t most = (size_t)fragments->tile->lit->plan->max_rows + 2, n = fragments->n_clipped;
-    *out = (struct bounded_pixel){.fragments = fragments, .max_attributes = most};
+    const struct lit_scene *lit = fragments->tile->lit;
+    size_t most = (size_t)lit->plan->max_rows + 2, n = fragments->n_clipped;
+    *out = (struct bounded_pixel){.fragments = fragments,
+                                  .lit = lit,
+                                  .flat = lit->plan->view.shading == FLAT,
+                                  .max_attributes = most};
     if (!memory_make(&out->bounds, n * most, sizeof *out->bounds) ||
         !memory_make(&out->bounded, n, sizeof *out->bounded) ||
         !memory_make(&out->attributes, most, sizeof *out->attributes) ||
@@ -37,8 +36,7 @@ void pixel_close(struct bounded_pixel *pixel)
  * vertex; texture coordinates still vary. */
 static bool is_flat(const struct bounded_pixel *pixel, size_t attribute)
 {
-    return pixel->fragments->tile->lit->plan->view.shading == FLAT &&
-           attribute < (size_t)pixel->surface->instance->n_terms;
+    return pixel->flat && attribute < (size_t)pixel->surface->instance->n_terms;
 }
 
 /* A cut starts at the end of the edge that is nearer to the plane, and adds at most half of the
@@ -74,11 +72,9 @@ static struct corner_values cut_values(const struct bounded_pixel *pixel,
 static void add_groups(const struct bounded_pixel *pixel, const struct clipped_triangle *clipped,
                        size_t attribute, struct colour_bound *out)
 {
-    const struct plan *plan = pixel->fragments->tile->lit->plan;
-    const struct surface_bounds *bounds =
-        bounds_of(pixel->fragments->tile->lit, &pixel->triangle->screen);
+    const struct surface_bounds *bounds = bounds_of(pixel->lit, &pixel->triangle->screen);
     out->own_constant = out->own_fixed = 0;
-    for (int group = 0; group < plan->n_light_groups; group++) {
+    for (int group = 0; group < pixel->lit->plan->n_light_groups; group++) {
         const float *parts = group_weights(pixel->surface, bounds, group);
         struct corner_values values = cut_values(pixel, clipped, attribute, parts);
         struct colour_bound bound = bound_colour(clipped, values.at);
@@ -111,8 +107,7 @@ static void add_jumps(const struct bounded_pixel *pixel, const struct clipped_tr
 static bool is_grouped(const struct bounded_pixel *pixel, size_t attribute)
 {
     const struct instance *instance = pixel->surface->instance;
-    return pixel->fragments->tile->lit->plan->n_light_groups > 1 &&
-           attribute < (size_t)instance->n_terms &&
+    return pixel->lit->plan->n_light_groups > 1 && attribute < (size_t)instance->n_terms &&
            instance->terms[attribute].reflection != CONSTANT;
 }
 
@@ -143,18 +138,13 @@ static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
 }
 
 /* Returns the bounds of all attributes in clipped triangle `index` of the pixel's triangle. */
-static const struct attribute_bound *attribute_bounds(struct bounded_pixel *pixel, int32_t index)
+static const struct colour_bound *attribute_bounds(struct bounded_pixel *pixel, int32_t index)
 {
     size_t at = (size_t)(pixel->triangle->first_clipped + index);
-    struct attribute_bound *bounds = pixel->bounds + at * pixel->max_attributes;
-    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes && !pixel->bounded[at]; a++) {
-        struct colour_bound bound = {.constant = 0};
-        if (!is_flat(pixel, a))
-            bound = clipped_bound(pixel, &pixel->fragments->clipped[at], a);
-        bounds[a] = (struct attribute_bound){(float)bound.constant,  (float)bound.fixed,
-                                             (float)bound.per_d,     (float)bound.own_constant,
-                                             (float)bound.own_fixed, (float)bound.slope};
-    }
+    struct colour_bound *bounds = pixel->bounds + at * pixel->max_attributes;
+    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes && !pixel->bounded[at]; a++)
+        if (!is_flat(pixel, a)) /* the bounds of others are 0 */
+            bounds[a] = clipped_bound(pixel, &pixel->fragments->clipped[at], a);
     pixel->bounded[at] = true;
     return bounds;
 }
@@ -164,16 +154,17 @@ static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inve
 {
     const struct colour_bound *of_d =
         &pixel->fragments->clipped[pixel->triangle->first_clipped + index].inverse_w_bound;
-    const struct attribute_bound *bounds = attribute_bounds(pixel, index);
+    const struct colour_bound *bounds = attribute_bounds(pixel, index);
     /* a fragment is loose if 1 / w may not be positive */
     double least = inverse_w * (1 - of_d->per_d) - of_d->fixed;
     float over = least > 0 ? (float)(1 / least) : 0, d = (float)inverse_w;
     for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
-        float common = bounds[a].constant + over * (bounds[a].fixed + d * bounds[a].per_d),
-              own = bounds[a].own_constant + over * bounds[a].own_fixed;
+        const struct colour_bound *of = &bounds[a];
+        float common = (float)of->constant + over * ((float)of->fixed + d * (float)of->per_d),
+              own = (float)of->own_constant + over * (float)of->own_fixed;
         pixel->interpolation[a] = fmaxf(pixel->interpolation[a], common);
         pixel->own[a] = fmaxf(pixel->own[a], own);
-        pixel->slopes[a] = fmaxf(pixel->slopes[a], bounds[a].slope / d);
+        pixel->slopes[a] = fmaxf(pixel->slopes[a], (float)of->slope / d);
     }
 }
 
@@ -198,7 +189,7 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
 {
     const struct screen_triangle *screen = &triangle->screen;
     const struct surface *surface = screen->surface;
-    const struct surface_bounds *bounds = bounds_of(pixel->fragments->tile->lit, screen);
+    const struct surface_bounds *bounds = bounds_of(pixel->lit, screen);
     const float *errors = bounds->errors;
     pixel->triangle = triangle;
     pixel->surface = surface;
@@ -208,7 +199,7 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
     pixel->brightest = shaded_brightest(pixel->shaded);
     /* a flat triangle has one vertex that counts, taken for its first */
-    const bool flat = pixel->fragments->tile->lit->plan->view.shading == FLAT;
+    const bool flat = pixel->flat;
     pixel->n_gated = 0;
     for (int j = 0; j < 3; j++) {
         const int vertex = flat ? screen->provoking : screen->vertex[j];
@@ -229,7 +220,7 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
     if (pixel->triangle != triangle)
         take_triangle(pixel, triangle);
     if (weights_matter || instance->textured)
-        shade(&pixel->fragments->tile->lit->plan->view, screen, share, pixel->attributes, &none);
+        shade(&pixel->lit->plan->view, screen, share, pixel->attributes, &none);
     for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
         double error = 0; /* of the vertices, interpolated as the attributes are */
         for (int j = 0; j < 3; j++)
@@ -242,7 +233,7 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
     float e_place[2];
     for (int i = 0; i < 2; i++)
         e_place[i] = pixel->common[instance->n_terms + i] + pixel->own[instance->n_terms + i];
-    pixel->place = texel_point(&instance->texels, pixel->fragments->tile->lit->driver,
+    pixel->place = texel_point(&instance->texels, pixel->lit->driver,
                                pixel->attributes + instance->n_terms, e_place);
 }
 
@@ -279,20 +270,15 @@ double pixel_steepness(const struct bounded_pixel *pixel)
     return step * pixel->value + whole * value.error;
 }
 
-int pixel_gates(const struct bounded_pixel *pixel)
-{
-    return 1 << pixel->n_gated;
-}
-
 /* Each bit of `gates` stands for a gated corner. */
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
 {
-    const bool flat = pixel->fragments->tile->lit->plan->view.shading == FLAT;
     for (int j = 0; j < 3; j++) {
         if (!pixel->jumps[j])
             continue;
         for (int t = 0; t < pixel->surface->instance->n_terms && (gates & 1) != 0; t++)
-            pixel->attributes[t] += (flat ? 1 : pixel->share[j]) * (double)pixel->jumps[j][t];
+            pixel->attributes[t] +=
+                (pixel->flat ? 1 : pixel->share[j]) * (double)pixel->jumps[j][t];
         gates >>= 1;
     }
 }
@@ -304,7 +290,7 @@ void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
 static double colour_rounding(const struct bounded_pixel *pixel)
 {
     return roundings(4 + 2 * pixel->surface->instance->textured + pixel->shaded->n_colours +
-                     pixel->fragments->tile->lit->plan->n_light_groups);
+                     pixel->lit->plan->n_light_groups);
 }
 
 /* The errors of a pixel's weights, added up: see struct mean_bound. */

@@ -12,7 +12,6 @@
  * grow with the distance to the origin. */
 #include <math.h>
 
-#include "data/maths/maths.h"
 #include "raster/candidates/inside.h"
 
 /* Edge vectors and what follows from them. Edge i runs from corner i to corner i + 1. */

@@ -5,10 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/candidates/inside.h"
-#include "raster/plan/plan.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- corners of the triangle ---- */
 

@@ -6,7 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "raster/check/inside.h"
 
 size_t chunk_pixels(const struct chunk *chunk)
@@ -34,8 +33,7 @@ void check_fail(struct check *check, size_t pixel, const struct check_failure *f
 static void expect(const struct check *check, const struct run *run, int band, struct block *block)
 {
     if (run->shaded && run->errors) {
-        expect_counts(check->scene->lit->plan, run, band, check->scene->full_scale, block->expected,
-                      block->bound);
+        expect_counts(check->scene->lit, run, band, block->expected, block->bound);
         return;
     }
     memset(block->expected, 0, block->n * sizeof *block->expected);
@@ -51,7 +49,7 @@ static void learn(const struct check *check, const struct run *run, int band, st
     for (size_t i = 0; i < block->n; i++)
         difference[i] = (double)block->seen[i] * FULL_COUNT - block->expected[i];
     if (run->shaded)
-        fit_add(check->scene->fit, run, band, difference, estimates);
+        fit_add(&check->scene->fit, run, band, difference, estimates);
 }
 
 /* Compares the samples of a run with the reference, and with the weights that the other bands call
@@ -60,8 +58,9 @@ static bool compare(const struct check *check, const struct run *run, int band,
                     const float *estimates, struct check_samples *samples, struct block *block)
 {
     expect(check, run, band, block);
-    block->fitted = run->shaded && run->errors &&
-                    fit_explain(check->scene->fit, run, band, estimates, block->bound, &block->fit);
+    block->fitted =
+        run->shaded && run->errors &&
+        fit_explain(&check->scene->fit, run, band, estimates, block->bound, &block->fit);
     for (size_t i = 0; i < block->n && !block->fitted; i++) {
         block->fit.explained[i] = 0;
         block->fit.limit[i] = block->fit.floor[i] = HUGE_VALF;
@@ -99,29 +98,24 @@ static float band_floor(const struct block *block, size_t i)
 
 /* ---- pixels with a single candidate ---- */
 
-/* Begins a block of samples. Returns their run. */
-static struct run run_of(const struct check *check, const struct stretch *stretch, float *seen,
-                         struct block *block)
+/* Returns the run of a stretch of samples that a block begins with. */
+static struct run run_of(const struct check *check, size_t first, struct block *block)
 {
     const struct chunk *chunk = check->chunk;
-    const size_t first = stretch->first;
     const int32_t surface = chunk->picture.surface[first];
-    block->n = stretch->n;
-    block->seen = seen;
     return (struct run){.shaded = surface < 0 ? NULL : check->scene->lit->bounds[surface].shaded,
                         .rows = chunk->picture.rows + first,
                         .errors = chunk->errors + first,
                         .own = chunk->own + first,
                         .stride = chunk_pixels(chunk),
-                        .n = stretch->n,
+                        .n = block->n,
                         .textured = block->textured};
 }
 
-static void learn_stretch(struct check *check, const struct stretch *stretch, int band, float *seen)
+static void learn_stretch(struct check *check, size_t first, int band, struct block *block)
 {
-    struct block block;
-    struct run run = run_of(check, stretch, seen, &block);
-    learn(check, &run, band, &block, check->estimates + stretch->first);
+    struct run run = run_of(check, first, block);
+    learn(check, &run, band, block, check->estimates + first);
 }
 
 /* Raises the ratios of a block's pixels to those of its samples, within bounds or not. */
@@ -144,19 +138,18 @@ static void raise_floors(const struct block *block, float *restrict floor, float
     }
 }
 
-static void judge_stretch(struct check *check, const struct stretch *stretch, int band, float *seen)
+static void judge_stretch(struct check *check, size_t first, int band, struct block *block)
 {
-    struct block block;
     struct check_failure failure;
-    struct run run = run_of(check, stretch, seen, &block);
-    bool within = compare(check, &run, band, check->estimates + stretch->first,
-                          &check->verdict.samples, &block);
-    raise_floors(&block, check->floor + stretch->first, check->band_floor + stretch->first);
+    struct run run = run_of(check, first, block);
+    bool within =
+        compare(check, &run, band, check->estimates + first, &check->verdict.samples, block);
+    raise_floors(block, check->floor + first, check->band_floor + first);
     if (check->ratio)
-        raise_ratios(check->ratio + stretch->first, &block);
-    for (size_t i = 0; i < stretch->n && !within; i++)
-        if (is_outside(&block, i, band, &failure))
-            check_fail(check, stretch->first + i, &failure);
+        raise_ratios(check->ratio + first, block);
+    for (size_t i = 0; i < block->n && !within; i++)
+        if (is_outside(block, i, band, &failure))
+            check_fail(check, first + i, &failure);
 }
 
 /* ---- ambiguous pixels ---- */
@@ -290,7 +283,7 @@ static bool is_smooth(const struct check *check, const struct tile *tile, size_t
     const size_t column = pixel % width;
     const int32_t surface = chunk->picture.surface[pixel];
     if ((double)chunk->pixels[pixel].steepness * FULL_COUNT >
-        SMOOTH_COUNTS * check->scene->full_scale)
+        SMOOTH_COUNTS * check->scene->lit->full_scale)
         return false;
     if ((column > 0 && !surely_shows(chunk, pixel - 1, surface)) ||
         (column < width - 1 && !surely_shows(chunk, pixel + 1, surface)))
@@ -356,18 +349,11 @@ static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row
     return at - first;
 }
 
-/* Lists the stretches of a chunk where `out` is not NULL. Returns how many there are. */
-static size_t list_stretches(const struct chunk *chunk, struct stretch *out)
+static void find_stretches(const struct chunk *chunk, uint16_t *out)
 {
     const size_t width = (size_t)chunk->picture.at.width, n_pixels = chunk_pixels(chunk);
-    size_t count = 0;
-    for (size_t first = 0, n; first < n_pixels; first += n + (n == 0)) {
-        n = settled_pixels(chunk, first, (first / width + 1) * width);
-        if (n > 0 && out)
-            out[count] = (struct stretch){first, n};
-        count += n > 0;
-    }
-    return count;
+    for (size_t first = 0; first<n_pixels; first += out[first]> 0 ? out[first] : 1)
+        out[first] = (uint16_t)settled_pixels(chunk, first, (first / width + 1) * width);
 }
 
 static bool allocate(const struct chunk *chunk, struct check *out, struct error *err)
@@ -375,7 +361,6 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
     const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan),
                  n_candidates = chunk->n_candidates,
                  n_hypotheses = n_candidates + chunk->n_ambiguous;
-    out->n_stretches = list_stretches(chunk, NULL);
     return MAKE_ARRAY(out->failed, n, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->floor, n, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->band_floor, n, err, "the check of %zu pixels", n) &&
@@ -383,7 +368,7 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
            MAKE_ARRAY(out->estimates, n * n_rows, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->candidate_estimates, n_candidates * n_rows, err, "%zu candidates",
                       n_candidates) &&
-           MAKE_ARRAY(out->stretches, out->n_stretches, err, "the check of %zu pixels", n) &&
+           MAKE_ARRAY(out->stretches, n, err, "the check of %zu pixels", n) &&
            (!out->scene->mapped || MAKE_ARRAY(out->ratio, n, err, "a map of %zu pixels", n));
 }
 
@@ -391,23 +376,40 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
                 struct error *err)
 {
     const struct plan *plan = scene->lit->plan;
-    *out = (struct check){.scene = scene,
-                          .chunk = chunk,
-                          .verdict = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
-                                      .worst_depth_ratio = -1}};
+    *out = (struct check){.scene = scene, .chunk = chunk, .verdict = empty_verdict};
     if (!allocate(chunk, out, err)) {
         check_free(out);
         return false;
     }
-    list_stretches(chunk, out->stretches);
+    find_stretches(chunk, out->stretches);
     for (size_t i = 0; i < chunk->n_candidates + chunk->n_ambiguous; i++)
-        out->hypotheses[i] = (struct hypothesis){
-            .alive = true, .samples = {.worst_ratio = -1, .worst_fit_ratio = -1}, .band = -1};
+        out->hypotheses[i] =
+            (struct hypothesis){.alive = true, .samples = empty_verdict.samples, .band = -1};
     for (size_t i = 0; i < chunk->n_ambiguous; i++)
         out->hypotheses[chunk->n_candidates + i].alive = chunk->ambiguous[i].background;
     out->tight_edges =
         scene->limits->strict || (plan->n_instances > 0 && scene->lit->driver->watertight);
     return true;
+}
+
+/* Learns from or judges the settled pixels of a pass. */
+static void treat_settled(struct check *check, int first_band, int n_channels, const float *pixels,
+                          size_t stride, bool learns)
+{
+    const size_t width = (size_t)check->chunk->picture.at.width;
+    float seen[BANDS_PER_PASS][BLOCK];
+    struct block block;
+    for (size_t first = 0; first<chunk_pixels(check->chunk); first += block.n> 0 ? block.n : 1) {
+        const float *from = pixels + (first / width * stride + first % width) * 4;
+        block.n = check->stretches[first];
+        for (size_t i = 0; i < block.n; i++)
+            for (size_t c = 0; c < BANDS_PER_PASS; c++)
+                seen[c][i] = from[4 * i + c];
+        for (int c = 0; c < n_channels && block.n > 0; c++) {
+            block.seen = seen[c];
+            (learns ? learn_stretch : judge_stretch)(check, first, first_band + c, &block);
+        }
+    }
 }
 
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride,
@@ -417,13 +419,7 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
     const size_t width = (size_t)chunk->picture.at.width;
     const int left = check->scene->lit->plan->n_bands - first_band,
               n_channels = left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
-    float seen[BANDS_PER_PASS][BLOCK];
-    for (const struct stretch *at = check->stretches; at < check->stretches + check->n_stretches;
-         at++) {
-        split_channels(pixels + (at->first / width * stride + at->first % width) * 4, at->n, seen);
-        for (int c = 0; c < n_channels; c++)
-            (learns ? learn_stretch : judge_stretch)(check, at, first_band + c, seen[c]);
-    }
+    treat_settled(check, first_band, n_channels, pixels, stride, learns);
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {
         const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];
         const size_t at = (size_t)pixel->pixel, x = at % width, y = at / width;

@@ -21,17 +21,13 @@
 #ifndef RASTER_CHECK_CHECK_H
 #define RASTER_CHECK_CHECK_H
 
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 enum { MAX_PILOT_PASSES = 3, MAX_PILOTS = MAX_PILOT_PASSES * BANDS_PER_PASS };
 /* A material; spectra are in counts. Arrays are owned. */
 struct material_fit {
+    int n_terms;
     float *spectra, *own, *rest; /* [band][term] */
     float *gains;                /* [pilot][term] */
     struct band_fit {
@@ -43,14 +39,15 @@ struct material_fit {
 struct fit {
     const struct plan *plan;
     int n_passes,
-        passes[MAX_PILOT_PASSES];   /* of the pilots, ascending: only the last may be short */
-    struct material_fit *materials; /* as of the plan */
+        passes[MAX_PILOT_PASSES];     /* of the pilots, ascending: only the last may be short */
+    int n_pilots, pilots[MAX_PILOTS]; /* their bands */
+    struct material_fit *materials;   /* as of the plan */
 };
 /* Chooses the pilots: the passes that say most about the weights of all materials. Nothing is
  * fitted in a colour buffer of few steps, whose rounding hides what a fit could show, and on
  * surfaces whose texture differs from band to band. The plan must outlive *out; fit_free accepts
- * what a failure left. */
-bool fit_make(const struct plan *plan, double full_scale, struct fit *out, struct error *err);
+ * what a failure left. Spectra are in counts of the scene's full scale. */
+bool fit_make(const struct lit_scene *lit, struct fit *out, struct error *err);
 void fit_free(struct fit *fit);
 
 /* A run in a band, in counts: the part of each difference that the estimate explains, a bound on
@@ -145,11 +142,9 @@ struct verdict_limits {
 };
 /* Shared by all checks of a render. */
 struct check_scene {
-    const struct lit_scene *lit;
-    const struct fit *fit;
+    const struct lit_scene *lit; /* with its full scale */
+    struct fit fit;
     const struct verdict_limits *limits;
-    double full_scale;
-    bool clips;  /* of find_full_scale */
     bool mapped; /* a map is wanted */
 };
 /* Sums over the chunks of a tile, or over the tiles of a picture. The picture's are sums of tiles'
@@ -160,13 +155,14 @@ struct check_totals {
     double shared;   /* of all pixels: see struct mean_bound; in counts */
     double *varying; /* of each triangle, the sum over its pixels */
     size_t n_triangles;
-    size_t *shown, n_shown, most_shown;  /* the triangles of a tile whose sum is above 0 */
     size_t *first;                       /* of each surface, its first triangle in `varying` */
     uint64_t (*unchecked)[BOUND_CAUSES]; /* of each surface: its pixels that are not checked */
 };
 /* False: no memory. The scene must outlive it. totals_free accepts what a failure left. */
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err);
 void totals_free(struct check_totals *totals);
+/* Adds a tile's sums to the picture's, and sets them to 0 for the next tile. */
+void totals_add(struct check_totals *picture, struct check_totals *tile);
 
 /* Completes the verdict of the picture when all tiles are added. */
 void totals_finish(struct check_totals *totals);
@@ -180,24 +176,15 @@ double mean_residual(const struct check_samples *samples);
 /* True if roundings cannot leave so large a mean. */
 bool is_biased(const struct check_verdict *verdict);
 
-/* ---- sums over a tile ---- */
-
-struct tile_sums {
-    struct check_totals totals; /* open; scene NULL: there is no check */
-    struct odd_samples odd;
-    struct light_work light;
-};
-/* Adds a tile's sums to the picture's, and sets them to 0 for the next tile. */
-void sums_add(struct tile_sums *picture, struct tile_sums *tile);
-
 /* ---- check.c: the verdict on each pixel ---- */
 
 /* The state of a chunk while its bands go by. */
 struct check {
     const struct check_scene *scene;
     const struct chunk *chunk;
-    struct stretch *stretches; /* of pixels with a single candidate; in all, all of them */
-    size_t n_stretches;
+    /* of pixels with a single candidate, BLOCK at most of one surface in a row: of the first how
+     * many they are; of ambiguous pixels 0 */
+    uint16_t *stretches;
     bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
     struct check_verdict verdict;
     struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
@@ -229,10 +216,6 @@ enum check_class { CLASS_CHECKED, CLASS_AMBIGUOUS, CLASS_NOT_CHECKED, CLASS_DIFF
 enum check_class check_class(const struct check *check, size_t pixel);
 void check_free(struct check *check);
 
-/* Pixels of one surface, or of the background, in a row: at most BLOCK. */
-struct stretch {
-    size_t first, n;
-};
 /* The hypothesis that OpenGL shows a candidate: it is alive until it fails to explain a sample. */
 struct hypothesis {
     bool alive;

@@ -4,8 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "raster/check/inside.h"
 
 /* Returns the number of a pass with pilots; -1: it has none. */
@@ -36,47 +34,51 @@ static const double worthwhile = 1.25;
 /* Knowledge of the errors of a material's weights. */
 struct knowledge {
     const struct material_fit *material;
-    int n_terms, n_bands;
     double brightest;   /* the largest sum of a band's spectra */
     double *covariance; /* [term][term]; owned */
     double *moved;      /* covariance x spectra of the band that came last; owned */
 };
 
-static double in_band(const struct knowledge *of, int term, int band)
+/* The place of a term in the tables of a material: see struct material_fit. */
+static size_t at(const struct material_fit *of, int term, int band)
 {
-    return (double)of->material->spectra[(size_t)band * (size_t)of->n_terms + (size_t)term];
+    return (size_t)band * (size_t)of->n_terms + (size_t)term;
 }
 
-static double band_sum(const struct knowledge *knowledge, int band)
+static double in_band(const struct material_fit *of, int term, int band)
+{
+    return (double)of->spectra[at(of, term, band)];
+}
+
+static double band_sum(const struct material_fit *material, int band)
 {
     double sum = 0;
-    for (int t = 0; t < knowledge->n_terms; t++)
-        sum += in_band(knowledge, t, band);
+    for (int t = 0; t < material->n_terms; t++)
+        sum += in_band(material, t, band);
     return sum;
 }
 
 /* The sum of a band's spectra: its rounding if each term rounds by 1. 0: too dark to teach us. */
 static double band_rounding(const struct knowledge *knowledge, int band)
 {
-    double sum = band_sum(knowledge, band);
+    double sum = band_sum(knowledge->material, band);
     return sum > dark * fmax(knowledge->brightest, 1) ? sum : 0;
 }
 
 /* Nothing is known but that errors are at most some multiple of roundings. False: no memory;
  * knowledge_free accepts what is left. */
-static bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out,
-                            struct error *err)
+static bool knowledge_begin(const struct fit *fit, const struct material_fit *material,
+                            struct knowledge *out, struct error *err)
 {
-    const size_t n = (size_t)fit->plan->materials[material].n_terms;
-    *out = (struct knowledge){
-        .material = &fit->materials[material], .n_terms = (int)n, .n_bands = fit->plan->n_bands};
+    const size_t n = (size_t)material->n_terms;
+    *out = (struct knowledge){.material = material};
     if (!MAKE_ARRAY(out->covariance, n * n, err, "the fit of a material") ||
         !MAKE_ARRAY(out->moved, n, err, "the fit of a material"))
         return false;
     for (size_t i = 0; i < n; i++)
         out->covariance[i * n + i] = prior * prior;
-    for (int band = 0; band < out->n_bands; band++)
-        out->brightest = fmax(out->brightest, band_sum(out, band));
+    for (int band = 0; band < fit->plan->n_bands; band++)
+        out->brightest = fmax(out->brightest, band_sum(material, band));
     return true;
 }
 
@@ -89,7 +91,7 @@ static void knowledge_free(struct knowledge *knowledge)
  * the product of standard deviations; 0 for a band that is black. */
 static double knowledge_add(struct knowledge *knowledge, int band)
 {
-    const int n = knowledge->n_terms;
+    const int n = knowledge->material->n_terms;
     const double rounding = band_rounding(knowledge, band), noise = rounding * rounding;
     double signal = 0;
     if (!(noise > 0))
@@ -97,8 +99,9 @@ static double knowledge_add(struct knowledge *knowledge, int band)
     for (int i = 0; i < n; i++) {
         knowledge->moved[i] = 0;
         for (int j = 0; j < n; j++)
-            knowledge->moved[i] += knowledge->covariance[i * n + j] * in_band(knowledge, j, band);
-        signal += knowledge->moved[i] * in_band(knowledge, i, band);
+            knowledge->moved[i] +=
+                knowledge->covariance[i * n + j] * in_band(knowledge->material, j, band);
+        signal += knowledge->moved[i] * in_band(knowledge->material, i, band);
     }
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
@@ -131,7 +134,7 @@ static double worth_of(struct choice *choice, int pass, double *most)
     double sum = 0;
     for (int m = 0; m < choice->fit->plan->n_materials; m++) {
         struct knowledge *known = &choice->known[m];
-        size_t size = (size_t)known->n_terms * (size_t)known->n_terms * sizeof *known->covariance;
+        const size_t n = (size_t)known->material->n_terms, size = n * n * sizeof *known->covariance;
         memcpy(choice->saved, known->covariance, size);
         double narrowed = add_pass(choice->fit, known, pass);
         memcpy(known->covariance, choice->saved, size);
@@ -168,7 +171,7 @@ static int compare_passes(const void *a, const void *b)
     return *first - *second;
 }
 
-/* Chooses fit->passes. False: no memory. */
+/* Chooses fit->passes and fit->pilots. False: no memory. */
 static bool pilots_choose(struct fit *fit, struct error *err)
 {
     const int n_materials = fit->plan->n_materials;
@@ -176,14 +179,18 @@ static bool pilots_choose(struct fit *fit, struct error *err)
     struct choice choice = {.fit = fit};
     bool done = MAKE_ARRAY(choice.known, n_materials, err, "the fit of materials");
     for (int m = 0; m < n_materials && done; m++) {
-        size_t n = (size_t)fit->plan->materials[m].n_terms;
+        const size_t n = (size_t)fit->materials[m].n_terms;
         most = n > most ? n : most;
-        done = knowledge_begin(fit, m, &choice.known[m], err);
+        done = knowledge_begin(fit, &fit->materials[m], &choice.known[m], err);
     }
     done = done && MAKE_ARRAY(choice.saved, most * most, err, "the fit of materials");
     while (done && choose_pass(&choice))
         ;
     qsort(fit->passes, (size_t)fit->n_passes, sizeof *fit->passes, compare_passes);
+    for (int p = 0; p < fit->n_passes; p++)
+        for (int band = fit->passes[p] * BANDS_PER_PASS;
+             band < (fit->passes[p] + 1) * BANDS_PER_PASS && band < fit->plan->n_bands; band++)
+            fit->pilots[fit->n_pilots++] = band;
     for (int m = 0; m < n_materials && choice.known; m++)
         knowledge_free(&choice.known[m]);
     FREE_ALL(choice.known, choice.saved);
@@ -282,36 +289,22 @@ static void place_explain(const struct fit *fit, const struct run *run, int band
 
 /* ---- a material ---- */
 
-/* The pilots of a material, while its bounds are computed. */
-struct pilots {
-    const struct fit *fit;
-    const struct shaded_material *shaded;
-    struct material_fit *out;
-    int n, band[MAX_PILOTS];
-};
-
-static float *at(const struct pilots *of, float *table, int term, int band)
-{
-    return &table[(size_t)band * (size_t)of->shaded->n_terms + (size_t)term];
-}
-
 /* Computes the gains of least squares: covariance x spectra / rounding^2, with the covariance after
  * all pilots. */
-static bool make_gains(const struct pilots *of, int material, struct error *err)
+static bool make_gains(const struct fit *fit, struct material_fit *of, struct error *err)
 {
     struct knowledge known;
-    const int n = of->shaded->n_terms;
-    bool done = knowledge_begin(of->fit, material, &known, err);
-    for (int k = 0; k < of->n && done; k++)
-        knowledge_add(&known, of->band[k]);
-    for (int k = 0; k < of->n && done; k++) {
-        double rounding = band_rounding(&known, of->band[k]);
+    const int n = of->n_terms;
+    bool done = knowledge_begin(fit, of, &known, err);
+    for (int k = 0; k < fit->n_pilots && done; k++)
+        knowledge_add(&known, fit->pilots[k]);
+    for (int k = 0; k < fit->n_pilots && done; k++) {
+        double rounding = band_rounding(&known, fit->pilots[k]);
         for (int i = 0; i < n && rounding > 0; i++) {
             double sum = 0;
             for (int j = 0; j < n; j++)
-                sum +=
-                    known.covariance[i * n + j] * (double)*at(of, of->out->spectra, j, of->band[k]);
-            of->out->gains[k * n + i] = (float)(sum / (rounding * rounding));
+                sum += known.covariance[i * n + j] * in_band(of, j, fit->pilots[k]);
+            of->gains[k * n + i] = (float)(sum / (rounding * rounding));
         }
     }
     knowledge_free(&known);
@@ -325,18 +318,17 @@ struct influence {
     int itself; /* the pilot that is this band; -1: none */
 };
 
-static struct influence influence_on(const struct pilots *of, int band)
+static struct influence influence_on(const struct fit *fit, const struct material_fit *of, int band)
 {
     struct influence out = {.itself = -1};
-    for (int k = 0; k < of->n; k++) {
-        for (int t = 0; t < of->shaded->n_terms; t++) {
-            double part = (double)*at(of, of->out->spectra, t, band) *
-                          (double)of->out->gains[k * of->shaded->n_terms + t];
+    for (int k = 0; k < fit->n_pilots; k++) {
+        for (int t = 0; t < of->n_terms; t++) {
+            double part = in_band(of, t, band) * (double)of->gains[k * of->n_terms + t];
             out.h[k] += part;
             out.size[k] += fabs(part);
         }
         out.sum += fabs(out.h[k]);
-        if (of->band[k] == band)
+        if (fit->pilots[k] == band)
             out.itself = k;
     }
     return out;
@@ -348,44 +340,38 @@ static const float small_share = 0x1p-10F;
 /* The estimate is a sum over pilots in single precision, and so is what it explains. */
 enum { ESTIMATE_ROUNDINGS = MAX_PILOTS + 8 };
 
-static void bound_band(const struct pilots *of, int band)
+static void bound_band(const struct fit *fit, struct material_fit *of, int band)
 {
-    struct influence by = influence_on(of, band);
+    struct influence by = influence_on(fit, of, band);
+    struct band_fit *out = &of->bands[band];
     double kept = by.itself < 0 ? 1 : 1 - by.h[by.itself];
     bool fitted = by.sum > 0 && kept >= 1 - MOST_OF_ITSELF;
-    of->out->bands[band].scale = fitted ? (float)(1 / kept) : 0;
-    of->out->bands[band].flushed = (float)(flushed_counts() * (1 + by.sum));
-    for (int t = 0; t < of->shaded->n_terms; t++) {
-        double s = (double)*at(of, of->out->spectra, t, band), own = s * fabs(kept), rest = s,
-               rounding = 0;
-        for (int k = 0; k < of->n; k++) {
-            double of_pilot = (double)*at(of, of->out->spectra, t, of->band[k]);
+    out->scale = fitted ? (float)(1 / kept) : 0;
+    out->flushed = (float)(flushed_counts() * (1 + by.sum));
+    for (int t = 0; t < of->n_terms; t++) {
+        double s = in_band(of, t, band), own = s * fabs(kept), rest = s, rounding = 0;
+        for (int k = 0; k < fit->n_pilots; k++) {
+            double of_pilot = in_band(of, t, fit->pilots[k]);
             own += k == by.itself ? 0 : fabs(by.h[k]) * of_pilot;
             rest -= by.h[k] * of_pilot;
             rounding += by.size[k] * of_pilot;
         }
-        *at(of, of->out->own, t, band) = (float)own;
         double left = fabs(rest) + roundings(ESTIMATE_ROUNDINGS) * (s + rounding);
-        *at(of, of->out->rest, t, band) = (float)left;
-        of->out->bands[band].share =
-            fmaxf(of->out->bands[band].share, left > 0 ? (float)(1.000001 * left / s) : 0);
+        of->own[at(of, t, band)] = (float)own;
+        of->rest[at(of, t, band)] = (float)left;
+        out->share = fmaxf(out->share, left > 0 ? (float)(1.000001 * left / s) : 0);
     }
 }
 
 static bool fit_material(const struct fit *fit, int material, struct error *err)
 {
-    const struct shaded_material *shaded = &fit->plan->materials[material];
-    struct pilots of = {.fit = fit, .shaded = shaded, .out = &fit->materials[material]};
-    if (has_places(shaded))
+    struct material_fit *of = &fit->materials[material];
+    if (has_places(&fit->plan->materials[material]))
         return true;
-    for (int p = 0; p < fit->n_passes; p++)
-        for (int c = 0; c < BANDS_PER_PASS; c++)
-            if (fit->passes[p] * BANDS_PER_PASS + c < fit->plan->n_bands)
-                of.band[of.n++] = fit->passes[p] * BANDS_PER_PASS + c;
-    if (!make_gains(&of, material, err))
+    if (!make_gains(fit, of, err))
         return false;
     for (int band = 0; band < fit->plan->n_bands; band++)
-        bound_band(&of, band);
+        bound_band(fit, of, band);
     return true;
 }
 
@@ -399,6 +385,7 @@ static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
         struct material_fit *out = &fit->materials[m];
         const size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands,
                      n = n_terms * n_bands;
+        out->n_terms = shaded->n_terms;
         if (!MAKE_ARRAY(out->spectra, n, err, "the spectra of a material") ||
             !MAKE_ARRAY(out->own, n, err, "the bounds of a material") ||
             !MAKE_ARRAY(out->rest, n, err, "the bounds of a material") ||
@@ -413,11 +400,12 @@ static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
     return true;
 }
 
-bool fit_make(const struct plan *plan, double full_scale, struct fit *out, struct error *err)
+bool fit_make(const struct lit_scene *lit, struct fit *out, struct error *err)
 {
+    const struct plan *plan = lit->plan;
     *out = (struct fit){.plan = plan};
     bool done = MAKE_ARRAY(out->materials, plan->n_materials, err, "the fit of materials") &&
-                make_spectra(out, full_scale, err) &&
+                make_spectra(out, lit->full_scale, err) &&
                 (buffer_steps(plan) > 0 || pilots_choose(out, err));
     for (int m = 0; m < plan->n_materials && done && out->n_passes > 0; m++)
         done = fit_material(out, m, err);

@@ -17,30 +17,40 @@ static bool fits_depth(struct check *check, const struct shown *shown, double de
     return off <= error;
 }
 
-static struct check_failure depth_failure(const struct shown *shown, double depth, double error)
+/* A triangle that OpenGL may show at a pixel. Depths are rounded to single precision: their errors
+ * cover that. */
+struct named {
+    int32_t surface, triangle; /* -1: the background */
+    double depth, error;
+};
+static const struct named background = {-1, -1, 1, 0};
+
+/* Returns whether OpenGL shows this there. Where only the depth differs, *failure says so. */
+static bool is_shown(struct check *check, const struct named *named, const struct shown *shown,
+                     const struct renderer_lacks *lacks, struct check_failure *failure)
 {
-    return (struct check_failure){.kind = FAILURE_DEPTH,
-                                  .seen = shown->depth / depth_steps,
-                                  .expected = depth,
-                                  .bound = error};
+    if (!lacks->numbers && (shown->surface != named->surface ||
+                            (named->surface >= 0 && shown->triangle != named->triangle)))
+        return false;
+    if (lacks->depths || fits_depth(check, shown, named->depth, named->error))
+        return true;
+    *failure = (struct check_failure){.kind = FAILURE_DEPTH,
+                                      .seen = shown->depth / depth_steps,
+                                      .expected = named->depth,
+                                      .bound = named->error};
+    return false;
 }
 
-/* The depth is rounded to single precision, as those of candidates: depth_error covers that. */
 static void identify_settled(struct check *check, size_t pixel, const struct shown *shown,
                              const struct renderer_lacks *lacks)
 {
-    const struct chunk *chunk = check->chunk;
-    bool background = chunk->picture.surface[pixel] < 0;
-    double depth = background ? 1 : (double)(float)chunk->picture.depth[pixel],
-           error = background ? 0 : (double)chunk->pixels[pixel].depth_error;
+    const struct picture *picture = &check->chunk->picture;
+    const struct named named = {picture->surface[pixel], picture->triangle[pixel],
+                                (double)(float)picture->depth[pixel],
+                                (double)check->chunk->pixels[pixel].depth_error};
     struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
-    if (lacks->numbers || (shown->surface == chunk->picture.surface[pixel] &&
-                           (background || shown->triangle == chunk->picture.triangle[pixel]))) {
-        if (lacks->depths || fits_depth(check, shown, depth, error))
-            return;
-        failure = depth_failure(shown, depth, error);
-    }
-    check_fail(check, pixel, &failure);
+    if (!is_shown(check, named.surface < 0 ? &background : &named, shown, lacks, &failure))
+        check_fail(check, pixel, &failure);
 }
 
 /* Only the hypothesis that OpenGL shows stays alive. */
@@ -49,21 +59,16 @@ static void identify_ambiguous(struct check *check, size_t index, const struct s
 {
     const struct chunk *chunk = check->chunk;
     const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[index];
-    struct hypothesis *background = &check->hypotheses[chunk->n_candidates + index];
-    background->alive = background->alive && (lacks->numbers || shown->surface < 0) &&
-                        (lacks->depths || fits_depth(check, shown, 1, 0));
-    struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
-    bool any = background->alive;
+    bool *is_background = &check->hypotheses[chunk->n_candidates + index].alive;
+    struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown}, ignored;
+    *is_background = *is_background && is_shown(check, &background, shown, lacks, &ignored);
+    bool any = *is_background;
     for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++) {
         const struct candidate *candidate = &chunk->candidates[c];
-        double depth = (double)candidate->depth, error = (double)candidate->depth_error;
-        bool named = lacks->numbers || (candidate->surface == shown->surface &&
-                                        candidate->triangle == shown->triangle);
-        check->hypotheses[c].alive =
-            named && (lacks->depths || fits_depth(check, shown, depth, error));
+        const struct named named = {candidate->surface, candidate->triangle,
+                                    (double)candidate->depth, (double)candidate->depth_error};
+        check->hypotheses[c].alive = is_shown(check, &named, shown, lacks, &failure);
         any = any || check->hypotheses[c].alive;
-        if (named)
-            failure = depth_failure(shown, depth, error);
     }
     if (!any)
         check_fail(check, (size_t)ambiguous->pixel, &failure);

@@ -36,6 +36,7 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
 void check_fail(struct check *check, size_t pixel, const struct check_failure *failure);
 
 void samples_add(struct check_samples *to, const struct check_samples *from);
+extern const struct check_verdict empty_verdict; /* of no pixel */
 
 size_t chunk_pixels(const struct chunk *chunk);
 

@@ -3,19 +3,18 @@
 #include <float.h>
 #include <math.h>
 
-#include "data/base/base.h"
 #include "raster/check/inside.h"
 
 /* ---- totals ---- */
 
-static const struct check_verdict nothing = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
-                                             .worst_depth_ratio = -1};
+const struct check_verdict empty_verdict = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
+                                            .worst_depth_ratio = -1};
 
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err)
 {
     const struct plan *plan = scene->lit->plan;
     const int n = plan->n_instances;
-    *out = (struct check_totals){.scene = scene, .verdict = nothing};
+    *out = (struct check_totals){.scene = scene, .verdict = empty_verdict};
     if (!MAKE_ARRAY(out->first, n, err, "%d objects", n) ||
         !MAKE_ARRAY(out->unchecked, n, err, "%d objects", n))
         return false;
@@ -23,16 +22,12 @@ bool totals_open(const struct check_scene *scene, struct check_totals *out, stru
         out->first[s] = out->n_triangles;
         out->n_triangles += (size_t)plan->instances[s].instance.n_triangles;
     }
-    /* a pixel of a tile shows at most one triangle */
-    const size_t pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    out->most_shown = pixels < out->n_triangles ? pixels : out->n_triangles;
-    return MAKE_ARRAY(out->varying, out->n_triangles, err, "%zu triangles", out->n_triangles) &&
-           MAKE_ARRAY(out->shown, out->most_shown, err, "%zu triangles", out->most_shown);
+    return MAKE_ARRAY(out->varying, out->n_triangles, err, "%zu triangles", out->n_triangles);
 }
 
 void totals_free(struct check_totals *totals)
 {
-    FREE_ALL(totals->first, totals->unchecked, totals->varying, totals->shown);
+    FREE_ALL(totals->first, totals->unchecked, totals->varying);
     *totals = (struct check_totals){.scene = NULL};
 }
 
@@ -45,7 +40,7 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
                  const struct mean_bound *mean)
 {
     const double counts = shaded_brightest(totals->scene->lit->bounds[surface].shaded) /
-                          totals->scene->full_scale * FULL_COUNT;
+                          totals->scene->lit->full_scale * FULL_COUNT;
     const bool bounded = floor < FULL_COUNT,
                checked = floor <= checked_counts(totals->scene->lit->plan);
     totals->verdict.objects++;
@@ -56,35 +51,19 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
         return;
     /* a float below the least normal number may have lost its digits */
     totals->shared += ((double)mean->shared + (double)FLT_MIN) * counts;
-    const size_t shown = totals->first[surface] + (size_t)triangle;
-    const double varying = (double)mean->varying * counts;
-    if (totals->varying[shown] <= 0 && !(varying <= 0)) /* NaN, too */
-        totals->shown[totals->n_shown++] = shown;
-    totals->varying[shown] += varying;
+    totals->varying[totals->first[surface] + (size_t)triangle] += (double)mean->varying * counts;
 }
 
-void sums_add(struct tile_sums *picture, struct tile_sums *tile)
+void totals_add(struct check_totals *to, struct check_totals *from)
 {
-    struct check_totals *to = &picture->totals, *from = &tile->totals;
-    picture->odd.clipped += tile->odd.clipped;
-    picture->odd.undefined += tile->odd.undefined;
-    picture->light.points_lit += tile->light.points_lit;
-    picture->light.specular_vertices += tile->light.specular_vertices;
-    picture->light.power_functions += tile->light.power_functions;
-    tile->odd = (struct odd_samples){0, 0};
-    tile->light = (struct light_work){.points_lit = 0};
-    if (!from->scene)
-        return;
     verdict_add(&to->verdict, &from->verdict);
-    from->verdict = nothing;
+    from->verdict = empty_verdict;
     to->shared += from->shared;
     from->shared = 0;
-    for (size_t i = 0; i < from->n_shown; i++) {
-        double *varying = &from->varying[from->shown[i]];
-        to->varying[from->shown[i]] += *varying;
-        *varying = 0;
+    for (size_t i = 0; i < from->n_triangles; i++) {
+        to->varying[i] += from->varying[i];
+        from->varying[i] = 0;
     }
-    from->n_shown = 0;
     for (int s = 0; s < from->scene->lit->plan->n_instances; s++)
         for (int c = 0; c < BOUND_CAUSES; c++) {
             to->unchecked[s][c] += from->unchecked[s][c];
@@ -110,15 +89,12 @@ static const double chance = 21.4164; /* ln(2 x 10^9) */
 static double mean_limit(const struct check_totals *totals)
 {
     const struct plan *plan = totals->scene->lit->plan;
-    if (totals->scene->clips && buffer_steps(plan) > 0)
+    if (totals->scene->lit->clips && buffer_steps(plan) > 0)
         return HUGE_VAL;
     const double pixels = (double)totals->verdict.pixels;
     double squares = 0;
-    for (int s = 0; s < plan->n_instances; s++)
-        for (int t = 0; t < plan->instances[s].instance.n_triangles; t++) {
-            double sum = totals->varying[totals->first[s] + (size_t)t];
-            squares += sum * sum;
-        }
+    for (size_t i = 0; i < totals->n_triangles; i++)
+        squares += totals->varying[i] * totals->varying[i];
     return (totals->shared + sqrt(2 * chance * squares)) / pixels + buffer_rounding(plan) +
            flushed_counts();
 }

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/counts/counts.h"
 
 /* In counts, some 10^-25 of full scale. Mesa flushes results below 2^-126 = 1.2e-38 to zero. The
@@ -105,9 +104,10 @@ void add_rows(const struct run *run, const float *rows, const float *factors, si
         sums[i] += last[i] * factors[t];
 }
 
-void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
-                   double *expected, float *bound)
+void expect_counts(const struct lit_scene *lit, const struct run *run, int band, double *expected,
+                   float *bound)
 {
+    const struct plan *plan = lit->plan;
     const struct shaded_material *shaded = run->shaded;
     memset(expected, 0, run->n * sizeof *expected);
     if (bound)
@@ -121,7 +121,7 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
             rows[i] = run->rows + (t + (i < n ? i : 0)) * run->stride;
             if (i < n)
                 spectra[i] = shaded->made.spectra[(t + i) * (size_t)plan->n_bands + (size_t)band] /
-                             full_scale * FULL_COUNT;
+                             lit->full_scale * FULL_COUNT;
             factors[i] = (float)spectra[i];
         }
         add_terms(rows, spectra, run->n, expected); /* of a single one twice, once as nothing */

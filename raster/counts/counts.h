@@ -5,23 +5,19 @@
 #define RASTER_COUNTS_COUNTS_H
 
 #include "raster/bounds/bounds.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- full_scale.c ---- */
 
 /* Finds the full scale: the one that the plan asks for, or the largest vertex radiance over all
  * surfaces and wavelengths; 1 for an all-black scene. It is at least 2^-100 of the lights, since
  * single precision cannot hold a larger ratio. Refuses radiances that are not finite, and a largest
- * radiance that is rounding noise, at the place of their object. *clips: a vertex is brighter than
- * the full scale.
+ * radiance that is rounding noise, at the place of their object.
  *
  * With phong shading points between vertices may be brighter. There the largest radiance is an
  * upper bound: every surface faces every light, shows the middle of its highlight, and is as near
  * to it as its nearest point. A light that touches a surface and has no constant attenuation has no
  * bound: it is refused unless the plan asks for a full scale. */
-bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, struct error *err);
+bool find_full_scale(struct lit_scene *lit, struct error *err);
 
 /* ---- counts.c ---- */
 
@@ -53,8 +49,8 @@ struct run {
 double flushed_counts(void);
 /* Computes the counts of a run in one band, before rounding, and bounds on OpenGL's error if the
  * run has errors. A bound may be infinite. Fills in what the run keeps. */
-void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
-                   double *expected, float *bound);
+void expect_counts(const struct lit_scene *lit, const struct run *run, int band, double *expected,
+                   float *bound);
 /* Adds to the sum of each pixel n_terms rows times factors; rows are run->stride apart. */
 void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
               float *sums);
@@ -70,23 +66,19 @@ struct odd_samples {
  * says. Where the scene has several positions a pixel, the rows are whole pixels, and memory is for
  * their means. */
 struct stored_band {
-    const struct plan *plan;
+    const struct lit_scene *lit; /* with its full scale */
     int band;
-    double full_scale;
     void *out; /* without gaps */
 };
 /* Stores bands of a picture by the reference. */
 struct odd_samples store_reference(const struct stored_band *bands, int n_bands,
-                                   const struct lit_scene *lit, const struct picture *picture);
+                                   const struct picture *picture);
 /* Stores the bands of a pass, one after the other, of rows by OpenGL: `pixels` is their first
- * pixel, 4 floats each, rows `stride` pixels apart, in parts of full scale. `clips`: a vertex is
- * brighter than full scale, so that a colour buffer of steps may have cut samples off; full ones
- * then count as clipped. */
+ * pixel, 4 floats each, rows `stride` pixels apart, in parts of full scale. Where a vertex is
+ * brighter than full scale, a colour buffer of steps may have cut samples off; full ones then count
+ * as clipped. */
 struct odd_samples store_gl(const struct stored_band *bands, int n_bands,
-                            const struct rectangle *rows, bool clips, const float *pixels,
-                            size_t stride);
-/* Takes the channels of n <= BLOCK such pixels apart. */
-void split_channels(const float *pixels, size_t n, float out[BANDS_PER_PASS][BLOCK]);
+                            const struct rectangle *rows, const float *pixels, size_t stride);
 
 /* Clamp counts, and clamp and round them, as they are stored; NaN becomes 0. They stand in the
  * header so that loops over samples inline them. */

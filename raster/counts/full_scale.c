@@ -5,9 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
-#include "data/maths/maths.h"
-#include "data/scene/scene.h"
 #include "raster/counts/counts.h"
 
 /* ---- upper bounds for Phong shading ---- */
@@ -249,7 +246,7 @@ static double least_full_scale(const struct plan *plan)
     return ldexp(largest * share, -100);
 }
 
-bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, struct error *err)
+bool find_full_scale(struct lit_scene *lit, struct error *err)
 {
     const struct plan *plan = lit->plan;
     double *limits;
@@ -273,7 +270,7 @@ bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, stru
                            "--full-scale: %g is too small for these lights; single precision "
                            "needs at least %.3g",
                            wanted, least);
-    *clips = wanted > 0 && wanted < largest;
-    *out = wanted > 0 ? wanted : fmax(largest > 0 ? largest : 1, least);
+    lit->clips = wanted > 0 && wanted < largest;
+    lit->full_scale = wanted > 0 ? wanted : fmax(largest > 0 ? largest : 1, least);
     return true;
 }

@@ -22,13 +22,13 @@ static double clipping_limit(const struct plan *plan)
 /* A page of counts holds none above full scale; a page of floats holds them as radiances. */
 static bool holds_counts(const struct stored_band *band)
 {
-    return band->plan->options.bits < 32;
+    return band->lit->plan->options.bits < 32;
 }
 
 /* The sample of a page that stands for one count. */
 static double page_scale(const struct stored_band *band)
 {
-    return holds_counts(band) ? 1 : band->full_scale / FULL_COUNT;
+    return holds_counts(band) ? 1 : band->lit->full_scale / FULL_COUNT;
 }
 
 /* Returns whether all are in [0, FULL_COUNT]; NaN is not. Sums are kept in lanes, which the
@@ -67,7 +67,7 @@ static void tame(const struct stored_band *band, double *counts, size_t n, doubl
 static void store(const struct stored_band *band, double *counts, size_t n, double limit, size_t at,
                   struct odd_samples *odd)
 {
-    const int bits = band->plan->options.bits;
+    const int bits = band->lit->plan->options.bits;
     const double scale = page_scale(band);
     uint8_t *bytes = (uint8_t *)band->out + at;
     uint16_t *words = (uint16_t *)band->out + at;
@@ -95,22 +95,21 @@ static size_t run_length(const int32_t *surface, size_t first, size_t last)
 }
 
 /* Finds the counts of n positions of the reference, in a run of one surface. */
-static void reference_counts(const struct stored_band *band, const struct lit_scene *lit,
-                             const struct picture *picture, size_t at, size_t n, double *counts)
+static void reference_counts(const struct stored_band *band, const struct picture *picture,
+                             size_t at, size_t n, double *counts)
 {
     const int32_t surface = picture->surface[at];
-    const struct run run = {.shaded = surface >= 0 ? lit->bounds[surface].shaded : NULL,
+    const struct run run = {.shaded = surface >= 0 ? band->lit->bounds[surface].shaded : NULL,
                             .rows = picture->rows + at,
                             .stride = (size_t)picture->at.width * (size_t)picture->at.height,
                             .n = n};
     memset(counts, 0, n * sizeof *counts);
     if (run.shaded)
-        expect_counts(band->plan, &run, band->band, band->full_scale, counts, NULL);
+        expect_counts(band->lit, &run, band->band, counts, NULL);
 }
 
 /* Positions of the reference, or of OpenGL if picture is NULL. */
 struct positions {
-    const struct lit_scene *lit;
     const struct picture *picture;
     const float *pixels; /* as store_gl takes them, with the stride */
     size_t stride;
@@ -130,7 +129,7 @@ static void row_counts(const struct positions *of, const struct stored_band *ban
     const size_t first = at[1] * (size_t)of->picture->at.width + at[0];
     for (size_t i = 0, run; i < n; i += run) {
         run = run_length(of->picture->surface, first + i, first + n);
-        reference_counts(band, of->lit, of->picture, first + i, run, counts + i);
+        reference_counts(band, of->picture, first + i, run, counts + i);
     }
 }
 
@@ -141,7 +140,7 @@ static void row_counts(const struct positions *of, const struct stored_band *ban
 static uint64_t mean_counts(const struct positions *of, const struct stored_band *band,
                             const size_t pixel[2], size_t n, double limit, double *means)
 {
-    const size_t side = (size_t)band->plan->scene->positions;
+    const size_t side = (size_t)band->lit->plan->scene->positions;
     double counts[BLOCK], most[BLOCK] = {0};
     uint64_t cut = 0;
     memset(means, 0, n * sizeof *means);
@@ -160,100 +159,45 @@ static uint64_t mean_counts(const struct positions *of, const struct stored_band
     return cut;
 }
 
-/* Stores the means of the positions of each pixel. rows: in positions, whole pixels. */
-static struct odd_samples store_means(const struct stored_band *bands, int n_bands,
-                                      const struct rectangle *rows, const struct positions *of,
-                                      double limit)
+/* ---- all positions ---- */
+
+/* Stores pixels; a pixel of several positions has their mean. rows: in positions, whole pixels. */
+static struct odd_samples store_rows(const struct stored_band *bands, int n_bands,
+                                     const struct rectangle *rows, const struct positions *of,
+                                     double limit)
 {
-    const size_t side = (size_t)bands->plan->scene->positions, width = (size_t)rows->width / side,
-                 height = (size_t)rows->height / side;
+    const size_t side = (size_t)bands->lit->plan->scene->positions,
+                 width = (size_t)rows->width / side, height = (size_t)rows->height / side;
     struct odd_samples odd = {0, 0};
-    double means[BLOCK];
+    double counts[BLOCK];
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0, n; x < width; x += n) {
             const size_t at[2] = {x, y};
             n = width - x < BLOCK / side ? width - x : BLOCK / side;
-            for (int i = 0; i < n_bands; i++) {
-                odd.clipped += mean_counts(of, &bands[i], at, n, limit, means);
-                store(&bands[i], means, n, limit, y * width + x, &odd);
+            for (const struct stored_band *band = bands; band < bands + n_bands; band++) {
+                if (side == 1)
+                    row_counts(of, band, at, n, counts);
+                else
+                    odd.clipped += mean_counts(of, band, at, n, limit, counts);
+                store(band, counts, n, limit, y * width + x, &odd);
             }
         }
     return odd;
 }
 
-/* ---- all positions ---- */
-
 struct odd_samples store_reference(const struct stored_band *bands, int n_bands,
-                                   const struct lit_scene *lit, const struct picture *picture)
+                                   const struct picture *picture)
 {
-    const struct positions positions = {.lit = lit, .picture = picture};
-    const double limit = clipping_limit(bands->plan);
-    size_t n_pixels = (size_t)picture->at.width * (size_t)picture->at.height, n;
-    struct odd_samples odd = {0, 0};
-    double counts[BLOCK];
-    if (bands->plan->scene->positions > 1)
-        return store_means(bands, n_bands, &picture->at, &positions, limit);
-    for (size_t at = 0; at < n_pixels; at += n) {
-        n = run_length(picture->surface, at, n_pixels);
-        for (const struct stored_band *band = bands; band < bands + n_bands; band++) {
-            reference_counts(band, lit, picture, at, n, counts);
-            store(band, counts, n, limit, at, &odd);
-        }
-    }
-    return odd;
-}
-
-void split_channels(const float *pixels, size_t n, float out[BANDS_PER_PASS][BLOCK])
-{
-    for (size_t i = 0; i < n; i++) {
-        out[0][i] = pixels[4 * i];
-        out[1][i] = pixels[4 * i + 1];
-        out[2][i] = pixels[4 * i + 2];
-    }
-}
-
-/* Returns whether all are from 0 to full scale; NaN is not. */
-static bool are_parts(const float *seen, size_t n)
-{
-    int odd = 0;
-    for (size_t i = 0; i < n; i++)
-        odd |= !(seen[i] >= 0) | !(seen[i] <= 1);
-    return odd == 0;
-}
-
-/* Stores n <= BLOCK samples of OpenGL, in parts of full scale: see store. */
-static void store_parts(const struct stored_band *band, const float *seen, size_t n, double limit,
-                        size_t at, struct odd_samples *odd)
-{
-    uint16_t *restrict words = (uint16_t *)band->out + at;
-    const bool plain = band->plan->options.bits == 16 && limit > FULL_COUNT && are_parts(seen, n);
-    double counts[BLOCK];
-    for (size_t i = 0; i < n && plain; i++)
-        words[i] = (uint16_t)(int)((double)seen[i] * FULL_COUNT + 0.5);
-    for (size_t i = 0; i < n && !plain; i++)
-        counts[i] = (double)seen[i] * FULL_COUNT;
-    if (!plain)
-        store(band, counts, n, limit, at, odd);
+    const struct positions positions = {.picture = picture};
+    return store_rows(bands, n_bands, &picture->at, &positions, clipping_limit(bands->lit->plan));
 }
 
 struct odd_samples store_gl(const struct stored_band *bands, int n_bands,
-                            const struct rectangle *rows, bool clips, const float *pixels,
-                            size_t stride)
+                            const struct rectangle *rows, const float *pixels, size_t stride)
 {
-    const struct plan *plan = bands->plan;
-    const double limit = clips && buffer_steps(plan) > 0 ? FULL_COUNT : clipping_limit(plan);
+    const struct plan *plan = bands->lit->plan;
     const struct positions positions = {.pixels = pixels, .stride = stride};
-    size_t width = (size_t)rows->width, n;
-    struct odd_samples odd = {0, 0};
-    float seen[BANDS_PER_PASS][BLOCK];
-    if (plan->scene->positions > 1)
-        return store_means(bands, n_bands, rows, &positions, limit);
-    for (size_t y = 0; y < (size_t)rows->height; y++)
-        for (size_t x = 0; x < width; x += n) {
-            n = width - x < BLOCK ? width - x : BLOCK;
-            split_channels(pixels + (y * stride + x) * 4, n, seen);
-            for (int c = 0; c < n_bands; c++)
-                store_parts(&bands[c], seen[c], n, limit, y * width + x, &odd);
-        }
-    return odd;
+    return store_rows(bands, n_bands, rows, &positions,
+                      bands->lit->clips && buffer_steps(plan) > 0 ? FULL_COUNT
+                                                                  : clipping_limit(plan));
 }

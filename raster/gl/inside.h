@@ -3,10 +3,7 @@
 #ifndef RASTER_GL_INSIDE_H
 #define RASTER_GL_INSIDE_H
 
-#include "data/maths/maths.h"
 #include "raster/gl/gl.h"
-
-/* after GL/gl.h */
 
 /* ---- library.c: files of libraries ---- */
 

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/mesh/mesh.h"
 #include "raster/gl/inside.h"
 
 /* ---- meshes ---- */

@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/scene/scene.h"
 #include "raster/gl/inside.h"
 
 struct gl {

@@ -2,7 +2,6 @@
 /* Spectra that are tables, and end before the picture's wavelengths do. */
 #include <math.h>
 
-#include "data/spectra/spectra.h"
 #include "raster/plan/inside.h"
 
 /* The tables of a plan, looked at one by one. */

@@ -2,7 +2,6 @@
 /* Lists the effects of a plan, each with the reason why it is simulated or not. */
 #include <string.h>
 
-#include "data/spectra/spectra.h"
 #include "raster/plan/inside.h"
 
 /* ---- counting what the plan uses ---- */
@@ -64,38 +63,6 @@ static struct counts count_all(const struct plan *plan)
 
 /* ---- effects and their reasons ---- */
 
-static void add_effect(struct plan *plan, const char *name, bool used, const char *reason)
-{
-    struct plan_effect *effect = &plan->effects[plan->n_effects++];
-    effect->name = name;
-    effect->used = used;
-    snprintf(effect->reason, sizeof effect->reason, "%s", reason);
-}
-
-static void add_counted(struct plan *plan, const char *name, int used, int all, const char *what,
-                        const char *otherwise)
-{
-    char reason[sizeof plan->effects->reason];
-    snprintf(reason, sizeof reason, "%d of %d %s", used, all, what);
-    add_effect(plan, name, used > 0, used > 0 ? reason : otherwise);
-}
-
-static void add_material_effect(struct plan *plan, const char *name, int used,
-                                const char *otherwise)
-{
-    add_counted(plan, name, used, plan->n_materials, "materials", otherwise);
-}
-
-static void add_shading(struct plan *plan, const char *name, enum shading_kind shading)
-{
-    const enum shading_kind used = plan->scene->shading;
-    add_effect(plan, name, used == shading,
-               used == shading         ? "the scene asks for it"
-               : used == SHADING_FLAT  ? "shading is flat"
-               : used == SHADING_PHONG ? "shading is phong"
-                                       : "shading is smooth");
-}
-
 static const char *why_no_luminescence(const struct plan *plan, int able, const char *none_able)
 {
     return able == 0                                       ? none_able
@@ -103,38 +70,57 @@ static const char *why_no_luminescence(const struct plan *plan, int able, const 
                                                            : "nothing is excited and shown";
 }
 
+/* An effect as it is counted: so many of all that it may concern call for it. */
+struct counted {
+    const char *name;
+    int used, all;
+    const char *what, *otherwise; /* what: of the numbers; NULL: the scene asks for it or not */
+};
+
 void plan_effects(struct plan *plan)
 {
     const struct scene *scene = plan->scene;
     const struct counts n = count_all(plan);
-    const bool local = scene->local_viewer && n.specular > 0;
-    add_material_effect(plan, "ambient", n.ambient, "no ambient light reflected");
-    add_counted(plan, "lights", plan->n_lights, scene->n_lights, "shine", "no light shines");
-    add_material_effect(plan, "diffuse", n.diffuse, "no material reflects a light");
-    add_material_effect(plan, "specular", n.specular, "no lit material has gloss");
-    add_effect(plan, "local_viewer", local,
-               local                 ? "the scene asks for it"
-               : scene->local_viewer ? "no highlight depends on it"
-                                     : "the viewer is infinite");
-    add_counted(plan, "attenuation", n.attenuated, plan->n_lights, "lights", "no light weakens");
-    add_counted(plan, "spot", n.spots, plan->n_lights, "lights", "no light is a spot");
-    add_material_effect(plan, "fluorescence", n.fluorescent,
-                        why_no_luminescence(plan, n.with_excitation, "no material has excitation"));
-    add_material_effect(
-        plan, "bispectral", n.bispectral,
-        why_no_luminescence(plan, n.with_matrix, "no material has a Donaldson matrix"));
-    add_material_effect(plan, "texture", n.textured, "no lit material has a texture");
-    add_material_effect(plan, "spectral_texture", n.spectrally_textured,
-                        "no lit material has a spectral texture");
-    add_material_effect(plan, "emission", n.emitting, "no material emits");
-    add_material_effect(plan, "metamer", n.halves, "no material has a partner");
-    add_counted(plan, "two_sided", n.two_sided, scene->n_objects, "objects",
-                "no object is two-sided");
-    add_shading(plan, "flat", SHADING_FLAT);
-    add_shading(plan, "phong", SHADING_PHONG);
-    add_counted(plan, "material_map", n.mapped, scene->n_objects, "objects",
-                "no object has several materials");
-    add_counted(plan, "tessellation", n.tessellated, scene->n_objects, "objects",
-                scene->tessellation == 1 ? "shapes are as the scene says"
-                                         : "no object has other numbers by the factor");
+    const enum shading_kind shading = scene->shading;
+    const int materials = plan->n_materials, objects = scene->n_objects, lights = plan->n_lights;
+    const char *is_other = shading == SHADING_FLAT    ? "shading is flat"
+                           : shading == SHADING_PHONG ? "shading is phong"
+                                                      : "shading is smooth";
+    const struct counted effects[N_EFFECTS] = {
+        {"ambient", n.ambient, materials, "materials", "no ambient light reflected"},
+        {"lights", lights, scene->n_lights, "shine", "no light shines"},
+        {"diffuse", n.diffuse, materials, "materials", "no material reflects a light"},
+        {"specular", n.specular, materials, "materials", "no lit material has gloss"},
+        {"local_viewer", scene->local_viewer && n.specular > 0, 1, NULL,
+         scene->local_viewer ? "no highlight depends on it" : "the viewer is infinite"},
+        {"attenuation", n.attenuated, lights, "lights", "no light weakens"},
+        {"spot", n.spots, lights, "lights", "no light is a spot"},
+        {"fluorescence", n.fluorescent, materials, "materials",
+         why_no_luminescence(plan, n.with_excitation, "no material has excitation")},
+        {"bispectral", n.bispectral, materials, "materials",
+         why_no_luminescence(plan, n.with_matrix, "no material has a Donaldson matrix")},
+        {"texture", n.textured, materials, "materials", "no lit material has a texture"},
+        {"spectral_texture", n.spectrally_textured, materials, "materials",
+         "no lit material has a spectral texture"},
+        {"emission", n.emitting, materials, "materials", "no material emits"},
+        {"metamer", n.halves, materials, "materials", "no material has a partner"},
+        {"two_sided", n.two_sided, objects, "objects", "no object is two-sided"},
+        {"flat", shading == SHADING_FLAT, 1, NULL, is_other},
+        {"phong", shading == SHADING_PHONG, 1, NULL, is_other},
+        {"material_map", n.mapped, objects, "objects", "no object has several materials"},
+        {"tessellation", n.tessellated, objects, "objects",
+         scene->tessellation == 1 ? "shapes are as the scene says"
+                                  : "no object has other numbers by the factor"}};
+    for (int i = 0; i < N_EFFECTS; i++) {
+        const struct counted *from = &effects[i];
+        struct plan_effect *to = &plan->effects[i];
+        to->name = from->name;
+        to->used = from->used > 0;
+        if (to->used && from->what)
+            snprintf(to->reason, sizeof to->reason, "%d of %d %s", from->used, from->all,
+                     from->what);
+        else
+            snprintf(to->reason, sizeof to->reason, "%s",
+                     to->used ? "the scene asks for it" : from->otherwise);
+    }
 }

@@ -45,7 +45,7 @@ static void put_instances(struct json *json, const struct plan *plan)
 }
 
 /* Puts the work that the scene does not call for, as the list "left_out". */
-static void put_left_out(const struct plan *plan, const struct passes *passes, struct json *json)
+static void put_left_out(const struct plan *plan, struct json *json)
 {
     int idle_groups = 0;
     long unseen = 0, alike = 0;
@@ -63,19 +63,20 @@ static void put_left_out(const struct plan *plan, const struct passes *passes, s
     put(json, "textures", unseen, plan->n_textures, "only objects out of view have them");
     put(json, "textures", alike, plan->n_textures,
         "all of their texels have one value, which multiplies colours without rounding");
-    put(json, "passes", passes->n_dark, plan->n_passes, "nothing in view has light in their bands");
-    put(json, "passes", plan->n_passes - passes->n_dark - passes->n_frames, plan->n_passes,
-        "they show the same as the pass before");
+    put(json, "passes", plan->passes.n_dark, plan->n_passes,
+        "nothing in view has light in their bands");
+    put(json, "passes", plan->n_passes - plan->passes.n_dark - plan->passes.n_frames,
+        plan->n_passes, "they show the same as the pass before");
     json_close(json, ']');
 }
 
 /* ---- all facts ---- */
 
-static void put_work(struct json *json, const struct plan *plan, const struct passes *passes)
+static void put_work(struct json *json, const struct plan *plan)
 {
     uint64_t drawn = 0; /* passes of a tile that OpenGL draws */
     for (int group = 0; group < plan->n_light_groups; group++)
-        drawn += group_is_drawn(plan, group) ? (uint64_t)passes->n_frames : 0;
+        drawn += group_is_drawn(plan, group) ? (uint64_t)plan->passes.n_frames : 0;
     const struct rectangle picture = plan_picture(plan);
     const uint64_t tiles = (uint64_t)plan_tiles(plan, &picture);
     json_open(json, "work", '{');
@@ -98,7 +99,7 @@ static void put_work(struct json *json, const struct plan *plan, const struct pa
 static void put_effects(struct json *json, const struct plan *plan)
 {
     json_open(json, "effects", '[');
-    for (int i = 0; i < plan->n_effects; i++) {
+    for (int i = 0; i < N_EFFECTS; i++) {
         const struct plan_effect *effect = &plan->effects[i];
         if (json->words) {
             print(&json->printed, "%-17s %s (%s)\n", effect->name, effect->used ? "yes" : "no",
@@ -185,10 +186,8 @@ void scene_put(const struct plan *plan, struct json *json)
                  scene->n_wavelengths);
 }
 
-bool plan_facts(const struct plan *plan, struct json *json, struct error *err)
+void plan_facts(const struct plan *plan, struct json *json)
 {
-    struct passes passes;
-    bool done = passes_make(plan, &passes, err);
     json_string(json, "program", PROGRAM);
     scene_put(plan, json);
     json_count(json, "bands", (uint64_t)plan->n_bands);
@@ -196,14 +195,10 @@ bool plan_facts(const struct plan *plan, struct json *json, struct error *err)
         print_text(&json->printed, "sampling          ");
         sampling_print(plan->sampling, &json->printed);
     }
-    if (done) {
-        put_work(json, plan, &passes);
-        put_left_out(plan, &passes, json);
-    }
+    put_work(json, plan);
+    put_left_out(plan, json);
     put_effects(json, plan);
     put_lights(json, plan);
     if (json->words)
         print_guesses(plan, &json->printed);
-    passes_free(&passes);
-    return done;
 }

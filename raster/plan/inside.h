@@ -10,8 +10,9 @@
 /* The value of all texels, where a product with it is exact in single precision; otherwise -1. */
 double texture_factor(const struct plan *plan, const struct texture *texture);
 
-bool reach_find(struct plan *plan, struct error *err); /* reach.c: fills what it says in */
-void plan_effects(struct plan *plan);                  /* effects.c: fills plan->effects */
+bool reach_find(struct plan *plan, struct error *err);  /* reach.c: fills what it says in */
+bool passes_make(struct plan *plan, struct error *err); /* passes.c: all else is made */
+void plan_effects(struct plan *plan);                   /* effects.c: fills plan->effects */
 /* plan_lights.c. Lists the lights that shine; forgets those that light nothing, when all is made.
  */
 bool lights_list(struct plan *plan, struct error *err);

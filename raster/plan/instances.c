@@ -26,32 +26,24 @@ struct instance_maker {
 
 /* ---- whole meshes ---- */
 
-/* Shapes of one key have one mesh. The path of an OBJ file follows. */
-struct shape_key {
-    double numbers[7];
-    int kind, planar, unitize, halvings;
-};
-
-/* Returns the key of a shape, allocated, and its length; NULL: no memory. */
+/* Returns the key of a shape, allocated, and its length: shapes of one key have one mesh. NULL: no
+ * memory. */
 static char *shape_key(const struct shape *shape, int halvings, size_t *length, struct error *err)
 {
-    struct shape_key key = {
-        .kind = (int)shape->kind, .planar = shape->planar, .halvings = halvings};
-    const char *path = shape->kind == SHAPE_MESH ? shape->path : "";
-    memcpy(key.numbers, shape->repeat, sizeof shape->repeat);
-    if (shape->kind == SHAPE_MESH) {
-        key.unitize = shape->unitize;
-        key.numbers[2] = shape->crease_deg + 0; /* -0 becomes 0 */
+    const bool is_mesh = shape->kind == SHAPE_MESH;
+    const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, halvings};
+    const double crease_deg = shape->crease_deg + 0; /* -0 becomes 0 */
+    struct printed key = {.text = NULL};
+    print_bytes(&key, words, sizeof words);
+    print_bytes(&key, shape->repeat, sizeof shape->repeat);
+    if (is_mesh) {
+        print_bytes(&key, &crease_deg, sizeof crease_deg);
+        print_text(&key, shape->path);
     } else {
-        memcpy(key.numbers + 2, shape->parameter, sizeof shape->parameter);
+        print_bytes(&key, shape->parameter, sizeof shape->parameter);
     }
-    *length = sizeof key + strlen(path);
-    char *out;
-    if (!MAKE_ARRAY(out, *length, err, "the name of a shape"))
-        return NULL;
-    memcpy(out, &key, sizeof key);
-    memcpy(out + sizeof key, path, strlen(path));
-    return out;
+    *length = key.length;
+    return printed_take(&key, err);
 }
 
 static struct vector centre_of(const struct mesh *mesh)

@@ -47,10 +47,11 @@ static bool is_same(const struct plan *plan, const bool *reaches, int a, int b)
     return true;
 }
 
-bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
+bool passes_make(struct plan *plan, struct error *err)
 {
     const size_t n = (size_t)plan->n_passes;
     const bool complete = plan->options.complete;
+    struct passes *out = &plan->passes;
     bool *reaches;
     *out = (struct passes){.frame = NULL};
     const bool done = MAKE_ARRAY(reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
@@ -72,12 +73,6 @@ bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
     }
     free(reaches);
     return done;
-}
-
-void passes_free(struct passes *passes)
-{
-    FREE_ALL(passes->frame, passes->first_pass);
-    *passes = (struct passes){.frame = NULL};
 }
 
 /* ---- colours ---- */

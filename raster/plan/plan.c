@@ -222,7 +222,7 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     out->n_light_groups = out->n_lights > 0 ? (out->n_lights - 1) / LIGHTS_PER_PASS + 1 : 1;
     size_tiles(out);
     plan_effects(out);
-    return reach_find(out, err);
+    return reach_find(out, err) && passes_make(out, err);
 }
 
 /* Forgets meshes, instances, and what reaches the picture. */
@@ -230,10 +230,12 @@ static void forget_instances(struct plan *plan)
 {
     for (int i = 0; i < plan->n_meshes; i++)
         mesh_free(&plan->meshes[i].mesh);
-    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture);
+    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture, plan->passes.frame,
+             plan->passes.first_pass);
     plan->meshes = NULL;
     plan->instances = NULL;
     plan->is_idle = plan->shows_texture = NULL;
+    plan->passes = (struct passes){.frame = NULL};
     plan->n_meshes = plan->n_instances = 0;
 }
 
@@ -245,7 +247,7 @@ bool plan_refine(struct plan *plan, const int *halvings, struct error *err)
     if (!instances_make(plan, halvings, err))
         return false;
     size_tiles(plan);
-    return reach_find(plan, err);
+    return reach_find(plan, err) && passes_make(plan, err);
 }
 
 void plan_free(struct plan *plan)

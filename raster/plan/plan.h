@@ -4,16 +4,9 @@
 #ifndef RASTER_PLAN_PLAN_H
 #define RASTER_PLAN_PLAN_H
 
-#include "data/base/base.h"
 #include "data/images/images.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/text/text.h"
-#include "raster/reference/reference.h"
 #include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* CHUNK_ROWS: of a tile, that a thread draws and judges at a time; a pixel lies in one chunk. */
 enum { CHUNK_ROWS = 16, LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
@@ -50,7 +43,7 @@ struct placed_instance {
     enum view_plane outside; /* all of it lies outside of this plane */
     struct instance instance;
 };
-enum { MAX_EFFECTS = 18, BAND_NAME = 32 };
+enum { N_EFFECTS = 18, BAND_NAME = 32 };
 struct plan_effect {
     const char *name;
     bool used;
@@ -67,6 +60,16 @@ struct plan_options {
     bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
     bool complete;     /* another program draws: every pass, and the backs that solids hide, too */
     int threads;       /* 0: one a processor; the plan holds the number */
+};
+/* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
+ * pass, or for several that follow each other and have the same products of spectra. A pass whose
+ * products are 0 has no frame: its pixels are 0. Where another program draws (plan_options), each
+ * pass has a frame of its own. */
+enum { DARK = -1 };
+struct passes {
+    int n_frames, n_dark; /* n_dark: passes without a frame */
+    int *frame;           /* of each pass, ascending; or DARK; owned */
+    int *first_pass;      /* of each frame; owned */
 };
 struct plan {
     const struct scene *scene;
@@ -87,13 +90,14 @@ struct plan {
     struct eye_light *lights;         /* those that shine; and each as the scene has it: */
     const struct light **sources;
     bool *is_idle, *shows_texture; /* lights that add exactly 0 to all in view; textures in view */
-    int n_meshes, n_materials, n_textures, n_instances, n_lights, n_effects;
+    int n_meshes, n_materials, n_textures, n_instances, n_lights;
     int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
     int max_rows;       /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     uint64_t file_bytes, tile_bytes;
     int map_bytes; /* of a number in the object map; 0: there is none */
-    struct plan_effect effects[MAX_EFFECTS];
+    struct plan_effect effects[N_EFFECTS];
+    struct passes passes;
     struct plan_work { /* counted where it is done */
         long excitation_integrals, terms, unseen_instances, idle_lights, undrawn_textures;
     } work;
@@ -141,20 +145,6 @@ bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
 /* ---- passes.c ---- */
 
-/* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
- * pass, or for several that follow each other and have the same products of spectra. A pass whose
- * products are 0 has no frame: its pixels are 0. Where another program draws (plan_options), each
- * pass has a frame of its own. */
-enum { DARK = -1 };
-struct passes {
-    int n_frames, n_dark; /* n_dark: passes without a frame */
-    int *frame;           /* of each pass, ascending; or DARK; owned */
-    int *first_pass;      /* of each frame; owned */
-};
-/* The plan is made. passes_free accepts what a failure left. */
-bool passes_make(const struct plan *plan, struct passes *out, struct error *err);
-void passes_free(struct passes *passes);
-
 /* The colours of a material in a pass under one group of lights: products of the spectra of lights
  * and material in parts of full scale, red, green and blue for three bands, and 1. Where there is
  * no such term, or no such band, a colour is black. */
@@ -184,8 +174,8 @@ void pass_add(const struct plan *plan, const float *part, float *sum);
 
 /* ---- facts.c: the plan as JSON or in words ---- */
 
-/* Puts the facts: work, effects, lights, values that are guessed. Fails only where memory does. */
-bool plan_facts(const struct plan *plan, struct json *json, struct error *err);
+/* Puts the facts: work, effects, lights, values that are guessed. */
+void plan_facts(const struct plan *plan, struct json *json);
 /* Puts the list of the scene's files with their digests. detector: of its sampling; NULL: none was
  * given. Fails only where memory or a file does. */
 bool plan_put_files(const struct plan *plan, const char *detector, struct json *json,

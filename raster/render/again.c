@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/scene/scene.h"
 #include "raster/render/inside.h"
 
 /* Reads the options that a record holds; others come from the command line. `from`: the file with

@@ -24,52 +24,39 @@ void check_map_print_colours(struct printed *to)
     print_text(to, "; background black; pixels that differ magenta");
 }
 
+static const char planes_in_words[] =
+    "Cross-check of OpenGL. Floors: the largest error that can pass, in counts of 65535, in all "
+    "bands alike and in one band; -1: background. Class: 0 checked, 1 ambiguous, 2 not checked, "
+    "3 differs.";
+static const char *const plane_names[MAP_PAGES] = {[MAP_FLOOR] = "floor",
+                                                   [MAP_BAND_FLOOR] = "floor in one band",
+                                                   [MAP_RATIO] = "error / bound",
+                                                   [MAP_CLASS] = "class"};
+
 /* ---- the file ---- */
-
-static bool open_planes(const char *path, const struct plan *plan, struct check_map *out,
-                        struct error *err)
-{
-    const struct picture_options options = {
-        .width = plan->scene->width,
-        .height = plan->scene->height,
-        .bits = 32,
-        .channels = {[MAP_FLOOR] = "floor",
-                     [MAP_BAND_FLOOR] = "floor in one band",
-                     [MAP_RATIO] = "error / bound",
-                     [MAP_CLASS] = "class"},
-        .description =
-            "Cross-check of OpenGL. Floors: the largest error that can pass, in counts of "
-            "65535, in all bands alike and in one band; -1: background. Class: 0 checked, "
-            "1 ambiguous, 2 not checked, 3 differs."};
-    return picture_open(&out->picture, path, &options, err);
-}
-
-static bool open_picture(const char *path, const struct plan *plan, struct check_map *out,
-                         struct error *err)
-{
-    struct printed printed = {.text = NULL};
-    print_text(&printed, "Cross-check of OpenGL. ");
-    check_map_print_colours(&printed);
-    char *description = printed_take(&printed, err);
-    const struct picture_options options = {.width = 2 * plan->scene->width,
-                                            .height = plan->scene->height,
-                                            .bits = 8,
-                                            .srgb = true,
-                                            .description = description};
-    const bool done = description && picture_open(&out->picture, path, &options, err);
-    free(description);
-    return done;
-}
 
 bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
                     struct error *err)
 {
-    *out = (struct check_map){.coloured = picture_is_png(path), .width = plan->scene->width};
-    if (MAKE_ARRAY(out->samples, plan->tile_width * CHUNK_ROWS, err, "rows of %s", path) &&
-        (out->coloured ? open_picture : open_planes)(path, plan, out, err))
-        return true;
-    free(out->samples);
-    return false;
+    const bool coloured = picture_is_png(path);
+    const int width = plan->scene->width;
+    struct printed colours = {.text = NULL};
+    *out = (struct check_map){.coloured = coloured, .width = width};
+    print_text(&colours, "Cross-check of OpenGL. ");
+    check_map_print_colours(&colours);
+    char *in_words = printed_take(&colours, err);
+    struct picture_options options = {.width = coloured ? 2 * width : width,
+                                      .height = plan->scene->height,
+                                      .bits = coloured ? 8 : 32,
+                                      .srgb = coloured,
+                                      .description = coloured ? in_words : planes_in_words};
+    if (!coloured)
+        memcpy(options.channels, plane_names, sizeof plane_names);
+    const bool done =
+        in_words && picture_open(&out->picture, path, &options, err) &&
+        MAKE_ARRAY(out->samples, plan->tile_width * CHUNK_ROWS, err, "rows of %s", path);
+    free(in_words);
+    return done;
 }
 
 /* ---- pixels ---- */

@@ -5,9 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "raster/gl/gl.h"
 #include "raster/render/inside.h"
 
 /* ---- checks before anything is drawn ---- */
@@ -61,24 +58,32 @@ static bool check_same_scene(const struct options *options, const struct scene *
 
 /* ---- report ---- */
 
-/* stored: the name of the stack; NULL: no stack was stored. A stack that went into a pipe gets no
- * digest, since it cannot be read back. */
-static bool write_json(const struct options *options, const struct plan *plan,
-                       const struct render_result *result, const char *stored,
-                       struct outputs *outputs, struct error *err)
+/* A render that is done. */
+struct rendered {
+    const struct options *options;
+    const struct plan *plan;
+    const struct render_output *output;
+    const struct record *made; /* of the stack that is made again; NULL: the stack is new */
+    struct render_result result;
+    const char *stored; /* the name of the stack; NULL: no stack was stored */
+};
+
+/* A stack that went into a pipe gets no digest, since it cannot be read back. */
+static bool write_json(const struct rendered *of, struct error *err)
 {
+    struct outputs *outputs = of->output->outputs;
     char sha256[65];
     const char *stack = NULL;
-    if ((stored && !outputs_readable(outputs, stored, &stack, err)) ||
+    if ((of->stored && !outputs_readable(outputs, of->stored, &stack, err)) ||
         (stack && !digest_file(stack, sha256, err)))
         return false;
     struct json json;
     json_begin(&json);
-    report_put(plan, result, &json);
+    report_put(of->plan, &of->result, &json);
     json_count(&json, "peak_bytes", peak_bytes());
-    json_string(&json, "output", stored);
+    json_string(&json, "output", of->stored);
     json_string(&json, "sha256", stack ? sha256 : NULL);
-    return json_write(&json, options->json, outputs, err);
+    return json_write(&json, of->options->json, outputs, err);
 }
 
 /* Prints the name of the stack's header. A header of an older stack stays where it is: it may give
@@ -100,94 +105,78 @@ static bool print_header(const char *stack, bool written, struct printed *to, st
 }
 
 /* Puts what -v asks for: the plan, and all figures. */
-static bool put_verbose(const struct options *options, const struct plan *plan,
-                        const struct render_result *result, struct json *words, struct error *err)
+static bool put_verbose(const struct rendered *of, struct json *words, struct error *err)
 {
-    if (!plan_facts(plan, words, err) || !plan_put_files(plan, options->detector, words, err))
+    plan_facts(of->plan, words);
+    if (!plan_put_files(of->plan, of->options->detector, words, err))
         return false;
-    report_put(plan, result, words);
+    report_put(of->plan, &of->result, words);
     return true;
 }
 
-/* stored: as in write_json. */
-static bool print_report(const struct plan *plan, const struct render_result *result,
-                         const struct render_output *output, const char *stored, struct printed *to,
-                         struct error *err)
+static bool print_report(const struct rendered *of, struct printed *to, struct error *err)
 {
-    report_print(plan, result, to);
+    const struct render_output *output = of->output;
+    const struct stack_difference *difference = &of->result.difference;
+    report_print(of->plan, &of->result, to);
     if (output->check_map && picture_is_png(output->check_map)) {
         print_text(to, "map colours       ");
         check_map_print_colours(to);
         print_text(to, "\n");
     }
-    if (result->difference.compared)
+    if (difference->compared)
         print(to, "again             %s bytes as %s\n",
-              result->difference.found ? "not the same" : "the same", output->again);
-    if (stored)
-        print(to, "stack             %s\n", stored);
-    return !stored || print_header(stored, output->envi, to, err);
+              difference->found ? "not the same" : "the same", output->again);
+    if (of->stored)
+        print(to, "stack             %s\n", of->stored);
+    return !of->stored || print_header(of->stored, output->envi, to, err);
 }
 
 /* Shows the table. JSON, the stack itself (-o -) or the map may use standard output. */
-static bool show_report(const struct options *options, const struct plan *plan,
-                        const struct render_result *result, const struct render_output *output,
-                        const char *stored, struct error *err)
+static bool show_report(const struct rendered *of, struct error *err)
 {
-    const char *map = output->check_map;
-    const int to = options_table(options, map && output_is_stream(map) ? map : stored);
+    const struct options *options = of->options;
+    const char *map = of->output->check_map;
+    const int to = options_table(options, map && output_is_stream(map) ? map : of->stored);
     struct json words;
     words_begin(&words);
-    const bool done =
-        options->quiet || ((!options->verbose || put_verbose(options, plan, result, &words, err)) &&
-                           print_report(plan, result, output, stored, &words.printed, err));
+    const bool done = options->quiet || ((!options->verbose || put_verbose(of, &words, err)) &&
+                                         print_report(of, &words.printed, err));
     return done && printed_show(&words.printed, to, err);
 }
 
 /* Fails if the pictures differ, or the stack from the one that is made again. */
-static bool conclude(const struct render_job *job, const struct render_result *result,
-                     const struct render_output *output, const struct record *made,
-                     struct error *err)
+static bool conclude(const struct rendered *of, struct error *err)
 {
-    const struct plan *plan = &job->plan;
+    const struct render_output *output = of->output;
+    const struct check_verdict *verdict = &of->result.check;
     const char *wanted = output->discard ? NULL : output->path;
     const char *then = output->foreign ? NULL
                        : !wanted       ? "no stack was wanted"
                        : output->keep  ? "the stack was kept"
                                        : "no stack was written (--keep stores it anyway)";
-    if (render_agreed(plan, result))
+    if (render_agreed(of->plan, &of->result))
         return true;
-    return plan->options.check && check_outcome(&result->check) != OUTCOME_AGREED
-               ? report_disagreement(plan, &result->check, then, err)
-               : report_not_again(plan, result, output->again, made, then, err);
+    return of->plan->options.check && check_outcome(verdict) != OUTCOME_AGREED
+               ? report_disagreement(of->plan, verdict, then, err)
+               : report_not_again(of->plan, &of->result, output->again, of->made, then, err);
 }
 
 /* ---- plan, render, report ---- */
 
-static bool report(const struct options *options, const struct render_job *job,
-                   const struct render_result *result, const struct render_output *output,
-                   const struct record *made, struct error *err)
+static bool render_job(const struct render_job *job, struct rendered *of, struct error *err)
 {
-    const bool is_stored = !output->discard && (output->keep || render_agreed(&job->plan, result));
-    const char *stored = is_stored ? output->path : NULL;
-    return (!options->json ||
-            write_json(options, &job->plan, result, stored, output->outputs, err)) &&
-           show_report(options, &job->plan, result, output, stored, err) &&
-           conclude(job, result, output, made, err);
-}
-
-static bool render_job(const struct options *options, struct render_job *job,
-                       const struct render_output *output, const struct record *made,
-                       struct error *err)
-{
+    const struct render_output *output = of->output;
     struct progress_line line;
-    struct render_result result;
-    const bool shown = progress_start(&line, options->quiet);
-    if (!render(&job->plan, output, shown ? &line : NULL, &result, err))
+    const bool shown = progress_start(&line, of->options->quiet);
+    if (!render(of->plan, output, shown ? &line : NULL, &of->result, err))
         return false;
-    result.seconds.read += job->seconds.read;
-    result.seconds.plan = job->seconds.plan;
-    result.seconds.total += job->seconds.read + job->seconds.plan;
-    return report(options, job, &result, output, made, err);
+    of->result.seconds.read += job->seconds.read;
+    of->result.seconds.plan = job->seconds.plan;
+    of->result.seconds.total += job->seconds.read + job->seconds.plan;
+    if (!output->discard && (output->keep || render_agreed(of->plan, &of->result)))
+        of->stored = output->path;
+    return (!of->options->json || write_json(of, err)) && show_report(of, err) && conclude(of, err);
 }
 
 bool render_with_options(const struct options *options, const struct render_output *output,
@@ -201,13 +190,15 @@ bool render_with_options(const struct options *options, const struct render_outp
     complete.detector = options->detector;
     complete.limits = &job.limits;
     complete.notes = !options->quiet || options->json ? &job.notes : NULL;
+    struct rendered rendered = {
+        .options = options, .plan = &job.plan, .output = &complete, .made = made};
     const bool done =
         check_asked(options, output, err) && check_again(own, output, err) &&
         job_read(options, output->foreign, &job, err) &&
         check_same_scene(options, &job.scene, output->again, made, err) &&
         (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err)) &&
         job_plan(options, &job, err) && output_can_open(options->json, err) &&
-        output_can_open(own->check_map, err) && render_job(options, &job, &complete, made, err);
+        output_can_open(own->check_map, err) && render_job(&job, &rendered, err);
     job_free(&job);
     return done;
 }

@@ -3,17 +3,12 @@
 #ifndef RASTER_RENDER_INSIDE_H
 #define RASTER_RENDER_INSIDE_H
 
-#include "data/images/images.h"
-#include "raster/candidates/candidates.h"
 #include "raster/render/render.h"
 
 /* ---- notes.c: a list of notes ---- */
 
 /* Leaves one note, on a picture that shows no object. */
 void notes_of_nothing(struct notes *notes);
-
-/* dark.c: adds notes on a black picture, and on black objects in view. */
-void note_dark(const struct lit_scene *lit, struct notes *notes);
 
 /* ---- check_map.c ---- */
 
@@ -28,6 +23,7 @@ struct check_map {
 };
 /* Prints the meaning of a PNG's colours, in a line without its end. */
 void check_map_print_colours(struct printed *to);
+/* check_map_discard frees *out, also after a failure. */
 bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
                     struct error *err);
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
@@ -35,46 +31,36 @@ bool check_map_finish(struct check_map *map, struct error *err);
 bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err);
 void check_map_discard(struct check_map *map); /* safe after commit */
 
-/* ---- stages.c ---- */
-
-/* Adds the seconds since *since to a part, and makes now the new *since. */
-void clock_in(double *since, double *part);
-
-/* The work of the stages. All but the last two members come in, prepared for the plan, and stay
- * the caller's. */
-struct stages {
-    const struct plan *plan;
-    const struct passes *passes;
-    const struct lit_scene *lit;
-    const struct check_scene *check_scene; /* NULL: no check */
-    struct check_map *map;                 /* NULL: none is wanted */
-    struct renderer *renderer;             /* with GL_BUFFERS; NULL: only the reference draws */
-    struct stack_writer *stack;            /* NULL: no samples are stored */
-    int first_row;                         /* of the picture that the stack has, in its pixels */
-    int first_tile, n_tiles;               /* those to be drawn: whole rows */
-    struct progress_line *progress;        /* NULL: none */
-    double full_scale;
-    bool clips; /* a vertex is brighter than full_scale */
-    /* what comes out is added to these */
-    struct tile_sums sums; /* with open totals, if there is a check */
-    struct part_seconds seconds;
-};
-/* Frames that OpenGL may be ahead of the check; and its buffers, so many more for the pilots. */
-enum { AHEAD_FRAMES = 2, GL_BUFFERS = AHEAD_FRAMES + MAX_PILOT_PASSES };
-/* Draws, judges and writes all tiles. Output and verdict do not depend on the number of threads. */
-bool stages_run(struct stages *stages, struct error *err);
-
-/* object_map.c. Fills the object map of a tile: of each pixel the number, from 1, of the object
- * that most of its positions show; 0: the background. at: the tile in pixels of the stack. The
- * renderer of the stored pixels decides. */
-void map_objects(const struct stages *stages, const struct tile *tile, const struct rectangle *at,
-                 unsigned char *out);
-
 /* ---- render.c: everything before the first pixel, and after the last one ---- */
+
+/* A render on its way, in the order in which it is made. */
+struct rendering {
+    const struct plan *plan;
+    const struct render_output *output;
+    struct render_result *result;   /* the stages add odd samples, light and seconds */
+    struct progress_line *progress; /* NULL: none */
+    double since;                   /* clock_seconds at the last clock_in */
+    struct renderer *renderer;      /* with GL_BUFFERS; NULL: only the reference draws */
+    struct lit_scene lit;
+    struct rectangle region;        /* to be drawn: whole rows of tiles */
+    struct check_scene check_scene; /* lit NULL: there is no check */
+    struct check_totals totals;     /* of the picture; open, if there is a check */
+    struct check_map map;           /* if the output has one */
+    struct stack_writer stack;      /* if the output has one; otherwise no samples are stored */
+};
 
 bool render_agreed(const struct plan *plan, const struct render_result *result);
 /* Returns the renderer of the stored pixels: "raster", or OpenGL's GL_RENDERER. */
 const char *render_stored(const struct plan *plan, const struct render_result *result);
+
+/* ---- stages.c ---- */
+
+/* Adds the seconds since *since to a part, and makes now the new *since. */
+void clock_in(double *since, double *part);
+/* Frames that OpenGL may be ahead of the check; and its buffers, so many more for the pilots. */
+enum { AHEAD_FRAMES = 2, GL_BUFFERS = AHEAD_FRAMES + MAX_PILOT_PASSES };
+/* Draws, judges and writes all tiles. Output and verdict do not depend on the number of threads. */
+bool stages_run(struct rendering *of, struct error *err);
 
 /* ---- verdict_words.c: the verdict in words ---- */
 
@@ -114,18 +100,6 @@ bool render_again(struct options *options, struct error *err);
 bool stores_raster(const struct render_options *own);
 /* Returns an option that needs a check, if there is one; otherwise NULL. */
 const char *asks_check(const struct render_options *own);
-
-/* ---- stack_file.c: the stack of a render ---- */
-
-/* Opens the stack, with its record. */
-bool stack_file_open(struct stack_writer *writer, const struct plan *plan,
-                     const struct render_output *output, const struct render_result *result,
-                     struct error *err);
-/* Completes the stack, compares it with the stack that is made again, and commits it if it agrees
- * or is kept anyway. */
-bool stack_file_finish(struct stack_writer *writer, const struct plan *plan,
-                       const struct render_output *output, struct render_result *result,
-                       struct error *err);
 
 /* Puts what the judge of shading found, as the object "accuracy". */
 void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json);

@@ -2,18 +2,15 @@
 /* spectral plan: what would be simulated, and why. */
 #include <stdlib.h>
 
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/render/inside.h"
 
-static bool put_plan(const struct plan *plan, const struct notes *notes, const char *detector,
-                     struct json *json, struct error *err)
+static bool put_plan(const struct render_job *job, const char *detector, struct json *json,
+                     struct error *err)
 {
-    if (!plan_facts(plan, json, err))
-        return false;
-    notes_put_shading(plan, notes, json);
-    notes_put(notes, json);
-    return plan_put_files(plan, detector, json, err);
+    plan_facts(&job->plan, json);
+    notes_put_shading(&job->plan, &job->notes, json);
+    notes_put(&job->notes, json);
+    return plan_put_files(&job->plan, detector, json, err);
 }
 
 static bool run_plan(struct options *options, struct error *err)
@@ -24,7 +21,7 @@ static bool run_plan(struct options *options, struct error *err)
     bool done = scene_read_sampled(options, &job.scene, &job.sampling, err) &&
                 job_plan(options, &job, err) &&
                 notes_of_plan(&job.plan, MANY_PIXELS, &job.notes, err) &&
-                put_plan(&job.plan, &job.notes, options->detector, &json, err) &&
+                put_plan(&job, options->detector, &json, err) &&
                 json_write(&json, options->json, &options->outputs, err);
     free(printed_end(&json.printed)); /* after a failure */
     job_free(&job);

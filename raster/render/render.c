@@ -3,24 +3,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "data/sampling/sampling.h"
-#include "raster/gl/gl.h"
 #include "raster/render/inside.h"
-
-/* A render on its way: what the stages work on, in the order in which it is made. */
-struct state {
-    struct stages stages;
-    struct passes passes;
-    struct lit_scene lit;
-    struct fit fit;
-    struct check_scene check_scene;
-    struct check_map map;
-    struct stack_writer stack;
-    struct renderer_lacks lacks;
-    const struct verdict_limits *limits;
-    double since; /* clock_seconds at the last clock_in */
-    struct render_result *result;
-};
 
 const char *render_stored(const struct plan *plan, const struct render_result *result)
 {
@@ -29,101 +12,139 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 
 /* ---- everything before the first pixel ---- */
 
-/* Prepares the check of all bands together, and its map if `path` is not NULL. */
-static bool open_check(struct state *state, const char *path, struct error *err)
+/* Prepares the check of all bands together, and its map if the output has one. */
+static bool open_check(struct rendering *of, struct error *err)
 {
-    struct stages *stages = &state->stages;
-    if (!fit_make(stages->plan, stages->full_scale, &state->fit, err))
-        return false;
-    state->check_scene = (struct check_scene){.lit = &state->lit,
-                                              .fit = &state->fit,
-                                              .limits = state->limits,
-                                              .full_scale = stages->full_scale,
-                                              .clips = stages->clips,
-                                              .mapped = path != NULL};
-    stages->check_scene = &state->check_scene;
-    if (!totals_open(&state->check_scene, &stages->sums.totals, err))
-        return false;
-    if (path && check_map_open(path, stages->plan, &state->map, err))
-        stages->map = &state->map;
-    clock_in(&state->since, &stages->seconds.check);
-    return !path || stages->map;
-}
-
-static bool open_renderer(struct state *state, const struct render_foreign *foreign,
-                          struct error *err)
-{
-    struct stages *stages = &state->stages;
-    const int n_buffers = stages->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
-    const struct plan *plan = stages->plan;
-    struct renderer **out = &stages->renderer;
-    const bool done = foreign
-                          ? foreign->open(foreign->of, plan, n_buffers, out, err)
-                          : !plan->options.use_gl ||
-                                drawing_ways.open[plan->options.gl_way](plan, n_buffers, out, err);
-    if (done && stages->renderer) {
-        state->result->names = stages->renderer->names;
-        state->lacks = stages->renderer->lacks;
-    }
-    clock_in(&state->since, &stages->seconds.gl);
+    static const struct verdict_limits usual = {false, USUAL_UNCHECKED};
+    const struct render_output *output = of->output;
+    of->check_scene = (struct check_scene){.lit = &of->lit,
+                                           .limits = output->limits ? output->limits : &usual,
+                                           .mapped = output->check_map != NULL};
+    const bool done =
+        fit_make(&of->lit, &of->check_scene.fit, err) &&
+        totals_open(&of->check_scene, &of->totals, err) &&
+        (!output->check_map || check_map_open(output->check_map, of->plan, &of->map, err));
+    clock_in(&of->since, &of->result->seconds.check);
     return done;
 }
 
-/* Finds the tiles to be drawn: those of the picture, or whole rows of them for a part. */
-static bool find_tiles(struct state *state, const struct picture_part *part, struct error *err)
+static bool open_renderer(struct rendering *of, struct error *err)
 {
-    struct stages *stages = &state->stages;
-    const struct plan *plan = stages->plan;
-    const struct rectangle picture = plan_picture(plan);
-    const int n = plan_tiles(plan, &picture), height = plan->tile_height,
-              all = (picture.height + height - 1) / height, columns = n / all,
-              from = part->count > 0 ? (int)((long)all * (part->number - 1) / part->count) : 0,
-              to = part->count > 0 ? (int)((long)all * part->number / part->count) : all;
+    const struct plan *plan = of->plan;
+    const struct render_foreign *foreign = of->output->foreign;
+    const int n_buffers = plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
+    const bool done = foreign ? foreign->open(foreign->of, plan, n_buffers, &of->renderer, err)
+                              : !plan->options.use_gl || drawing_ways.open[plan->options.gl_way](
+                                                             plan, n_buffers, &of->renderer, err);
+    of->result->driver = *driver_of(NULL);
+    if (done && of->renderer) {
+        of->result->names = of->renderer->names;
+        of->result->driver = of->renderer->driver;
+    }
+    clock_in(&of->since, &of->result->seconds.gl);
+    return done;
+}
+
+/* Finds what is to be drawn: the picture, or whole rows of its tiles for a part. */
+static bool find_region(struct rendering *of, struct error *err)
+{
+    const struct plan *plan = of->plan;
+    const struct picture_part *part = &of->output->part;
+    const int height = plan->tile_height, last = plan->view.height,
+              all = (last + height - 1) / height;
+    of->region = plan_picture(plan);
     if (part->count > all)
         return error_usage(err,
                            "--part %d/%d: a part has whole rows of tiles, and this picture has %d; "
                            "expected at most %d parts",
                            part->number, part->count, all, all);
-    stages->first_tile = from * columns;
-    stages->n_tiles = (to - from) * columns;
     if (part->count == 0)
         return true;
-    const struct rectangle first = plan_tile(plan, &picture, stages->first_tile),
-                           last = plan_tile(plan, &picture, to * columns - 1);
-    stages->first_row = plan_pixels(plan, &first).y;
-    state->result->rows.first = stages->first_row;
-    state->result->rows.count = (last.y + last.height - first.y) / plan->scene->positions;
+    const int end = (int)((long)all * part->number / part->count) * height;
+    of->region.y = (int)((long)all * (part->number - 1) / part->count) * height;
+    of->region.height = (end < last ? end : last) - of->region.y;
+    const struct rectangle pixels = plan_pixels(plan, &of->region);
+    of->result->rows = (struct part_rows){pixels.y, pixels.height};
     return true;
 }
 
-static bool open_stack(struct state *state, const struct render_output *output, struct error *err)
+/* ---- the stack: its record, and whether it is stored ---- */
+
+/* Lists the names of the objects in the order of their numbers; none if there is no object map. */
+static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
-    if (stack_file_open(&state->stack, state->stages.plan, output, state->result, err))
-        state->stages.stack = &state->stack;
-    clock_in(&state->since, &state->stages.seconds.write);
-    return state->stages.stack != NULL;
+    const char **names;
+    if (!MAKE_ARRAY(names, plan->n_instances, err, "the names of objects"))
+        return false;
+    record->objects = (struct texts){names, plan->map_bytes > 0 ? plan->n_instances : 0};
+    for (int i = 0; i < record->objects.n; i++)
+        names[i] = object_name(plan, i);
+    return true;
+}
+
+/* Returns the record of the stack as text, allocated; NULL on failure. */
+static char *make_provenance(const struct rendering *of, struct error *err)
+{
+    const struct plan *plan = of->plan;
+    const struct render_output *output = of->output;
+    const struct part_rows *rows = &of->result->rows;
+    const int n = plan->sampling && !plan->sampling->spectral ? 0 : plan->n_bands;
+    struct record record;
+    char *text = NULL;
+    if (!record_scene(plan->scene, plan->sampling, output->detector, &record, err))
+        return NULL;
+    record.program = PROGRAM;
+    record.renderer = render_stored(plan, of->result);
+    record.n_options = output->n_recorded;
+    for (int i = 0; i < record.n_options; i++)
+        record.options[i] = output->recorded[i];
+    if (list_objects(plan, &record, err) &&
+        (rows->count == 0 ||
+         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)))
+        text = record_text(&record, err);
+    record_free(&record);
+    return text;
+}
+
+static bool open_stack(struct rendering *of, struct error *err)
+{
+    const struct plan *plan = of->plan;
+    const struct sampling *sampling = plan->sampling;
+    const struct part_rows *rows = &of->result->rows;
+    const bool labelled = sampling && !sampling->spectral;
+    char *provenance = make_provenance(of, err);
+    const struct stack_options options = {.width = plan->scene->width,
+                                          .height =
+                                              rows->count > 0 ? rows->count : plan->scene->height,
+                                          .n_wavelengths = plan->n_bands,
+                                          .wavelengths_nm = plan->scene->wavelengths_nm,
+                                          .full_scale = of->lit.full_scale,
+                                          .bits = plan->options.bits,
+                                          .scene = plan->scene->path,
+                                          .provenance = provenance,
+                                          .map_bytes = plan->map_bytes,
+                                          .components = labelled ? &sampling->method : NULL};
+    const bool done = provenance && stack_open(&of->stack, of->output->path, &options, err);
+    free(provenance);
+    clock_in(&of->since, &of->result->seconds.write);
+    return done;
 }
 
 /* Does everything that comes before the first pixel. */
-static bool prepare(struct state *state, const struct render_output *output, struct error *err)
+static bool prepare(struct rendering *of, struct error *err)
 {
-    struct render_result *result = state->result;
-    struct stages *stages = &state->stages;
-    const struct plan *plan = stages->plan;
-    if (!passes_make(plan, &state->passes, err) || !open_renderer(state, output->foreign, err))
+    struct render_result *result = of->result;
+    const struct render_output *output = of->output;
+    if (!open_renderer(of, err) || !lit_make(of->plan, &result->driver, &of->lit, err) ||
+        (of->renderer && !of->renderer->kind->take_scene(of->renderer, &of->lit, err)) ||
+        !find_full_scale(&of->lit, err) ||
+        (output->notes && !notes_make(&of->lit, SOME_PIXELS, output->notes, err)))
         return false;
-    result->driver = stages->renderer ? stages->renderer->driver : *driver_of(NULL);
-    if (!lit_make(plan, &result->driver, &state->lit, &stages->sums.light, err) ||
-        (stages->renderer &&
-         !stages->renderer->kind->take_scene(stages->renderer, &state->lit, err)) ||
-        !find_full_scale(&state->lit, &stages->full_scale, &stages->clips, err) ||
-        (output->notes && !notes_make(&state->lit, SOME_PIXELS, output->notes, err)))
-        return false;
-    result->full_scale = stages->full_scale;
-    clock_in(&state->since, &stages->seconds.raster);
-    return find_tiles(state, &output->part, err) &&
-           (!plan->options.check || open_check(state, output->check_map, err)) &&
-           (!output->path || open_stack(state, output, err));
+    result->full_scale = of->lit.full_scale;
+    result->light = of->lit.work;
+    clock_in(&of->since, &result->seconds.raster);
+    return find_region(of, err) && (!of->plan->options.check || open_check(of, err)) &&
+           (!output->path || open_stack(of, err));
 }
 
 bool render_agreed(const struct plan *plan, const struct render_result *result)
@@ -139,73 +160,94 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
                                          result->rows.count > 0 && !plan->options.store_raster);
 }
 
-/* Takes what the stages have found into the result. */
-static void take_results(struct state *state)
+/* ---- everything after the last pixel ---- */
+
+/* Completes the result. */
+static void take_results(struct rendering *of)
 {
-    const struct stages *stages = &state->stages;
-    struct render_result *result = state->result;
-    result->odd = stages->sums.odd;
-    result->light = stages->sums.light;
-    result->seconds = stages->seconds;
-    if (stages->renderer) {
-        result->gl = stages->renderer->work;
-        result->dark_passes = state->passes.n_dark;
-        result->repeated_passes =
-            stages->plan->n_passes - state->passes.n_dark - state->passes.n_frames;
+    struct render_result *result = of->result;
+    const struct passes *passes = &of->plan->passes;
+    if (of->renderer) {
+        result->gl = of->renderer->work;
+        result->dark_passes = passes->n_dark;
+        result->repeated_passes = of->plan->n_passes - passes->n_dark - passes->n_frames;
     }
-    if (stages->check_scene) {
-        totals_finish(&state->stages.sums.totals);
-        result->check = stages->sums.totals.verdict;
-        result->check.lacks = state->lacks;
+    if (of->check_scene.lit) {
+        totals_finish(&of->totals);
+        result->check = of->totals.verdict;
+        result->check.lacks = of->renderer->lacks;
     }
+}
+
+/* Refuses samples that no page can hold. */
+static bool are_finite(const struct render_result *result, struct error *err)
+{
+    return result->odd.undefined == 0 ||
+           error_failed(err,
+                        "%llu samples are not finite (or too large for a float page); "
+                        "nothing was written",
+                        (unsigned long long)result->odd.undefined);
+}
+
+/* Completes the stack, compares it with the stack that is made again, and commits it if it agrees
+ * or is kept anyway. */
+static bool finish_stack(struct rendering *of, struct error *err)
+{
+    const struct plan *plan = of->plan;
+    const struct render_output *output = of->output;
+    struct render_result *result = of->result;
+    const char *again = result->odd.undefined == 0 ? output->again : NULL;
+    char verdict[STACK_VERDICT];
+    if (!output->keep && !again && !render_agreed(plan, result))
+        return true;
+    if (!are_finite(result, err))
+        return false;
+    report_verdict(plan, &result->check, verdict);
+    if (!stack_finish(&of->stack, verdict, err) ||
+        (again && !stack_compare(&of->stack, again, &result->difference, err)))
+        return false;
+    if (output->discard || !(output->keep || render_agreed(plan, result)))
+        return true;
+    return stack_commit(&of->stack, output->envi ? output->path : NULL, output->outputs, err);
 }
 
 /* Both files are complete before the first of them appears. */
-static bool finish(struct state *state, const struct render_output *output, struct error *err)
+static bool finish(struct rendering *of, struct error *err)
 {
-    const struct stages *stages = &state->stages;
-    if (stages->map && !check_map_finish(&state->map, err))
+    const struct render_output *output = of->output;
+    if ((of->check_scene.mapped && !check_map_finish(&of->map, err)) ||
+        (output->path && !finish_stack(of, err)))
         return false;
-    if (stages->stack &&
-        !stack_file_finish(&state->stack, stages->plan, output, state->result, err))
-        return false;
-    clock_in(&state->since, &state->result->seconds.write);
-    return !stages->map || check_map_commit(&state->map, output->outputs, err);
+    clock_in(&of->since, &of->result->seconds.write);
+    return !of->check_scene.mapped || check_map_commit(&of->map, output->outputs, err);
 }
 
-static bool render_all(struct state *state, const struct render_output *output, struct error *err)
+static bool render_all(struct rendering *of, struct error *err)
 {
-    if (!prepare(state, output, err) || !stages_run(&state->stages, err))
+    if (!prepare(of, err) || !stages_run(of, err))
         return false;
-    state->since = clock_seconds();
-    take_results(state);
-    return finish(state, output, err);
+    of->since = clock_seconds();
+    take_results(of);
+    return finish(of, err);
 }
 
 bool render(const struct plan *plan, const struct render_output *output,
             struct progress_line *progress, struct render_result *out, struct error *err)
 {
-    static const struct verdict_limits usual = {false, USUAL_UNCHECKED};
     const double start = clock_seconds();
-    struct state state = {
-        .since = start, .limits = output->limits ? output->limits : &usual, .result = out};
-    state.stages = (struct stages){
-        .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
+    struct rendering of = {
+        .plan = plan, .output = output, .result = out, .progress = progress, .since = start};
     *out = (struct render_result){.notes = output->notes};
-    bool done = render_all(&state, output, err);
+    bool done = render_all(&of, err);
     if (output->notes && plan->options.check && output->part.count == 0 && out->check.objects == 0)
         notes_of_nothing(output->notes);
-    if (state.stages.stack)
-        stack_discard(&state.stack); /* keeps a committed stack */
-    if (state.fit.plan)
-        fit_free(&state.fit);
-    if (state.stages.map)
-        check_map_discard(&state.map);
-    totals_free(&state.stages.sums.totals);
-    if (state.stages.renderer)
-        state.stages.renderer->kind->close(state.stages.renderer);
-    lit_free(&state.lit);
-    passes_free(&state.passes);
+    stack_discard(&of.stack); /* keeps a committed stack */
+    fit_free(&of.check_scene.fit);
+    check_map_discard(&of.map);
+    totals_free(&of.totals);
+    if (of.renderer)
+        of.renderer->kind->close(of.renderer);
+    lit_free(&of.lit);
     out->seconds.total = clock_seconds() - start;
     out->seconds.processor = processor_seconds();
     return done;

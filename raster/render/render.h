@@ -6,17 +6,8 @@
 #ifndef RASTER_RENDER_RENDER_H
 #define RASTER_RENDER_RENDER_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/stack/stack.h"
-#include "data/text/text.h"
-#include "raster/bounds/bounds.h"
 #include "raster/check/check.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 struct shading;
 

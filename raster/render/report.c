@@ -3,8 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/render/inside.h"
 
 /* NaN: there is none. */
@@ -127,7 +125,7 @@ static void json_picture(struct json *json, const struct plan *plan,
 static void json_effects(struct json *json, const struct plan *plan)
 {
     json_open(json, "effects", '{');
-    for (int i = 0; i < plan->n_effects; i++)
+    for (int i = 0; i < N_EFFECTS; i++)
         if (strcmp(plan->effects[i].name, "lights") == 0)
             json_count(json, "lights", (uint64_t)plan->n_lights);
         else

@@ -15,15 +15,15 @@ struct written {
 enum { WRITTEN_PLACES = 2 }; /* one is filled while the other is written */
 
 struct state {
-    struct stages *stages;
+    struct rendering *of;
     const struct plan *plan;
     struct written written[WRITTEN_PLACES];
     /* of the numbers that OpenGL draws; of frames that hold pilots, and others; of `written` */
     struct queue numbers, pilots, frames, counted;
-    struct check *checks;  /* one for each chunk of the current tile; NULL: none */
-    struct tile_sums sums; /* of that tile */
-    int frame;             /* the current one; DARK: none */
-    float *black;          /* a row of a frame that is not drawn; owned */
+    struct check *checks;       /* one for each chunk of the current tile; NULL: none */
+    struct check_totals totals; /* of that tile */
+    int frame;                  /* the current one; DARK: none */
+    float *black;               /* a row of a frame that is not drawn; owned */
     long steps, all_steps;
     double since;           /* clock_seconds when the reference began to draw */
     double written_seconds; /* of the stage that writes */
@@ -44,18 +44,12 @@ static int bands_of_pass(const struct plan *plan, int pass)
 
 /* ---- frames ---- */
 
-/* The pilots of a check; NULL without one. */
-static const struct fit *fit_of(const struct state *state)
-{
-    return state->stages->check_scene ? state->stages->check_scene->fit : NULL;
-}
-
 /* Returns whether a frame shows pilots. Such frames are drawn first, and kept until their turn. */
 static bool has_pilots(const struct state *state, int frame)
 {
-    const struct fit *fit = fit_of(state);
-    for (int i = 0; fit && i < fit->n_passes; i++)
-        if (state->stages->passes->frame[fit->passes[i]] == frame)
+    const struct fit *fit = &state->of->check_scene.fit; /* without a check it has none */
+    for (int i = 0; i < fit->n_passes; i++)
+        if (state->plan->passes.frame[fit->passes[i]] == frame)
             return true;
     return false;
 }
@@ -77,26 +71,25 @@ static bool draw_numbers(struct state *state, struct error *err)
 {
     if (queue_room(&state->numbers) < 0)
         return false;
-    struct renderer *renderer = state->stages->renderer;
+    struct renderer *renderer = state->of->renderer;
     double since = clock_seconds();
     if (!renderer->kind->identify(renderer, err))
         return false;
-    clock_in(&since, &state->stages->seconds.gl);
+    clock_in(&since, &state->of->result->seconds.gl);
     queue_fill(&state->numbers);
     return true;
 }
 
 static bool draw_frame(struct state *state, int frame, struct error *err)
 {
-    struct stages *stages = state->stages;
-    struct renderer *renderer = stages->renderer;
+    struct renderer *renderer = state->of->renderer;
     struct queue *queue = queue_of(state, frame);
-    const int place = queue_room(queue), pass = stages->passes->first_pass[frame];
+    const int place = queue_room(queue), pass = state->plan->passes.first_pass[frame];
     double since = clock_seconds();
     if (place < 0 || !renderer->kind->draw(renderer, buffer_at(state, queue, place),
-                                           pass * BANDS_PER_PASS, stages->full_scale, err))
+                                           pass * BANDS_PER_PASS, state->of->lit.full_scale, err))
         return false;
-    clock_in(&since, &stages->seconds.gl);
+    clock_in(&since, &state->of->result->seconds.gl);
     queue_fill(queue);
     return true;
 }
@@ -106,7 +99,7 @@ static void order_frames(const struct state *state, int *out)
 {
     int n = 0;
     for (int with = 1; with >= 0; with--)
-        for (int frame = 0; frame < state->stages->passes->n_frames; frame++)
+        for (int frame = 0; frame < state->plan->passes.n_frames; frame++)
             if (has_pilots(state, frame) == (with == 1))
                 out[n++] = frame;
 }
@@ -114,11 +107,11 @@ static void order_frames(const struct state *state, int *out)
 static bool draw_tile(struct state *state, const struct rectangle *at, const int *frames,
                       struct error *err)
 {
-    struct stages *stages = state->stages;
-    stages->renderer->kind->aim(stages->renderer, at);
-    if (stages->check_scene && !draw_numbers(state, err))
+    struct renderer *renderer = state->of->renderer;
+    renderer->kind->aim(renderer, at);
+    if (state->plan->options.check && !draw_numbers(state, err))
         return false;
-    for (int i = 0; i < stages->passes->n_frames; i++)
+    for (int i = 0; i < state->plan->passes.n_frames; i++)
         if (!draw_frame(state, frames[i], err))
             return false;
     return true;
@@ -127,8 +120,8 @@ static bool draw_tile(struct state *state, const struct rectangle *at, const int
 /* Lets the renderer expect the frames, in their order. */
 static bool expect_frames(const struct state *state, const int *frames, struct error *err)
 {
-    const struct passes *passes = state->stages->passes;
-    struct renderer *renderer = state->stages->renderer;
+    const struct passes *passes = &state->plan->passes;
+    struct renderer *renderer = state->of->renderer;
     int *first_bands;
     if (!MAKE_ARRAY(first_bands, passes->n_frames, err, "%d passes", passes->n_frames))
         return false;
@@ -144,15 +137,15 @@ static bool draw_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     const struct plan *plan = state->plan;
-    const struct stages *stages = state->stages;
-    const struct rectangle picture = plan_picture(plan);
+    const struct rectangle *region = &state->of->region;
+    const int n_tiles = plan_tiles(plan, region);
     int *frames;
-    if (!MAKE_ARRAY(frames, stages->passes->n_frames, err, "the order of passes"))
+    if (!MAKE_ARRAY(frames, plan->passes.n_frames, err, "the order of passes"))
         return false;
     order_frames(state, frames);
     bool done = expect_frames(state, frames, err);
-    for (int i = 0; i < stages->n_tiles && done; i++) {
-        const struct rectangle at = plan_tile(plan, &picture, stages->first_tile + i);
+    for (int i = 0; i < n_tiles && done; i++) {
+        const struct rectangle at = plan_tile(plan, region, i);
         done = draw_tile(state, &at, frames, err);
     }
     free(frames);
@@ -194,7 +187,7 @@ static const float *pixels_of(const struct tile_pass *of, int chunk)
 static void identify_chunk(void *context, int i)
 {
     const struct tile_pass *of = context;
-    check_identity(&of->state->checks[i], of->state->stages->renderer, &of->tile->at);
+    check_identity(&of->state->checks[i], of->state->of->renderer, &of->tile->at);
 }
 
 static void learn_chunk(void *context, int i)
@@ -207,8 +200,7 @@ static void learn_chunk(void *context, int i)
 /* Stores the samples of a chunk in all bands of a pass. */
 static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
 {
-    const struct stages *stages = of->state->stages;
-    const struct plan *plan = stages->plan;
+    const struct plan *plan = of->state->plan;
     const struct picture *picture = &of->tile->chunks[chunk].picture;
     const struct rectangle above = {0, 0, of->tile->at.width, chunk * CHUNK_ROWS},
                            stored_above = plan_pixels(plan, &above);
@@ -217,11 +209,11 @@ static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
     struct stored_band stored[BANDS_PER_PASS];
     for (int i = 0; i < n; i++)
         stored[i] =
-            (struct stored_band){plan, of->pass * BANDS_PER_PASS + i, stages->full_scale,
+            (struct stored_band){of->tile->lit, of->pass * BANDS_PER_PASS + i,
                                  of->out->samples[i] + first * (size_t)plan->options.bits / 8};
     return plan->options.store_raster
-               ? store_reference(stored, n, stages->lit, picture)
-               : store_gl(stored, n, &picture->at, stages->clips, pixels_of(of, chunk), of->stride);
+               ? store_reference(stored, n, picture)
+               : store_gl(stored, n, &picture->at, pixels_of(of, chunk), of->stride);
 }
 
 /* Judges and counts a chunk while its pixels are in the cache. */
@@ -255,14 +247,14 @@ static bool open_checks(struct state *state, const struct tile *tile, struct err
     if (!MAKE_ARRAY(state->checks, tile->n_chunks, err, "the check of a tile"))
         return false;
     for (int i = 0; i < tile->n_chunks; i++)
-        if (!check_open(state->stages->check_scene, &tile->chunks[i], &state->checks[i], err))
+        if (!check_open(&state->of->check_scene, &tile->chunks[i], &state->checks[i], err))
             return false;
-    clock_in(&since, &state->stages->seconds.check);
+    clock_in(&since, &state->of->result->seconds.check);
     if (queue_next(&state->numbers, 0) < 0)
         return false;
     since = clock_seconds();
     each_chunk(&of, identify_chunk);
-    clock_in(&since, &state->stages->seconds.check);
+    clock_in(&since, &state->of->result->seconds.check);
     return true;
 }
 
@@ -271,11 +263,12 @@ static bool settle_checks(struct state *state, const struct tile *tile, struct e
 {
     double since = clock_seconds();
     for (int i = 0; state->checks && i < tile->n_chunks; i++) {
-        check_settle(&state->checks[i], tile, &state->sums.totals);
-        if (state->stages->map && !check_map_write(state->stages->map, &state->checks[i], err))
+        check_settle(&state->checks[i], tile, &state->totals);
+        if (state->of->check_scene.mapped &&
+            !check_map_write(&state->of->map, &state->checks[i], err))
             return false;
     }
-    clock_in(&since, &state->stages->seconds.check);
+    clock_in(&since, &state->of->result->seconds.check);
     return true;
 }
 
@@ -293,7 +286,7 @@ static void close_checks(struct state *state, const struct tile *tile)
  * many full places of the frame's queue come before. */
 static bool find_frame(struct state *state, int frame, int number, struct tile_pass *of)
 {
-    const struct renderer *renderer = state->stages->renderer;
+    const struct renderer *renderer = state->of->renderer;
     struct queue *queue = queue_of(state, frame);
     const int place = queue_next(queue, number);
     if (place < 0)
@@ -314,8 +307,8 @@ static void leave_frame(struct state *state)
 /* Finds the pixels of a pass, which come in the order of passes. */
 static bool find_pixels(struct state *state, struct tile_pass *of)
 {
-    const int frame = state->stages->passes->frame[of->pass];
-    if (!state->stages->renderer)
+    const int frame = state->plan->passes.frame[of->pass];
+    if (!state->of->renderer)
         return true;
     if (frame == DARK) {
         of->pixels = state->black;
@@ -331,9 +324,9 @@ static bool find_pixels(struct state *state, struct tile_pass *of)
  * light. */
 static bool learn_pilots(struct state *state, const struct tile *tile, struct error *err)
 {
-    const struct fit *fit = fit_of(state);
-    for (int i = 0, number = -1, last = DARK; fit && i < fit->n_passes; i++) {
-        const int frame = state->stages->passes->frame[fit->passes[i]];
+    const struct fit *fit = &state->of->check_scene.fit;
+    for (int i = 0, number = -1, last = DARK; i < fit->n_passes; i++) {
+        const int frame = state->plan->passes.frame[fit->passes[i]];
         struct tile_pass of = {
             .state = state, .tile = tile, .pass = fit->passes[i], .pixels = state->black};
         number += frame != last && frame != DARK;
@@ -343,9 +336,9 @@ static bool learn_pilots(struct state *state, const struct tile *tile, struct er
         double since = clock_seconds();
         if (!plan_load_textures(state->plan, of.pass * BANDS_PER_PASS, err))
             return false;
-        clock_in(&since, &state->stages->seconds.read);
+        clock_in(&since, &state->of->result->seconds.read);
         each_chunk(&of, learn_chunk);
-        clock_in(&since, &state->stages->seconds.check);
+        clock_in(&since, &state->of->result->seconds.check);
     }
     return true;
 }
@@ -356,7 +349,7 @@ static bool learn_pilots(struct state *state, const struct tile *tile, struct er
 static bool find_room(struct state *state, const struct tile *tile, struct written **out)
 {
     *out = NULL;
-    if (!state->stages->stack)
+    if (!state->of->output->path)
         return true;
     const int place = queue_room(&state->counted);
     if (place < 0)
@@ -369,7 +362,7 @@ static bool find_room(struct state *state, const struct tile *tile, struct writt
 /* Shares the seconds of a pass in proportion to those of its threads. */
 static void share_seconds(const struct tile_pass *of, double seconds)
 {
-    struct part_seconds *to = &of->state->stages->seconds;
+    struct part_seconds *to = &of->state->of->result->seconds;
     const double all = of->judging + of->counting;
     to->check += all > 0 ? seconds * of->judging / all : 0;
     to->write += all > 0 ? seconds * of->counting / all : 0;
@@ -377,7 +370,7 @@ static void share_seconds(const struct tile_pass *of, double seconds)
 
 static bool treat_pass(struct state *state, const struct tile *tile, int pass, struct error *err)
 {
-    struct stages *stages = state->stages;
+    struct render_result *result = state->of->result;
     struct tile_pass of = {
         .state = state, .tile = tile, .pass = pass, .lock = PTHREAD_MUTEX_INITIALIZER};
     struct written *room;
@@ -386,13 +379,13 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
     double since = clock_seconds(), seconds = 0;
     if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
         return false;
-    clock_in(&since, &stages->seconds.read);
+    clock_in(&since, &result->seconds.read);
     of.out = room;
     each_chunk(&of, treat_chunk);
     clock_in(&since, &seconds);
     share_seconds(&of, seconds);
-    state->sums.odd.clipped += of.odd.clipped;
-    state->sums.odd.undefined += of.odd.undefined;
+    result->odd.clipped += of.odd.clipped;
+    result->odd.undefined += of.odd.undefined;
     if (room) {
         room->first_page = pass * BANDS_PER_PASS;
         room->n_pages = bands_of_pass(state->plan, pass);
@@ -403,15 +396,60 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
 
 /* ---- the object map ---- */
 
+/* Returns the number, from 1, of the object at a position of the tile. The renderer of the stored
+ * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface
+ * number counts as background. */
+static int object_at(const struct rendering *of, const struct tile *tile, int x, int y)
+{
+    const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
+    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->at.width + (size_t)x;
+    const int surface = of->plan->options.store_raster
+                            ? picture->surface[pixel]
+                            : of->renderer->kind->shown(of->renderer, x, y).surface;
+    return surface < of->plan->n_instances ? surface + 1 : 0;
+}
+
+/* Returns the object that most positions of a pixel show; of equally many the one that comes first.
+ */
+static int pixel_object(const struct rendering *of, const struct tile *tile, int x, int y)
+{
+    const int side = of->plan->scene->positions, n = side * side;
+    int objects[MOST_POSITIONS * MOST_POSITIONS], best = 0, most = 0;
+    for (int i = 0; i < n; i++)
+        objects[i] = object_at(of, tile, x * side + i % side, y * side + i / side);
+    for (int i = 0; i < n && most <= n / 2; i++) {
+        int count = 0;
+        for (int k = 0; k < n; k++)
+            count += objects[k] == objects[i];
+        best = count > most ? objects[i] : best;
+        most = count > most ? count : most;
+    }
+    return best;
+}
+
+/* Fills the object map of a tile: of each pixel the number, from 1, of the object that most of its
+ * positions show; 0: the background. at: the tile in pixels of the stack. */
+static void map_objects(const struct rendering *of, const struct tile *tile,
+                        const struct rectangle *at, unsigned char *out)
+{
+    for (int y = 0; y < at->height; y++)
+        for (int x = 0; x < at->width; x++) {
+            const int object = pixel_object(of, tile, x, y);
+            *out++ = (unsigned char)(object % 256);
+            if (of->plan->map_bytes > 1)
+                *out++ = (unsigned char)(object / 256);
+        }
+}
+
 /* Makes the object map of a tile. */
 static bool add_object_map(struct state *state, const struct tile *tile)
 {
     struct written *room;
-    if (state->plan->map_bytes == 0 || !state->stages->stack)
+    if (state->plan->map_bytes == 0 || !state->of->output->path)
         return true;
     if (!find_room(state, tile, &room))
         return false;
-    map_objects(state->stages, tile, &room->at, room->samples[0]);
+    map_objects(state->of, tile, &room->at, room->samples[0]);
     room->first_page = state->plan->n_bands;
     room->n_pages = 1;
     queue_fill(&state->counted);
@@ -420,29 +458,20 @@ static bool add_object_map(struct state *state, const struct tile *tile)
 
 /* ---- judging ---- */
 
-static void add_work(struct light_work *to, const struct tile *tile)
-{
-    for (int i = 0; i < tile->n_chunks; i++) {
-        const struct light_work *work = &tile->chunks[i].picture.work;
-        to->points_lit += work->points_lit;
-        to->specular_vertices += work->specular_vertices;
-        to->power_functions += work->power_functions;
-    }
-}
-
 static void take_step(struct state *state)
 {
     state->steps++;
-    if (state->stages->progress)
-        progress_show(state->stages->progress, state->steps, state->all_steps);
+    if (state->of->progress)
+        progress_show(state->of->progress, state->steps, state->all_steps);
 }
 
 static bool treat_tile(void *context, const struct tile *tile, struct error *err)
 {
     struct state *state = context;
-    const bool checking = state->stages->check_scene != NULL;
-    clock_in(&state->since, &state->stages->seconds.raster);
-    add_work(&state->sums.light, tile);
+    const bool checking = state->plan->options.check;
+    clock_in(&state->since, &state->of->result->seconds.raster);
+    for (int i = 0; i < tile->n_chunks; i++)
+        light_work_add(&state->of->result->light, &tile->chunks[i].picture.work);
     bool done = (!checking || open_checks(state, tile, err)) && add_object_map(state, tile);
     if (done && checking)
         queue_free(&state->numbers);
@@ -453,7 +482,8 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     }
     leave_frame(state);
     done = done && settle_checks(state, tile, err);
-    sums_add(&state->stages->sums, &state->sums);
+    if (checking)
+        totals_add(&state->of->totals, &state->totals);
     close_checks(state, tile);
     state->since = clock_seconds();
     return done;
@@ -462,15 +492,10 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
 static bool treat_tiles(void *context, struct error *err)
 {
     struct state *state = context;
-    const struct stages *stages = state->stages;
-    const struct rectangle picture = plan_picture(state->plan);
-    bool done = true;
-    state->all_steps = (long)stages->n_tiles * state->plan->n_passes;
+    const struct rendering *of = state->of;
+    state->all_steps = (long)plan_tiles(of->plan, &of->region) * of->plan->n_passes;
     state->since = clock_seconds();
-    for (int i = 0; i < stages->n_tiles && done; i++) {
-        const struct rectangle at = plan_tile(state->plan, &picture, stages->first_tile + i);
-        done = tile_draw(stages->lit, &at, treat_tile, state, err);
-    }
+    const bool done = tiles_each(&of->lit, &of->region, treat_tile, state, err);
     queue_end(&state->counted);
     return done;
 }
@@ -479,12 +504,12 @@ static bool treat_tiles(void *context, struct error *err)
 
 static bool write_pages(const struct state *state, const struct written *from, struct error *err)
 {
-    const struct stages *stages = state->stages;
+    struct rendering *of = state->of;
     const struct rectangle *at = &from->at;
     for (int i = 0; i < from->n_pages; i++) {
-        const struct page_rectangle to = {from->first_page + i, at->x, at->y - stages->first_row,
-                                          at->width, at->height};
-        if (!pages_write(&stages->stack->pages, &to, from->samples[i], err))
+        const struct page_rectangle to = {from->first_page + i, at->x,
+                                          at->y - of->result->rows.first, at->width, at->height};
+        if (!pages_write(&of->stack.pages, &to, from->samples[i], err))
             return false;
     }
     return true;
@@ -511,10 +536,9 @@ static bool allocate(struct state *state, struct error *err)
     const size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height,
                  size = (size_t)plan->options.bits / 8, map = (size_t)plan->map_bytes;
     if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture") ||
-        (state->stages->check_scene &&
-         !totals_open(state->stages->check_scene, &state->sums.totals, err)))
+        (plan->options.check && !totals_open(&state->of->check_scene, &state->totals, err)))
         return false;
-    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->stages->stack; i++) {
+    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->of->output->path; i++) {
         unsigned char **samples = &state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS];
         if (!MAKE_ARRAY(*samples, n_samples * (size > map ? size : map), err, "a page of a tile"))
             return false;
@@ -525,30 +549,30 @@ static bool allocate(struct state *state, struct error *err)
 static void release(struct state *state)
 {
     free(state->black);
-    totals_free(&state->sums.totals);
+    totals_free(&state->totals);
     for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS; i++)
         free(state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS]);
 }
 
-bool stages_run(struct stages *stages, struct error *err)
+bool stages_run(struct rendering *of, struct error *err)
 {
     pipeline_stage *parts[MOST_STAGES];
     struct pipeline pipeline;
-    struct state state = {.stages = stages, .plan = stages->plan, .frame = DARK};
+    struct state state = {.of = of, .plan = of->plan, .frame = DARK};
     int n = 0;
     state.numbers = (struct queue){.pipeline = &pipeline, .n_places = 1};
     state.pilots = (struct queue){.pipeline = &pipeline, .n_places = MAX_PILOT_PASSES};
     state.frames = (struct queue){.pipeline = &pipeline, .n_places = AHEAD_FRAMES};
     state.counted = (struct queue){.pipeline = &pipeline, .n_places = WRITTEN_PLACES};
-    if (stages->renderer)
+    if (of->renderer)
         parts[n++] = draw_tiles; /* OpenGL's context is this thread's */
     parts[n++] = treat_tiles;
-    if (stages->stack)
+    if (of->output->path)
         parts[n++] = write_tiles;
     const bool done =
         allocate(&state, err) &&
-        pipeline_run(&pipeline, stages->plan->options.threads == 1, parts, n, &state, err);
-    stages->seconds.write += state.written_seconds;
+        pipeline_run(&pipeline, of->plan->options.threads == 1, parts, n, &state, err);
+    of->result->seconds.write += state.written_seconds;
     release(&state);
     return done;
 }

@@ -3,8 +3,6 @@
  */
 #include <string.h>
 
-#include "data/scene/scene.h"
-#include "raster/gl/gl.h"
 #include "raster/render/inside.h"
 
 /* ---- the verdict ---- */

@@ -21,13 +21,14 @@ static const struct driver drivers[] = {
     {"unknown", false, 1.0 / 512, 8, 1.5, 5, 0, 0, 1, false, false, FILL_ANY},
 };
 
+enum { N_KNOWN = sizeof drivers / sizeof *drivers - 1 };
+
 const struct driver *driver_of(const char *gl_renderer)
 {
-    size_t last = sizeof drivers / sizeof *drivers - 1;
-    for (size_t i = 0; gl_renderer && i < last; i++)
+    for (size_t i = 0; gl_renderer && i < N_KNOWN; i++)
         if (strncmp(gl_renderer, drivers[i].name, strlen(drivers[i].name)) == 0)
             return &drivers[i];
-    return &drivers[last];
+    return &drivers[N_KNOWN];
 }
 
 void driver_print(const struct driver *driver, char out[DRIVER_WORDS])
@@ -42,14 +43,12 @@ void driver_print(const struct driver *driver, char out[DRIVER_WORDS])
 
 /* ---- --renderer ---- */
 
-static const char *const mesa_drivers[] = {"llvmpipe", "softpipe", NULL};
-
-/* Returns the driver of this name; NULL: there is none. */
+/* Returns the name of the known driver that has this one; NULL: there is none. */
 static const char *find_driver(const char *name)
 {
-    for (int i = 0; mesa_drivers[i]; i++)
-        if (strcmp(name, mesa_drivers[i]) == 0)
-            return mesa_drivers[i];
+    for (size_t i = 0; i < N_KNOWN; i++)
+        if (strcmp(name, drivers[i].name) == 0)
+            return drivers[i].name;
     return NULL;
 }
 

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "raster/renderers/renderers.h"
 
 bool renderer_make_buffers(struct renderer *of, int n_buffers, size_t n, const char *what,

@@ -37,14 +37,16 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     struct plan plan = {.scene = NULL};
     struct notes notes = {.n = 0};
     struct lit_scene lit = {0};
-    struct light_work work;
     struct json words, json;
     words_begin(&words);
     json_begin(&json);
     bool done = plan_make(scene, NULL, &options, &plan, err) &&
-                lit_make(&plan, driver_of(NULL), &lit, &work, err) &&
-                notes_make(&lit, 256, &notes, err) && plan_facts(&plan, &words, err) &&
-                plan_facts(&plan, &json, err) && json_write(&json, "/dev/null", NULL, err);
+                lit_make(&plan, driver_of(NULL), &lit, err) && notes_make(&lit, 256, &notes, err);
+    if (done) {
+        plan_facts(&plan, &words);
+        plan_facts(&plan, &json);
+        done = json_write(&json, "/dev/null", NULL, err);
+    }
     free(printed_end(&words.printed));
     free(printed_end(&json.printed));
     lit_free(&lit);

@@ -63,9 +63,8 @@ static bool look(struct refinement *of, struct error *err)
     enum { REFINED_PIXELS = 8192 };
     struct accuracy_estimate *estimate = &of->result->estimate;
     struct lit_scene lit;
-    struct light_work work;
     accuracy_estimate_free(estimate);
-    bool done = lit_make(of->plan, driver_of(NULL), &lit, &work, err);
+    bool done = lit_make(of->plan, driver_of(NULL), &lit, err);
     if (done) {
         measure_scale(&of->measure, lit.surfaces);
         done = accuracy_estimate(&of->measure, lit.surfaces, REFINED_PIXELS, estimate, err);

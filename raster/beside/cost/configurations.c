@@ -7,7 +7,7 @@
 
 #include "data/mesh/mesh.h"
 #include "raster/beside/cost/inside.h"
-#include "raster/gl/gl.h"
+#include "raster/renderers/renderers.h"
 
 /* ---- a configuration in words ---- */
 

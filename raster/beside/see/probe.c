@@ -169,7 +169,6 @@ bool probe_stack(struct probe *probe, const char *path, struct error *err)
 struct region {
     struct plan plan; /* a copy of the caller's; samples are radiances */
     struct lit_scene lit;
-    double full_scale;
     float *samples;          /* of a chunk */
     struct moments *moments; /* of each band */
     struct probe *probe;
@@ -198,9 +197,8 @@ static bool add_band(struct region *region, const struct tile *tile, int band, s
         const struct picture *picture = &tile->chunks[i].picture;
         const struct rectangle pixels = plan_pixels(&region->plan, &picture->at);
         const size_t n = (size_t)pixels.width * (size_t)pixels.height;
-        const struct stored_band stored = {&region->plan, band, region->full_scale,
-                                           region->samples};
-        const struct odd_samples odd = store_reference(&stored, 1, &region->lit, picture);
+        const struct stored_band stored = {&region->lit, band, region->samples};
+        const struct odd_samples odd = store_reference(&stored, 1, picture);
         if (odd.undefined > 0)
             return error_usage(err, "%s: a radiance in the region is not finite",
                                region->probe->source);
@@ -330,16 +328,14 @@ static bool inspect(struct region *region, struct error *err)
 {
     const struct plan *plan = &region->plan;
     const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
-    struct light_work work;
-    bool clips;
     region->plan.options.bits = 32;
     if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
         region->plan.options.full_scale = 1;
     return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the region") &&
            MAKE_ARRAY(region->moments, (size_t)plan->n_bands, err, "the means of the region") &&
-           lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
-           find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
-           inspect_pixels(region, err) && add_curves(region, err);
+           lit_make(plan, driver_of(NULL), &region->lit, err) &&
+           find_full_scale(&region->lit, err) && inspect_pixels(region, err) &&
+           add_curves(region, err);
 }
 
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)

@@ -236,9 +236,10 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, ch
                     struct error *err)
 {
     struct description of = {.plan = lit->plan, .folder = folder};
-    bool clips;
-    if (!find_full_scale(lit, &of.full_scale, &clips, err))
+    struct lit_scene scaled = *lit;
+    if (!find_full_scale(&scaled, err))
         return false;
+    of.full_scale = scaled.full_scale;
     if (print_scene(&of, err))
         return finish(&of, id, err);
     free(printed_end(&of.scene));
@@ -250,10 +251,9 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, ch
 bool export_plan(const struct plan *plan, const char *path, struct error *err)
 {
     struct lit_scene lit = {.plan = NULL};
-    struct light_work work;
     struct folder folder;
     char id[DIGEST_TEXT];
-    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err);
+    bool done = lit_make(plan, driver_of(NULL), &lit, err);
     if (done) {
         guard_hold();
         done = folder_open_beside(path, &folder, err) && scene_describe(&lit, &folder, id, err) &&

@@ -176,11 +176,10 @@ static bool planes_make(const struct plan *plan, bool counts, struct planes *out
                         struct notes *notes, struct error *err)
 {
     struct lit_scene lit = {.plan = plan};
-    struct light_work work;
     if (!page_allows(plan, err))
         return false;
     const bool done = planes_allocate(plan, out, err) &&
-                      lit_make(plan, driver_of(NULL), &lit, &work, err) &&
+                      lit_make(plan, driver_of(NULL), &lit, err) &&
                       (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
                       put_picture(&lit, out, err) && describe(plan->scene, counts, out, err);
     lit_free(&lit);

@@ -42,8 +42,8 @@ static void add_bands(void *context, int i)
     double(*rgb)[3] = still->rgb + first;
     uint64_t undefined = 0;
     for (int band = still->band; band < still->end; band++) {
-        const struct stored_band stored = {&still->plan, band, 1, radiance};
-        undefined += store_reference(&stored, 1, &still->lit, picture).undefined;
+        const struct stored_band stored = {&still->lit, band, radiance};
+        undefined += store_reference(&stored, 1, picture).undefined;
         for (size_t k = 0; k < n; k++)
             for (int channel = 0; channel < 3; channel++)
                 rgb[k][channel] += still->weights[channel * n_bands + band] * (double)radiance[k];
@@ -113,12 +113,11 @@ static bool prepare(struct still *still, struct error *err)
 {
     const struct plan *plan = &still->plan;
     const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    struct light_work work;
     return MAKE_ARRAY(still->weights, 3 * (size_t)plan->n_bands, err, "the weights of a picture") &&
            MAKE_ARRAY(still->radiance, n, err, "a tile of a picture") &&
            MAKE_ARRAY(still->rgb, n, err, "a tile of a picture") &&
            MAKE_ARRAY(still->codes, n, err, "a tile of a picture") && find_weights(still, err) &&
-           lit_make(plan, driver_of(NULL), &still->lit, &work, err);
+           lit_make(plan, driver_of(NULL), &still->lit, err);
 }
 
 static bool open_picture(struct still *still, const char *path, struct error *err)

@@ -16,6 +16,7 @@ enum { MOST_TERMS = 4, MOST_BANDS = 31, TRIALS = 20000, SIDE = 4 };
 /* A plan with one material, and one pixel of it. */
 struct bench {
     struct plan plan;
+    struct lit_scene lit;
     struct shaded_material shaded;
     struct texture texture;
     struct fit fit;
@@ -42,7 +43,7 @@ static float evaluate(struct bench *bench, int band)
     double expected;
     float bound;
     load(bench, band);
-    expect_counts(&bench->plan, &bench->run, band, 1, &expected, &bound);
+    expect_counts(&bench->lit, &bench->run, band, &expected, &bound);
     return bound;
 }
 
@@ -70,7 +71,8 @@ static bool make(struct bench *bench, uint64_t *state, int n_terms, int n_bands,
         for (int i = 0; i < SIDE * SIDE; i++)
             bench->texels[b][i] = (float)test_random(state, 0, 1);
     }
-    return fit_make(&bench->plan, 1, &bench->fit, &err);
+    bench->lit = (struct lit_scene){.plan = &bench->plan, .full_scale = 1};
+    return fit_make(&bench->lit, &bench->fit, &err);
 }
 
 /* Sets a pixel: weights, the errors that all bands have in common, and those of each band. */

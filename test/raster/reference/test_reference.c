@@ -59,11 +59,10 @@ static void open_picture(const char *path, bool exact, struct both *out)
 {
     const struct plan_options options = {.check = true, .threads = 1};
     struct error err = {.text = ""};
-    struct light_work work;
     *out = (struct both){.triangles = NULL};
     test_need(scene_read(path, &out->scene, &err) &&
                   plan_make(&out->scene, NULL, &options, &out->plan, &err) &&
-                  lit_make(&out->plan, driver_of(NULL), &out->lit, &work, &err),
+                  lit_make(&out->plan, driver_of(NULL), &out->lit, &err),
               err.text);
     out->vertices = calloc((size_t)out->plan.n_instances, sizeof(struct slow_vertex *));
     out->triangles = calloc((size_t)out->plan.n_triangles, sizeof *out->triangles);
@@ -92,13 +91,11 @@ static void close_picture(struct both *picture)
 }
 
 /* Draws the picture as one tile, and calls `work` with it. */
-static void draw_tile(const struct both *picture,
-                      bool (*work)(void *context, const struct tile *tile, struct error *err),
-                      void *context)
+static void draw_tile(const struct both *picture, tile_work *work, void *context)
 {
     const struct rectangle at = {0, 0, picture->scene.width, picture->scene.height};
     struct error err = {.status = EXIT_AGREED};
-    test_need(tile_draw(&picture->lit, &at, work, context, &err), "out of memory");
+    test_need(tiles_each(&picture->lit, &at, work, context, &err), "out of memory");
 }
 
 /* ---- the plan's lights ---- */
