@@ -61,9 +61,9 @@ static const struct {
     const char *name;
     bool fixed, shaders; /* of one of these ways only */
 } functions[] = {
-#define COMMON_NAME(name) {"gl" #name, false, false},
-#define FIXED_NAME(name) {"gl" #name, true, false},
-#define SHADERS_NAME(name) {"gl" #name, false, true},
+#define COMMON_NAME(type, name, parameters) {"gl" #name, false, false},
+#define FIXED_NAME(type, name, parameters) {"gl" #name, true, false},
+#define SHADERS_NAME(type, name, parameters) {"gl" #name, false, true},
     COMMON_FUNCTIONS(COMMON_NAME) FIXED_FUNCTIONS(FIXED_NAME) SHADER_FUNCTIONS(SHADERS_NAME)};
 
 bool functions_find(struct contexts *to, void *library, any_function *(*get)(const char *name),
