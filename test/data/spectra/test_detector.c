@@ -6,7 +6,7 @@
 #include "spectral.h"
 #include "spectra.h"
 
-enum { PATH_SIZE = 512, MOST = 1024 };
+enum { MOST = 1024 };
 
 /* Returns a zeroed detector after an error. */
 static struct detector read_detector(const char *name, struct error *err)
@@ -28,16 +28,9 @@ static struct detector detector_of(const char *name)
     return out;
 }
 
-static const char *temporary(const char *name, char path[PATH_SIZE])
-{
-    snprintf(path, PATH_SIZE, "%s/detector-%s", test_folder(), name);
-    return path;
-}
-
 static struct detector content(const char *text)
 {
-    char path[PATH_SIZE];
-    return detector_of(test_write(temporary("content", path), text));
+    return detector_of(test_write("./detector", text));
 }
 
 static int grid(double first, double last, double step, double out[MOST])
@@ -228,11 +221,9 @@ static void check_heads(void)
 
 static void check_odd_names(void)
 {
-    static const char *const names[] = {"a:1", "a*2", "a b.csv", "0.5"};
-    char path[PATH_SIZE];
+    static const char *const names[] = {"./a:1", "./a*2", "./a b.csv", "./0.5"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        struct detector detector =
-            detector_of(test_write(temporary(names[i], path), "400 1 2 3\n"));
+        struct detector detector = detector_of(test_write(names[i], "400 1 2 3\n"));
         CHECK(detector.sensitivity[1].count == 1, "a file named '%s' is read", names[i]);
         detector_free(&detector);
     }
@@ -248,6 +239,7 @@ static void check_refused(void)
 
 int main(void)
 {
+    test_enter();
     check_whites();
     check_tables();
     check_weights();

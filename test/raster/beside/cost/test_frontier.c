@@ -238,13 +238,11 @@ static void test_degenerate(void)
 /* Draws points, a third of them crowded in one place. */
 static void fill(struct point *points, char (*names)[64], int n)
 {
-    unsigned random = 7;
+    uint64_t random = 7;
     for (int i = 0; i < n; i++) {
         double uniform[2];
-        for (int k = 0; k < 2; k++) {
-            random = random * 1664525u + 1013904223u;
-            uniform[k] = (random >> 8) / 16777216.0;
-        }
+        for (int k = 0; k < 2; k++)
+            uniform[k] = test_random(&random, 0, 1);
         const bool crowded = i % 3 == 0;
         const double cost = (crowded ? 0.2 + 0.02 * uniform[0] : 0.02 + uniform[0] * i / n);
         const double error = (crowded ? 0.3 + 0.05 * uniform[1] : 0.02 / cost * (0.3 + uniform[1]));
