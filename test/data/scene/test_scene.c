@@ -423,20 +423,6 @@ static void check_thesis_scene(void)
     scene_free(&s);
 }
 
-static void check_unknown_scene(void)
-{
-    struct error err = {0};
-    struct scene s;
-    CHECK(!scene_read("no such scene", &s, &err) && err.status == EXIT_INPUT && s.path == NULL,
-          "an unknown scene is refused as input");
-    CHECK_TEXT(err.text,
-               "error: no file no such scene and no built-in scene of that name; "
-               "built-in are colorchecker, fluorescence, metals, metamers, pasture, patches, room, "
-               "spheres, "
-               "textures",
-               "the message lists the built-in scenes");
-}
-
 /* ---- the command line ---- */
 
 static void check_overrides(void)
@@ -581,7 +567,6 @@ int main(void)
     check_mtl();
     check_includes();
     check_thesis_scene();
-    check_unknown_scene();
     check_overrides();
     check_tessellation();
     check_spectra();
