@@ -456,7 +456,8 @@ static void test_sampled(void)
                              10 digits of the recorded wavelengths */
         bool fixed, components;
     } samplings[] = {{"gauss:8", 1e-9, false, false},     {"gauss:8,open", 1e-9, false, false},
-                     {"gauss:9,xyz", 1e-12, true, false}, {"basis:2", 1e-12, true, true},
+                     {"gauss:9,xyz", 1e-12, true, false}, {"gauss:9,lms", 1e-12, true, false},
+                     {"gauss:8,acc", 1e-12, true, false}, {"basis:2", 1e-12, true, true},
                      {"rgb", 1e-12, true, true},          {"xyz", 1e-12, true, true},
                      {"box:12", 0.05, false, false},      {"adaptive:0.001", 0.001, false, false},
                      {"riemann:10", 0.01, false, false}};

@@ -400,12 +400,11 @@ def halves(renderer):
 
 
 def halves_in_perspective(renderer):
-    size, tangent = 81, np.tan(np.radians(20))
+    size = 81
     matrix = rotation(-50, (0, 1, 0)) @ rotation(25, (0, 0, 1))
     scene = (f"size {size} {size}\ncamera perspective 40 near 1 far 20\n{PAIR}"
              "object plane 3 3 material grey rotate 25 0 0 1 rotate -50 0 1 0 translate 0 0 -6")
-    centre = ((np.arange(size) + 0.5) / size * 2 - 1) * tangent
-    ray = np.array([*np.meshgrid(centre, -centre), -np.ones((size, size))])
+    ray = np.array([*pixel_grid(size, size, 2 * np.tan(np.radians(20))), -np.ones((size, size))])
     normal = matrix @ [0, 0, 1]
     point = ray * (normal @ [0, 0, -6] / np.tensordot(normal, ray, 1))
     point[2] += 6
@@ -476,9 +475,7 @@ def perspective(renderer):
         path = light - position
         return normal @ path / np.linalg.norm(path)
 
-    tangent = np.tan(np.radians(20))
-    centre = (np.arange(size) + 0.5) / size * 2 - 1
-    x, y = np.meshgrid(centre * tangent, -centre * tangent)
+    x, y = pixel_grid(size, size, 2 * np.tan(np.radians(20)))
     # ray (x, y, -1) t meets the plane where normal . (ray t) = normal . (0, 0, -distance)
     t = normal[2] * -distance / (normal[1] * y - normal[2])
     along = (y * t * up[1] + (-t + distance) * up[2]) / half
