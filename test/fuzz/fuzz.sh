@@ -89,7 +89,7 @@ make_seeds() {
         "$BUILD/spectral" render patches --size 5x4 --wavelengths 500 --renderer raster --no-check -q --part 1/1 -o "$made.new/stack-part"
     )
     need python3-tifffile
-    /usr/bin/python3 test/make/fuzz_seeds.py "$made.new"
+    /usr/bin/python3 test/fuzz/fuzz_seeds.py "$made.new"
     # the examples of the program's commands, and of the pages
     sed -n 's/^ *"\([a-z]* .*\)", command_.*/\1/p' spectral.c >"$made.new/lines"
     grep -hoE '^spectral [^|>]*' README.md data/doc/*.md | cut -d ' ' -f 2- | sort -u >>"$made.new/lines"

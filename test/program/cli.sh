@@ -106,16 +106,6 @@ small="--size 40x30 --wavelengths 400:700:50"
     exits 0 "a map goes to standard output" "$SPECTRAL" render patches $small -o /dev/null --check-map -
     says '^map|^verdict' "the table then goes to standard error"
 
-    # An interrupted render leaves no file behind and keeps an old one.
-    "$SPECTRAL" render colorchecker --size 3000x2000 -o "$tmp/old.tif" >"$tmp/out" 2>&1 &
-    sleep 1
-    kill -TERM $! # a background job of sh ignores SIGINT; the program handles both signals in the same way
-    wait $!
-    [ $? = 143 ]
-    ok $? "an interrupted render ends by the signal"
-    cmp -s "$tmp/c.tif" "$tmp/old.tif" && [ "$(find "$tmp" -name '*.tmp' -o -name '.*tmp*' | wc -l)" = 0 ]
-    ok $? "an interrupted render leaves an old output alone, and no other file"
-
     # JSON.
     exits 0 "render writes its results as JSON" "$SPECTRAL" render patches $small -o "$tmp/j.tif" --json "$tmp/j.json"
     /usr/bin/python3 - "$tmp" >"$tmp/out" 2>"$tmp/err" <<'PYTHON'

@@ -13,7 +13,7 @@ import subprocess
 import tempfile
 import time
 
-from rendered import SPECTRAL, TMP, check, done
+from rendered import SPECTRAL, TMP, bytes_of, check, done, remove
 
 SAMPLES = os.path.abspath("data/samples")
 HOME = os.path.abspath(TMP)
@@ -35,11 +35,6 @@ def run(words):
     return process.returncode, said
 
 
-def read(path):
-    with open(path, "rb") as file:
-        return file.read()
-
-
 PARALLEL = ["sh", os.path.join(SAMPLES, "parts-parallel.sh"), "3", STACK, *SCENE]
 MAKE = ["make", "-s", "-f", os.path.join(SAMPLES, "parts.mk"), "-j2", f"STACK={PLAIN}", f"SCENE={SCENE[0]}",
         "OPTIONS=" + " ".join(SCENE[1:]), "PARTS=3"]
@@ -53,17 +48,16 @@ def parts():
 
 
 def is_same(what, path, code, said):
-    check(code == 0 and os.path.exists(path) and read(path) == read(WHOLE) and not parts(),
+    check(code == 0 and os.path.exists(path) and bytes_of(path) == bytes_of(WHOLE) and not parts(),
           f"the same bytes, and no part is left: {what}", code, said, os.listdir(HOME))
-    if os.path.exists(path):
-        os.remove(path)
+    remove(path)
 
 
 def kill_one():
     """Kills the process that draws part 2 of the stack."""
     for pid in filter(str.isdigit, os.listdir("/proc")):
         with contextlib.suppress(OSError):
-            words = read(f"/proc/{pid}/cmdline").decode(errors="replace").split("\0")
+            words = bytes_of(f"/proc/{pid}/cmdline").decode(errors="replace").split("\0")
             if words[0] == OURS["SPECTRAL"] and {STACK + ".2-of-3.tif", PLAIN + ".2-of-3.tif"} & set(words):
                 os.kill(int(pid), signal.SIGKILL)
                 return True

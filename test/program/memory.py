@@ -43,11 +43,8 @@ def tiff(name, width, height, tags, data=b"", size=0):
     entries = {256: (LONG, 1, width), 257: (LONG, 1, height), 258: (SHORT, 1, 16), 259: (SHORT, 1, 1), 262: (SHORT, 1, 1),
                277: (SHORT, 1, 1), **tags}
     with open(path(name), "wb") as out:
-        out.write(b"II*\0" + struct.pack("<I", ifd) + data + b"\0" * (len(data) % 2))
-        out.write(struct.pack("<H", len(entries)))
-        for number in sorted(entries):
-            kind, count, value = entries[number]
-            out.write(struct.pack("<HHI", number, kind, count) + struct.pack("<H2x" if kind == SHORT and count == 1 else "<I", value))
+        out.write(b"II*\0" + struct.pack("<I", ifd) + data + b"\0" * (len(data) % 2) + struct.pack("<H", len(entries)))
+        out.writelines(struct.pack("<HHII", number, *entries[number]) for number in sorted(entries))
         out.write(struct.pack("<I", 0))
         out.truncate(max(out.tell(), size))
     return path(name)

@@ -80,6 +80,17 @@ def write(name, text):
     return path_of(name)
 
 
+def bytes_of(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def remove(*paths):
+    """Removes the files that exist."""
+    for path in filter(os.path.exists, paths):
+        os.remove(path)
+
+
 def run(*words, program=os.path.abspath(SPECTRAL), text=True, **options):
     """Runs the program; its output and its errors are texts, or else bytes. Options in capitals are variables of its environment."""
     variables = {name: options.pop(name) for name in list(options) if name.isupper()}

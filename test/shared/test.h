@@ -94,7 +94,7 @@ static inline bool test_word(const char **list, char word[64])
     return found;
 }
 
-static int test_end(void)
+static inline int test_end(void)
 {
     printf("1..%d\n", test_count);
     return test_failures != 0;

@@ -105,7 +105,7 @@ static void programs(void)
 
 /* ---- ends ---- */
 
-static const char *doomed; /* a file that must not outlive its process */
+static const char *const doomed = "doomed"; /* a file that must not outlive its process */
 
 /* Works take a number, as exit and guard_exit do. */
 static void raises(int number)
@@ -261,11 +261,9 @@ static void orphan(int number)
 
 int main(int argc, char **argv)
 {
-    char path[4096];
     if (argc > 1)
         return play(argv[1]);
-    snprintf(path, sizeof path, "%s/doomed", test_folder());
-    doomed = path;
+    test_enter();
     jobs();
     programs();
     ends();

@@ -16,23 +16,12 @@
 #include "data/files/files.h"
 #include "spectral.h"
 
-enum { PATH_SIZE = 512, LARGE = 200001 };
+enum { LARGE = 200001 };
 static const struct place nowhere = {NULL, 0, 0};
-
-/* Returns a path in a folder that only this test uses, so that leftovers can be counted. */
-static const char *temporary(const char *name, char path[PATH_SIZE])
-{
-    const char *folder = test_folder();
-    snprintf(path, PATH_SIZE, "%s/file", folder);
-    mkdir(path, 0777);
-    snprintf(path, PATH_SIZE, "%s/file/%s", folder, name);
-    return path;
-}
 
 static int count_entries(void)
 {
-    char path[PATH_SIZE];
-    DIR *folder = opendir(temporary(".", path));
+    DIR *folder = opendir(".");
     int count = 0;
     while (folder != NULL && readdir(folder) != NULL)
         count++;
@@ -80,8 +69,8 @@ static void fill(char large[LARGE], char letter)
 static void check_reads(void)
 {
     struct error err = {0};
-    char path[PATH_SIZE], folder[PATH_SIZE], large[LARGE];
-    temporary("read", path);
+    const char *const path = "read";
+    char large[LARGE];
     bytes_write(path, "a\nb", 3);
     CHECK(holds(path, "a\nb"), "a file is read whole");
     bytes_write(path, "", 0);
@@ -95,20 +84,20 @@ static void check_reads(void)
           "a terabyte is refused before it is read");
     CHECK(refuses_read("/dev/zero", "no regular file"),
           "a device is refused where a file names it");
-    CHECK(!file_read("/dev/zero", nowhere, &err) &&
-              strstr(err.text, "byte 1 is NUL"),
+    CHECK(!file_read("/dev/zero", nowhere, &err) && strstr(err.text, "byte 1 is NUL"),
           "an endless file of zeros ends");
-    CHECK(refuses_read(temporary("none", path), "scene:2:3: error: cannot read"),
+    CHECK(refuses_read("none", "scene:2:3: error: cannot read"),
           "the message for a missing file names the place that refers to it");
-    CHECK(refuses_read(temporary(".", folder), "folder"), "a folder is refused as a file");
+    CHECK(refuses_read(".", "folder"), "a folder is refused as a file");
     CHECK(refuses_read("builtin:none", "built-in"), "an unknown built-in file is refused");
 }
 
 static void check_pipe(void)
 {
-    char path[PATH_SIZE], large[LARGE];
+    const char *const path = "pipe";
+    char large[LARGE];
     fill(large, 'y');
-    mkfifo(temporary("pipe", path), 0600);
+    mkfifo(path, 0600);
     const pid_t child = fork();
     if (child == 0) {
         test_write(path, large);
@@ -148,13 +137,11 @@ static void check_relative(void)
 
 static void check_replacement(void)
 {
-    char path[PATH_SIZE], link[PATH_SIZE];
+    const char *const path = "out", *const link = "link";
     struct output output;
     struct error err = {0};
     struct stat status;
     int before;
-    temporary("out", path);
-    temporary("link", link);
     unlink(path);
     unlink(link);
     before = count_entries();
@@ -191,45 +178,45 @@ static enum exit_status write_status(const char *path)
 
 static void check_refusals(void)
 {
-    char path[PATH_SIZE], name[PATH_SIZE] = "", long_path[PATH_SIZE], paths[4][PATH_SIZE];
-    memset(name, 'n', 250);
-    temporary(name, long_path);
-    memset(name, 'n', 300);
+    char long_name[251] = "", too_long[301] = "";
+    memset(long_name, 'n', 250);
+    memset(too_long, 'n', 300);
     const struct {
         const char *path, *what;
-    } refused[] = {{temporary(".", paths[0]), "a folder"},
-                   {temporary("no/file", paths[1]), "a file in a missing folder"},
-                   {temporary("out/file", paths[2]), "a path below a file"},
-                   {temporary("new/", paths[3]), "a name that ends in /"},
+    } refused[] = {{".", "a folder"},
+                   {"no/file", "a file in a missing folder"},
+                   {"out/file", "a path below a file"},
+                   {"new/", "a name that ends in /"},
                    {"", "the empty name"},
                    {"builtin:a", "a built-in file"},
-                   {name, "a name that is too long"}};
+                   {too_long, "a name that is too long"}};
     const int before = count_entries();
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++)
         CHECK(write_status(refused[i].path) == EXIT_INPUT, "%s cannot be written", refused[i].what);
-    symlink("missing", temporary("dangling", path));
-    CHECK(write_status(path) == EXIT_INPUT, "a link to nothing cannot be written");
-    unlink(path);
-    CHECK(write_status(long_path) == EXIT_AGREED, "a long name gets a temporary file");
-    unlink(long_path);
+    symlink("missing", "dangling");
+    CHECK(write_status("dangling") == EXIT_INPUT, "a link to nothing cannot be written");
+    unlink("dangling");
+    CHECK(write_status(long_name) == EXIT_AGREED, "a long name gets a temporary file");
+    unlink(long_name);
     if (geteuid() != 0) {
-        bytes_write(temporary("locked", path), "x", 1);
-        chmod(path, 0400);
-        CHECK(write_status(path) == EXIT_INPUT, "a write-protected file is kept");
-        unlink(path);
+        bytes_write("locked", "x", 1);
+        chmod("locked", 0400);
+        CHECK(write_status("locked") == EXIT_INPUT, "a write-protected file is kept");
+        unlink("locked");
     }
     CHECK(count_entries() == before, "refused outputs leave no file");
 }
 
 static void check_devices(void)
 {
-    char path[PATH_SIZE], seen[8] = "";
+    const char *const path = "pipe";
+    char seen[8] = "";
     struct stat status;
     pid_t child;
     int ended, before = count_entries();
-    setenv("TMPDIR", temporary(".", path), 1);
+    setenv("TMPDIR", ".", 1);
     CHECK(write_status("/dev/null") == EXIT_AGREED, "a device receives a copy");
-    mkfifo(temporary("pipe", path), 0600);
+    mkfifo(path, 0600);
     child = fork();
     if (child == 0)
         _exit((int)write_status(path));
@@ -254,11 +241,11 @@ static void check_devices(void)
  * test/data/files/spared.py try its other names. */
 static void check_inputs(void)
 {
-    char late[PATH_SIZE], other[PATH_SIZE];
+    const char *const late = "late", *const other = "first";
     struct error err = {0};
     struct outputs outputs = {.n = 0};
-    bytes_write(temporary("late", late), "kept", 4);
-    CHECK(file_write(temporary("first", other), "new", 3, &outputs, &err) &&
+    bytes_write(late, "kept", 4);
+    CHECK(file_write(other, "new", 3, &outputs, &err) &&
               file_write(late, "new", 3, &outputs, &err) && reads(late),
           "an input is read after its output was written, but before it has its name");
     CHECK(!outputs_commit(&outputs, &err) && err.status == EXIT_INPUT && holds(late, "kept"),
@@ -276,10 +263,10 @@ static void check_inputs(void)
 
 static void check_folders(void)
 {
-    char path[PATH_SIZE], file[sizeof(struct folder) + 16];
+    char file[sizeof(struct folder) + 16];
     struct folder own, other;
     struct error err = {0};
-    setenv("TMPDIR", temporary(".", path), 1);
+    setenv("TMPDIR", ".", 1);
     const int before = count_entries();
     CHECK(folder_open(&own, &err) && folder_open(&other, &err) && access(own.path, F_OK) == 0,
           "folders of two that live stand side by side");
@@ -315,10 +302,9 @@ static int write_full(const char *path)
 
 static void check_full(void)
 {
-    char path[PATH_SIZE];
-    int before;
-    bytes_write(temporary("kept", path), "kept", 4);
-    before = count_entries();
+    const char *const path = "kept";
+    bytes_write(path, "kept", 4);
+    const int before = count_entries();
     CHECK(write_full("-") == EXIT_SYSTEM, "a standard output that is full is noticed");
     CHECK(write_full(path) == EXIT_SYSTEM && holds(path, "kept") && count_entries() == before,
           "if the bytes do not fit, the old file stands and the temporary file is gone");
@@ -340,9 +326,9 @@ static void check_digest(void)
         {million, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0",
          "a million a"},
     };
-    char path[PATH_SIZE], out[65];
+    const char *const path = "digest";
+    char out[65];
     struct error err = {0};
-    temporary("digest", path);
     memset(million, 'a', sizeof million - 1);
     for (size_t i = 0; i < sizeof messages / sizeof messages[0]; i++) {
         bytes_write(path, messages[i].bytes, strlen(messages[i].bytes));
@@ -358,7 +344,7 @@ static void check_digest(void)
     }
     digest_end(&digest, out);
     CHECK_TEXT(out, messages[3].digest, "a million a in pieces of all sizes");
-    CHECK(!digest_file(temporary(".", path), out, &err) && err.status == EXIT_SYSTEM,
+    CHECK(!digest_file(".", out, &err) && err.status == EXIT_SYSTEM,
           "the digest of a folder is refused");
 }
 
@@ -422,6 +408,9 @@ static void check_memory(void)
 
 int main(void)
 {
+    test_enter();
+    mkdir("file", 0777); /* a folder that only this test uses, so that leftovers can be counted */
+    test_need(chdir("file") == 0, "there is no folder");
     check_arrays();
     check_memory();
     check_printed();

@@ -6,15 +6,6 @@
 #include "data/maths/maths.h"
 #include "test.h"
 
-/* Draws a number from 0 to 1, without 1 (splitmix64, S. Vigna, public domain). */
-static double next_random(uint64_t *state)
-{
-    uint64_t z = *state += 0x9e3779b97f4a7c15;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
-    z = (z ^ z >> 27) * 0x94d049bb133111eb;
-    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
-}
-
 /* Returns the larger of `worst` and |seen - exact|, in units in the last place; NaN counts as
  * larger. */
 static double worse(double worst, double seen, long double exact)
@@ -117,10 +108,11 @@ static void check_power(void)
     uint64_t state = 1;
     double gloss = 0, near_one = 0, steep = 0, tiny = 0, root = 0;
     for (int i = 0; i < 500000; i++) {
-        const double x = next_random(&state) + DBL_MIN, exponent = 128 * next_random(&state);
+        const double x = test_random(&state, 0, 1) + DBL_MIN,
+                     exponent = 128 * test_random(&state, 0, 1);
         const double near = 1 - x * ldexp(1, -(i % 53));
         const double hard = exp2(-0.0155 - 0.0015 * x), large = 1e4 - 20 * exponent;
-        const double falls = -(1022 + 53 * next_random(&state)) / log2(x);
+        const double falls = -(1022 + 53 * test_random(&state, 0, 1)) / log2(x);
         gloss = worse_power(gloss, 2 * x, exponent);
         near_one = worse_power(near_one, near, exponent);
         steep = worse_power(steep, hard, large);
@@ -150,7 +142,8 @@ static void check_monotone(void)
     uint64_t state = 2;
     int falls = 0;
     for (int i = 0; i < 7000; i++) {
-        double base = i % 2 ? next_random(&state) : 1 + ldexp(next_random(&state) - 0.5, -i % 9);
+        double base =
+            i % 2 ? test_random(&state, 0, 1) : 1 + ldexp(test_random(&state, 0, 1) - 0.5, -i % 9);
         double last = 0;
         for (int k = 0; k < 50; k++, base = nextafter(base, 2)) {
             const double next = power(base, exponents[i % 7]);
@@ -166,7 +159,7 @@ static void check_logarithm(void)
     uint64_t state = 3;
     double worst = 0;
     for (int i = 0; i < 500000; i++) {
-        const double x = next_random(&state) + DBL_MIN, near = 1 + ldexp(x - 0.5, -(i % 50));
+        const double x = test_random(&state, 0, 1) + DBL_MIN, near = 1 + ldexp(x - 0.5, -(i % 50));
         const double any = ldexp(1 + x, i % 2000 - 1000);
         worst = worse(worst, binary_logarithm(near), log2l((long double)near));
         worst = worse(worst, binary_logarithm(any), log2l((long double)any));
@@ -179,7 +172,7 @@ static void check_cube_root(void)
     uint64_t state = 4;
     double worst = 0;
     for (int i = 0; i < 500000; i++) {
-        const double any = ldexp(1 + next_random(&state), i % 2000 - 1000);
+        const double any = ldexp(1 + test_random(&state, 0, 1), i % 2000 - 1000);
         worst = worse(worst, cube_root(any), cbrtl((long double)any));
     }
     CHECK_NEAR(worst, 0, 8, "cube roots (%.4f units)", worst);
@@ -190,7 +183,7 @@ static void check_exponential(void)
     uint64_t state = 4;
     double worst = 0, decay = 0;
     for (int i = 0; i < 500000; i++) {
-        const double x = 2 * next_random(&state) - 1, far = (x < 0 ? 745.13 : 709.78) * x;
+        const double x = 2 * test_random(&state, 0, 1) - 1, far = (x < 0 ? 745.13 : 709.78) * x;
         const double fall = 40 * fabs(x) * ldexp(1, -(i % 40));
         worst = worse(worst, exponential(x), expl((long double)x));
         worst = worse(worst, exponential(far), expl((long double)far));
@@ -215,7 +208,7 @@ static void check_angle(void)
     uint64_t state = 5;
     double worst = 0;
     for (int i = 0; i < 500000; i++) {
-        const double x = next_random(&state), part = ldexp(x, -(i / 2 % 30));
+        const double x = test_random(&state, 0, 1), part = ldexp(x, -(i / 2 % 30));
         const long double angle = (long double)(i % 2 ? PI * part : PI / 2 * (1 - part));
         worst = worse(worst, angle_of((double)sinl(angle), (double)cosl(angle)), angle);
     }
@@ -286,7 +279,7 @@ static void check_degrees(void)
     uint64_t state = 6;
     double any = 0, near = 0, tiny = 0, sines = 0, cosines = 0, sine, cosine;
     for (int i = 0; i < count; i++) {
-        const double x = 2 * next_random(&state) - 1, angle = 35 + 5 * x;
+        const double x = 2 * test_random(&state, 0, 1) - 1, angle = 35 + 5 * x;
         any = worse_degrees(any, 720 * x);
         near = worse_degrees(near, 45 * (i % 33 - 16) + ldexp(x, -(i % 50)));
         tiny = worse_degrees(tiny, ldexp(x, -(i % 1070)));
@@ -319,8 +312,8 @@ static void check_turns(void)
     int unequal = 0, unmirrored = 0;
     for (int i = 0; i < 100000; i++) {
         const double most = ldexp(1, i % 33);
-        const int64_t whole = 1 + (int64_t)(most * next_random(&state));
-        const int64_t part = (int64_t)(0x1p32 * next_random(&state)), less = part % whole;
+        const int64_t whole = 1 + (int64_t)(most * test_random(&state, 0, 1));
+        const int64_t part = (int64_t)(0x1p32 * test_random(&state, 0, 1)), less = part % whole;
         any = worse_turn(any, part, whole);
         near = worse_turn(near, whole * (i % 8) / 8 + i % 5, whole);
         sine_cosine_of_turn(less, whole, &sine, &cosine);

@@ -13,26 +13,13 @@
 
 static const double pi = 3.14159265358979323846;
 static const struct place nowhere = {NULL, 0, 0};
-static char obj_path[512];
-
-static void choose_path(void)
-{
-    snprintf(obj_path, sizeof obj_path, "%s/test_mesh.obj", test_folder());
-}
+static const char *const obj_path = "test_mesh.obj";
 
 static FILE *begin_obj(void)
 {
     FILE *file = fopen(obj_path, "w");
     test_need(file != NULL, obj_path);
     return file;
-}
-
-static void write_obj(const char *text)
-{
-    FILE *file = begin_obj();
-
-    fputs(text, file);
-    fclose(file);
 }
 
 /* Reads the file that was written last. */
@@ -48,7 +35,7 @@ static struct mesh read_obj(bool unitize, double crease_deg)
 
 static struct mesh read_text(const char *text, double crease_deg)
 {
-    write_obj(text);
+    test_write(obj_path, text);
     return read_obj(false, crease_deg);
 }
 
@@ -450,7 +437,7 @@ enum { CROWD = 1000 };
  * one triangle, or two halves in one plane. */
 static struct mesh read_cone(double crease_deg, int halves)
 {
-    FILE *file = fopen(obj_path, "w");
+    FILE *file = begin_obj();
     fprintf(file, "v 0 0 0\n");
     for (int i = 0; i < 2 * CROWD; i++) {
         const double angle = PI * i / CROWD, reach = i % 2 == 0 ? 1 : cos(PI / CROWD);
@@ -500,7 +487,7 @@ static void check_crowd(void)
 
 int main(void)
 {
-    choose_path();
+    test_enter();
     check_cubes();
     check_turned_cube();
     check_polygons();

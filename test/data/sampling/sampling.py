@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
 """Checks wavelength sampling from render to develop. The result of each method for a chart, whose radiances are
-light x reflectance, is computed once more with numpy, at every nm, from the tables. Theory says for which spectra
-a method must be exact, and for which not. test_sampling.c has hard cases. Prints TAP."""
+light x reflectance, is computed once more with numpy, at every nm, from the tables. Theory says how errors
+fall. test_sampling.c has the spectra for which a method must be exact, tolerances, refusals and hard cases. Prints TAP."""
 import glob
 import json
 
@@ -17,7 +17,6 @@ NM = np.arange(FIRST, LAST + 1.0)
 CHART = [np.interp(NM, *table(path)) for path in sorted(glob.glob("data/builtin/materials/colorchecker/*.txt"))]
 METHODS = ["box:8", "riemann:10", "gauss:8", "gauss:8,open", "gauss:9,xyz", "gauss:9,lms", "gauss:8,acc",
            "adaptive:0.001", "basis:6", "rgb", "xyz"]
-FIXED = ["gauss:9,xyz", "gauss:9,lms", "gauss:8,acc", "basis:6", "rgb", "xyz"]
 SMALL = "wavelengths 380 730 5\nsize 8 8\ncamera ortho 2\n"
 
 
@@ -47,19 +46,11 @@ class Sampled:
                           "--quiet", "--threads", "1", "--depth", "32f", "--json", "-", "-o", self.path, *options)
         self.report = json.loads(self.result.stdout) if self.result.returncode == 0 else None
 
-    def is_refused(self):
-        """Returns whether the command was refused in one line; any other failure is a crash."""
-        return self.result.returncode == 2 and self.result.stderr.count("\n") == 1
-
     def pages(self):
         return len(pages_of(self.path))
 
     def nodes(self):
         return np.array(self.report["wavelengths_nm"])
-
-    def develop(self, *options):
-        image = path_of("developed.tif")
-        return run("develop", self.path, "--xyz", "--quiet", "--threads", "1", "-o", image, *options), image
 
     def xyz(self, *options):
         """XYZ of the developed stack [y, x, channel]"""
@@ -156,42 +147,15 @@ def check_basis():
     for name in "d65", "fluorescent":
         products = np.array([light_of(name) * r for r in CHART])
         components = np.linalg.svd(products, full_matrices=False)[2]
-        truth, errors = exact(light_of(name)), []
         for k in 1, 2, 4, 8, 24:
             seen = chart(f"basis:{k}", "--light", f"1={name}")[0]
             part = components[:k]
             expected = (products @ part.T) @ (EYE @ part.T).T
             magnitude = 4 * np.abs(EYE).sum(0) @ products.max(0)  # coordinates are sheared
             is_near(seen, expected, f"basis:{k} under {name}: the error is that of {k} singular vectors", magnitude)
-            errors.append(error(seen, truth))
-        check(errors[0] > errors[2] > errors[3] > errors[4],
-              f"the errors of basis:K fall with K under {name}", errors)
-        check(errors[4] < 2e-6, "basis:24 is exact, since the rank is 24", errors[4])
 
 
 # ---- theory of quadrature ----
-
-def polynomial_scene():
-    """Light and reflectance are linear: their product is of degree 2, and no less."""
-    write("ramp.csv", "300,1\n800,3\n")
-    write("slope.csv", "300,0.9\n800,0.1\n")
-    scene = SMALL + "light ramp.csv 1 direction 0 0 1\nmaterial m { diffuse slope.csv }\n" \
-        "object plane 4 4 material m\n"
-    return write("polynomial.scene", scene), (1 + (NM - 300) / 250) * (0.9 - (NM - 300) / 625)
-
-
-def check_exactness():
-    scene, product = polynomial_scene()
-    truth = EYE @ product
-    scale = np.abs(EYE).sum(0) @ product
-    for method in "gauss:3", "gauss:3,open", "gauss:6,xyz", "gauss:6,lms", "adaptive:1e-9", "basis:1", "riemann:1":
-        is_near(Sampled(scene, method).xyz()[4, 4], truth, f"{method} is exact for degree 2", 4 * scale)
-    for method in "gauss:2", "gauss:2,open", "gauss:3,xyz", "box:2", "riemann:50":
-        wrong = np.abs(Sampled(scene, method).xyz()[4, 4] - truth).max() / truth[1]
-        check(wrong > 1e-4, f"{method} is not exact for degree 2", wrong)
-    seen = Sampled(scene, "gauss:2").xyz()[4, 4]
-    is_near(seen.sum(), truth.sum(), "gauss:2 is exact to degree 3 for X + Y + Z, its weight function", 4 * scale)
-
 
 def check_gauss():
     for name in "a", "d65":
@@ -209,29 +173,6 @@ def check_gauss():
     errors = [error(chart(f"riemann:{step}", *lamp)[0], truth) for step in (100, 50, 25)]
     check(errors[1] < errors[0] / 4 and errors[2] < errors[1] / 4,
           "half the step leaves less than a quarter of the error: riemann is of second order or better", errors)
-    stack = Sampled("patches", "gauss:9,acc")
-    check(stack.is_refused() and "8 samples" in stack.result.stderr,
-          "a rule that does not exist is refused, and the message names one that exists", stack.result.stderr)
-
-
-def check_adaptive():
-    for name in "d65", "a", "fluorescent":
-        light = light_of(name)
-        truth, pages = exact(light), []
-        for tolerance in 0.01, 0.001, 0.0001:
-            seen, n = chart(f"adaptive:{tolerance}", "--light", f"1={name}")
-            wrong = np.abs(seen - truth).max() / (EYE @ light).max()
-            pages.append(n)
-            check(wrong <= tolerance + 3 * 2**-24,
-                  f"adaptive:{tolerance} under {name}: {n} pages are within the tolerance",
-                  f"error {wrong}")
-        check(pages[0] < pages[1] < pages[2] < 351, "a smaller tolerance takes more pages, but never every nm", pages)
-    light = light_of("fluorescent")
-    seen, n = chart("adaptive:0.001", "--light", "1=fluorescent")
-    fixed = chart(f"gauss:{min(n, 64)}", "--light", "1=fluorescent")[0]
-    check(error(fixed, exact(light)) > 2 * error(seen, exact(light)),
-          "under a tube, quadrature without peaks has more than twice the error",
-          error(fixed, exact(light)), error(seen, exact(light)))
 
 
 # ---- another detector afterwards ----
@@ -260,12 +201,6 @@ def check_other_detector():
     for method, limit in ("adaptive:0.0001", 0.001), ("riemann:1", 1e-6):
         wrong = error(chart(method, detector="cie1964")[0], truth)
         check(wrong < limit, f"{method} is right for another observer, too", wrong)
-    for method in FIXED:
-        stack = Sampled("patches", method, "--size", "60x40")
-        result, _ = stack.develop("--detector", "cie1964")
-        check(stack.report is not None and result.returncode == 2 and result.stderr.count("\n") == 1
-              and "cie1931" in result.stderr, f"{method} refuses another observer, and the message names its own",
-              result.stderr)
 
 
 # ---- limits of three numbers ----
@@ -332,9 +267,7 @@ check_riemann()
 check_box()
 check_three_numbers()
 check_basis()
-check_exactness()
 check_gauss()
-check_adaptive()
 check_other_detector()
 check_fluorescence()
 check_gl()

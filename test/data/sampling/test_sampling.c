@@ -218,11 +218,10 @@ static void test_few_pages(void)
 
 static void test_peaks(void)
 {
-    char path[512];
-    snprintf(path, sizeof path, "%s/sampling-lines.csv", test_folder());
-    test_write(path, "nm,power\n380,1\n439,1\n440,9\n442,9\n443,1\n545,1\n550,3\n555,1\n640,1\n"
-                     "645,1.7\n650,1\n680,1\n700,2.3\n720,1\n745,1\n750,1.45\n755,1\n780,1\n");
-    struct stage stage = single(path, "0.5", 380, 401);
+    test_write("lamp.csv",
+               "nm,power\n380,1\n439,1\n440,9\n442,9\n443,1\n545,1\n550,3\n555,1\n640,1\n"
+               "645,1.7\n650,1\n680,1\n700,2.3\n720,1\n745,1\n750,1.45\n755,1\n780,1\n");
+    struct stage stage = single("lamp.csv", "0.5", 380, 401);
     struct sampling s = made(&stage, "adaptive:0.01");
     CHECK(s.n_peaks == 4 && s.peak_nm[0] == 440 && s.peak_nm[1] == 550 && s.peak_nm[2] == 645 &&
               s.peak_nm[3] == 700,
@@ -409,10 +408,7 @@ static void check_all(const char *what, const struct stage *stage)
 
 static void test_hard(void)
 {
-    static const char table[] = "nm,power\n380,0\n540,0\n545,1\n550,0\n730,0\n";
-    char path[512];
-    snprintf(path, sizeof path, "%s/sampling-coarse.csv", test_folder());
-    test_write(path, table);
+    test_write("lamp.csv", "nm,power\n380,0\n540,0\n545,1\n550,0\n730,0\n");
     const struct {
         const char *what, *light, *one, *two;
         double first;
@@ -426,8 +422,8 @@ static void test_hard(void)
         {"a bright light", "d65*1e30", "gaussian:600,80*0.8", "gaussian:520,90*0.6", 380, 351},
         {"a line of 2 nm", "gaussian:546,2", "gaussian:600,80*0.8", "gaussian:520,90*0.6", 380,
          351},
-        {"one sample in a coarse table", path, "gaussian:600,80*0.8", "gaussian:520,90*0.6", 380,
-         351}};
+        {"one sample in a coarse table", "lamp.csv", "gaussian:600,80*0.8", "gaussian:520,90*0.6",
+         380, 351}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         struct stage stage = single(cases[i].light, cases[i].one, cases[i].first, cases[i].n);
         put_surface(&stage, cases[i].two);
@@ -454,10 +450,8 @@ static void test_black(void)
 
 static void test_line(void)
 {
-    char path[512];
-    snprintf(path, sizeof path, "%s/sampling-line.csv", test_folder());
-    test_write(path, "nm,power\n380,0\n554,0\n555,1\n556,0\n780,0\n");
-    struct stage stage = chart(path, 380, 401);
+    test_write("lamp.csv", "nm,power\n380,0\n554,0\n555,1\n556,0\n780,0\n");
+    struct stage stage = chart("lamp.csv", 380, 401);
     struct sampling s = made(&stage, "adaptive:0.001"), basis = made(&stage, "basis:9");
     CHECK(s.n_peaks == 1 && s.peak_nm[0] == 555, "a light of a single sample is a peak");
     CHECK_NEAR(worst_error(&stage, &s), 0, 1e-3, "adaptive resolves the single sample");
@@ -634,6 +628,7 @@ static void test_print(void)
 
 int main(void)
 {
+    test_enter();
     test_names();
     test_adaptive();
     test_few_pages();

@@ -10,15 +10,6 @@
 #include "spectral.h"
 #include "test.h"
 
-enum { PATH_SIZE = 512 };
-
-static const char *write_material(const char *name, const char *content)
-{
-    static char path[PATH_SIZE];
-    snprintf(path, sizeof path, "%s/%s", test_folder(), name);
-    return test_write(path, content);
-}
-
 /* Returns a material without a diffuse spectrum after an error. */
 static struct material read_file(const char *path, struct error *err)
 {
@@ -42,8 +33,8 @@ static struct material read_words(const char *words, struct text *rest, struct e
 static void check_matt_file(void)
 {
     struct error err;
-    struct material m = read_file(write_material("matt.v2.txt", "# nothing\n\n  400 0.25 # end\r\n"
-                                                                "500\t0.75"),
+    struct material m = read_file(test_write("./matt.v2.txt", "# nothing\n\n  400 0.25 # end\r\n"
+                                                              "500\t0.75"),
                                   &err);
     CHECK_TEXT(err.text, "", "a file of wavelengths and reflectances is a material");
     CHECK_TEXT(m.name, "matt.v2", "its name is the file name without folder and ending");
@@ -67,9 +58,9 @@ static void check_matt_file(void)
 static void check_full_file(void)
 {
     struct error err;
-    struct material m = read_file(write_material("full.txt", "g 128\ns 400 0\n400 1\ns 500 1\n"
-                                                             "f 380 2 0\nf 520 0 3\n"
-                                                             "T \"my wood.tif\"\n500 0\n"),
+    struct material m = read_file(test_write("./full.txt", "g 128\ns 400 0\n400 1\ns 500 1\n"
+                                                           "f 380 2 0\nf 520 0 3\n"
+                                                           "T \"my wood.tif\"\n500 0\n"),
                                   &err);
     const char *slash = m.texture != NULL ? strrchr(m.texture, '/') : NULL;
     CHECK_TEXT(err.text, "", "lines of all kinds mix in any order, small or capital");
@@ -91,8 +82,8 @@ static void check_full_file(void)
 static void check_partner(void)
 {
     struct error err;
-    struct material m = read_file(write_material("pair.txt", "400 0.5\ng 10\nmr 400 0.25\nMG 20\n"
-                                                             "mS 400 0.75\nmf 380 1 1\n"),
+    struct material m = read_file(test_write("./pair.txt", "400 0.5\ng 10\nmr 400 0.25\nMG 20\n"
+                                                           "mS 400 0.75\nmf 380 1 1\n"),
                                   &err);
     CHECK_TEXT(err.text, "", "m lines describe a metameric partner");
     if (CHECK(m.partner != NULL && m.partner_place.line == 3, "the partner begins in line 3")) {
@@ -173,6 +164,7 @@ static void check_absent_words(void)
 
 int main(void)
 {
+    test_enter();
     check_matt_file();
     check_full_file();
     check_partner();

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares statements of a scene with the thesis's figures and with products of transforms written
  * out by hand, and checks the command line's overrides. test/cases/bad has the scenes and options
- * that are refused; test/raster/reference/effects.py draws lights of all kinds, and shading.py each shading. */
+ * that are refused; test/raster/reference/effects.py draws lights of all kinds, and shading.py each
+ * shading. */
 #include <stdlib.h>
 #include <sys/stat.h>
 
@@ -13,15 +14,10 @@
 #include "spectral.h"
 #include "test.h"
 
-enum { PATH_SIZE = 512 };
-
 static const char *temporary(const char *name)
 {
-    static char path[PATH_SIZE];
-    const char *folder = test_folder();
-    snprintf(path, sizeof path, "%s/scene", folder);
-    mkdir(path, 0777);
-    snprintf(path, sizeof path, "%s/scene/%s", folder, name);
+    static char path[64];
+    snprintf(path, sizeof path, "scene/%s", name);
     return path;
 }
 
@@ -412,11 +408,11 @@ static void check_thesis_scene(void)
                   strcmp(s.materials[s.objects[24].material].name, "24-black") == 0,
               "the last torus is the black patch");
     }
-    list = read_scene("data/builtin/materials/colorchecker.list");
+    list = read_scene("builtin:materials/colorchecker.list");
     CHECK(list.n_objects == s.n_objects && list.n_objects == 25 &&
               memcmp(&list.objects[24].transform, &s.objects[24].transform,
                      sizeof list.objects[24].transform) == 0 &&
-              strcmp(list.path, "data/builtin/materials/colorchecker.list") == 0,
+              strcmp(list.path, "builtin:materials/colorchecker.list") == 0,
           "a list of materials is shown in the same scene");
     scene_free(&list);
     write_text("one.list", "\n# the only one\nred.txt\n");
@@ -427,34 +423,21 @@ static void check_thesis_scene(void)
     scene_free(&s);
 }
 
-static void check_unknown_scene(void)
-{
-    struct error err = {0};
-    struct scene s;
-    CHECK(!scene_read("no such scene", &s, &err) && err.status == EXIT_INPUT && s.path == NULL,
-          "an unknown scene is refused as input");
-    CHECK_TEXT(err.text,
-               "error: no file no such scene and no built-in scene of that name; "
-               "built-in are colorchecker, fluorescence, metals, metamers, pasture, patches, room, "
-               "spheres, "
-               "textures",
-               "the message lists the built-in scenes");
-}
-
 /* ---- the command line ---- */
 
 static void check_overrides(void)
 {
     struct error err = {0};
     struct scene s = read_string("light d65*3 2 position 0 0 8\nambient 1 1\nambient 1 1\n");
+    test_write("lamp.csv", "400,1\n700,2\n");
     CHECK(scene_set_light(&s, "1=a", &err) && s.lights[0].intensity == 2 &&
               strcmp(s.lights[0].spectrum.name, "a") == 0,
           "a spectrum alone keeps the intensity");
     CHECK(scene_set_light(&s, "1=d65*0.5", &err) && s.lights[0].intensity == 0.5 &&
               s.lights[0].spectrum.factor == 1,
           "*INTENSITY sets the intensity, and is no factor of the spectrum");
-    CHECK(scene_set_light(&s, "1=data/builtin/tables/a.csv*2", &err) &&
-              s.lights[0].intensity == 2 && s.lights[0].spectrum.place.column == 3,
+    CHECK(scene_set_light(&s, "1=lamp.csv*2", &err) && s.lights[0].intensity == 2 &&
+              s.lights[0].spectrum.place.column == 3,
           "a file's path is relative to the current folder");
     CHECK(scene_set_ambient(&s, "d65", &err) && s.n_ambients == 1 && s.ambients[0].intensity == 1,
           "--ambient replaces all ambient lights, with intensity 1");
@@ -568,6 +551,8 @@ static void check_spectra(void)
 
 int main(void)
 {
+    test_enter();
+    mkdir("scene", 0777);
     check_defaults();
     check_view();
     check_wavelengths();
@@ -582,7 +567,6 @@ int main(void)
     check_mtl();
     check_includes();
     check_thesis_scene();
-    check_unknown_scene();
     check_overrides();
     check_tessellation();
     check_spectra();

@@ -201,13 +201,6 @@ static void check_gaussians(void)
 
 /* ---- the matrix ---- */
 
-static const char *write_matrix(const char *content)
-{
-    static char path[PATH_SIZE];
-    snprintf(path, sizeof path, "%s/matrix.csv", test_folder());
-    return test_write(path, content);
-}
-
 /* Returns a zeroed matrix after an error. */
 static struct donaldson read_matrix(const char *content, double diffuse, struct error *err)
 {
@@ -215,7 +208,7 @@ static struct donaldson read_matrix(const char *content, double diffuse, struct 
     struct place nowhere = {0};
     struct donaldson out;
     *err = (struct error){0};
-    if (!donaldson_read(write_matrix(content), nowhere, &reflectance, &out, err))
+    if (!donaldson_read(test_write("matrix.csv", content), nowhere, &reflectance, &out, err))
         donaldson_free(&out);
     return out;
 }
@@ -351,12 +344,12 @@ static void check_diffuse_and_size(void)
     struct donaldson matrix;
     struct error err = {0};
     char *wide = malloc(5 * 4097 + 3), *at = wide + sprintf(wide, "nm");
-    CHECK(donaldson_read(write_matrix("nm 300 360 500\n600 0.5 0.4 0.1\n"), nowhere, &diffuse,
-                         &matrix, &err),
+    CHECK(donaldson_read(test_write("matrix.csv", "nm 300 360 500\n600 0.5 0.4 0.1\n"), nowhere,
+                         &diffuse, &matrix, &err),
           "the ends of the diffuse reflectance are held, and between samples it is linear");
     donaldson_free(&matrix);
-    CHECK(!donaldson_read(write_matrix("nm 300 360 500\n600 0.5 0.4 0.11\n"), nowhere, &diffuse,
-                          &matrix, &err) &&
+    CHECK(!donaldson_read(test_write("matrix.csv", "nm 300 360 500\n600 0.5 0.4 0.11\n"), nowhere,
+                          &diffuse, &matrix, &err) &&
               strstr(err.text, ":1:12: error: at 500 nm") != NULL,
           "the matrix is also held to the diffuse reflectance beyond its samples");
     donaldson_free(&matrix);
@@ -375,6 +368,7 @@ static void check_diffuse_and_size(void)
 
 int main(void)
 {
+    test_enter();
     check_plain_sums();
     check_limits();
     check_union();

@@ -11,15 +11,8 @@
 #include "spectral.h"
 #include "test.h"
 
-enum { PATH_SIZE = 512 };
-
-/* Writes the file that the next spectrum is read from. Returns its path. */
-static const char *write_content(const char *content)
-{
-    static char path[PATH_SIZE];
-    snprintf(path, sizeof path, "%s/spectrum-content", test_folder());
-    return test_write(path, content);
-}
+static const char *const path =
+    "spectrum-content"; /* of the file that the next spectrum is read from */
 
 /* Reads the first word of a line; returns an absent spectrum after an error. */
 static struct spectrum read_between(const char *line, double lowest, double highest,
@@ -69,16 +62,14 @@ static const char *refusal(const char *line, struct error *err)
 /* Writes a file and reads it as a spectrum's word. */
 static struct spectrum read_content(const char *content)
 {
-    char line[PATH_SIZE + 2];
-    snprintf(line, sizeof line, "\"%s\"", write_content(content));
-    return read_word(line);
+    return read_word(test_write(path, content));
 }
 
 /* Returns the message that refuses the file, from its line number on if there is one. */
 static const char *refused_content(const char *content, const char *column, struct error *err)
 {
-    char line[PATH_SIZE + 16];
-    const char *path = write_content(content);
+    char line[64];
+    test_write(path, content);
     snprintf(line, sizeof line, "%s%s", path, column);
     refusal(line, err);
     return strstr(err->text, path) == err->text ? err->text + strlen(path) : err->text;
@@ -381,6 +372,7 @@ static void check_append(void)
 
 int main(void)
 {
+    test_enter();
     check_words();
     check_blackbody();
     check_interpolation();

@@ -16,7 +16,7 @@ import spectral
 import tifffile
 from osgeo import gdal
 
-from rendered import TMP, check, done, pages_of, refuses, run, write, write_stack
+from rendered import TMP, check, done, pages_of, refuses, remove, run, write, write_stack
 
 gdal.UseExceptions()
 TYPES = {1: "u1", 2: "i2", 3: "i4", 4: "f4", 5: "f8", 12: "u2", 13: "u4", 14: "i8", 15: "u8"}
@@ -136,9 +136,7 @@ def mapped(stack, header):
 def describe(name, *options):
     """Renders a stack with its header."""
     stack = path(name)
-    for old in (stack, stack + ".hdr"):
-        if os.path.exists(old):
-            os.remove(old)
+    remove(stack, stack + ".hdr")
     result = run("render", "patches", "--size", "30x20", "--renderer", "raster", "-o", stack, "--envi", *options)
     check(result.returncode == 0 and f"stack             {stack}\nheader            {stack}.hdr\n" in result.stdout,
           f"{name} is rendered with its header", result.stderr)

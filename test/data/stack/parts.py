@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import time
 
-from rendered import SPECTRAL, TMP, check, done, run, write
+from rendered import SPECTRAL, TMP, bytes_of, check, done, remove, run, write
 
 FULL = "FULL" in os.environ
 FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
@@ -24,11 +24,6 @@ PHONG = "size 2100 1500\nwavelengths 450 550 50\nshading phong\nlight d65 1 dire
     "material m { diffuse 0.5 specular 0.5 gloss 20 }\nobject sphere 3 30 30 material m\n"
 BACKS = "size 1600 1300\nwavelengths 500 600 50\nlight d65 1 direction 1 1 1\ncamera ortho 3\nmaterial m { diffuse 0.5 }\n" \
     "object plane 2 2 material m two-sided rotate 160 0 1 0\n"
-
-
-def read(path):
-    with open(path, "rb") as file:
-        return file.read()
 
 
 def save(name, content):
@@ -45,12 +40,6 @@ def draw(count, scene, *options, name="part", **environment):
                    for i in range(count)]
 
 
-def remove(*paths):
-    for path in paths:
-        if os.path.exists(path):
-            os.remove(path)
-
-
 def is_same(what, scene, count=3):
     """Draws a picture in one process and in parts, and joins these in any order."""
     whole = run("render", *scene, "-o", WHOLE, "-q")
@@ -59,7 +48,7 @@ def is_same(what, scene, count=3):
     remove(JOINED)
     joined = run("join", "-o", JOINED, "-q", *names)
     results = whole, joined, *parts
-    check(all(result.returncode == 0 and not result.stderr for result in results) and read(JOINED) == read(WHOLE),
+    check(all(result.returncode == 0 and not result.stderr for result in results) and bytes_of(JOINED) == bytes_of(WHOLE),
           f"{count} parts are joined to the same bytes: {what}", *(result.stderr for result in results))
     return names
 
@@ -98,10 +87,10 @@ def outputs():
     """Joined stacks go into a pipe, get a header, and are made again as one process makes them."""
     names = sorted(is_same("the default", PATCHES))
     piped = subprocess.run([SPECTRAL, "join", "-o", "-", *names], check=False, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
-    check(piped.stdout == read(WHOLE), "a pipe gets the same bytes")
+    check(piped.stdout == bytes_of(WHOLE), "a pipe gets the same bytes")
     joined = run("join", "-o", JOINED, "--envi", *names)
     run("envi", WHOLE)
-    check(joined.returncode == 0 and read(JOINED + ".hdr") == read(WHOLE + ".hdr").replace(b"whole.tif", b"joined.tif"),
+    check(joined.returncode == 0 and bytes_of(JOINED + ".hdr") == bytes_of(WHOLE + ".hdr").replace(b"whole.tif", b"joined.tif"),
           "join --envi writes the header", joined.stderr)
     again = run("render", "--again", JOINED, "-o", "/dev/null", "-q")
     check(again.returncode == 0, "render --again makes the joined stack again", again.stderr)
@@ -112,7 +101,7 @@ def outputs():
 
 def changed(path, old, new):
     """Returns the name of a copy with another text of the same length in its record."""
-    content = read(path)
+    content = bytes_of(path)
     check(len(old) == len(new) and old in content, f"there is {old!r}")
     return save("changed.tif", content.replace(old, new))
 
@@ -147,7 +136,7 @@ def refusals(names):
     refused("a file that is not there", "cannot read nowhere.tif", one, "nowhere.tif")
     refused("a folder", "it is a folder", one, TMP)
     for kept in (100, 100_000, 3_000_000):
-        cut = save("cut.tif", read(two)[:-kept])
+        cut = save("cut.tif", bytes_of(two)[:-kept])
         refused(f"a part without its last {kept} bytes", "cut.tif", one, cut, three)
         refused(f"a first part without its last {kept} bytes", "cut.tif", cut, one, three)
     refused("a part of a higher picture", "changed.tif", one, changed(two, b"rows: 592 592 1300", b"rows: 592 592 9300"), three)
@@ -170,7 +159,7 @@ def verdicts():
     check([result.returncode for result in (whole, *parts)].count(1) > 1, "parts differ", whole.stderr, *(part.stderr for part in parts))
     refused("a picture that differs", "the joined picture: differs; ", *names, status=1)
     result = run("join", "-o", JOINED, "--keep", *names)
-    check(result.returncode == 1 and read(JOINED) == read(WHOLE), "--keep stores the bytes and the verdict of one process", result.stderr)
+    check(result.returncode == 1 and bytes_of(JOINED) == bytes_of(WHOLE), "--keep stores the bytes and the verdict of one process", result.stderr)
 
 
 def unchecked():

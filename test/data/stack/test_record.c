@@ -212,11 +212,10 @@ static void check_segments(void)
 
 int main(void)
 {
-    char path[256];
-    snprintf(path, sizeof path, "%s/record.tif", test_folder());
-    check_round_trip(path);
+    test_enter();
+    check_round_trip("record.tif");
     check_refusals();
     check_segments();
-    unlink(path);
+    unlink("record.tif");
     return test_end();
 }

@@ -15,7 +15,7 @@ import numpy as np
 import tifffile
 from PIL import Image
 
-from rendered import SPECTRAL, check, done, output_of, path_of, run, write
+from rendered import SPECTRAL, check, done, output_of, path_of, remove, run, write
 
 FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 ENDLESS, HOLLOW, WHOLE = (os.path.join(os.path.dirname(FAULTS), f"spectral-{name}")
@@ -32,9 +32,7 @@ class Render:
 
     def __init__(self, scene, *options, driver="llvmpipe", fault=0, program=SPECTRAL, mapped=False, **environment):
         self.map_path, self.json_path = path_of("map.tif"), path_of("report.json")
-        for path in self.map_path, self.json_path:
-            if os.path.exists(path):
-                os.remove(path)
+        remove(self.map_path, self.json_path)
         options = [*options, "--json", self.json_path, *(["--check-map", self.map_path] if mapped else [])]
         if "-o" not in options:
             options += ["-o", "/dev/null"]

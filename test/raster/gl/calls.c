@@ -98,6 +98,10 @@ static void count(const char *name, unsigned long detail)
     give(ACTION, name, detail, NULL, 0);
 }
 
+/* Both count a call and are the function behind this library. */
+#define COUNTED(name, detail) (count(#name, detail), REAL(name))
+#define GIVEN(kind, name, detail, bytes, n) (give(kind, #name, detail, bytes, n), REAL(name))
+
 __attribute__((destructor)) static void report(void)
 {
     const char *path = getenv("CALLS");
@@ -124,8 +128,7 @@ void _exit(int status)
 OSMesaContext OSMesaCreateContextExt(GLenum format, GLint depth, GLint stencil, GLint accumulation,
                                      OSMesaContext shared)
 {
-    count("OSMesaCreateContextExt", 0);
-    return REAL(OSMesaCreateContextExt)(format, depth, stencil, accumulation, shared);
+    return COUNTED(OSMesaCreateContextExt, 0)(format, depth, stencil, accumulation, shared);
 }
 
 GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GLsizei width,
@@ -174,21 +177,18 @@ void glDisableClientState(GLenum state)
 
 void glShadeModel(GLenum model)
 {
-    give(STATE, "glShadeModel", 0, &model, sizeof model);
-    REAL(glShadeModel)(model);
+    GIVEN(STATE, glShadeModel, 0, &model, sizeof model)(model);
 }
 
 void glFrontFace(GLenum face)
 {
-    give(STATE, "glFrontFace", 0, &face, sizeof face);
-    REAL(glFrontFace)(face);
+    GIVEN(STATE, glFrontFace, 0, &face, sizeof face)(face);
 }
 
 void glStencilOp(GLenum fail, GLenum depth_fail, GLenum pass)
 {
     const GLenum all[] = {fail, depth_fail, pass};
-    give(STATE, "glStencilOp", 0, all, sizeof all);
-    REAL(glStencilOp)(fail, depth_fail, pass);
+    GIVEN(STATE, glStencilOp, 0, all, sizeof all)(fail, depth_fail, pass);
 }
 
 /* ---- lights and materials ---- */
@@ -201,34 +201,29 @@ static unsigned long of_light(GLenum light, GLenum name)
 
 void glLightf(GLenum light, GLenum name, GLfloat value)
 {
-    give(STATE, "glLightf", of_light(light, name), &value, sizeof value);
-    REAL(glLightf)(light, name, value);
+    GIVEN(STATE, glLightf, of_light(light, name), &value, sizeof value)(light, name, value);
 }
 
 /* A direction has 3 values, other parameters have 4. */
 void glLightfv(GLenum light, GLenum name, const GLfloat *vector)
 {
-    give(STATE, "glLightfv", of_light(light, name), vector,
-         (name == GL_SPOT_DIRECTION ? 3 : 4) * sizeof *vector);
-    REAL(glLightfv)(light, name, vector);
+    const size_t size = (name == GL_SPOT_DIRECTION ? 3 : 4) * sizeof *vector;
+    GIVEN(STATE, glLightfv, of_light(light, name), vector, size)(light, name, vector);
 }
 
 void glLightModeli(GLenum name, GLint value)
 {
-    give(STATE, "glLightModeli", name, &value, sizeof value);
-    REAL(glLightModeli)(name, value);
+    GIVEN(STATE, glLightModeli, name, &value, sizeof value)(name, value);
 }
 
 void glMaterialf(GLenum face, GLenum name, GLfloat value)
 {
-    give(STATE, "glMaterialf", name, &value, sizeof value);
-    REAL(glMaterialf)(face, name, value);
+    GIVEN(STATE, glMaterialf, name, &value, sizeof value)(face, name, value);
 }
 
 void glMaterialfv(GLenum face, GLenum name, const GLfloat *vector)
 {
-    give(STATE, "glMaterialfv", name, vector, 4 * sizeof *vector);
-    REAL(glMaterialfv)(face, name, vector);
+    GIVEN(STATE, glMaterialfv, name, vector, 4 * sizeof *vector)(face, name, vector);
 }
 
 /* ---- uploads ---- */
@@ -242,8 +237,7 @@ void glGenBuffers(GLsizei n, GLuint *names)
 
 void glBufferData(GLenum target, GLsizeiptr size, const void *data, GLenum usage)
 {
-    give(STORE, "glBufferData", target, data, (size_t)size);
-    REAL(glBufferData)(target, size, data, usage);
+    GIVEN(STORE, glBufferData, target, data, (size_t)size)(target, size, data, usage);
 }
 
 void glGenTextures(GLsizei n, GLuint *names)
@@ -255,14 +249,12 @@ void glGenTextures(GLsizei n, GLuint *names)
 
 void glBindTexture(GLenum target, GLuint name)
 {
-    count("glBindTexture", 0);
-    REAL(glBindTexture)(target, name);
+    COUNTED(glBindTexture, 0)(target, name);
 }
 
 void glTexParameteri(GLenum target, GLenum name, GLint value)
 {
-    count("glTexParameteri", name);
-    REAL(glTexParameteri)(target, name, value);
+    COUNTED(glTexParameteri, name)(target, name, value);
 }
 
 /* Texels are floats of one or of three channels. */
@@ -270,65 +262,56 @@ void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLs
                   GLint border, GLenum format, GLenum type, const void *pixels)
 {
     const size_t n = (size_t)width * (size_t)height * (format == GL_RGB ? 3 : 1);
-    give(STORE, "glTexImage2D", 0, pixels, n * sizeof(GLfloat));
-    REAL(glTexImage2D)(target, level, internal, width, height, border, format, type, pixels);
+    GIVEN(STORE, glTexImage2D, 0, pixels, n * sizeof(GLfloat))
+    (target, level, internal, width, height, border, format, type, pixels);
 }
 
 void glTexCoordPointer(GLint size, GLenum type, GLsizei stride, const void *pointer)
 {
-    count("glTexCoordPointer", 0);
-    REAL(glTexCoordPointer)(size, type, stride, pointer);
+    COUNTED(glTexCoordPointer, 0)(size, type, stride, pointer);
 }
 
 /* ---- drawing ---- */
 
 void glClear(GLbitfield buffers)
 {
-    count("glClear", buffers);
-    REAL(glClear)(buffers);
+    COUNTED(glClear, buffers)(buffers);
 }
 
 void glRectf(GLfloat x1, GLfloat y1, GLfloat x2, GLfloat y2)
 {
-    count("glRectf", 0);
-    REAL(glRectf)(x1, y1, x2, y2);
+    COUNTED(glRectf, 0)(x1, y1, x2, y2);
 }
 
 void glDrawElements(GLenum mode, GLsizei n, GLenum type, const void *indices)
 {
-    count("glDrawElements", 0);
-    REAL(glDrawElements)(mode, n, type, indices);
+    COUNTED(glDrawElements, 0)(mode, n, type, indices);
 }
 
 void glDrawArrays(GLenum mode, GLint first, GLsizei n)
 {
-    count("glDrawArrays", 0);
-    REAL(glDrawArrays)(mode, first, n);
+    COUNTED(glDrawArrays, 0)(mode, first, n);
 }
 
 void glFinish(void)
 {
-    count("glFinish", 0);
-    REAL(glFinish)();
+    COUNTED(glFinish, 0)();
 }
 
 void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
                   void *pixels)
 {
-    count("glReadPixels", 0);
-    REAL(glReadPixels)(x, y, width, height, format, type, pixels);
+    COUNTED(glReadPixels, 0)(x, y, width, height, format, type, pixels);
 }
 
 /* ---- libtiff ---- */
 
 tmsize_t TIFFWriteRawStrip(TIFF *tiff, uint32_t strip, void *data, tmsize_t size)
 {
-    count("TIFFWriteRawStrip", 0);
-    return REAL(TIFFWriteRawStrip)(tiff, strip, data, size);
+    return COUNTED(TIFFWriteRawStrip, 0)(tiff, strip, data, size);
 }
 
 tmsize_t TIFFReadEncodedStrip(TIFF *tiff, uint32_t strip, void *data, tmsize_t size)
 {
-    count("TIFFReadEncodedStrip", 0);
-    return REAL(TIFFReadEncodedStrip)(tiff, strip, data, size);
+    return COUNTED(TIFFReadEncodedStrip, 0)(tiff, strip, data, size);
 }

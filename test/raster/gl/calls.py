@@ -10,7 +10,7 @@ import os
 import numpy as np
 import tifffile
 
-from rendered import TMP, check, done, run, write
+from rendered import TMP, check, done, remove, run, write
 from tap import bail_out
 
 LIBRARY = os.path.abspath(os.environ.get("CALLS_LIBRARY", "build/test/calls.so"))
@@ -29,8 +29,7 @@ def calls_of(scene, *options):
     """{(name, detail): (count, again)} of a render."""
     path = scene if "\n" not in scene else write("calls.scene", HEAD + scene)
     report = os.path.join(TMP, "calls.txt")
-    if os.path.exists(report):
-        os.remove(report)
+    remove(report)
     result = run("render", path, "--quiet", "-o", os.path.join(TMP, "calls.tif"), *options, LD_PRELOAD=LIBRARY, CALLS=report)
     if result.returncode != 0:
         bail_out(result.stderr)

@@ -1,8 +1,8 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
-"""Renders pictures of single effects with both renderers and compares every band with radiances in closed form.
-Prints TAP."""
+"""Renders pictures of single effects, and a surface in perspective, with both renderers and compares every band with
+radiances in closed form. Prints TAP."""
 
 import numpy as np
 import tifffile
@@ -400,12 +400,11 @@ def halves(renderer):
 
 
 def halves_in_perspective(renderer):
-    size, tangent = 81, np.tan(np.radians(20))
+    size = 81
     matrix = rotation(-50, (0, 1, 0)) @ rotation(25, (0, 0, 1))
     scene = (f"size {size} {size}\ncamera perspective 40 near 1 far 20\n{PAIR}"
              "object plane 3 3 material grey rotate 25 0 0 1 rotate -50 0 1 0 translate 0 0 -6")
-    centre = ((np.arange(size) + 0.5) / size * 2 - 1) * tangent
-    ray = np.array([*np.meshgrid(centre, -centre), -np.ones((size, size))])
+    ray = np.array([*pixel_grid(size, size, 2 * np.tan(np.radians(20))), -np.ones((size, size))])
     normal = matrix @ [0, 0, 1]
     point = ray * (normal @ [0, 0, -6] / np.tensordot(normal, ray, 1))
     point[2] += 6
@@ -461,6 +460,37 @@ def several_materials(renderer):
     picture.agrees(expected, f"{renderer}: parts of a mesh: a pair, bands of RGB, and * for all others")
 
 
+# ---- perspective ----
+
+def perspective(renderer):
+    """A square leaning back by 60 degrees, lit from a point in its plane of symmetry: corners left and
+    right are equally bright, so that radiance is linear along the square, not along the picture."""
+    size, half, distance, angle = 81, 2.0, 6.0, np.radians(-60)
+    light = np.array([0.0, 1.0, 3.0])
+    up = np.array([0, np.cos(angle), np.sin(angle)])
+    normal = np.array([0, -np.sin(angle), np.cos(angle)])
+
+    def corner(along):
+        position = np.array([half, 0, -distance]) + along * half * up
+        path = light - position
+        return normal @ path / np.linalg.norm(path)
+
+    x, y = pixel_grid(size, size, 2 * np.tan(np.radians(20)))
+    # ray (x, y, -1) t meets the plane where normal . (ray t) = normal . (0, 0, -distance)
+    t = normal[2] * -distance / (normal[1] * y - normal[2])
+    along = (y * t * up[1] + (-t + distance) * up[2]) / half
+    inside = (np.abs(along) < 0.97) & (np.abs(x * t) < 0.97 * half)
+    low, high = corner(-1), corner(1)
+    expected = (low + (high - low) * (along + 1) / 2)[inside][None, :] * (D65 * RED)[:, None]
+    scene = (f"size {size} {size}\ncamera perspective 40 near 1 far 20\nlight d65 1 position 0 1 3\n"
+             "material red RED\nobject plane 4 4 material red rotate -60 1 0 0 translate 0 0 -6")
+    picture = Picture("perspective", renderer, scene)
+    error = np.abs(picture.radiance[:, inside] - expected).max()
+    check(inside.sum() > 500 and abs(high - low) > 0.15 and error <= picture.tolerance,
+          f"{renderer}: a gradient in perspective is linear on the square, not in the picture",
+          f"{inside.sum()} pixels, corners {low} {high}, error {error}, tolerance {picture.tolerance}")
+
+
 # ---- the thesis's own formats ----
 
 def thesis_list(renderer):
@@ -481,6 +511,6 @@ def thesis_list(renderer):
 for each in ("raster", "gl"):
     for effect in (fluorescence, bispectral, textures, texel_borders, dark_texture, spectral_textures,
                    spots, highlights, many_lights, emission, sides, flat_shading, halves,
-                   halves_in_perspective, equal_halves, textured_halves, several_materials, thesis_list):
+                   halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, thesis_list):
         effect(each)
 done()

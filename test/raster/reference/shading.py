@@ -10,9 +10,8 @@ import numpy as np
 import tifffile
 
 import rendered
-from rendered import check, done, output_of, path_of, refuses, write
+from rendered import SCENES, check, done, output_of, path_of, refuses, write
 
-SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 NINE_LIGHTS = "".join(f"light 1 0.1 position {x} 3 8\n" for x in range(-4, 5))
 ONE = "wavelengths 500 500 1\nmaterial matt { diffuse 1 }\nmaterial shiny { specular 1 gloss 40 }\n"
 
@@ -25,11 +24,9 @@ class Picture:
     """Samples [page, y, x] as stored, and the report; a scene is a built-in name or lines of text."""
 
     def __init__(self, scene, *options):
-        path = write("shading.scene", scene) if "\n" in scene else scene
-        stack = path_of("stack.tif")
-        self.report = json.loads(output_of("render", path, "--quiet", "-o", stack, "--json", "-", *options))
+        self.report = rendered.render(scene, *options)
         self.full_scale = self.report["full_scale"]
-        with tifffile.TiffFile(stack) as tiff:
+        with tifffile.TiffFile(path_of("stack.tif")) as tiff:
             n_pages = len(self.report["wavelengths_nm"])
             self.samples = np.array([page.asarray() for page in tiff.pages[:n_pages]])
 

@@ -23,6 +23,8 @@
 /* Powers of two, so that a grid in the window is one in the scene. */
 enum { WIDTH = 64, HEIGHT = 32 };
 
+static const char *const path = "reference.scene"; /* of the scene that is drawn */
+
 static int random_below(uint64_t *state, int n)
 {
     return (int)test_random(state, 0, n);
@@ -55,7 +57,7 @@ struct both {
     int n_triangles;
 };
 
-static void open_picture(const char *path, bool exact, struct both *out)
+static void open_picture(bool exact, struct both *out)
 {
     const struct plan_options options = {.check = true, .threads = 1};
     struct error err = {.text = ""};
@@ -315,10 +317,10 @@ static bool judge_tile(void *context, const struct tile *tile, struct error *err
     return true;
 }
 
-static void judge_scene(const char *path, bool exact, struct counted *counted)
+static void judge_scene(bool exact, struct counted *counted)
 {
     struct both picture;
-    open_picture(path, exact, &picture);
+    open_picture(exact, &picture);
     judge_lights(&picture.plan, &counted->worst_light);
     draw_tile(&picture, judge_tile, &(struct judging){&picture, counted});
     close_picture(&picture);
@@ -433,8 +435,6 @@ static void check_random_scenes(void)
     enum { SCENES = 80 };
     uint64_t state = 3;
     struct counted counted = {.pixels = 0};
-    char path[4096];
-    snprintf(path, sizeof path, "%s/reference.scene", test_folder());
     for (int i = 0; i < SCENES; i++) {
         FILE *file = fopen(path, "w");
         test_need(file != NULL, path);
@@ -450,7 +450,7 @@ static void check_random_scenes(void)
         for (int object = 0; object < 4; object++)
             put_object(file, &state);
         fclose(file);
-        judge_scene(path, false, &counted);
+        judge_scene(false, &counted);
     }
     check_counted(&counted, 0.99, "random scenes");
     CHECK(counted.worst_light > 0.001L && counted.worst_light <= 1,
@@ -535,12 +535,9 @@ static struct vector unproject(struct eye_view view, struct vector p)
 }
 
 /* Opens a scene of one mesh; the caller writes the mesh next and closes the file. */
-static FILE *open_mesh(struct eye_view view, char path[4096])
+static FILE *open_mesh(struct eye_view view)
 {
-    char mesh[4096 + 8];
-    FILE *file;
-    snprintf(path, 4096, "%s/reference.scene", test_folder());
-    file = fopen(path, "w");
+    FILE *file = fopen(path, "w");
     test_need(file != NULL, path);
     fprintf(file, "wavelengths 500 510 10\nsize %d %d\ncamera ", WIDTH, HEIGHT);
     if (view.perspective)
@@ -555,9 +552,8 @@ static FILE *open_mesh(struct eye_view view, char path[4096])
             "\nobject mesh reference.obj material m two-sided scale %.17g\n",
             view.scale);
     fclose(file);
-    snprintf(mesh, sizeof mesh, "%s/reference.obj", test_folder());
-    file = fopen(mesh, "w");
-    test_need(file != NULL, mesh);
+    file = fopen("reference.obj", "w");
+    test_need(file != NULL, "no mesh can be written");
     return file;
 }
 
@@ -579,12 +575,11 @@ static void check_hard_triangles(enum hard kind, struct eye_view view, const cha
     enum { PICTURES = 20, TRIANGLES = 25 };
     uint64_t state = 5;
     struct counted counted = {.pixels = 0};
-    char path[4096];
     for (int i = 0; i < PICTURES; i++) {
-        FILE *file = open_mesh(view, path);
+        FILE *file = open_mesh(view);
         put_hard_triangles(file, &state, kind, view, TRIANGLES);
         fclose(file);
-        judge_scene(path, kind == ON_GRID, &counted);
+        judge_scene(kind == ON_GRID, &counted);
     }
     check_counted(&counted, kind == ON_GRID ? 0.8 : 0.97, name);
 }
@@ -595,9 +590,8 @@ static void check_around_eye(void)
     const struct eye_view view = {true, 1};
     uint64_t state = 6;
     struct counted counted = {.pixels = 0};
-    char path[4096];
     for (int i = 0; i < 40; i++) {
-        FILE *file = open_mesh(view, path);
+        FILE *file = open_mesh(view);
         for (int t = 0; t < 8; t++) {
             for (int c = 0; c < 3; c++) {
                 struct vector p = random_point(&state, -9, 9);
@@ -607,7 +601,7 @@ static void check_around_eye(void)
             put_face(file, 3 * t + 1, 3 * t + 2, 3 * t + 3);
         }
         fclose(file);
-        judge_scene(path, false, &counted);
+        judge_scene(false, &counted);
     }
     check_counted(&counted, 0.99, "triangles through the planes of near, far and eye");
 }
@@ -639,12 +633,12 @@ static void draw_alone(struct both *picture, int triangle, bool covered[WIDTH * 
 
 /* Exactly one triangle of the mesh must cover each pixel of the rows from first to last, and no
  * triangle any other pixel. */
-static void check_once(const char *path, int first, int last, const char *name)
+static void check_once(int first, int last, const char *name)
 {
     struct both picture;
     bool covered[WIDTH * HEIGHT];
     int counts[WIDTH * HEIGHT] = {0}, wrong = 0;
-    open_picture(path, false, &picture);
+    open_picture(false, &picture);
     int n = picture.plan.meshes[0].mesh.n_triangles;
     for (int t = 0; t < n; t++) {
         draw_alone(&picture, t, covered);
@@ -664,8 +658,7 @@ static void check_grid(struct eye_view view, int moved, const char *name)
 {
     enum { STEP = 4, ACROSS = WIDTH / STEP + 4, DOWN = HEIGHT / STEP + 4 };
     uint64_t state = 8;
-    char path[4096];
-    FILE *file = open_mesh(view, path);
+    FILE *file = open_mesh(view);
     for (int i = 0; i < ACROSS * DOWN; i++) {
         struct vector by = random_point(&state, -0.9, 0.9);
         struct vector p = {STEP * (i % ACROSS - 1) + 0.5, STEP * (i / ACROSS - 1) + 0.5, 0};
@@ -685,7 +678,7 @@ static void check_grid(struct eye_view view, int moved, const char *name)
         put_face(file, other ? b : a, d, c);
     }
     fclose(file);
-    check_once(path, 0, HEIGHT - 1, name);
+    check_once(0, HEIGHT - 1, name);
 }
 
 /* A floor 0.9 below the eye: in the row with centre y its distance is 0.9 HEIGHT / 2 / (y - HEIGHT
@@ -695,8 +688,7 @@ static void check_floor(void)
     const struct eye_view view = {true, 1};
     enum { SIDE = 12 };
     uint64_t state = 9;
-    char path[4096];
-    FILE *file = open_mesh(view, path);
+    FILE *file = open_mesh(view);
     for (int i = 0; i < SIDE * SIDE; i++) {
         struct vector by = random_point(&state, -2, 2);
         put_vertex(
@@ -709,7 +701,7 @@ static void check_floor(void)
             put_face(file, i + 2, i + SIDE + 2, i + SIDE + 1);
         }
     fclose(file);
-    check_once(path, HEIGHT / 2, 29, "a floor that the near and far plane cut");
+    check_once(HEIGHT / 2, 29, "a floor that the near and far plane cut");
 }
 
 /* ---- signs ---- */
@@ -811,12 +803,11 @@ static void check_needles(struct eye_view view, const char *name)
     uint64_t state = 11;
     int inside = 0, wrong = 0;
     bool covered[WIDTH * HEIGHT];
-    char path[4096];
     struct both picture;
-    FILE *file = open_mesh(view, path);
+    FILE *file = open_mesh(view);
     put_hard_triangles(file, &state, NEEDLES, view, TRIANGLES);
     fclose(file);
-    open_picture(path, false, &picture);
+    open_picture(false, &picture);
     const struct instance *instance = picture.lit.surfaces[0].instance;
     for (int t = 0; t < instance->n_triangles; t++) {
         draw_alone(&picture, t, covered);
@@ -834,6 +825,7 @@ static void check_needles(struct eye_view view, const char *name)
 
 int main(void)
 {
+    test_enter();
     const struct eye_view parallel = {false, 1}, perspective = {true, 1}, tiny = {false, 0x1p-20},
                           huge = {true, 1e6};
     check_random_scenes();

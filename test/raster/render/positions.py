@@ -13,7 +13,7 @@ import numpy as np
 import tifffile
 
 import rendered
-from rendered import TMP, check, done, objects_of, pages_of, run, write
+from rendered import TMP, bytes_of, check, done, objects_of, pages_of, path_of, run, write
 
 SIDES = (1, 2, 4, 8, 16)
 NM = ("--wavelengths", "450,550,650")
@@ -160,8 +160,7 @@ def other_commands():
     check(re.search(r"^positions per pixel +16$", plan, re.MULTILINE), "plan prints the positions", plan)
     for threads in ("1", "3"):
         render("room", *words, "--threads", threads, stack=f"{threads}.tif")
-    with open(os.path.join(TMP, "1.tif"), "rb") as one, open(os.path.join(TMP, "3.tif"), "rb") as two:
-        check(one.read() == two.read(), "the number of threads does not matter")
+    check(bytes_of(path_of("1.tif")) == bytes_of(path_of("3.tif")), "the number of threads does not matter")
 
 
 is_mean_of_a_wider_picture()

@@ -12,7 +12,7 @@ import re
 import numpy as np
 
 from rendered import SCENES as BUILT_IN
-from rendered import TMP, check, colour_error_95, done, objects_of, pages_of, render, run, tristimulus, write
+from rendered import TMP, bytes_of, check, colour_error_95, done, objects_of, pages_of, render, run, tristimulus, write
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 SIZE = ("--size", "300x200")
@@ -91,11 +91,6 @@ def says_the_error_before():
               f"{name}: plan says the error of the shading", measured, said)
 
 
-def bytes_of(stack):
-    with open(os.path.join(TMP, stack), "rb") as file:
-        return file.read()
-
-
 def economy():
     """A scene that is good enough has not one triangle more, and the same samples."""
     for scene, error in (("patches", "1counts"), ("metamers", "2"), ("fluorescence", "2")):
@@ -113,9 +108,9 @@ def same_everywhere():
     render(scene, "--accuracy", "0.2", "--threads", "1", stack="one.tif")
     for threads in ("2", "5"):
         render(scene, "--accuracy", "0.2", "--threads", threads)
-        check(bytes_of("one.tif") == bytes_of("stack.tif"), f"{threads} threads give the same bytes as one")
+        check(bytes_of(os.path.join(TMP, "one.tif")) == bytes_of(os.path.join(TMP, "stack.tif")), f"{threads} threads give the same bytes as one")
     again = run("render", "--again", os.path.join(TMP, "one.tif"), "-o", os.path.join(TMP, "again.tif"))
-    check(again.returncode == 0 and bytes_of("one.tif") == bytes_of("again.tif"), "--again makes it again", again.stderr)
+    check(again.returncode == 0 and bytes_of(os.path.join(TMP, "one.tif")) == bytes_of(os.path.join(TMP, "again.tif")), "--again makes it again", again.stderr)
 
 
 def wavelengths():

@@ -17,7 +17,7 @@ from PIL import Image
 
 from colours import cielab, srgb
 from rendered import (CAMERAS, SPECTRAL, TMP, built_in, check, developed, done, output_of, pages_of, path_of, reference,
-                      refuses, response_of, run, weights, widths, write, write_stack)
+                      refuses, remove, response_of, run, weights, widths, write, write_stack)
 
 gdal.UseExceptions()
 D65 = np.array([0.3127, 0.3290, 1 - 0.3127 - 0.3290]) * 100 / 0.3290
@@ -527,8 +527,7 @@ def black_and_forged(rgb):
 
 def refusals(full, box, rgb, whiteless):
     path = path_of("refused.tif")
-    if os.path.exists(path):
-        os.unlink(path)
+    remove(path)
     plain = foreign("plain", [400, 500, 600], np.ones((3, 4, 5)))
     infrared = foreign("infrared", [1000, 1100], np.ones((2, 4, 5)))
     negative = foreign("negative", [400, 500], np.array([np.ones((2, 2)), -np.ones((2, 2))]))

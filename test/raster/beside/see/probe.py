@@ -91,17 +91,6 @@ def test_steady():
     check(abs(spread / (steps.std() * 2.0**-14) - 1) < 1e-9, "a small deviation is exact beside a large mean", spread)
 
 
-def test_many_objects():
-    """256 squares, one a pixel, 16 in a row: one more than numbers of a byte can count."""
-    lines = ["size 16 16", "wavelengths 500 500 1", "camera ortho 16", "light d65 1 direction 0 0 1"]
-    for i in range(256):
-        lines += [f"material tile-{i} {{ diffuse {(i + 1) / 256} }}",
-                  f"object plane 1 1 material tile-{i} translate {i % 16 - 7.5} {7.5 - i // 16} 0"]
-    path = reference("many.tif", write("many.scene", "\n".join(lines) + "\n"))
-    seen = [values_of(path, i % 16, i // 16).get("object") for i in (0, 1, 16, 253, 254, 255)]
-    check(seen == [f"tile-{i}" for i in (0, 1, 16, 253, 254, 255)], "256 objects have their names", seen)
-
-
 # ---- a scene ----
 
 def test_scene(scene, regions):
@@ -229,7 +218,6 @@ def test_refusals(path, scene):
 STACK = test_stack()
 test_foreign()
 test_steady()
-test_many_objects()
 test_scene("colorchecker", [(60, 40, 1, 1), (20, 20, 1, 1), (33, 18, 40, 40), (0, 0, 120, 80)])
 test_scene("fluorescence", [(20, 20, 1, 1), (24, 20, 1, 1), (0, 79, 1, 1), (15, 15, 3, 2)])
 test_scene("textures", [(21, 16, 1, 1), (60, 40, 1, 1), (10, 10, 50, 20)])

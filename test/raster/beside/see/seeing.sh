@@ -1,7 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
-# Tests the commands that read stacks: develop, probe, compare and view. bad.sh has command lines that are refused.
+# Tests the commands that read stacks: develop, probe, compare and view. bad.sh has command lines that are refused; test_image.c
+# and test_cube.c have pictures that are no stacks, develop.py and probe.py stacks of other programs.
 . test/shared/tap.sh
 small="--size 60x40 --wavelengths 400:700:20"
 stack=$tmp/stack.tif
@@ -12,28 +13,10 @@ stack=$tmp/stack.tif
 "$SPECTRAL" render patches $small --light 1=a -o "$tmp/a.tif" --quiet
 head -c 30000 "$stack" >"$tmp/cut.tif"
 python=/usr/bin/python3
-"$python" - "$tmp" <<'EOF'
-import sys
-import numpy as np
-import tifffile
-folder, grey = sys.argv[1], np.full((3, 40, 60), 1000, np.uint16)
-tifffile.imwrite(f"{folder}/plain.tif", grey, photometric="minisblack")
-tifffile.imwrite(f"{folder}/rgb.tif", np.zeros((40, 60, 3), np.uint8), photometric="rgb")
-tifffile.imwrite(f"{folder}/int32.tif", grey.astype(np.int32), photometric="minisblack")
-tifffile.imwrite(f"{folder}/foreign.ome.tif", grey, photometric="minisblack", metadata={
-    "axes": "CYX", "Channel": {"EmissionWavelength": [450, 550, 650],
-                               "EmissionWavelengthUnit": ["nm"] * 3}})
-EOF
 
 # ---- develop ----
 
-refuses 'wavelength' "develop of pages without wavelengths" "$SPECTRAL" develop "$tmp/plain.tif" -o "$tmp/none"
-refuses 'rgb.tif' "develop of an RGB picture" "$SPECTRAL" develop "$tmp/rgb.tif" -o "$tmp/none"
-refuses '32 bits' "develop of 32-bit integers" "$SPECTRAL" develop "$tmp/int32.tif" -o "$tmp/none"
-refuses '--white' "adaptation without a white" "$SPECTRAL" develop "$tmp/foreign.ome.tif" --adaptation cat16 -o "$tmp/none"
-exits 0 "a foreign stack is developed" "$SPECTRAL" develop "$tmp/foreign.ome.tif" -o "$tmp/foreign.tif"
-exits 0 "a foreign stack is adapted to a given white" "$SPECTRAL" develop "$tmp/foreign.ome.tif" --white a \
-    --adaptation cat16 -o "$tmp/foreign.tif"
+refuses 'wavelength' "develop of pages without wavelengths" "$SPECTRAL" develop data/builtin/textures/dots.tif -o "$tmp/none"
 exits 0 "develop accepts --quiet" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif" --quiet
 [ ! -s "$tmp/out" ] && [ ! -s "$tmp/err" ]
 ok $? "--quiet prints nothing"
@@ -67,7 +50,6 @@ prints '^"wavelength \(nm\)","radiance' "probe prints a table"
 exits 0 "probe writes a plot" "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o "$tmp/plot.svg"
 "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o - | cmp -s - "$tmp/plot.svg"
 ok $? "-o - writes the plot to standard output"
-exits 0 "probe prints the spectrum of a foreign stack" "$SPECTRAL" probe "$tmp/foreign.ome.tif" 5 5
 "$SPECTRAL" probe "$stack" 5 5 >/dev/full 2>"$tmp/err"
 [ $? = 3 ]
 ok $? "a full standard output is noticed"

@@ -16,7 +16,7 @@ import subprocess
 import numpy as np
 import tifffile
 
-from rendered import EFFECTS, SPECTRAL, bail_out, check, done, output_of, pages_of, path_of, refuses, run, write
+from rendered import EFFECTS, SPECTRAL, bail_out, check, done, output_of, pages_of, path_of, refuses, remove, run, write
 
 FAIL = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
 DRAW = path_of("draw")
@@ -189,8 +189,7 @@ def refusals(scene):
             os.remove(os.path.join(DRAWN, name))
             shutil.copy(colours(0), colours(3))
     for file in (os.path.join(DRAWN, "numbers.bin"), drawn):
-        if os.path.exists(file):
-            os.remove(file)
+        remove(file)
         os.mkfifo(file)
         refuses(f"{file} is a pipe", f"{file}: it is no regular file", *words)
         os.remove(file)

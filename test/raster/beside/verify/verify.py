@@ -15,27 +15,17 @@ import xml.etree.ElementTree
 from junitparser import JUnitXml
 
 import documents
-from rendered import SPECTRAL, TMP, check, done, refuses, run, write
+from rendered import SPECTRAL, TMP, check, done, path_of, refuses, remove, run, write
 
 SPOIL = os.path.abspath(os.environ.get("SPOIL_LIBRARY", "build/test/spoil.so"))
 FAULTS = os.path.abspath(os.environ.get("FAULTS", "build/test/fault.so"))
 LLVMPIPE = ("--gl", "osmesa", "--renderer", "llvmpipe")
 
 
-def path(name):
-    return os.path.join(TMP, name)
-
-
-def remove(*names):
-    for name in names:
-        if os.path.exists(path(name)):
-            os.remove(path(name))
-
-
 def four_drivers():
-    remove("four.xml", "four.json")
+    remove(path_of("four.xml"), path_of("four.json"))
     scenes = ("patches", "spheres", "hard/mirror")
-    result = run("verify", *scenes, "--junit", path("four.xml"), "--json", path("four.json"))
+    result = run("verify", *scenes, "--junit", path_of("four.xml"), "--json", path_of("four.json"))
     check(result.returncode == 0 and result.stderr == "", "three scenes agree on all drivers", result.stdout, result.stderr)
     heads = re.findall(r"^--gl (\S+)(?: --renderer (\S+))?: ([^\s,]+).*, by (\S+), bounds of (\S+)$", result.stdout, re.MULTILINE)
     drawn = {(library, renderer.split(":")[0] if "shader" in renderer else "", by, name)
@@ -43,7 +33,7 @@ def four_drivers():
     check({(gl, way, by, name) for name in ("llvmpipe", "softpipe") for gl, by, ways in (("osmesa", "OSMesa", ("",)), ("egl", "EGL", (
         "", "gl-shader", "es-shader"))) for way in ways} <= drawn, "these are OSMesa and EGL with llvmpipe and softpipe, and their shaders", heads)
     check(len(drawn) == len(heads) and result.stdout.count("\n  3 of 3 scenes agree\n") == len(heads), "each driver once", result.stdout)
-    with open(path("four.json")) as file:
+    with open(path_of("four.json")) as file:
         report = json.load(file)
     for driver in report["drivers"]:
         for found in driver["scenes"]:
@@ -54,7 +44,7 @@ def four_drivers():
             check(all(found[key] == alone[key] for key in ("samples", "pixels", "ambiguous_pixels", "unexplained_pixels", "max_counts",
                                                            "worst_error_over_bound")),
                   f"{driver['gl']} {driver['gl_renderer'].split()[0]}: the figures of {scene} are those of render", found, alone)
-    suites = list(JUnitXml.fromfile(path("four.xml")))
+    suites = list(JUnitXml.fromfile(path_of("four.xml")))
     check(len(suites) == len(heads) and all((s.tests, s.failures, s.errors) == (3, 0, 0) and [c.name for c in s] == list(scenes) and
                                             all(c.time > 0 for c in s) for s in suites), "JUnit has a suite a driver, a case a scene")
     check({p.name: p.value for p in suites[0].properties()}["gl_library"] == "OSMesa", "a suite's properties name the library")
@@ -68,11 +58,11 @@ def everything():
 
 
 def failures():
-    remove("fault.xml")
-    result = run("verify", "patches", "hard/mirror", *LLVMPIPE, "--junit", path("fault.xml"), "--strict", FAULT="5", LD_PRELOAD=FAULTS)
+    remove(path_of("fault.xml"))
+    result = run("verify", "patches", "hard/mirror", *LLVMPIPE, "--junit", path_of("fault.xml"), "--strict", FAULT="5", LD_PRELOAD=FAULTS)
     check(result.returncode == 1 and result.stderr == "error: 2 of 2 pictures differ, or are not verified\n", "a fault in all pictures",
           result.stderr)
-    suite = next(iter(JUnitXml.fromfile(path("fault.xml"))))
+    suite = next(iter(JUnitXml.fromfile(path_of("fault.xml"))))
     messages = [entry.message for case in suite for entry in case.result]
     check((suite.tests, suite.failures, suite.errors) == (2, 2, 0) and all(re.match(r"the pictures differ at \d+ of \d+ pixels, first at ", m)
                                                                            for m in messages), "JUnit has the first pixel", messages)
@@ -85,15 +75,15 @@ def failures():
 
 def names():
     """A name may have blanks, quotes, and bytes that are no UTF-8."""
-    scene = os.fsencode(path("it's a \"b\" & <c> ")) + b"\xff\x01.scene"
+    scene = os.fsencode(path_of("it's a \"b\" & <c> ")) + b"\xff\x01.scene"
     with open(scene, "wb") as file, open("data/builtin/hard/mirror.scene", "rb") as mirror:
         file.write(mirror.read())
-    result = run("verify", scene, *LLVMPIPE, "--unchecked", "0", "--junit", path("names.xml"), "--quiet", FAULT="5", LD_PRELOAD=FAULTS)
-    case = xml.etree.ElementTree.parse(path("names.xml")).find("testsuite/testcase")
+    result = run("verify", scene, *LLVMPIPE, "--unchecked", "0", "--junit", path_of("names.xml"), "--quiet", FAULT="5", LD_PRELOAD=FAULTS)
+    case = xml.etree.ElementTree.parse(path_of("names.xml")).find("testsuite/testcase")
     check(result.returncode == 1 and case.get("name").endswith("it's a \"b\" & <c> ??.scene"), "XML has a scene's name, if not its strange bytes",
           case.attrib, result.stderr)
-    os.rename(scene, path("it's a \"b\".scene"))
-    result = run("verify", path("it's a \"b\".scene"), *LLVMPIPE, "--ambient", "d65*0.5", FAULT="5", LD_PRELOAD=FAULTS)
+    os.rename(scene, path_of("it's a \"b\".scene"))
+    result = run("verify", path_of("it's a \"b\".scene"), *LLVMPIPE, "--ambient", "d65*0.5", FAULT="5", LD_PRELOAD=FAULTS)
     command = result.stdout.split("to repeat what failed:\n  spectral ")[1]
     again = subprocess.run(["sh", "-c", f"{shlex.quote(SPECTRAL)} {command}"], check=False, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                            universal_newlines=True, env={**os.environ, "FAULT": "5", "LD_PRELOAD": FAULTS})
@@ -104,8 +94,8 @@ def names():
 def nothing_checked():
     """A scene without objects has no object pixels: there is no floor and no share."""
     empty = write("empty.scene", "wavelengths 400 700 100\nsize 30 20\nlight d65 1 direction 0 0 1\n")
-    result = run("verify", empty, *LLVMPIPE, "--json", path("empty.json"))
-    with open(path("empty.json")) as file:
+    result = run("verify", empty, *LLVMPIPE, "--json", path_of("empty.json"))
+    with open(path_of("empty.json")) as file:
         found = json.load(file)["drivers"][0]["scenes"][0]
     check(found["verdict"] == "agreed" and found["object_pixels"] == 0 and all(found[key] is None for key in (
         "worst_error_over_bound", "floor_median", "floor_99_9", "checked_within_1", "checked_within_8", "checked_within_256")),
@@ -128,24 +118,24 @@ def compared():
 
 
 def crashes():
-    remove("crash.xml")
-    result = run("verify", "textures", "patches", "--gl", "egl", "--junit", path("crash.xml"), SPOIL="crash", LD_PRELOAD=SPOIL)
+    remove(path_of("crash.xml"))
+    result = run("verify", "textures", "patches", "--gl", "egl", "--junit", path_of("crash.xml"), SPOIL="crash", LD_PRELOAD=SPOIL)
     check(result.returncode == 1 and re.search(r"^  textures +failed +\n    a run ended without a result: Segmentation fault$", result.stdout, re.MULTILINE)
           and re.search(r"^  patches +agreed", result.stdout, re.MULTILINE), "a crash is a result, and the next scene is drawn", result.stdout, result.stderr)
-    suite = next(iter(JUnitXml.fromfile(path("crash.xml"))))
+    suite = next(iter(JUnitXml.fromfile(path_of("crash.xml"))))
     check((suite.tests, suite.failures, suite.errors) == (2, 0, 1), "in JUnit it is an error")
 
 
 def refusals():
     refuses("a device that is missing", "there is no egl:60", "verify", "patches", "--gl", "egl:60", status=3)
-    remove("stopped.json")
-    process = subprocess.Popen([SPECTRAL, "verify", "--json", path("stopped.json")], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+    remove(path_of("stopped.json"))
+    process = subprocess.Popen([SPECTRAL, "verify", "--json", path_of("stopped.json")], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     time.sleep(1.5)
     process.send_signal(signal.SIGINT)
     start = time.monotonic()
     process.communicate()
-    check(process.returncode != 0 and time.monotonic() - start < 5 and not os.path.exists(path("stopped.json")), "an interruption ends it, without a file")
+    check(process.returncode != 0 and time.monotonic() - start < 5 and not os.path.exists(path_of("stopped.json")), "an interruption ends it, without a file")
 
 
 four_drivers()

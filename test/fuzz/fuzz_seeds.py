@@ -3,7 +3,7 @@
 """Writes inputs for test/fuzz to begin with: the blocks of the pages for users, and the records of the stacks that lie there. Pictures of
 other programs, in all compressions and layouts, are among the kept inputs.
 
-    test/make/fuzz_seeds.py FOLDER"""
+    test/fuzz/fuzz_seeds.py FOLDER"""
 import glob
 import os
 import re
