@@ -13,7 +13,7 @@ import numpy as np
 from colours import cielab, ciede2000
 from rendered import SPECTRAL, TMP, check, done
 
-sys.path.append("data/make")
+sys.path.append("test/make")
 from material_files import thesis_observer
 
 FOLDER = "data/builtin/materials"
@@ -72,7 +72,7 @@ def difference(one, two, light, observer):
 
 def check_made():
     for name in ("metals", "metamers", "fluorescence"):
-        subprocess.run(["/usr/bin/python3", "-B", f"data/make/{name}.py", TMP], check=True)
+        subprocess.run(["/usr/bin/python3", "-B", f"test/make/{name}.py", TMP], check=True)
     made = {os.path.relpath(os.path.join(folder, file), TMP)
             for folder, _, files in os.walk(TMP) for file in files}
     kept = {os.path.relpath(os.path.join(FOLDER, folder, file), FOLDER)

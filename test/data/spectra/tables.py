@@ -22,7 +22,7 @@ def table(name):
 for maker, kept in (("observers", "tables"), ("illuminants", "tables"), ("colorchecker", "materials"), ("models", "models")):
     made = f"{TMP}/{maker}"
     os.makedirs(made, exist_ok=True)
-    subprocess.run(["/usr/bin/python3", "-B", f"data/make/{maker}.py", made], check=True)
+    subprocess.run(["/usr/bin/python3", "-B", f"test/make/{maker}.py", made], check=True)
     names = [os.path.relpath(os.path.join(top, name), made) for top, _, files in os.walk(made) for name in files]
     differing = [name for name in names if open(f"{made}/{name}").read() != open(f"data/builtin/{kept}/{name}").read()]
     check(names and not differing, f"the {len(names)} files of {maker}.py equal its output, digit by digit", differing)
@@ -42,7 +42,7 @@ check(bend < 1.1e-5, f"D65 is linear between every 10 nm (to {bend:.6f})")
 # Figures that were copied by hand are those of other publishers.
 PSYCHTOOLBOX = "/usr/share/psychtoolbox-3/PsychColorimetricData/PsychColorimetricMatFiles"
 VISIBLE = range(380, 785, 5)
-copied = table("../../../data/make/illuminants")
+copied = table("../../../test/make/illuminants")
 components = table("../daylight/components")
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # Makes data/builtin/materials/metals/*.txt and metals.list again, from the optical constants in metals.csv:
-# `python3 -B data/make/metals.py FOLDER` writes both into FOLDER.
+# `python3 -B test/make/metals.py FOLDER` writes both into FOLDER.
 import sys
 from decimal import Decimal
 
@@ -20,7 +20,7 @@ HEAD = """\
 # measured. n and k are interpolated linearly; R is rounded to 5 decimals.
 # Source: {source};
 # its n and k as in the refractiveindex.info database (main/{symbol}/nk/{page}.yml).
-# Licence: CC0 1.0, as the database. Made by data/make/metals.py.
+# Licence: CC0 1.0, as the database. Made by test/make/metals.py.
 """
 
 # name: symbol, source, page of the database
@@ -34,7 +34,7 @@ METALS = {
 
 def constants(name):
     """[micrometres, n, k] of each row of metals.csv for a metal"""
-    with open("data/make/metals.csv", encoding="ascii") as source:
+    with open("test/make/metals.csv", encoding="ascii") as source:
         rows = [line.split(",") for line in source]
     return [[Decimal(figure) for figure in row[1:]] for row in rows if row[0] == name]
 

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # Makes the CIE illuminants in data/builtin/tables again, but for a and d65, which are the thesis's:
-# `data/make/illuminants.py FOLDER` writes them into FOLDER. Daylights come from
+# `test/make/illuminants.py FOLDER` writes them into FOLDER. Daylights come from
 # data/builtin/daylight/components.csv, the others from illuminants.csv beside this script.
 import os
 import sys
@@ -20,7 +20,7 @@ wavelength_nm,power
 """
 FACTS = "figures published as facts; no claim is made on them"
 DAYLIGHTS = {"d50": 5000, "d55": 5500, "d75": 7500}
-COLOUR = ("sds.py of Colour (colour-science), whose figures data/make/illuminants.csv keeps,\n"
+COLOUR = ("sds.py of Colour (colour-science), whose figures test/make/illuminants.csv keeps,\n"
           "# divided by that at 560 nm, {figure}, in 6 digits", "BSD 3-Clause, see ../daylight/LICENSE")
 LAMPS = {
     "c": ("illuminant C: average daylight, as an incandescent lamp behind a filter", "CIE 15:2004"),

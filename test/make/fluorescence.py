@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # Makes data/builtin/materials/fluorescence/*.txt and fluorescence.list again, from data/builtin/tables/a.csv:
-# `python3 -B data/make/fluorescence.py FOLDER` writes them into FOLDER.
+# `python3 -B test/make/fluorescence.py FOLDER` writes them into FOLDER.
 import sys
 from decimal import Decimal
 
@@ -18,7 +18,7 @@ HEAD = """\
 # Both are cut at {cut} nm, so that nothing is given out at a shorter wavelength than it is taken in.
 # The partner's reflectance rises from {low} to {high} about {edge} nm. Plain reflectance = the partner's
 # + emission x N / light under A (data/builtin/tables/a.csv, 300 to 760 nm every 5 nm), to 15 decimals.
-# Licence: MIT. Made by data/make/fluorescence.py.
+# Licence: MIT. Made by test/make/fluorescence.py.
 """
 # name: its model; nm of the peaks of excitation and emission; standard deviations of
 # the excitation and of the emission below and above its peak; nm of the cut; highest emission;

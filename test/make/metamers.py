@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # Makes data/builtin/materials/metamers/* again, from data/builtin/tables and the ColorChecker:
-# `python3 -B data/make/metamers.py FOLDER` writes them into FOLDER/metamers.
+# `python3 -B test/make/metamers.py FOLDER` writes them into FOLDER/metamers.
 import sys
 from decimal import Decimal
 
@@ -21,7 +21,7 @@ HEAD = """\
 # {centres} nm; the first is {height} high, the heights of the others follow from
 # the three sums of D65 x black x observer over 300 to 760 nm every 5 nm, all 0. 13 decimals keep
 # the sums 0. Computed, not measured.
-# Licence: {licence}. Made by data/make/metamers.py.
+# Licence: {licence}. Made by test/make/metamers.py.
 """
 GREY = Decimal("0.3")
 # name, ColorChecker patch (None: grey), deviation and centres of the Gaussians, height of the first:

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Makes data/builtin/textures/*.tif again, except for the rendered picture.tif and the maps of shadows.py:
-`data/make/textures.py FOLDER` writes them into FOLDER. Each texture is a tile that repeats without a seam; its values
+`test/make/textures.py FOLDER` writes them into FOLDER. Each texture is a tile that repeats without a seam; its values
 multiply the reflectance of the surface. All are made from formulas and seeded noise, and none is copied; MIT
 licence."""
 import os

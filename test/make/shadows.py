@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes the textures of data/builtin/textures that hold soft shadows: `data/make/shadows.py FOLDER [NAME...]` writes
+"""Makes the textures of data/builtin/textures that hold soft shadows: `test/make/shadows.py FOLDER [NAME...]` writes
 them into FOLDER. OpenGL's lighting casts none, and neither does the program; so these are computed before, as light
 maps are: the share of the light at each place of a surface that no object keeps away. The program itself finds what
 the lights see. For each light, some points on a sphere about it, and for the ambient light many points far away, it

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Makes the pictures of README: every built-in scene, rendered and developed; maps of checks; and the viewer, a plot
 and charts of costs, drawn by Chromium.
-usage: /usr/bin/python3 data/make/gallery.py FOLDER [NAME...]"""
+usage: /usr/bin/python3 test/make/gallery.py FOLDER [NAME...]"""
 import base64
 import os
 import re

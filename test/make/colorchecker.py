@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # Makes data/builtin/materials/colorchecker/*.txt and colorchecker.list again, from the measurements in the
-# Debian package psychtoolbox-3-common: `data/make/colorchecker.py FOLDER` writes both into FOLDER.
+# Debian package psychtoolbox-3-common: `test/make/colorchecker.py FOLDER` writes both into FOLDER.
 # The repository keeps them; this script shows the source of each figure.
 import os
 import sys

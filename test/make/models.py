@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Makes bowl.obj, chair.obj, clock.obj, cove.obj and vase.obj of data/builtin/models again:
-`data/make/models.py FOLDER` writes them into FOLDER. Each part is a surface over u and v, 0 to 1. Only the backdrop
+`test/make/models.py FOLDER` writes them into FOLDER. Each part is a surface over u and v, 0 to 1. Only the backdrop
 has them as texture coordinates, too; without them a mesh is smaller. MIT licence."""
 import math
 import os
@@ -145,7 +145,7 @@ def mesh(parts, textured):
 
 def main(folder):
     for name, (what, parts) in MODELS.items():
-        lines = [f"# {what[0].upper()}{what[1:]}. Made by data/make/models.py.", "# MIT licence.", *mesh(parts, name == "cove")]
+        lines = [f"# {what[0].upper()}{what[1:]}. Made by test/make/models.py.", "# MIT licence.", *mesh(parts, name == "cove")]
         with open(os.path.join(folder, name + ".obj"), "w", encoding="ascii") as out:
             out.write("\n".join(lines) + "\n")
 

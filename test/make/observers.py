@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # Makes the CIE's observers in data/builtin/tables again, from the Debian package psychtoolbox-3-common:
-# `data/make/observers.py FOLDER` writes them into FOLDER.
+# `test/make/observers.py FOLDER` writes them into FOLDER.
 import sys
 from decimal import Decimal
 
