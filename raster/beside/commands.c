@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The commands of this program, and its judge of shading. build.sh takes one of these
- * tables, and one of the ways of drawing. */
+/* The commands of this program, and its judge of shading. build.sh takes one of these tables, and
+ * one of the ways of drawing. */
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
 #include "raster/beside/accuracy/accuracy.h"

@@ -122,9 +122,9 @@ struct renderer_kind {
 bool renderer_make_buffers(struct renderer *of, int n_buffers, size_t n, const char *what,
                            struct error *err);
 void renderer_free(struct renderer *of);
-/* Takes a pixel from the colours of its triangle's number, and from its depth in 24
- * bits above 8 of fragments. The number is three that single precision holds exactly: the low 16
- * bits of the triangle, its high bits, and the instance + 1. */
+/* Takes a pixel from the colours of its triangle's number, and from its depth in 24 bits above 8 of
+ * fragments. The number is three that single precision holds exactly: the low 16 bits of the
+ * triangle, its high bits, and the instance + 1. */
 struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
 
 /* ---- the ways of drawing that this program has ---- */
@@ -132,10 +132,9 @@ struct shown shown_of(int n_instances, const float number[3], uint32_t depth);
 /* How this program draws through OpenGL: see raster/beside/ways.c. */
 struct drawing_ways {
     /* Opens a renderer of a plan, which must outlive *out, with so many buffers, at most
-     * MOST_BUFFERS. Fails with
-     * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. The
-     * caller closes *out unless it is NULL, also after a failure. One can be open at a time. NULL:
-     * this program does not draw so. */
+     * MOST_BUFFERS. Fails with EXIT_SYSTEM where there is no usable OpenGL, or not the driver that
+     * the plan asks for. The caller closes *out unless it is NULL, also after a failure. One can be
+     * open at a time. NULL: this program does not draw so. */
     bool (*open[GL_WAYS])(const struct plan *plan, int n_buffers, struct renderer **out,
                           struct error *err);
     /* Measures a driver that is not known. A canvas is in use, and stays so. Fails with
