@@ -26,11 +26,11 @@ small="--size 30x20 --wavelengths 400:700:50"
 {
     exits 0 "a program without OpenGL prints its version" "$plain" --version
     prints '^without OpenGL$' "its version says so"
-    exits 2 "a program without OpenGL refuses OpenGL's pixels" "$plain" render patches $small -o "$tmp/none.tif"
+    exits 2 "a program without OpenGL refuses OpenGL's pixels" "$plain" render patches $small --renderer gl -o "$tmp/none.tif"
     says 'built without OpenGL; add --renderer raster' "the message asks for --renderer raster"
     absent "$tmp/none.tif" "OpenGL's pixels"
     exits 2 "a program without OpenGL refuses a strict check" "$plain" render patches $small --renderer raster --strict
-    exits 0 "a program without OpenGL makes the reference's pixels" "$plain" render patches $small --renderer raster -o "$tmp/plain.tif"
+    exits 0 "a program without OpenGL makes the reference's pixels" "$plain" render patches $small -o "$tmp/plain.tif"
     prints '^verdict +not checked: .* without OpenGL' "the table says that they are unchecked"
     exits 0 "a program with OpenGL makes the same stack again" \
         "$SPECTRAL" render --again "$tmp/plain.tif" -o "$tmp/again.tif"
