@@ -143,7 +143,7 @@ _spectral() {
     elif [[ $value == -* ]]; then
         _spectral_add '--help --version'
     else
-        _spectral_add "$(_spectral_help | sed -n 's/^  \([a-z][a-z]*\)  *\[*[-A-Z].*/\1/p')"
+        _spectral_add "$(_spectral_help | sed -n 's/^  \([a-z][a-z]*\) .*/\1/p')"
     fi
     # Bash replaces only what stands behind the last = or :
     before=${value%"$current"}

@@ -76,7 +76,7 @@ function __spectral_complete
     set --local command $words[2]
     if test (count $words) -eq 1; or test "$words[2..]" = help
         string match --quiet -- '-*' $word; and printf '%s\n' --help --version
-        $program --help 2>/dev/null | string match --groups-only --regex '^  ([a-z]+) +\[*[-A-Z]'
+        $program --help 2>/dev/null | string match --groups-only --regex '^  ([a-z]+) '
         return
     end
     set --local previous $words[-1]
