@@ -79,10 +79,16 @@ static inline void test_need(bool good, const char *text)
     }
 }
 
-/* Makes the folder for temporary files the working folder. */
-static inline void test_enter(void)
+/* Makes a folder for the files of this program, so that programs that run side by side do not share
+ * names, and goes there. */
+#define test_enter() test_enter_folder(__FILE__)
+static inline void test_enter_folder(const char *source)
 {
+    const char *name = strrchr(source, '/');
     test_need(chdir(test_folder()) == 0, "there is no folder for temporary files");
+    name = name ? name + 1 : source;
+    mkdir(name, 0777);
+    test_need(chdir(name) == 0, "there is no folder for temporary files");
 }
 
 /* Copies the next word of a list, where blanks separate words; the list then begins behind it. */
