@@ -22,7 +22,7 @@ import os
 import re
 import sys
 
-sys.path.append(os.path.join(os.path.dirname(__file__), "../shared"))  # also for `python3 house.py`
+sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "shared"))  # also for `python3 house.py`
 from tap import check, done
 
 ROOMS = """

@@ -138,8 +138,6 @@ static bool run_cost(struct options *options, struct error *err)
 }
 
 static const struct option cost_rows[] = {
-    {"--gl LIBRARY", "osmesa, egl, egl:N for EGL's device N, or auto (default), whichever is here",
-     OWN(TEXT, cost_options, gl), .accepts = driver_accepts_library, .recorded = true},
     {"--observer, --detector NAME", "measures colour differences for it (default: cie1931)",
      SHARED(TEXT, detector)},
     {"--runs N", "runs of each configuration, at least 5 (default: 5)",
@@ -155,9 +153,9 @@ static const struct option cost_rows[] = {
      OWN(TEXT, cost_options, budget)},
 };
 static const struct option_list cost_list = OPTION_LIST(cost_rows);
-static const struct option_list *const lists[] = {&cost_list,   &scene_options, &threads_option,
-                                                  &json_option, &quiet_option,  &common_options,
-                                                  NULL};
+static const struct option_list *const lists[] = {
+    &cost_list,   &library_option, &scene_options,  &threads_option,
+    &json_option, &quiet_option,   &common_options, NULL};
 const struct command cost_command = {
     .name = "cost",
     .operands = "[SCENE]",

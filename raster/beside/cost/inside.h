@@ -14,7 +14,8 @@
 #include "raster/render/render.h"
 
 struct cost_options {
-    const char *gl, *csv, *svg, *tolerance, *budget;
+    struct render_options render; /* the first member */
+    const char *csv, *svg, *tolerance, *budget;
     int runs;
 };
 
