@@ -80,7 +80,7 @@ prepare() {
 # list what a program contains of the rooms in that folder, which the core does not know.
 find_sources() {
     rooms='data raster/reference raster/renderers raster/plan raster/bounds raster/candidates raster/counts raster/check raster/render'
-    all='raster/beside/accuracy raster/beside/verify raster/beside/see raster/beside/cost raster/beside/view'
+    all='raster/beside/colour raster/beside/accuracy raster/beside/verify raster/beside/see raster/beside/cost raster/beside/view'
     commands=commands ways=ways
     without='/no_[a-z]*[.]c$'
     case $GL in

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Samplings by Gaussian quadrature: with one rule, or with one for each of three functions. */
-#include "data/colour/colour.h"
 #include "data/sampling/inside.h"
 
 /* ---- one rule ---- */
@@ -84,10 +83,10 @@ static void find_functions(struct functions *out)
     const enum sampling_functions functions = out->sampling->method.functions;
     double matrix[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     if (functions != FUNCTIONS_XYZ)
-        adaptation_cones(ADAPTATION_VON_KRIES, matrix);
+        tristimulus_to_cones(matrix);
     memcpy(out->row, fine->weights, 3 * (size_t)fine->n * sizeof *out->row);
-    colour_apply_all(matrix, fine->n, out->row);
-    colour_inverse(matrix, out->back);
+    tristimulus_apply_all(matrix, fine->n, out->row);
+    tristimulus_inverse(matrix, out->back);
     if (functions == FUNCTIONS_ACC) {
         out->first_is_best = true;
         orthogonal_rows(out->row, 3, fine->n);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Samplings by steps, by boxes, and by three numbers. */
-#include "data/colour/colour.h"
 #include "data/sampling/inside.h"
 
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err)
@@ -118,13 +117,13 @@ bool sample_tristimulus(const struct sampling_task *task, struct error *err)
     const size_t n = 3 * (size_t)out->fine.n;
     out->pages.clips = out->method.kind == SAMPLING_RGB;
     if (out->pages.clips)
-        display_matrix(DISPLAY_SRGB, to);
-    colour_inverse(to, back);
+        tristimulus_to_srgb(to);
+    tristimulus_inverse(to, back);
     if (!sampling_room(out, 3, ANALYSIS, err) ||
         !(out->pages.reflectance_analysis = sampling_numbers(n, err)))
         return false;
     memcpy(out->pages.analysis, out->fine.weights, n * sizeof *out->pages.analysis);
-    colour_apply_all(to, out->fine.n, out->pages.analysis);
+    tristimulus_apply_all(to, out->fine.n, out->pages.analysis);
     for (int i = 0; i < 9; i++)
         out->weights[i] = back[i / 3][i % 3];
     return divide_by_d65(task, err);

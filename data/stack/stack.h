@@ -164,42 +164,6 @@ struct cube {
 bool cube_open(const char *path, struct cube *out, struct error *err);
 /* Refuses a cube of components: "WHAT needs radiances ...". */
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);
-/* Finds the weights of the pages in each channel: out[channel * n_pages + page]. They follow from
- * the sampling that the stack records, otherwise from detector_weights. Refuses weights too large
- * to compute with, and, for a fixed sampling, any detector but its own. */
-bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
-                  struct error *err);
-/* Finds the response of such weights to a radiance of 1 everywhere. Fails where memory runs out. */
-bool cube_equal_response(const struct cube *cube, const struct detector *detector,
-                         const double *weights, double out[3], struct error *err);
-/* Finds the part of each sensitivity outside the range of the pages, as detector_lost. */
-void cube_lost(const struct cube *cube, const struct detector *detector, double out[3]);
-/* Finds the white's radiance at each page's wavelength (for box its mean), n_pages values. The
- * white is the SPECTRUM that the word of a command line names; NULL: the one that the stack
- * records. Refuses a stack that records none, and a white that is 0 everywhere. */
-bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err);
-struct white_request {
-    const char *spectrum; /* as cube_white takes it */
-    bool needed;          /* refuse a stack without a white, even if `spectrum` is NULL */
-};
-/* Finds the response of weights (cube_weights) to a white; in a fixed stack, the response of its
- * detector to the white at every nm. *found: there is a white. Refuses a missing white that is
- * needed or named, and a white too large to compute with. */
-bool cube_white_response(const struct cube *cube, const struct white_request *request,
-                         const double *weights, bool *found, double out[3], struct error *err);
-/* How an observer sees a stack. */
-struct sight {
-    double *weights; /* of X, Y and Z, as cube_weights; owned */
-    double white[3]; /* XYZ */
-    bool has_white;
-};
-/* Refuses what observer_read, cube_weights and cube_white_response refuse. */
-bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
-                struct sight *out, struct error *err);
-void sight_free(struct sight *sight);
-/* Reads the numbers of the objects at n pixels of a row, from 1, with names in record.objects. 0 is
- * the background; -1 means an unknown number, or a stack without an object map. */
-bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);
 void cube_close(struct cube *cube);
 
 /* ---- join.c: parts of a picture become its stack; spectral join ---- */

@@ -69,7 +69,7 @@ fuzz_words() {
     texture) words=data/images ;;
     record) words='data/stack/record.c data/stack/tags.c data/sampling/method.c' ;;
     stack) words='data/images data/stack data/sampling/method.c' ;;
-    line) words='spectral.c data/sampling data/colour data/spectra data/scene raster/render raster/beside' ;;
+    line) words='spectral.c data/sampling data/spectra data/scene raster/render raster/beside' ;;
     esac
     find $words -name '*.c' -exec grep -hv '^#' {} + | grep -oE '"[!#$&-Z^-~]{1,32}"' | sort -u
 }

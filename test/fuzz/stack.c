@@ -5,11 +5,11 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/colour/colour.h"
 #include "data/images/images.h"
 #include "data/sampling/sampling.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
+#include "raster/beside/colour/colour.h"
 #include "raster/beside/see/inside.h"
 #include "test/fuzz/fuzz.h"
 

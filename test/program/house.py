@@ -26,12 +26,12 @@ sys.path.append(os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__f
 from tap import check, done
 
 ROOMS = """
-    data/base data/files data/maths data/text data/spectra data/colour data/mesh data/images data/scene
+    data/base data/files data/maths data/text data/spectra data/mesh data/images data/scene
     data/sampling data/stack
     raster/reference raster/renderers raster/plan raster/bounds raster/candidates raster/counts raster/check
     raster/gl raster/render
-    raster/beside/shader raster/beside/measure raster/beside/accuracy raster/beside/verify raster/beside/see
-    raster/beside/cost raster/beside/view
+    raster/beside/shader raster/beside/measure raster/beside/colour raster/beside/accuracy raster/beside/verify
+    raster/beside/see raster/beside/cost raster/beside/view
     """.split()
 BESIDE = "raster/beside"  # the folder of the rooms that the core does not know, and of the tables of programs
 MOST_ROOMS = 27

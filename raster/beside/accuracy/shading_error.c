@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
 #include "data/sampling/sampling.h"
 #include "data/spectra/spectra.h"
 #include "raster/beside/accuracy/inside.h"
+#include "raster/beside/colour/colour.h"
 
 /* Finds the observer's weights of the pages: [channel * n + page]. *known: false if the detector of
  * the sampling is no observer. */

@@ -12,8 +12,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
 #include "data/images/images.h"
+#include "raster/beside/colour/colour.h"
 #include "raster/beside/cost/inside.h"
 
 /* The lattice has about so many points. */

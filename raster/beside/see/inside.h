@@ -3,12 +3,12 @@
 #ifndef RASTER_BESIDE_SEE_INSIDE_H
 #define RASTER_BESIDE_SEE_INSIDE_H
 
-#include "data/colour/colour.h"
 #include "data/images/images.h"
 #include "data/maths/maths.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
+#include "raster/beside/colour/colour.h"
 #include "raster/beside/see/see.h"
 #include "raster/plan/plan.h"
 

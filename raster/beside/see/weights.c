@@ -189,11 +189,11 @@ static bool adapt(struct development *of, struct error *err)
         adaptation->luminance = 10 * (recorded > 0 ? recorded : 1);
     if (!adaptation_matrix(adaptation, of->seen_white, of->equal, m, err))
         return false;
-    colour_apply_all(m, n, of->weights);
-    colour_apply(m, of->seen_white, of->adapted_white);
+    tristimulus_apply_all(m, n, of->weights);
+    tristimulus_apply(m, of->seen_white, of->adapted_white);
     if (of->values == DEVELOP_RGB) {
         display_matrix(of->display, m);
-        colour_apply_all(m, n, of->weights);
+        tristimulus_apply_all(m, n, of->weights);
     }
     return true;
 }

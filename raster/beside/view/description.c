@@ -325,8 +325,8 @@ static void put_adaptations(struct json *json)
         json_truth(json, "incomplete", kind == ADAPTATION_FAIRCHILD);
         if (kind != ADAPTATION_NONE) {
             adaptation_cones(kind, cones);
-            colour_inverse(cones, back);
-            colour_apply(cones, display_white, white);
+            tristimulus_inverse(cones, back);
+            tristimulus_apply(cones, display_white, white);
             for (int k = 0; k < 9; k++)
                 back[k / 3][k % 3] *= white[k % 3];
             json_rows(json, "cones", (const double *)cones, 3);

@@ -4,12 +4,12 @@
 #define RASTER_BESIDE_VIEW_INSIDE_H
 
 #include "data/base/base.h"
-#include "data/colour/colour.h"
 #include "data/files/files.h"
 #include "data/images/images.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
+#include "raster/beside/colour/colour.h"
 #include "raster/beside/see/see.h"
 #include "raster/beside/view/view.h"
 #include "raster/bounds/bounds.h"

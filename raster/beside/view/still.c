@@ -103,7 +103,7 @@ static bool find_weights(struct still *still, struct error *err)
     if (done) {
         detector_weights(&detector, plan->scene->wavelengths_nm, plan->n_bands, still->weights);
         display_matrix(DISPLAY_SRGB, m);
-        colour_apply_all(m, plan->n_bands, still->weights);
+        tristimulus_apply_all(m, plan->n_bands, still->weights);
     }
     detector_free(&detector);
     return done;

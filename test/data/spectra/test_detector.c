@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares detectors with the CIE's published white points, and weights and losses with values
  * worked by hand. test/cases/bad/detectors.cases has the files that are refused. */
-#include "data/colour/colour.h"
 #include "data/files/files.h"
+#include "raster/beside/colour/colour.h"
 #include "spectral.h"
 #include "spectra.h"
 

@@ -9,6 +9,7 @@
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
+#include "raster/beside/see/see.h"
 #include "raster/plan/plan.h"
 #include "raster/render/inside.h"
 #include "spectral.h"

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Only the files of the room "colour" include this. */
-#ifndef DATA_COLOUR_INSIDE_H
-#define DATA_COLOUR_INSIDE_H
+#ifndef RASTER_BESIDE_COLOUR_INSIDE_H
+#define RASTER_BESIDE_COLOUR_INSIDE_H
 
-#include "data/colour/colour.h"
+#include "raster/beside/colour/colour.h"
 
 /* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
  * linear = slope x value. */

@@ -1,21 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "colour": tristimulus values, colour differences, adaptation, displays, ICC profiles. */
-#ifndef DATA_COLOUR_COLOUR_H
-#define DATA_COLOUR_COLOUR_H
+/* The room "colour": colour spaces and differences, adaptation, displays, ICC profiles. */
+#ifndef RASTER_BESIDE_COLOUR_COLOUR_H
+#define RASTER_BESIDE_COLOUR_COLOUR_H
 
-#include "spectral.h"
+#include "data/spectra/spectra.h"
 
-/* ---- colour.c: tristimulus values and colour differences ---- */
-
-/* XYZ of the white of displays, D65: x = 0.3127, y = 0.3290 (IEC 61966-2-1), Y = 100. */
-extern const double display_white[3];
-/* Matrices have three rows and act on columns of tristimulus values. colour_product applies b, then
- * a. colour_inverse needs a matrix that is not singular. out must not be an input. */
-void colour_product(double a[3][3], double b[3][3], double out[3][3]);
-void colour_inverse(double m[3][3], double out[3][3]);
-void colour_apply(double m[3][3], const double xyz[3], double out[3]);
-/* Replaces n columns by their products with a matrix. Their three rows are n numbers apart. */
-void colour_apply_all(double m[3][3], int n, double *columns);
+/* ---- colour.c: chromaticities, colour spaces and colour differences ---- */
 
 /* Computes x and y; 0, 0 for black. */
 void chromaticity(const double xyz[3], double out[2]);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Displays: sRGB, and the monitor of the 1998 thesis. */
-#include "data/colour/inside.h"
 #include "data/maths/maths.h"
+#include "raster/beside/colour/inside.h"
 
 const char *const display_names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};
 enum { KINDS = sizeof display_names / sizeof display_names[0] };
@@ -24,26 +24,10 @@ bool display_read(const char *option, const char *text, enum display_kind *out, 
     return error_usage(err, "%s: expected srgb or monitor, found '%.100s'", option, text);
 }
 
-/* Computes the matrix from the chromaticities of sRGB's primaries (ITU-R BT.709), whose amounts add
- * up to the white. The standard rounds the inverse of this matrix to four decimals, and inverts
- * that. */
-static void srgb_matrix(double out[3][3])
-{
-    double primaries[3][3] = {{0.64, 0.30, 0.15},
-                              {0.33, 0.60, 0.06},
-                              {1 - 0.64 - 0.33, 1 - 0.30 - 0.60, 1 - 0.15 - 0.06}};
-    double amounts[3];
-    colour_inverse(primaries, out);
-    colour_apply(out, display_white, amounts);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            out[i][j] /= amounts[i];
-}
-
 void display_matrix(enum display_kind kind, double out[3][3])
 {
     if (kind == DISPLAY_SRGB)
-        srgb_matrix(out);
+        tristimulus_to_srgb(out);
     else
         memcpy(out, monitor, sizeof monitor);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads ICC profiles as the specification says. `test_profile srgb` writes a profile to standard
  * output, for the readers of other programs. */
-#include "data/colour/colour.h"
+#include "raster/beside/colour/colour.h"
 #include "test.h"
 
 struct profile {
@@ -132,7 +132,7 @@ static void check_curves(const struct profile *profile, enum display_kind kind)
 }
 
 /* Undoes the chromatic adaptation and the scale to a white of Y = 1: the display's own matrix must
- * then turn a colorant's XYZ into one channel. test/data/colour/profiles.py computes colorants from
+ * then turn a colorant's XYZ into one channel. test/raster/beside/colour/profiles.py computes colorants from
  * chromaticities. */
 static void check_primaries(const struct profile *profile, enum display_kind kind)
 {
@@ -141,13 +141,13 @@ static void check_primaries(const struct profile *profile, enum display_kind kin
     const size_t at = tag(profile, "chad", &size);
     for (size_t i = 0; i < 9; i++)
         chad[i / 3][i % 3] = fixed(profile, at + 8 + 4 * i);
-    colour_inverse(chad, back);
+    tristimulus_inverse(chad, back);
     colorants(profile, colour);
     display_matrix(kind, matrix);
     for (int channel = 0; channel < 3; channel++) {
         double xyz[3], linear[3];
-        colour_apply(back, colour[channel], xyz);
-        colour_apply(matrix, xyz, linear);
+        tristimulus_apply(back, colour[channel], xyz);
+        tristimulus_apply(matrix, xyz, linear);
         if (channel == 0)
             scale = display_largest(kind, 0) / linear[0];
         for (int i = 0; i < 3; i++) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* ICC profiles of displays: three colorants and three curves, version 4.3 (ICC.1:2010). */
-#include "data/colour/inside.h"
+#include "raster/beside/colour/inside.h"
 
 enum { HEADER = 128, TAGS = 10, TAG_ENTRY = 12 };
 
@@ -93,7 +93,7 @@ static void colorants(enum display_kind kind, double out[3][3])
 {
     double from_xyz[3][3], y = 0;
     display_matrix(kind, from_xyz);
-    colour_inverse(from_xyz, out);
+    tristimulus_inverse(from_xyz, out);
     for (int j = 0; j < 3; j++) {
         for (int i = 0; i < 3; i++)
             out[i][j] *= display_largest(kind, j);
@@ -111,11 +111,11 @@ static void to_d50(double of_display[3][3], double out[3][3])
     const double none[3] = {1, 1, 1};
     double white[3], to_d65[3][3], d50_to_d65[3][3], back[3][3];
     struct error err = {0};
-    colour_apply(of_display, none, white);
+    tristimulus_apply(of_display, none, white);
     adaptation_matrix(&bradford, white, none, to_d65, &err);
     adaptation_matrix(&bradford, d50, none, d50_to_d65, &err);
-    colour_inverse(d50_to_d65, back);
-    colour_product(back, to_d65, out);
+    tristimulus_inverse(d50_to_d65, back);
+    tristimulus_product(back, to_d65, out);
 }
 
 /* Puts the header. The date is fixed, so that each run writes the same bytes. */
@@ -147,7 +147,7 @@ size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE])
     memset(out, 0, LARGEST_PROFILE);
     colorants(kind, of_display);
     to_d50(of_display, chad);
-    colour_product(chad, of_display, adapted);
+    tristimulus_product(chad, of_display, adapted);
     put_text(&profile, "desc", kind == DISPLAY_SRGB ? "sRGB" : "Monitor of 1998");
     put_text(&profile, "cprt", "No copyright, use freely");
     put_array(&profile, "wtpt", "XYZ ", d50, 3);

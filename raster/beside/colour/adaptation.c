@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Chromatic adaptation: each cone response to a colour is divided by the response to the white. */
-#include "data/colour/colour.h"
-#include "data/text/text.h"
+#include "raster/beside/colour/colour.h"
 
 const char *const adaptation_names[] = {
     [ADAPTATION_NONE] = "none",           [ADAPTATION_VON_KRIES] = "von-kries",
@@ -10,13 +9,10 @@ const char *const adaptation_names[] = {
 };
 enum { KINDS = sizeof adaptation_names / sizeof adaptation_names[0] };
 
-/* Matrices from XYZ. Von Kries: Hunt, Pointer and Estevez's, scaled for D65, with the figures of
- * the thesis's program; the thesis prints them rounded, and -0.023 for -0.2263. Bradford:
- * ICC.1:2010, annex E. CAT16: C. Li et al., Comprehensive color solutions, Color Res. Appl. 42,
- * 703-718 (2017).
+/* Matrices from XYZ of the kinds that do not adapt in von Kries's cones. Bradford: ICC.1:2010,
+ * annex E. CAT16: C. Li et al., Comprehensive color solutions, Color Res. Appl. 42, 703-718 (2017).
  */
 static const double cones[KINDS][3][3] = {
-    [ADAPTATION_VON_KRIES] = {{0.4002, 0.7076, -0.0808}, {-0.2263, 1.1653, 0.0457}, {0, 0, 0.9182}},
     [ADAPTATION_BRADFORD] = {{0.8951, 0.2664, -0.1614},
                              {-0.7502, 1.7135, 0.0367},
                              {0.0389, -0.0685, 1.0296}},
@@ -86,8 +82,10 @@ static bool check_responses(const struct adaptation *adaptation, const double re
 
 void adaptation_cones(enum adaptation_kind kind, double out[3][3])
 {
-    const bool incomplete = kind == ADAPTATION_FAIRCHILD; /* adapts in von Kries's cones */
-    memcpy(out, cones[incomplete ? ADAPTATION_VON_KRIES : kind], sizeof cones[kind]);
+    if (kind == ADAPTATION_VON_KRIES || kind == ADAPTATION_FAIRCHILD)
+        tristimulus_to_cones(out);
+    else
+        memcpy(out, cones[kind], sizeof cones[kind]);
 }
 
 /* Equations 19 and 23 multiply responses by 100. Here the factor is the response to the display's
@@ -105,10 +103,10 @@ bool adaptation_matrix(const struct adaptation *adaptation, const double white[3
         return true;
     }
     adaptation_cones(adaptation->kind, forward);
-    colour_inverse(forward, back);
-    colour_apply(forward, white, of_white);
-    colour_apply(forward, display_white, of_display);
-    colour_apply(forward, equal, of_equal);
+    tristimulus_inverse(forward, back);
+    tristimulus_apply(forward, white, of_white);
+    tristimulus_apply(forward, display_white, of_display);
+    tristimulus_apply(forward, equal, of_equal);
     if (!check_responses(adaptation, of_white, err))
         return false;
     if (adaptation->kind == ADAPTATION_FAIRCHILD)
@@ -116,6 +114,6 @@ bool adaptation_matrix(const struct adaptation *adaptation, const double white[3
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++)
             scaled[i][j] = part[i] * of_display[i] / of_white[i] * forward[i][j];
-    colour_product(back, scaled, out);
+    tristimulus_product(back, scaled, out);
     return true;
 }

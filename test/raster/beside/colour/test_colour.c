@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Compares colour spaces and differences with published values and with values worked by hand. */
-#include "data/colour/colour.h"
+#include "raster/beside/colour/colour.h"
 #include "test.h"
 
 /* G. Sharma, W. Wu, E. N. Dalal, The CIEDE2000 color-difference formula: implementation notes,
@@ -166,18 +166,18 @@ static void check_matrices(void)
     const double by_hand[9] = {0.3, -0.3, 0.4, 0.4, 0.6, -0.8, -0.1, 0.1, 0.2};
     const double column[3] = {1, 2, 3};
     double worst = 0, worst_product = 0;
-    colour_inverse(m, inverse);
-    colour_product(inverse, m, product);
+    tristimulus_inverse(m, inverse);
+    tristimulus_product(inverse, m, product);
     for (int i = 0; i < 9; i++) {
         worst = fmax(worst, fabs(inverse[i / 3][i % 3] - by_hand[i]));
         worst_product = fmax(worst_product, fabs(product[i / 3][i % 3] - (i % 4 == 0)));
     }
     CHECK_NEAR(worst, 0, 1e-15, "the inverse agrees with the cofactors");
     CHECK_NEAR(worst_product, 0, 1e-15, "the inverse times the matrix is the identity");
-    colour_apply(m, column, out);
+    tristimulus_apply(m, column, out);
     CHECK(out[0] == 4 && out[1] == 14 && out[2] == 10, "a matrix acts on columns");
     double swapped[3][3] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
-    colour_product(swapped, m, product);
+    tristimulus_product(swapped, m, product);
     CHECK(product[0][2] == 4 && product[1][0] == 2 && product[2][2] == 3,
           "the second factor of a product acts first");
 }

@@ -1,51 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Colours: chromaticities, CIELAB, CIELUV, and three formulas for the difference of two colours. */
-#include "data/colour/colour.h"
 #include "data/maths/maths.h"
-
-const double display_white[3] = {100 * 0.3127 / 0.3290, 100, 100 * (1 - 0.3127 - 0.3290) / 0.3290};
-
-/* ---- matrices ---- */
-
-void colour_product(double a[3][3], double b[3][3], double out[3][3])
-{
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
-}
-
-/* The inverse is the adjugate over the determinant. Cyclic indices give the cofactors their signs.
- */
-void colour_inverse(double m[3][3], double out[3][3])
-{
-    double determinant = 0;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++) {
-            const int up = (i + 1) % 3, over = (i + 2) % 3, right = (j + 1) % 3, far = (j + 2) % 3;
-            out[j][i] = m[up][right] * m[over][far] - m[up][far] * m[over][right];
-        }
-    for (int j = 0; j < 3; j++)
-        determinant += m[0][j] * out[j][0];
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            out[i][j] /= determinant;
-}
-
-void colour_apply(double m[3][3], const double xyz[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = m[i][0] * xyz[0] + m[i][1] * xyz[1] + m[i][2] * xyz[2];
-}
-
-void colour_apply_all(double m[3][3], int n, double *columns)
-{
-    for (int i = 0; i < n; i++) {
-        double out[3];
-        colour_apply(m, (double[]){columns[i], columns[n + i], columns[2 * n + i]}, out);
-        for (int row = 0; row < 3; row++)
-            columns[row * n + i] = out[row];
-    }
-}
+#include "raster/beside/colour/colour.h"
 
 /* ---- colour spaces ---- */
 

@@ -2,7 +2,7 @@
 /* Compares adaptations and displays with the thesis's equations worked by hand and with published
  * values. develop.py adapts, encodes and clips all values of a picture once more, for the thesis's
  * monitor, too, and takes whites to D65. */
-#include "data/colour/colour.h"
+#include "raster/beside/colour/colour.h"
 #include "spectral.h"
 #include "test.h"
 
@@ -33,7 +33,7 @@ static void check_adapted(enum adaptation_kind kind, double luminance, const dou
 {
     double matrix[3][3], seen[3];
     matrix_of(kind, luminance, white, matrix);
-    colour_apply(matrix, from, seen);
+    tristimulus_apply(matrix, from, seen);
     check_columns(seen, expected, tolerance, what);
 }
 
@@ -73,18 +73,18 @@ static void check_fairchild(void)
                   (double[]){42.3820902, 34.7440451, 17.6537359}, 1e-6,
                   "Fairchild adapts less in dim light");
     matrix_of(ADAPTATION_FAIRCHILD, 10, lamp, matrix);
-    colour_apply(matrix, lamp, seen);
+    tristimulus_apply(matrix, lamp, seen);
     chromaticity(seen, xy);
     chromaticity(display_white, xy_complete);
     CHECK(xy[0] > xy_complete[0] + 0.01, "Fairchild's white stays yellower than D65 (x %.4f)",
           xy[0]);
     matrix_of(ADAPTATION_VON_KRIES, 0, lamp, matrix);
-    colour_apply(matrix, colour, complete);
+    tristimulus_apply(matrix, colour, complete);
     /* p differs from 1 by (m - 1/m) / 10^4, which is 1.8e-4 of S */
     check_adapted(ADAPTATION_FAIRCHILD, 1e12, lamp, colour, complete, 40 * 2e-4,
                   "Fairchild adapts completely in very bright light");
     matrix_of(ADAPTATION_VON_KRIES, 0, equal, matrix);
-    colour_apply(matrix, colour, complete);
+    tristimulus_apply(matrix, colour, complete);
     check_adapted(ADAPTATION_FAIRCHILD, 10, equal, colour, complete, 1e-12,
                   "Fairchild agrees with von Kries under equal energy");
 }
@@ -99,8 +99,8 @@ static void check_bradford(void)
     double from_d50[3][3], from_d65[3][3], back[3][3], seen[3][3], worst = 0;
     matrix_of(ADAPTATION_BRADFORD, 0, d50, from_d50);
     matrix_of(ADAPTATION_BRADFORD, 0, d65, from_d65);
-    colour_inverse(from_d65, back);
-    colour_product(back, from_d50, seen);
+    tristimulus_inverse(from_d65, back);
+    tristimulus_product(back, from_d50, seen);
     for (int i = 0; i < 9; i++)
         worst = fmax(worst, fabs(seen[i / 3][i % 3] - published[i]));
     CHECK_NEAR(worst, 0, 0.51e-7,
@@ -120,13 +120,13 @@ static void check_cat16(void)
     double matrix[3][3], seen[3], worst = 0;
     matrix_of(ADAPTATION_CAT16, 0, lamp, matrix);
     for (int cone = 0; cone < 3; cone++) {
-        colour_apply(matrix, cones[cone], seen);
+        tristimulus_apply(matrix, cones[cone], seen);
         for (int i = 0; i < 3; i++)
             worst = fmax(worst, fabs(seen[i] - gain[cone] * cones[cone][i]));
     }
     CHECK_NEAR(worst, 0, 1e-6, "CAT16 scales the published cones' responses");
     adaptation_cones(ADAPTATION_CAT16, matrix);
-    colour_apply(matrix, (const double[]){1, 1, 1}, seen);
+    tristimulus_apply(matrix, (const double[]){1, 1, 1}, seen);
     check_columns(seen, (double[]){1, 1, 1}, 1e-15, "CAT16's cones respond by 1 to equal energy");
 }
 
@@ -184,7 +184,7 @@ static void check_srgb(void)
                                          {0.0031308, 0.04045, 1e-7}};
     double matrix[3][3], inverse[3][3], white[3], worst = 0, worst_inverse = 0;
     display_matrix(DISPLAY_SRGB, matrix);
-    colour_inverse(matrix, inverse);
+    tristimulus_inverse(matrix, inverse);
     for (int i = 0; i < 9; i++) {
         worst = fmax(worst, fabs(100 * matrix[i / 3][i % 3] - from_xyz[i]));
         worst_inverse = fmax(worst_inverse, fabs(inverse[i / 3][i % 3] / 100 - to_xyz[i]));
@@ -192,7 +192,7 @@ static void check_srgb(void)
     CHECK_NEAR(worst, 0, 1e-12, "sRGB's matrix from XYZ agrees with the published one");
     CHECK_NEAR(worst_inverse, 0, 0.51e-4,
                "its inverse agrees with the published one to 4 decimals");
-    colour_apply(matrix, display_white, white);
+    tristimulus_apply(matrix, display_white, white);
     check_columns(white, (double[]){1, 1, 1}, 1e-14, "D65 has red, green and blue 1");
     for (int i = 0; i < 5; i++)
         CHECK_NEAR(display_encode(DISPLAY_SRGB, i % 3, encoded[i][0]), encoded[i][1], encoded[i][2],

@@ -1,0 +1,229 @@
+/* SPDX-License-Identifier: MIT */
+/* How a detector sees a stack: the weights of its pages, its white, its objects. */
+#include <float.h>
+
+#include "raster/beside/see/inside.h"
+
+/* ---- weights ---- */
+
+static bool is_for(const struct cube *cube, const struct detector *detector, struct error *err)
+{
+    const struct record *record = &cube->record;
+    return strcmp(record->sampling_detector, detector->name) == 0 ||
+           error_usage(err,
+                       "%s: was sampled by %s for %s only; expected --detector %s, or a stack that"
+                       " was rendered with --detector %s",
+                       cube->image.path, record->sampling, record->sampling_detector,
+                       record->sampling_detector, detector->name);
+}
+
+/* Weights and whites have this limit: no sum of them is infinite. */
+static const double largest_number = (double)FLT_MAX;
+
+static bool weights_are_finite(const struct cube *cube, const double *weights, struct error *err)
+{
+    for (int i = 0; i < 3 * cube->image.n_pages; i++)
+        if (!(fabs(weights[i]) <= largest_number))
+            return error_usage(err, "%s: weight %g of page %d cannot be used; expected %g at most",
+                               cube->image.path, weights[i], i % cube->image.n_pages + 1,
+                               largest_number);
+    return true;
+}
+
+bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
+                  struct error *err)
+{
+    const struct record *record = &cube->record;
+    const struct image *image = &cube->image;
+    if (record->response.n > 0 && !is_for(cube, detector, err))
+        return false;
+    if (record->response.n > 0)
+        memcpy(out, record->response.value, (size_t)record->response.n * sizeof *out);
+    else if (record->segments.n > 0)
+        sampling_weights(detector, image->wavelengths_nm, (double(*)[2])record->segments.value,
+                         image->n_pages, out);
+    else
+        detector_weights(detector, image->wavelengths_nm, image->n_pages, out);
+    return weights_are_finite(cube, out, err);
+}
+
+void cube_lost(const struct cube *cube, const struct detector *detector, double out[3])
+{
+    const struct record *record = &cube->record;
+    if (record->response.n > 0)
+        detector_lost_outside(detector, record->range_nm.value[0], record->range_nm.value[1], out);
+    else if (record->segments.n > 0)
+        detector_lost_outside(detector, record->segments.value[0],
+                              record->segments.value[record->segments.n - 1], out);
+    else
+        detector_lost(detector, cube->image.wavelengths_nm, cube->image.n_pages, out);
+}
+
+/* Finds the response of a detector to a spectrum, at every nm of the range of a fixed stack. NULL
+ * stands for 1 everywhere. */
+static bool respond_finely(const struct record *record, const struct detector *detector,
+                           const struct spectrum *spectrum, double out[3], struct error *err)
+{
+    const double *range = record->range_nm.value;
+    struct fine_detector fine;
+    if (!fine_detector_make(detector, range[0] + 0.5,
+                            (int)fmax(1, floor(range[1] - range[0] + 0.5)), &fine, err))
+        return false;
+    for (int j = 0; spectrum && j < fine.n; j++)
+        fine.nm[j] = spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO); /* radiances now */
+    detector_response(fine.weights, spectrum ? fine.nm : NULL, fine.n, out);
+    free(fine.nm);
+    return true;
+}
+
+bool cube_equal_response(const struct cube *cube, const struct detector *detector,
+                         const double *weights, double out[3], struct error *err)
+{
+    if (cube->record.response.n > 0)
+        return respond_finely(&cube->record, detector, NULL, out, err);
+    detector_response(weights, NULL, cube->image.n_pages, out);
+    return true;
+}
+
+/* ---- the white ---- */
+
+/* Reads the spectrum that --white names. The whole value is one word, blanks and all. */
+static bool read_white(const char *value, struct spectrum *out, struct error *err)
+{
+    struct text text;
+    bool good = text_open_line(&text, "--white", value, err);
+    if (good) {
+        const struct word word = {
+            .start = text.at, .length = strlen(value), .place = {text.path, text.line, 1}};
+        good = spectrum_read(&word, 0, HUGE_VAL, out, err);
+    }
+    text_free(&text);
+    return good;
+}
+
+/* Returns the mean over a box, by cells of 1 nm that begin at `origin`. */
+static double mean_within(const struct spectrum *spectrum, const double limits[2], double origin)
+{
+    double sum = 0;
+    for (double cell = origin + floor(limits[0] - origin); cell < limits[1]; cell++)
+        sum += fmax(0, fmin(cell + 1, limits[1]) - fmax(cell, limits[0])) *
+               spectrum_at(spectrum, cell + 0.5, SPECTRUM_ZERO);
+    return sum / (limits[1] - limits[0]);
+}
+
+/* Finds the white that --white names: its radiance on each page, or, if `fixed`, the response to it
+ * of the stack's detector. */
+static bool white_of_option(const struct cube *cube, const char *value, bool fixed, double *out,
+                            struct error *err)
+{
+    const struct record *record = &cube->record;
+    const bool boxes = record->segments.n > 0 && sampling_takes_means(record->sampling);
+    const double *segments = record->segments.value;
+    struct spectrum spectrum = {.kind = SPECTRUM_NONE};
+    struct detector detector = {.name = NULL};
+    const bool good = (!fixed || detector_read(record->sampling_detector, &detector, err)) &&
+                      read_white(value, &spectrum, err) &&
+                      (!fixed || respond_finely(record, &detector, &spectrum, out, err));
+    for (int i = 0; good && !fixed && i < cube->image.n_pages; i++)
+        out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])
+                       : spectrum_at(&spectrum, cube->image.wavelengths_nm[i], SPECTRUM_ZERO);
+    detector_free(&detector);
+    spectrum_free(&spectrum);
+    return good;
+}
+
+/* Finds that white; without a name, the one that the stack records. */
+static bool find_white(const struct cube *cube, const char *spectrum, bool fixed, double *out,
+                       struct error *err)
+{
+    const struct numbers *recorded = fixed ? &cube->record.white_response : &cube->record.white;
+    const int n = fixed ? 3 : cube->image.n_pages;
+    bool shines = false;
+    if (spectrum == NULL && recorded->n == 0)
+        return error_usage(err,
+                           "%s: records no white, as stacks of scenes with lights do since spectral"
+                           " 0.3.0; name one by --white SPECTRUM",
+                           cube->image.path);
+    if (spectrum == NULL)
+        memcpy(out, recorded->value, (size_t)n * sizeof *out);
+    else if (!white_of_option(cube, spectrum, fixed, out, err))
+        return false;
+    for (int i = 0; i < n; i++)
+        shines = shines || out[i] > 0;
+    return shines ||
+           error_usage(err,
+                       "%s: the white is 0 at all of the stack's wavelengths; expected one that"
+                       " is above 0 at some",
+                       cube->image.path);
+}
+
+bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err)
+{
+    return cube_needs_radiance(cube, "a white", err) && find_white(cube, spectrum, false, out, err);
+}
+
+bool cube_white_response(const struct cube *cube, const struct white_request *request,
+                         const double *weights, bool *found, double out[3], struct error *err)
+{
+    const int n = cube->image.n_pages;
+    const bool fixed = cube->record.response.n > 0;
+    const bool needed = request->needed || request->spectrum != NULL;
+    struct error ignored = {.status = EXIT_AGREED};
+    double *white;
+    if (!MAKE_ARRAY(white, fixed ? 3 : n, err, "the white of %s", cube->image.path))
+        return false;
+    *found = find_white(cube, request->spectrum, fixed, white, needed ? err : &ignored);
+    if (*found && fixed)
+        memcpy(out, white, 3 * sizeof *out);
+    else if (*found)
+        detector_response(weights, white, n, out);
+    free(white);
+    for (int channel = 0; *found && channel < 3; channel++)
+        if (!(fabs(out[channel]) <= largest_number))
+            return error_usage(err, "%s: the white has %g in channel %d; expected %g at most",
+                               cube->image.path, out[channel], channel + 1, largest_number);
+    return *found || !needed;
+}
+
+/* ---- as an observer sees it ---- */
+
+bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
+                struct sight *out, struct error *err)
+{
+    struct detector detector = {.name = NULL};
+    const size_t n = 3 * (size_t)cube->image.n_pages;
+    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path))
+        return false;
+    const bool done =
+        observer_read(observer, &detector, err) &&
+        cube_weights(cube, &detector, out->weights, err) &&
+        cube_white_response(cube, white, out->weights, &out->has_white, out->white, err);
+    detector_free(&detector);
+    return done;
+}
+
+void sight_free(struct sight *sight)
+{
+    free(sight->weights);
+    sight->weights = NULL;
+}
+
+/* ---- the object map ---- */
+
+bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err)
+{
+    const struct record *record = &cube->record;
+    const uint64_t pixel = (uint64_t)y * (uint64_t)cube->image.width + (uint64_t)x;
+    const size_t length = (size_t)record->map_bytes, count = (size_t)n;
+    const unsigned char *bytes = (const unsigned char *)out;
+    if (length > 0 && !image_read_bytes(&cube->image, record->map_offset + pixel * length,
+                                        count * length, out, err))
+        return false;
+    for (size_t i = count; i-- > 0;) { /* from the end: a number takes more room than its bytes */
+        int number = length > 0 ? bytes[i * length] : record->objects.n + 1;
+        if (length > 1)
+            number += 256 * bytes[i * length + 1];
+        out[i] = number <= record->objects.n ? number : -1;
+    }
+    return true;
+}
