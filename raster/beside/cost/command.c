@@ -21,9 +21,11 @@ static bool write_files(const struct cost *cost, struct options *options, struct
         if (!printed_write(&table, own->csv, &options->outputs, err))
             return false;
     }
-    if (own->svg &&
-        (!cost_svg(cost, &chart, err) || !printed_write(&chart, own->svg, &options->outputs, err)))
-        return false;
+    if (own->svg) {
+        cost_svg(cost, &chart);
+        if (!printed_write(&chart, own->svg, &options->outputs, err))
+            return false;
+    }
     if (options->json)
         cost_json(cost, &json);
     return !options->json || json_write(&json, options->json, &options->outputs, err);

@@ -14,41 +14,20 @@ struct verify_options {
 
 /* ---- drivers ---- */
 
-static bool add_driver(struct verification *to, const char *library, const char *renderer,
-                       struct error *err)
-{
-    struct verify_driver driver = {.renderer = renderer};
-    snprintf(driver.library, sizeof driver.library, "%s", library);
-    return array_add(&to->drivers, &to->n_drivers, &driver, sizeof driver, err);
-}
-
-/* Returns whether an earlier driver of the list is the same one, by another option. */
-static bool is_listed(const struct driver_list *drivers, int index)
-{
-    const struct listed_driver *listed = &drivers->list[index];
-    const char *driver;
-    for (int i = 0; i < index; i++) {
-        const struct listed_driver *other = &drivers->list[i];
-        if (other->usable && strcmp(other->is.names.library, listed->is.names.library) == 0 &&
-            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0 &&
-            strcmp(other->is.names.version, listed->is.names.version) == 0 &&
-            driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
-            return true;
-    }
-    return false;
-}
-
+/* An OpenGL that the options name is verified even where it cannot draw: each picture then fails.
+ */
 static bool find_drivers(const struct options *options, struct verification *out, struct error *err)
 {
     const struct verify_options *own = options->own;
-    struct driver_list drivers = {.n = 0};
-    if (own->render.gl || own->render.renderer)
-        return add_driver(out, own->render.gl ? own->render.gl : "auto", own->render.renderer, err);
-    bool done = drivers_list(&drivers, err);
-    for (int i = 0; i < drivers.n && done; i++)
-        if (drivers.list[i].usable && !is_listed(&drivers, i))
-            done = add_driver(out, drivers.list[i].library, drivers.list[i].renderer, err);
-    free(drivers.list);
+    const bool named = own->render.gl || own->render.renderer;
+    struct driver_list found = {.n = 0};
+    const bool done = named ? drivers_add(&found, own->render.gl ? own->render.gl : "auto",
+                                          own->render.renderer, false, err)
+                            : drivers_list(&found, err);
+    out->drivers = found.list;
+    for (int i = 0; i < found.n; i++)
+        if (named || (found.list[i].usable && !found.list[i].again))
+            out->drivers[out->n_drivers++] = found.list[i];
     return done && (out->n_drivers > 0 ||
                     error_unsupported(err, "no OpenGL can draw here; spectral drivers prints why"));
 }
@@ -151,12 +130,6 @@ struct totals totals_of(const struct verify_result *results, int n)
     return totals;
 }
 
-void driver_options(const struct verify_driver *driver, char out[64])
-{
-    snprintf(out, 64, " --gl %s%s%s", driver->library, driver->renderer ? " --renderer " : "",
-             driver->renderer ? driver->renderer : "");
-}
-
 /* ---- one scene on one driver ---- */
 
 const char usual_size[] = "300x200", usual_wavelengths[] = "400:700:10";
@@ -164,7 +137,7 @@ const char *const verify_words[] = {"agreed", "differs", "not verified", "failed
 
 struct task {
     const struct options *options;
-    const struct verify_driver *driver;
+    const struct listed_driver *driver;
     const struct verify_scene *scene;
 };
 
@@ -174,8 +147,6 @@ static void take(const struct plan *plan, const struct render_result *result,
 {
     struct error words = {.status = EXIT_AGREED};
     out->check = result->check;
-    out->names = result->names;
-    snprintf(out->profile, sizeof out->profile, "%s", result->driver.name);
     out->outcome = (int)check_outcome(&result->check);
     if (out->outcome == VERIFY_AGREED)
         return;
@@ -248,15 +219,10 @@ static bool run_all(const struct options *options, struct verification *of, stru
     const double start = clock_seconds();
     const int n = of->n_drivers * of->n_scenes;
     for (int i = 0; i < n; i++) {
-        struct verify_driver *driver = &of->drivers[i / of->n_scenes];
         struct verify_result *result = &of->results[i];
-        struct task task = {options, driver, &of->scenes[i % of->n_scenes]};
+        struct task task = {options, &of->drivers[i / of->n_scenes], &of->scenes[i % of->n_scenes]};
         if (!verify_run(&task, result, err))
             return false;
-        if (result->outcome != VERIFY_FAILED) {
-            driver->names = result->names;
-            memcpy(driver->profile, result->profile, sizeof driver->profile);
-        }
         if (shown)
             progress_show(&line, i + 1, n);
     }
