@@ -33,7 +33,7 @@ struct seen_pixel {
     double lab[3];
     bool shown; /* an object; not the background */
 };
-/* What is kept of a stack: see standard.c. */
+/* All that is kept of a stack: see standard.c. */
 struct summary {
     const char *observer; /* this and the threads are the caller's */
     int threads;

@@ -13,7 +13,7 @@ enum { DEFAULT_RUNS = 5 };
 /* ---- a configuration as a command line of render ---- */
 
 /* Reads a command line of render: the changes of the scene that cost was given, then the words of
- * the entry (NULL: none). */
+ * the entry. */
 static bool read_words(const struct options *options, const struct cost_entry *entry,
                        struct options *out, struct error *err)
 {
@@ -21,7 +21,7 @@ static bool read_words(const struct options *options, const struct cost_entry *e
     int n = 0;
     for (int i = 0; i < options->n_recorded; i++)
         line[n++] = options->recorded[i];
-    for (int i = 0; entry && i < entry->n_words; i++)
+    for (int i = 0; i < entry->n_words; i++)
         line[n++] = entry->words[i];
     if (!options_read(&render_command, false, line, n, out, err))
         return false;
@@ -80,21 +80,21 @@ static void step(struct measurement *measurement, long steps)
         progress_show(&measurement->line, measurement->steps, measurement->all_steps);
 }
 
-/* Surveys the scene, and refuses what is not an observer. */
+/* Surveys the scene, and refuses what is not an observer. Without --detector, which needs a
+ * sampling, the options of cost are those of render that change the scene. */
 static bool survey(const struct measurement *measurement, struct error *err)
 {
-    struct options own = {.operand = NULL};
+    struct options plain = *measurement->options;
     struct detector observer = {.name = NULL};
     struct render_job job = {.options = {.threads = 0}};
     struct cost *cost = measurement->cost;
+    plain.detector = NULL;
     cost->observer = options_detector(measurement->options);
     const bool done = observer_read(cost->observer, &observer, err) &&
-                      read_words(measurement->options, NULL, &own, err) &&
-                      scene_read_sampled(&own, &job.scene, &job.sampling, err) &&
+                      scene_read_sampled(&plain, &job.scene, &job.sampling, err) &&
                       survey_scene(&job.scene, measurement->options, cost, err);
     detector_free(&observer);
     job_free(&job);
-    options_free(&own);
     return done;
 }
 
@@ -149,7 +149,7 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
     const bool done =
         process_run(measure_job, measurement, &entry->accuracy, sizeof entry->accuracy, &own);
     unlink(measurement->stack);
-    step(measurement, done ? 2 : 2 + measurement->cost->runs);
+    step(measurement, 2);
     if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
         *err = own;
         return false;
@@ -261,15 +261,10 @@ static bool run_round(struct measurement *measurement, int round, struct error *
     return true;
 }
 
-static long steps_of(const struct measurement *measurement, int n_attempts)
-{
-    return (long)n_attempts * (2 + measurement->cost->runs);
-}
-
 static bool measure_all(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    measurement->all_steps = steps_of(measurement, likely_configurations(cost));
+    measurement->all_steps = (long)likely_configurations(cost) * (2 + cost->runs);
     if (!warm_up_more(measurement, configurations_first, err) ||
         !warm_up_more(measurement, configurations_samplings, err) ||
         !survey_notes(cost, measurement->standard.lit, err))
@@ -278,8 +273,8 @@ static bool measure_all(struct measurement *measurement, struct error *err)
     if (!warm_up_more(measurement, configurations_styles, err) ||
         !warm_up_more(measurement, configurations_combined, err))
         return false;
-    measurement->all_steps = steps_of(measurement, cost->n);
     remove_failed(cost);
+    measurement->all_steps = measurement->steps + (long)cost->n * cost->runs;
     for (int round = 0; round < cost->runs; round++)
         if (!run_round(measurement, round, err))
             return false;

@@ -109,38 +109,6 @@ static bool measure(void *context, void *out, struct error *err)
     return done;
 }
 
-/* Prints the options, and what they choose; what was measured (NULL: nothing), and the bounds of a
- * driver that does so. */
-static void print_driver(const struct listed_driver *driver, const struct traits *traits,
-                         struct json *json)
-{
-    const struct context_description *is = &driver->is;
-    struct printed *to = &json->printed;
-    struct driver profile;
-    struct error refused = {.status = EXIT_AGREED};
-    char options[64], words[DRIVER_WORDS];
-    driver_options(driver, options);
-    print(to, "%s\n", options);
-    if (!driver->usable) {
-        print(to, "  cannot draw: %s\n", driver->reason);
-        return;
-    }
-    print(to,
-          "  renderer        %s, by %s\n  version         %s, of %s\n  profile         %s\n"
-          "  largest         %d x %d pixels, textures of %d x %d texels\n",
-          is->names.renderer, is->names.library, is->names.version, is->vendor,
-          driver_profile(driver), is->largest_viewport[0], is->largest_viewport[1],
-          is->largest_texture, is->largest_texture);
-    if (!traits)
-        return;
-    traits_print(traits, to);
-    const bool bounded = traits_profile(traits, &profile, &refused);
-    if (bounded)
-        driver_print(&profile, words);
-    print(to, "  bounds          %s%s\n",
-          bounded ? "" : "none: ", bounded ? words : error_words(&refused));
-}
-
 static void json_bounds(const struct driver *of, struct json *json)
 {
     json_open(json, "measured_bounds", '{');
@@ -154,17 +122,40 @@ static void json_bounds(const struct driver *of, struct json *json)
     json_close(json, '}');
 }
 
-static void json_driver(const struct listed_driver *driver, const struct traits *traits,
-                        struct json *json)
+/* Puts the bounds of a driver that draws as was measured, or why there are none. */
+static void put_bounds(const struct traits *traits, struct json *json)
 {
-    const struct context_description *is = &driver->is;
     struct driver profile;
     struct error refused = {.status = EXIT_AGREED};
-    json_open(json, NULL, '{');
-    json_string(json, "gl", driver->library);
-    json_string(json, "renderer", driver->renderer);
-    json_truth(json, "usable", driver->usable);
-    json_string(json, "reason", driver->usable ? NULL : driver->reason);
+    char words[DRIVER_WORDS];
+    const bool bounded = traits_profile(traits, &profile, &refused);
+    if (bounded)
+        driver_print(&profile, words);
+    if (json->words) {
+        print(&json->printed, "  bounds          %s%s\n",
+              bounded ? "" : "none: ", bounded ? words : error_words(&refused));
+        return;
+    }
+    json_string(json, "cannot_be_checked", bounded ? NULL : error_words(&refused));
+    if (bounded)
+        json_bounds(&profile, json);
+}
+
+/* Puts the options, and what they choose; and what was measured (NULL: nothing). */
+static void put_driver(const struct listed_driver *driver, const struct traits *traits,
+                       struct json *json)
+{
+    const struct context_description *is = &driver->is;
+    char options[64];
+    driver_options(driver, options);
+    json_open(json, json->words ? options : NULL, '{');
+    if (!json->words) {
+        json_string(json, "gl", driver->library);
+        json_string(json, "renderer", driver->renderer);
+        json_truth(json, "usable", driver->usable);
+    }
+    json_string(json, json->words ? "cannot_draw" : "reason",
+                driver->usable ? NULL : driver->reason);
     if (driver->usable) {
         json_string(json, "gl_library", is->names.library);
         json_string(json, "gl_vendor", is->vendor);
@@ -176,11 +167,11 @@ static void json_driver(const struct listed_driver *driver, const struct traits 
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
     }
     if (traits) {
-        const bool bounded = traits_profile(traits, &profile, &refused);
-        traits_json(traits, json);
-        json_string(json, "cannot_be_checked", bounded ? NULL : error_words(&refused));
-        if (bounded)
-            json_bounds(&profile, json);
+        if (json->words)
+            traits_print(traits, &json->printed);
+        else
+            traits_json(traits, json);
+        put_bounds(traits, json);
     }
     json_close(json, '}');
 }
@@ -192,7 +183,8 @@ static bool run_drivers(struct options *options, struct error *err)
     struct json json;
     bool usable = false, done = drivers_list(&drivers, err);
     (options->json ? json_begin : words_begin)(&json);
-    json_open(&json, "drivers", '[');
+    if (!json.words)
+        json_open(&json, "drivers", '[');
     for (int i = 0; done && i < drivers.n; i++) {
         struct listed_driver *driver = &drivers.list[i];
         struct traits traits;
@@ -200,7 +192,7 @@ static bool run_drivers(struct options *options, struct error *err)
         done = !measured || process_run(measure, driver, &traits, sizeof traits, err);
         usable = usable || driver->usable;
         if (done)
-            (options->json ? json_driver : print_driver)(driver, measured ? &traits : NULL, &json);
+            put_driver(driver, measured ? &traits : NULL, &json);
     }
     json_close(&json, ']');
     if (!done)
