@@ -80,7 +80,7 @@ static void step(struct measurement *measurement, long steps)
         progress_show(&measurement->line, measurement->steps, measurement->all_steps);
 }
 
-/* Surveys the scene, and refuses what is not an observer. Without --detector, which needs a
+/* Surveys the scene, and refuses a detector that is no observer. Without --detector, which needs a
  * sampling, the options of cost are those of render that change the scene. */
 static bool survey(const struct measurement *measurement, struct error *err)
 {
