@@ -47,40 +47,34 @@ static bool add_scene(struct verification *to, const struct verify_scene *scene,
     return false;
 }
 
-/* Adds a built-in file if it is a scene of that kind; NULL: any name will do. */
-static bool add_file(struct verification *to, const struct builtin_file *file, bool hard,
-                     const char *wanted, struct error *err)
+/* Adds the built-in scenes that a word names, and then the hard cases: by their names, or all of
+ * them by "hard"; NULL: names all. */
+static bool add_builtin(struct verification *to, const char *word, struct error *err)
 {
-    struct verify_scene scene = {.is_hard = hard, .is_large = !hard};
-    char name[BUILTIN_NAME];
-    if (!builtin_name(file, hard ? "hard/" : "scenes/", ".scene", name) ||
-        (wanted && strcmp(name, wanted) != 0))
-        return true;
-    snprintf(scene.name, sizeof scene.name, "%s%.*s", hard ? "hard/" : "", BUILTIN_NAME - 6, name);
-    char path[sizeof BUILTIN_PREFIX + BUILTIN_NAME];
-    snprintf(path, sizeof path, "%s%s", BUILTIN_PREFIX, file->name);
-    return add_scene(to, &scene, hard ? path : name, err);
-}
-
-static bool add_builtin(struct verification *to, bool hard, const char *wanted, struct error *err)
-{
-    for (size_t i = 0; i < builtin_file_count; i++)
-        if (!add_file(to, &builtin_files[i], hard, wanted, err))
+    char name[BUILTIN_NAME], path[sizeof BUILTIN_PREFIX + BUILTIN_NAME];
+    for (size_t i = 0; i < 2 * builtin_file_count; i++) {
+        const bool hard = i >= builtin_file_count;
+        const struct builtin_file *file = &builtin_files[i % builtin_file_count];
+        struct verify_scene scene = {.is_hard = hard, .is_large = !hard};
+        if (!builtin_name(file, hard ? "hard/" : "scenes/", ".scene", name))
+            continue;
+        snprintf(scene.name, sizeof scene.name, "%s%.*s", hard ? "hard/" : "", BUILTIN_NAME - 6,
+                 name);
+        snprintf(path, sizeof path, "%s%s", BUILTIN_PREFIX, file->name);
+        if ((!word || strcmp(word, scene.name) == 0 || (hard && strcmp(word, "hard") == 0)) &&
+            !add_scene(to, &scene, hard ? path : name, err))
             return false;
+    }
     return true;
 }
 
-/* Adds the scenes that a word names: "hard", all of these cases; "hard/NAME", one of them; a
- * built-in scene; or a file. */
+/* Adds the scenes that a word names: built-in ones, or a file. */
 static bool add_named(struct verification *to, const char *word, struct error *err)
 {
     const int before = to->n_scenes;
     const size_t length = strlen(word);
     struct verify_scene scene = {.is_hard = false};
-    if (strcmp(word, "hard") == 0)
-        return add_builtin(to, true, NULL, err);
-    if (!add_builtin(to, false, word, err) ||
-        (strncmp(word, "hard/", 5) == 0 && !add_builtin(to, true, word + 5, err)))
+    if (!add_builtin(to, word, err))
         return false;
     if (to->n_scenes > before)
         return true;
@@ -99,9 +93,7 @@ static bool verification_open(const struct options *options, struct verification
     for (int i = 0; i < n_named; i++)
         if (!add_named(out, options->operands[i], err))
             return false;
-    if ((n_named == 0 &&
-         (!add_builtin(out, false, NULL, err) || !add_builtin(out, true, NULL, err))) ||
-        !find_drivers(options, out, err))
+    if ((n_named == 0 && !add_builtin(out, NULL, err)) || !find_drivers(options, out, err))
         return false;
     const size_t n = (size_t)out->n_drivers * (size_t)out->n_scenes;
     return MAKE_ARRAY(out->results, n, err, "the results of %zu pictures", n);
