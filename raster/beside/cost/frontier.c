@@ -23,8 +23,8 @@ static struct axis seconds_axis(const struct cost *cost)
     double low = HUGE_VAL, high = -HUGE_VAL;
     for (int i = 0; i < cost->n; i++) {
         const struct cost_entry *entry = &cost->entries[i];
-        low = fmin(low, decimal_logarithm(fmin(entry->seconds, entry->fastest)));
-        high = fmax(high, decimal_logarithm(fmax(entry->seconds, entry->slowest)));
+        low = fmin(low, decimal_logarithm(entry->fastest));
+        high = fmax(high, decimal_logarithm(entry->slowest));
     }
     return axis_logarithmic(low, high);
 }

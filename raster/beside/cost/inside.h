@@ -15,7 +15,8 @@
 
 struct cost_options {
     struct render_options render; /* the first member */
-    const char *csv, *svg, *tolerance, *budget;
+    const char *csv, *svg, *tolerance;
+    double budget; /* 0: none was given */
     int runs;
 };
 
