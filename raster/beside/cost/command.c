@@ -21,9 +21,11 @@ static bool write_files(const struct cost *cost, struct options *options, struct
         if (!printed_write(&table, own->csv, &options->outputs, err))
             return false;
     }
-    if (own->svg &&
-        (!cost_svg(cost, &chart, err) || !printed_write(&chart, own->svg, &options->outputs, err)))
-        return false;
+    if (own->svg) {
+        cost_svg(cost, &chart);
+        if (!printed_write(&chart, own->svg, &options->outputs, err))
+            return false;
+    }
     if (options->json)
         cost_json(cost, &json);
     return !options->json || json_write(&json, options->json, &options->outputs, err);
@@ -65,7 +67,7 @@ static bool recommend(const struct options *options, const char *what, struct ad
 }
 
 static bool report(struct options *options, const struct cost *cost, double tolerance,
-                   double budget, struct error *err)
+                   struct error *err)
 {
     const struct cost_options *own = options->own;
     const char *csv = own->csv, *svg = own->svg;
@@ -81,10 +83,10 @@ static bool report(struct options *options, const struct cost *cost, double tole
     bool done =
         !own->tolerance || recommend(options, what, cost_advise(cost, tolerance, HUGE_VAL, false),
                                      cost_advise(cost, tolerance, HUGE_VAL, true), &advice, err);
-    snprintf(what, sizeof what, "seconds within %.10g", budget);
-    done = done &&
-           (!own->budget || recommend(options, what, cost_advise(cost, HUGE_VAL, budget, false),
-                                      cost_advise(cost, HUGE_VAL, budget, true), &advice, err));
+    snprintf(what, sizeof what, "seconds within %.10g", own->budget);
+    done = done && (!(own->budget > 0) ||
+                    recommend(options, what, cost_advise(cost, HUGE_VAL, own->budget, false),
+                              cost_advise(cost, HUGE_VAL, own->budget, true), &advice, err));
     return printed_show(&advice, to, err) && done;
 }
 
@@ -128,11 +130,10 @@ static bool run_cost(struct options *options, struct error *err)
 {
     const struct cost_options *own = options->own;
     struct cost cost = {.scene = NULL};
-    double tolerance = 0, budget = 0;
+    double tolerance = 0;
     bool done = (!own->tolerance || tolerance_of("--tolerance", own->tolerance, &tolerance, err)) &&
-                (!own->budget || option_number("--budget", own->budget, 0, 1e9, &budget, err)) &&
                 check_scene(options, err) && check_files(options, err) &&
-                cost_measure(options, &cost, err) && report(options, &cost, tolerance, budget, err);
+                cost_measure(options, &cost, err) && report(options, &cost, tolerance, err);
     cost_free(&cost);
     return done;
 }
@@ -150,7 +151,7 @@ static const struct option cost_rows[] = {
      "names the cheapest configuration within E CIEDE2000 for 95 % of the pixels",
      OWN(TEXT, cost_options, tolerance), .accepts = accepts_tolerance},
     {"--budget SECONDS", "names the most accurate configuration within the time",
-     OWN(TEXT, cost_options, budget)},
+     OWN(NUMBER, cost_options, budget), .lowest = 1e-9, .highest = 1e9},
 };
 static const struct option_list cost_list = OPTION_LIST(cost_rows);
 static const struct option_list *const lists[] = {

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Chooses the configurations of render that make sense for a scene. First one property varies at a
  * time (sampling, shading, renderer, depth); then the best values are combined. */
-#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -11,85 +10,78 @@
 
 /* ---- a configuration in words ---- */
 
-/* Adds an option to the words of an entry (NULL: none), and its value to the name behind `prefix`
- * (NULL: the name leaves it out). */
-static bool say(struct cost_entry *entry, const char *prefix, const char *option, const char *value,
-                struct error *err)
+/* A way to draw: its name, and the options of render. */
+struct style {
+    const char *name, *options;
+    bool is_shaded, is_finer; /* only where shadings differ; only where there are slices, ... */
+};
+/* The reference's styles, roughly in the order of their time, the fastest first; then OpenGL's,
+ * with smooth shading: OpenGL lights vertices only. */
+static const struct style styles[] = {
+    {"flat", "--shading=flat --renderer=raster --no-check", true, false},
+    {"smooth", "--shading=smooth --renderer=raster --no-check", false, false},
+    {"phong", "--shading=phong --renderer=raster --no-check", true, false},
+    {"flat x2", "--shading=flat --tessellation=2 --renderer=raster --no-check", true, true},
+    {"smooth x2", "--shading=smooth --tessellation=2 --renderer=raster --no-check", false, true},
+    {"phong x2", "--shading=phong --tessellation=2 --renderer=raster --no-check", true, true},
+    {"flat x4", "--shading=flat --tessellation=4 --renderer=raster --no-check", true, true},
+    {"smooth x4", "--shading=smooth --tessellation=4 --renderer=raster --no-check", false, true},
+    {"phong x4", "--shading=phong --tessellation=4 --renderer=raster --no-check", true, true},
+    {"smooth llvmpipe", "--shading=smooth --renderer=llvmpipe --no-check", false, false},
+    {"smooth llvmpipe buffer 16", "--shading=smooth --renderer=llvmpipe --no-check --buffer=16",
+     false, false},
+    {"smooth llvmpipe buffer 8", "--shading=smooth --renderer=llvmpipe --no-check --buffer=8",
+     false, false},
+    {"smooth llvmpipe checked", "--shading=smooth --renderer=llvmpipe", false, false},
+    {"smooth softpipe", "--shading=smooth --renderer=softpipe --no-check", false, false},
+    {"smooth gl-shader:llvmpipe", "--shading=smooth --renderer=gl-shader:llvmpipe --no-check",
+     false, false}};
+enum { PLAIN = 1, BY_PIXEL = 2, FINEST = 8, LLVMPIPE = 9, N_STYLES = 15 };
+
+/* Returns the style that samplings, and then depths and positions, are tried with. */
+static const struct style *finest(const struct cost *cost)
 {
-    const size_t named = strlen(entry->name);
-    if (prefix)
-        snprintf(entry->name + named, sizeof entry->name - named, "%s%s", prefix, value);
-    if (!option)
-        return true;
-    struct printed word = {.text = NULL};
-    print(&word, "%s%s", option, value);
-    entry->words[entry->n_words] = printed_take(&word, err);
-    return entry->words[entry->n_words++] != NULL;
+    return &styles[cost->tessellated ? FINEST : BY_PIXEL];
 }
 
 /* An accuracy stands in place of a sampling: wavelengths stay, and shapes are divided. */
-static const char accuracy_prefix[] = "accuracy:";
-
-static bool say_sampling(const struct configuration *configuration, const char *observer,
-                         struct cost_entry *out, struct error *err)
+bool entry_words(struct cost_entry *entry, const char *observer, struct error *err)
 {
-    const char *name = configuration->sampling;
-    const size_t length = strlen(accuracy_prefix);
-    if (!name[0])
-        return say(out, "", NULL, "own wavelengths", err);
-    return (strncmp(name, accuracy_prefix, length) == 0
-                ? say(out, "", NULL, name, err) && say(out, NULL, "--accuracy=", name + length, err)
-                : say(out, "", "--sampling=", name, err)) &&
-           (strcmp(observer, "cie1931") == 0 || say(out, NULL, "--detector=", observer, err));
+    static const char accuracy[] = "accuracy:";
+    const char *sampling = entry->sampling;
+    struct printed words = {.text = NULL}; /* a NUL ends each of them */
+    if (strncmp(sampling, accuracy, strlen(accuracy)) == 0)
+        print(&words, "--accuracy=%s%c", sampling + strlen(accuracy), '\0');
+    else if (sampling[0])
+        print(&words, "--sampling=%s%c", sampling, '\0');
+    if (sampling[0] && strcmp(observer, "cie1931") != 0)
+        print(&words, "--detector=%s%c", observer, '\0');
+    for (const char *at = entry->options; *at; at += strspn(at, " ")) {
+        const size_t length = strcspn(at, " ");
+        print(&words, "%.*s%c", (int)length, at, '\0');
+        at += length;
+    }
+    entry->text = printed_take(&words, err);
+    for (size_t at = 0; entry->text && at < words.length; at += strlen(entry->text + at) + 1)
+        entry->words[entry->n_words++] = entry->text + at;
+    return entry->text != NULL;
 }
-
-bool configuration_entry(const struct configuration *configuration, const char *observer,
-                         struct cost_entry *out, struct error *err)
-{
-    static const char *const renderer[] = {[BY_RASTER] = "raster",
-                                           [BY_LLVMPIPE] = "llvmpipe",
-                                           [BY_CHECKED_LLVMPIPE] = "llvmpipe",
-                                           [BY_SOFTPIPE] = "softpipe",
-                                           [BY_SHADERS] = "gl-shader:llvmpipe"};
-    const char *const buffer = configuration->buffer_bits == 8 ? "8" : "16";
-    const char *const depth = configuration->bits == 8 ? "8" : "32f";
-    char factor[16], positions[16];
-    snprintf(factor, sizeof factor, "%d", configuration->tessellation);
-    snprintf(positions, sizeof positions, "%d", configuration->positions);
-    out->configuration = *configuration;
-    return say_sampling(configuration, observer, out, err) &&
-           say(out, " ", "--shading=", shading_words[configuration->shading], err) &&
-           (configuration->tessellation == 1 || say(out, " x", "--tessellation=", factor, err)) &&
-           (configuration->positions == 0 || say(out, " samples ", "--samples=", positions, err)) &&
-           say(out, configuration->renderer == BY_RASTER ? NULL : " ",
-               "--renderer=", renderer[configuration->renderer], err) &&
-           (configuration->renderer == BY_CHECKED_LLVMPIPE
-                ? say(out, " checked", NULL, "", err)
-                : say(out, NULL, "--no-check", "", err)) &&
-           (configuration->buffer_bits == 0 || say(out, " buffer ", "--buffer=", buffer, err)) &&
-           (configuration->bits == 0 || say(out, " depth ", "--depth=", depth, err));
-}
-
-static const struct configuration every_nm = {
-    .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
 
 /* Means are judged by those of twice as many positions a side. Float pages hold the same radiances
  * at any full scale. Without --full-scale, render refuses phong shading where it finds no largest
  * radiance. */
-bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err)
+struct cost_entry standard_entry(const struct cost *cost)
 {
-    struct configuration configuration = every_nm;
-    configuration.bits = 32;
-    if (cost->survey.positions > 1)
-        configuration.positions = 2 * cost->survey.positions;
-    return configuration_entry(&configuration, cost->survey.observer, out, err) &&
-           say(out, NULL, "--full-scale=", "65535", err);
+    struct cost_entry entry = {.sampling = "riemann:1"};
+    snprintf(entry.options, sizeof entry.options, "%s --samples=%d --depth=32f --full-scale=65535",
+             styles[FINEST].options, cost->positions > 1 ? 2 * cost->positions : 1);
+    return entry;
 }
 
 /* ---- the scene ---- */
 
 /* Surveys a material, and the partner that its file gives it. */
-static void survey_material(const struct material *material, struct survey *out, bool *glossy)
+static void survey_material(const struct material *material, struct cost *out, bool *glossy)
 {
     for (; material; material = material->partner) {
         out->fluorescent =
@@ -101,7 +93,7 @@ static void survey_material(const struct material *material, struct survey *out,
 
 /* Finds whether shadings differ. They do not on flat shapes without highlights under directional
  * lights, whose light is the same at every point of a shape. */
-static void survey_picture(const struct scene *scene, struct survey *out)
+static void survey_picture(const struct scene *scene, struct cost *out)
 {
     bool varied = false, built_in = false, curved = false;
     for (int i = 0; i < scene->n_materials; i++)
@@ -118,39 +110,6 @@ static void survey_picture(const struct scene *scene, struct survey *out)
     out->shaded = varied && scene->n_lights > 0;
 }
 
-/* Makes the sampling of the scene by a method. A method that refuses the scene leaves *out
- * empty. Fails only where the system does. */
-static bool read_sampling(const struct options *options, const char *method, struct render_job *out,
-                          struct error *err)
-{
-    struct error refusal = {.status = EXIT_AGREED};
-    struct cost_entry entry = {.n_words = 0};
-    const bool done = say(&entry, NULL, "--sampling=", method, &refusal) &&
-                      say(&entry, NULL, "--detector=", options_detector(options), &refusal) &&
-                      cost_read(options, &entry, out, &refusal);
-    cost_entry_free(&entry);
-    if (!done)
-        job_free(out);
-    if (!done && refusal.status == EXIT_SYSTEM)
-        *err = refusal;
-    return done || refusal.status != EXIT_SYSTEM;
-}
-
-/* Finds peaks and rank by making two samplings. A sampling that refuses the scene finds nothing. */
-static bool survey_spectra(const struct options *options, struct survey *out, struct error *err)
-{
-    struct render_job job = {.options = {.threads = 0}};
-    bool done = read_sampling(options, "adaptive:0.01", &job, err);
-    out->peaks = job.sampling.n_peaks > 0;
-    job_free(&job);
-    if (done && !out->spectral_texture) {
-        done = read_sampling(options, "basis:1", &job, err);
-        out->rank = job.sampling.rank;
-        job_free(&job);
-    }
-    return done;
-}
-
 /* Leaves room for a standard of more positions. */
 static bool check_positions(const struct scene *scene, struct error *err)
 {
@@ -159,79 +118,50 @@ static bool check_positions(const struct scene *scene, struct error *err)
                        MOST_POSITIONS / 2);
 }
 
-static bool survey(void *context, void *result, struct error *err)
+bool survey_scene(const struct scene *scene, const struct options *options, struct cost *out,
+                  struct error *err)
 {
-    const struct options *options = *(const struct options **)context;
-    struct survey *out = result;
-    struct render_job job = {.options = {.threads = 0}};
-    const struct scene *scene = &job.scene;
-    struct detector observer = {.name = NULL};
-    bool done = observer_read(out->observer, &observer, err) &&
-                cost_read(options, NULL, &job, err) && check_positions(scene, err);
-    if (done) {
-        snprintf(out->scene, sizeof out->scene, "%s", scene->path);
-        out->width = scene->width;
-        out->height = scene->height;
-        out->positions = scene->positions;
-        survey_picture(scene, out);
-        done = survey_spectra(options, out, err);
-    }
-    detector_free(&observer);
-    job_free(&job);
-    return done;
-}
-
-bool survey_scene(const struct options *options, struct survey *out, struct error *err)
-{
-    *out = (struct survey){.observer = options_detector(options)};
-    return process_run(survey, &options, out, sizeof *out, err);
+    struct printed name = {.text = NULL};
+    print_text(&name, scene->path);
+    for (int i = 0; i < options->n_recorded; i++)
+        print(&name, " %s", options->recorded[i]);
+    out->width = scene->width;
+    out->height = scene->height;
+    out->positions = scene->positions;
+    survey_picture(scene, out);
+    out->scene = printed_take(&name, err);
+    return out->scene && check_positions(scene, err);
 }
 
 /* ---- one axis after the other ---- */
 
-/* Returns the entry of a configuration with a sampling; NULL: there is none. */
-static const struct cost_entry *
-find(const struct cost *cost, const struct configuration *configuration, const char *sampling)
+/* Returns the entry of a sampling with these options; NULL: there is none. */
+static const struct cost_entry *find(const struct cost *cost, const char *sampling,
+                                     const char *options)
 {
-    for (int i = 0; i < cost->n; i++) {
-        const struct configuration *other = &cost->entries[i].configuration;
-        if (strcmp(other->sampling, sampling) == 0 && other->shading == configuration->shading &&
-            other->tessellation == configuration->tessellation &&
-            other->renderer == configuration->renderer &&
-            other->positions == configuration->positions &&
-            other->buffer_bits == configuration->buffer_bits && other->bits == configuration->bits)
+    for (int i = 0; i < cost->n; i++)
+        if (strcmp(cost->entries[i].sampling, sampling) == 0 &&
+            strcmp(cost->entries[i].options, options) == 0)
             return &cost->entries[i];
-    }
     return NULL;
 }
 
-/* Adds a configuration with a sampling, unless it is there already, or there is no room. */
-static void add(struct cost *cost, struct configuration configuration, const char *sampling)
+/* Adds a sampling with a style, and perhaps one more option as "depth 8" ("": none), unless it is
+ * there already, there is no room, or this program has no OpenGL for it. */
+static void add(struct cost *cost, const char *sampling, const struct style *style,
+                const char *more)
 {
-    if (find(cost, &configuration, sampling) || cost->n == MAX_CONFIGURATIONS)
+    struct cost_entry *entry = &cost->entries[cost->n];
+    const int named = (int)strcspn(more, " ");
+    if (cost->n == MAX_CONFIGURATIONS || (style >= styles + LLVMPIPE && !gl_is_built()))
         return;
-    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
-    cost->entries[cost->n++].configuration = configuration;
-}
-
-/* Returns the configuration that samplings, and then shadings, are tried with. */
-static struct configuration finest(const struct cost *cost)
-{
-    struct configuration configuration = every_nm;
-    configuration.tessellation = cost->survey.tessellated ? every_nm.tessellation : 1;
-    return configuration;
-}
-
-/* Adds bases of the first few components, and of all. */
-static void add_bases(struct cost *cost)
-{
-    static const int counts[] = {1, 2, 4, 8, INT_MAX};
-    const int rank = cost->survey.rank;
-    char name[SAMPLING_NAME];
-    for (int i = 0; i < 5 && (i == 0 || counts[i - 1] < rank); i++) {
-        snprintf(name, sizeof name, "basis:%d", counts[i] < rank ? counts[i] : rank);
-        add(cost, finest(cost), name);
-    }
+    *entry = (struct cost_entry){.n_words = 0};
+    snprintf(entry->sampling, sizeof entry->sampling, "%s", sampling);
+    snprintf(entry->options, sizeof entry->options, named ? "%s --%.*s=%s" : "%s", style->options,
+             named, more, more + named + 1);
+    snprintf(entry->name, sizeof entry->name, "%s %s%s%s",
+             sampling[0] ? sampling : "own wavelengths", style->name, named ? " " : "", more);
+    cost->n += !find(cost, entry->sampling, entry->options);
 }
 
 /* Samplings to measure. Smooth light needs more numbers of gauss, emission lines more tolerances of
@@ -258,18 +188,38 @@ static const struct {
                  {"adaptive:0.01", ANY_LIGHT},
                  {"adaptive:0.001", LINES}};
 
+/* These two find the emission peaks and the rank of the products of lights and reflectances. */
+void configurations_first(struct cost *cost)
+{
+    add(cost, "adaptive:0.01", finest(cost), "");
+    if (!cost->spectral_texture)
+        add(cost, "basis:1", finest(cost), "");
+}
+
+/* Adds bases of the first few components, and of all. */
+static void add_bases(struct cost *cost, int rank)
+{
+    char name[SAMPLING_NAME];
+    for (int n = 1; n < 2 * rank && n <= 16; n *= 2) {
+        snprintf(name, sizeof name, "basis:%d", n < rank && n <= 8 ? n : rank);
+        add(cost, name, finest(cost), "");
+    }
+}
+
 void configurations_samplings(struct cost *cost)
 {
-    const enum lights other = cost->survey.peaks ? SMOOTH_LIGHT : LINES;
+    const char *options = finest(cost)->options;
+    const struct cost_entry *adaptive = find(cost, "adaptive:0.01", options),
+                            *basis = find(cost, "basis:1", options);
+    cost->peaks = adaptive->accuracy.n_peaks > 0;
     for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++)
-        if (samplings[i].under != other)
-            add(cost, finest(cost), samplings[i].name);
-    if (cost->survey.spectral_texture)
+        if (samplings[i].under != (cost->peaks ? SMOOTH_LIGHT : LINES))
+            add(cost, samplings[i].name, finest(cost), "");
+    if (!basis)
         return;
-    add(cost, finest(cost), "rgb");
-    add(cost, finest(cost), "xyz");
-    if (cost->survey.rank > 0)
-        add_bases(cost);
+    add(cost, "rgb", finest(cost), "");
+    add(cost, "xyz", finest(cost), "");
+    add_bases(cost, basis->accuracy.rank);
 }
 
 /* ---- shadings, renderers and depths, with a sampling whose own error is small ---- */
@@ -284,17 +234,15 @@ static bool has_content(const struct cost_entry *entry, enum content content)
 }
 
 /* Returns the sampling with the fewest pages among those within a colour difference. If none is
- * within it, returns the most accurate one. */
+ * within it, returns the most accurate one. All entries have the finest style so far. */
 static const char *leanest(const struct cost *cost, double tolerance, enum content content)
 {
-    const struct configuration axis = finest(cost);
     const struct cost_entry *best = NULL;
     double least = HUGE_VAL;
     for (int i = 0; i < cost->n; i++) {
         const struct cost_entry *entry = &cost->entries[i];
         const double error = fmax(entry->accuracy.quantile_95, tolerance);
-        if (entry->accuracy.n_pages == 0 || !has_content(entry, content) ||
-            find(cost, &axis, entry->configuration.sampling) != entry)
+        if (entry->accuracy.n_pages == 0 || !has_content(entry, content))
             continue;
         if (!best || error < least ||
             (error <= least && entry->accuracy.n_pages < best->accuracy.n_pages)) {
@@ -302,7 +250,7 @@ static const char *leanest(const struct cost *cost, double tolerance, enum conte
             least = error;
         }
     }
-    return best ? best->configuration.sampling : "";
+    return best ? best->sampling : "";
 }
 
 void configurations_choose(struct cost *cost)
@@ -319,69 +267,28 @@ void configurations_choose(struct cost *cost)
                  leanest(cost, wanted[i].tolerance, wanted[i].content));
 }
 
-/* The reference's pictures, roughly in the order of their time, the fastest first; then OpenGL's,
- * with smooth shading: OpenGL lights vertices only. */
-static const struct configuration pictures[] = {
-    {.shading = SHADING_FLAT, .tessellation = 1},
-    {.shading = SHADING_SMOOTH, .tessellation = 1},
-    {.shading = SHADING_PHONG, .tessellation = 1},
-    {.shading = SHADING_FLAT, .tessellation = 2},
-    {.shading = SHADING_SMOOTH, .tessellation = 2},
-    {.shading = SHADING_PHONG, .tessellation = 2},
-    {.shading = SHADING_FLAT, .tessellation = 4},
-    {.shading = SHADING_SMOOTH, .tessellation = 4},
-    {.shading = SHADING_PHONG, .tessellation = 4},
-    {.tessellation = 1, .renderer = BY_LLVMPIPE},
-    {.tessellation = 1, .renderer = BY_LLVMPIPE, .buffer_bits = 16},
-    {.tessellation = 1, .renderer = BY_LLVMPIPE, .buffer_bits = 8},
-    {.tessellation = 1, .renderer = BY_CHECKED_LLVMPIPE},
-    {.tessellation = 1, .renderer = BY_SOFTPIPE},
-    {.tessellation = 1, .renderer = BY_SHADERS}};
-enum { N_PICTURES = sizeof pictures / sizeof pictures[0] };
-
-static bool makes_sense(const struct survey *survey, const struct configuration *picture)
+void configurations_styles(struct cost *cost)
 {
-    if (picture->renderer != BY_RASTER)
-        return gl_is_built();
-    return (survey->tessellated || picture->tessellation == 1) &&
-           (survey->shaded || picture->shading == SHADING_SMOOTH);
-}
-
-/* Adds a sampling, or an accuracy, with the plainest picture of each renderer, with so many
- * positions; 0: as the command line says. */
-static void add_plain(struct cost *cost, const char *sampling, int positions)
-{
-    struct configuration plain = {.tessellation = 1, .positions = positions};
-    add(cost, plain, sampling);
-    plain.renderer = BY_LLVMPIPE;
-    if (gl_is_built())
-        add(cost, plain, sampling);
-}
-
-void configurations_pictures(struct cost *cost)
-{
-    static const char *const errors[] = {"2", "1", "0.5", "0.2", "0.1"};
+    static const char *const accuracies[] = {"accuracy:2", "accuracy:1", "accuracy:0.5",
+                                             "accuracy:0.2", "accuracy:0.1"};
     const char *good = cost->chosen[GOOD];
-    struct configuration fine = finest(cost);
-    char accuracy[SAMPLING_NAME];
+    char more[24];
     for (int i = 0; i < N_CHOSEN; i++)
-        add(cost, fine, cost->chosen[i]);
-    for (int i = 0; i < N_PICTURES; i++)
-        if (makes_sense(&cost->survey, &pictures[i]))
-            add(cost, pictures[i], good);
-    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
-        snprintf(accuracy, sizeof accuracy, "%s%s", accuracy_prefix, errors[i]);
-        add_plain(cost, accuracy, 0);
+        add(cost, cost->chosen[i], finest(cost), "");
+    for (int i = 0; i < N_STYLES; i++)
+        if ((cost->shaded || !styles[i].is_shaded) && (cost->tessellated || !styles[i].is_finer))
+            add(cost, good, &styles[i], "");
+    for (size_t i = 0; i < sizeof accuracies / sizeof *accuracies; i++) {
+        add(cost, accuracies[i], &styles[PLAIN], "");
+        add(cost, accuracies[i], &styles[LLVMPIPE], "");
     }
-    fine.bits = 8;
-    add(cost, fine, good);
-    fine.bits = 32;
-    add(cost, fine, good);
-    fine.bits = 0;
-    for (int side = 1; side < cost->survey.positions; side *= 2) {
-        fine.positions = side;
-        add(cost, fine, good);
-        add_plain(cost, good, side);
+    add(cost, good, finest(cost), "depth 8");
+    add(cost, good, finest(cost), "depth 32f");
+    for (int side = 1; side < cost->positions; side *= 2) {
+        snprintf(more, sizeof more, "samples %d", side);
+        add(cost, good, finest(cost), more);
+        add(cost, good, &styles[PLAIN], more);
+        add(cost, good, &styles[LLVMPIPE], more);
     }
 }
 
@@ -390,17 +297,15 @@ void configurations_pictures(struct cost *cost)
 /* Adds a sampling with each shading that is more accurate than all faster ones in the list. */
 static void combine(struct cost *cost, const char *sampling)
 {
-    const char *good = cost->chosen[GOOD];
     double best = HUGE_VAL;
-    for (int i = 0; i < N_PICTURES && pictures[i].renderer == BY_RASTER; i++) {
-        const struct cost_entry *entry = find(cost, &pictures[i], good);
+    for (int i = 0; i < LLVMPIPE; i++) {
+        const struct cost_entry *entry = find(cost, cost->chosen[GOOD], styles[i].options);
         if (!entry || entry->accuracy.n_pages == 0 || entry->accuracy.quantile_95 >= best)
             continue;
         best = entry->accuracy.quantile_95;
-        add(cost, pictures[i], sampling);
+        add(cost, sampling, &styles[i], "");
     }
-    if (gl_is_built())
-        add(cost, (struct configuration){.tessellation = 1, .renderer = BY_LLVMPIPE}, sampling);
+    add(cost, sampling, &styles[LLVMPIPE], "");
 }
 
 void configurations_combined(struct cost *cost)
@@ -413,32 +318,32 @@ void configurations_combined(struct cost *cost)
 
 static bool note_positions(struct cost *cost, struct error *err)
 {
-    const int side = cost->survey.positions;
+    const int side = cost->positions;
     return side == 1 || cost_note(cost, err,
                                   "a pixel is the mean of %d x %d positions where no samples are "
                                   "named; the standard has %d x %d",
                                   side, side, 2 * side, 2 * side);
 }
 
-bool survey_notes(struct cost *cost, struct error *err)
+bool survey_notes(struct cost *cost, bool lit, struct error *err)
 {
-    const struct survey *survey = &cost->survey;
     const struct {
         bool holds;
         const char *note;
     } notes[] = {
-        {survey->peaks,
+        {cost->peaks,
          "a light or material has emission peaks, which plan lists for adaptive: adaptive samples "
          "them, others may miss them or give them too much weight"},
-        {survey->fluorescent, "materials fluoresce: rgb and xyz cannot show this"},
-        {survey->spectral_texture,
+        {cost->fluorescent, "materials fluoresce: rgb and xyz cannot show this"},
+        {cost->spectral_texture,
          "spectral textures leave out basis, rgb and xyz: they have radiances at wavelengths"},
-        {!survey->shaded, "all shadings are the same: nothing is curved, there are no highlights, "
-                          "and no light is near"},
-        {!survey->tessellated,
+        {!cost->shaded, "all shadings are the same: nothing is curved, there are no highlights, "
+                        "and no light is near"},
+        {!cost->tessellated,
          "no shape has slices or stacks, so that --tessellation changes nothing"},
         {!gl_is_built(),
-         "this program was built without OpenGL: raster renders all configurations"}};
+         "this program was built without OpenGL: raster renders all configurations"},
+        {!lit, "the observer sees no light: the white is a radiance of 1"}};
     bool done = note_positions(cost, err);
     for (size_t i = 0; i < sizeof notes / sizeof notes[0]; i++)
         done = done && (!notes[i].holds || cost_note(cost, err, "%s", notes[i].note));

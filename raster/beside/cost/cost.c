@@ -8,9 +8,7 @@
 
 void cost_entry_free(struct cost_entry *entry)
 {
-    for (int i = 0; i < entry->n_words; i++)
-        free(entry->words[i]);
-    FREE_ALL(entry->walls, entry->processors);
+    FREE_ALL(entry->text, entry->times);
     *entry = (struct cost_entry){.n_words = 0};
 }
 
@@ -141,7 +139,7 @@ void cost_print(const struct cost *cost, struct printed *to)
           "                  each from exec to exit; seconds are the median, fastest and\n"
           "                  slowest; processor: the median of user's and system's seconds\n"
           "standard          every nm, phong shading, tessellation 4, in double: %.3g s\n\n",
-          cost->scene, cost->survey.width, cost->survey.height, cost->survey.observer, cost->runs,
+          cost->scene, cost->width, cost->height, cost->observer, cost->runs,
           cost->standard_seconds);
     print(to, "   %-40s %8s %9s  %16s %8s %8s %8s %9s\n", "configuration", "seconds", "processor",
           "fastest..slowest", "dE00", "95 %", "largest", "radiance");
@@ -209,9 +207,9 @@ void cost_json(const struct cost *cost, struct json *json)
     json_begin(json);
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", cost->scene);
-    json_count(json, "width", (uint64_t)cost->survey.width);
-    json_count(json, "height", (uint64_t)cost->survey.height);
-    json_string(json, "observer", cost->survey.observer);
+    json_count(json, "width", (uint64_t)cost->width);
+    json_count(json, "height", (uint64_t)cost->height);
+    json_string(json, "observer", cost->observer);
     json_count(json, "runs", (uint64_t)cost->runs);
     json_number(json, "standard_seconds", cost->standard_seconds);
     json_open(json, "configurations", '[');

@@ -3,7 +3,6 @@
  * axes, and a legend names the numbers. Steps join the points of the frontier, which no cheaper
  * point beats. */
 #include <math.h>
-#include <stdlib.h>
 
 #include "raster/beside/cost/inside.h"
 
@@ -17,12 +16,6 @@ enum {
 };
 static const char strong[] = "#0072b2", pale[] = "#8a8a8a";
 
-struct plot {
-    struct chart_area area;
-    const struct cost_entry **points; /* in the order of their numbers; owned */
-    int n, n_best;                    /* n_best: the first ones, on the frontier */
-};
-
 /* ---- axes ---- */
 
 static struct axis seconds_axis(const struct cost *cost)
@@ -30,8 +23,8 @@ static struct axis seconds_axis(const struct cost *cost)
     double low = HUGE_VAL, high = -HUGE_VAL;
     for (int i = 0; i < cost->n; i++) {
         const struct cost_entry *entry = &cost->entries[i];
-        low = fmin(low, decimal_logarithm(fmin(entry->seconds, entry->fastest)));
-        high = fmax(high, decimal_logarithm(fmax(entry->seconds, entry->slowest)));
+        low = fmin(low, decimal_logarithm(entry->fastest));
+        high = fmax(high, decimal_logarithm(entry->slowest));
     }
     return axis_logarithmic(low, high);
 }
@@ -59,54 +52,29 @@ static struct axis error_axis(const struct cost *cost)
 
 /* ---- the frontier ---- */
 
-/* Orders points by their numbers: first those of the frontier, by seconds and then from the largest
- * error on; then the others, as they stand in the table. */
-static int by_number(const void *a, const void *b)
+static double y_of(const struct chart_area *area, const struct cost_entry *point)
 {
-    const struct cost_entry *one = *(const struct cost_entry *const *)a,
-                            *two = *(const struct cost_entry *const *)b;
-    const double more = one->seconds - two->seconds,
-                 better = two->accuracy.quantile_95 - one->accuracy.quantile_95;
-    if (one->best != two->best)
-        return two->best - one->best;
-    if (one->best && more != 0)
-        return more > 0 ? 1 : -1;
-    if (one->best && better != 0)
-        return better > 0 ? 1 : -1;
-    return (one > two) - (one < two);
+    return chart_y(area, &area->y, point->accuracy.quantile_95);
 }
 
-static bool number_points(struct plot *plot, const struct cost *cost, struct error *err)
+/* Draws the steps: from each point along the cost, then down to the error of the next one. Points
+ * are sorted by cost: of equal ones on the frontier the errors are equal, too. */
+static void draw_steps(const struct chart_area *area, const struct cost *cost)
 {
-    if (!MAKE_ARRAY(plot->points, (size_t)cost->n + 1, err, "the points of a chart"))
-        return false;
-    for (; plot->n < cost->n; plot->n++) {
-        plot->points[plot->n] = &cost->entries[plot->n];
-        plot->n_best += cost->entries[plot->n].best;
-    }
-    qsort(plot->points, (size_t)plot->n, sizeof(*plot->points), by_number);
-    return true;
-}
-
-static double y_of(const struct plot *plot, const struct cost_entry *point)
-{
-    return chart_y(&plot->area, &plot->area.y, point->accuracy.quantile_95);
-}
-
-/* Draws the steps: from each point along the cost, then down to the error of the next one. */
-static void draw_steps(const struct plot *plot)
-{
-    for (int i = 0; i < plot->n_best; i++) {
-        const double x = chart_x(&plot->area, plot->points[i]->seconds),
-                     y = y_of(plot, plot->points[i]);
-        if (i == 0)
-            print(plot->area.to,
-                  "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f", strong, x,
-                  y);
+    const char *before = "";
+    for (int i = 0; i < cost->n; i++) {
+        const struct cost_entry *point = &cost->entries[i];
+        const double x = chart_x(area, point->seconds), y = y_of(area, point);
+        if (!point->best)
+            continue;
+        if (!before[0])
+            print(area->to, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f",
+                  strong, x, y);
         else
-            print(plot->area.to, "H%.2fV%.2f", x, y);
+            print(area->to, "H%.2fV%.2f", x, y);
+        before = "\"/>\n";
     }
-    print_text(plot->area.to, plot->n_best > 0 ? "\"/>\n" : "");
+    print_text(area->to, before);
 }
 
 /* ---- points drawn ---- */
@@ -124,103 +92,91 @@ static void draw_marker(struct printed *to, double x, double y, bool best, bool 
 
 /* Writes the number of a point. No other point lies below and left of one of the frontier: there is
  * room for its number. */
-static void draw_number(const struct plot *plot, int index, double x, double y)
+static void draw_number(const struct chart_area *area, const struct cost_entry *point, int number,
+                        double x, double y)
 {
     const double lowest = CHART_TOP + HEIGHT - 4;
-    if (plot->points[index]->best)
-        print(plot->area.to,
-              "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>", x - 6,
-              fmin(y + CHART_TEXT_SIZE, lowest), strong, index + 1);
+    if (point->best)
+        print(area->to, "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>",
+              x - 6, fmin(y + CHART_TEXT_SIZE, lowest), strong, number);
     else
-        print(plot->area.to, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"%d\" fill=\"#555\">%d</text>",
-              x + 4, y - 3, NUMBER_SIZE, index + 1);
+        print(area->to, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"%d\" fill=\"#555\">%d</text>",
+              x + 4, y - 3, NUMBER_SIZE, number);
 }
 
-static void draw_point(const struct plot *plot, int index)
+static void draw_point(const struct chart_area *area, const struct cost_entry *point, int number)
 {
-    const struct cost_entry *point = plot->points[index];
-    const double x = chart_x(&plot->area, point->seconds), y = y_of(plot, point);
-    print_text(plot->area.to, "<g><title>");
-    chart_text(plot->area.to, point->name, 200);
-    print(plot->area.to, "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
-          point->best ? strong : pale, chart_x(&plot->area, point->fastest), y,
-          chart_x(&plot->area, point->slowest));
-    draw_marker(plot->area.to, x, y, point->best, point->uncertain);
-    draw_number(plot, index, x, y);
-    print_text(plot->area.to, "</g>\n");
+    const double x = chart_x(area, point->seconds), y = y_of(area, point);
+    print_text(area->to, "<g><title>");
+    chart_text(area->to, point->name, 200);
+    print(area->to, "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
+          point->best ? strong : pale, chart_x(area, point->fastest), y,
+          chart_x(area, point->slowest));
+    draw_marker(area->to, x, y, point->best, point->uncertain);
+    draw_number(area, point, number, x, y);
+    print_text(area->to, "</g>\n");
 }
 
 /* ---- the legend ---- */
 
-static struct chart_legend legend_of(const struct plot *plot)
+static struct chart_legend legend_of(const struct cost *cost)
 {
     int longest = 1;
-    for (int i = 0; i < plot->n; i++) {
-        const int length = chart_text_length(plot->points[i]->name);
+    for (int i = 0; i < cost->n; i++) {
+        const int length = chart_text_length(cost->entries[i].name);
         longest = length > longest ? length : longest;
     }
-    return chart_legend(plot->n, longest < NAME_LENGTH ? longest : NAME_LENGTH, SAMPLE);
+    return chart_legend(cost->n, longest < NAME_LENGTH ? longest : NAME_LENGTH, SAMPLE);
 }
 
 /* Draws the legend of the markers, in one row. */
-static void draw_markers(const struct plot *plot, int y)
+static void draw_markers(struct printed *to, int y)
 {
     static const char *const meaning[] = {"on the frontier", "not on it", "either, within noise"};
     for (int i = 0; i < 3; i++) {
         const double x = CHART_LEFT + 10 + (CHART_WIDTH - CHART_LEFT) / 3.0 * i;
-        draw_marker(plot->area.to, x, y, i == 0, i == 2);
-        print(plot->area.to, "<text x=\"%.2f\" y=\"%.2f\">%s</text>\n", x + 14,
-              y + 0.35 * CHART_TEXT_SIZE, meaning[i]);
+        draw_marker(to, x, y, i == 0, i == 2);
+        print(to, "<text x=\"%.2f\" y=\"%.2f\">%s</text>\n", x + 14, y + 0.35 * CHART_TEXT_SIZE,
+              meaning[i]);
     }
 }
 
-static void draw_legend(const struct plot *plot, int top)
+static void draw_legend(const struct cost *cost, struct printed *to, int top)
 {
-    const struct chart_legend legend = legend_of(plot);
+    const struct chart_legend legend = legend_of(cost);
     const int fitting = chart_fitting(legend.column - SAMPLE - 8, CHART_TEXT_SIZE);
-    for (int i = 0; i < plot->n; i++) {
+    for (int i = 0; i < cost->n; i++) {
         const double x = legend_x(&legend, i);
         const double y = legend_y(&legend, top, i) + 0.35 * CHART_TEXT_SIZE;
-        print(plot->area.to,
+        print(to,
               "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>"
               "<text x=\"%.2f\" y=\"%.2f\">",
-              x + SAMPLE - 8, y, i < plot->n_best ? strong : "#555", i + 1, x + SAMPLE, y);
-        chart_text(plot->area.to, plot->points[i]->name,
-                   fitting < NAME_LENGTH ? fitting : NAME_LENGTH);
-        print_text(plot->area.to, "</text>\n");
+              x + SAMPLE - 8, y, cost->entries[i].best ? strong : "#555", i + 1, x + SAMPLE, y);
+        chart_text(to, cost->entries[i].name, fitting < NAME_LENGTH ? fitting : NAME_LENGTH);
+        print_text(to, "</text>\n");
     }
 }
 
 /* ---- the file ---- */
 
-static void draw(const struct plot *plot, const struct cost *cost)
+void cost_svg(const struct cost *cost, struct printed *to)
 {
     static const char *const labels[3] = {"seconds", "CIEDE2000, 95 % of the pixels", NULL};
+    const struct chart_area area = {
+        .to = to, .width = WIDTH, .height = HEIGHT, .x = seconds_axis(cost), .y = error_axis(cost)};
     const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;
     const int legend = markers + CHART_LEGEND_ROW + 6;
     char title[512];
-    snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->survey.width,
-             cost->survey.height, cost->survey.observer);
-    chart_head(plot->area.to, title, legend + CHART_LEGEND_ROW * legend_of(plot).rows);
-    chart_axes(&plot->area, labels, 0);
-    draw_steps(plot);
-    for (int i = plot->n - 1; i >= 0; i--) /* the frontier on top */
-        draw_point(plot, i);
-    draw_markers(plot, markers);
-    draw_legend(plot, legend);
-    print_text(plot->area.to, "</svg>\n");
-}
-
-bool cost_svg(const struct cost *cost, struct printed *to, struct error *err)
-{
-    struct plot plot = {.area = {.to = to,
-                                 .width = WIDTH,
-                                 .height = HEIGHT,
-                                 .x = seconds_axis(cost),
-                                 .y = error_axis(cost)}};
-    const bool done = number_points(&plot, cost, err);
-    if (done)
-        draw(&plot, cost);
-    free(plot.points);
-    return done;
+    snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->width, cost->height,
+             cost->observer);
+    chart_head(to, title, legend + CHART_LEGEND_ROW * legend_of(cost).rows);
+    chart_axes(&area, labels, 0);
+    draw_steps(&area, cost);
+    for (int best = 0; best < 2; best++) /* the frontier on top */
+        for (int i = cost->n - 1; i >= 0; i--)
+            if (cost->entries[i].best == best)
+                draw_point(&area, &cost->entries[i], i + 1);
+    draw_markers(to, markers);
+    draw_legend(cost, to, legend);
+    print_text(to, "</svg>\n");
 }

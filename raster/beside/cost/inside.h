@@ -15,71 +15,60 @@
 
 struct cost_options {
     struct render_options render; /* the first member */
-    const char *csv, *svg, *tolerance, *budget;
+    const char *csv, *svg, *tolerance;
+    double budget; /* 0: none was given */
     int runs;
 };
 
-enum { COST_WORDS = 10, MAX_CONFIGURATIONS = 80 };
-/* The properties of a scene that decide which configurations make sense, and the observer. */
-struct survey {
-    char scene[256];
-    const char *observer;
-    int width, height, positions; /* positions: a side of each pixel */
-    bool shaded;                  /* smooth, flat and phong shading differ */
-    bool tessellated;             /* has built-in shapes of slices, stacks, ... */
-    bool fluorescent, spectral_texture;
-    bool peaks; /* adaptive sampling finds emission peaks */
-    int rank;   /* of lights x reflectances; 0: a basis was refused */
-};
-
-enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE, BY_SHADERS };
-struct configuration {
-    char sampling[SAMPLING_NAME]; /* or "accuracy:ERROR"; "": at the scene's own wavelengths */
-    enum shading_kind shading;
-    int tessellation;
-    enum cost_renderer renderer;
-    int buffer_bits, bits, positions; /* 0: the default; or as the command line says */
-};
-
+enum { COST_WORDS = 10, MAX_CONFIGURATIONS = 80, COST_OPTIONS = 128 };
 /* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either
  * picture shows an object (0 if there are none); and in radiance at every nm, relative rms. */
 struct accuracy {
     int n_pages;
     bool spectral; /* pages are radiances at wavelengths */
     double mean, quantile_95, largest;
-    double radiance; /* NaN: the pages determine no radiances */
+    double radiance;   /* NaN: the pages determine no radiances */
+    int n_peaks, rank; /* of its sampling: see struct sampling */
 };
-struct standard_pixel {
+struct seen_pixel {
     double lab[3];
     bool shown; /* an object; not the background */
 };
-/* The colours of the standard: see standard.c. */
-struct standard {
+/* All that is kept of a stack: see standard.c. */
+struct summary {
     const char *observer; /* this and the threads are the caller's */
     int threads;
-    int width, height;
-    bool lit;        /* the observer sees some light */
-    double white[3]; /* XYZ of the lights, or of a radiance of 1 where the observer sees none */
-    double first_nm;
-    int n_nm;
-    int step, columns;             /* of the lattice */
-    struct standard_pixel *pixels; /* owned */
-    float *lattice;                /* [row][column][nm]; owned */
+    int width, height, n_pages;
+    double white[3];    /* XYZ of the lights, or of a radiance of 1 where the observer sees none */
+    bool lit;           /* the observer sees some light */
+    double first_nm;    /* of the first page */
+    int step, n_points; /* of the lattice */
+    struct seen_pixel *pixels; /* owned */
+    float *lattice;            /* [point][page]; owned */
 };
 struct cost_entry {
-    struct configuration configuration;
-    char name[128];
-    char *words[COST_WORDS]; /* options of render, e.g. "--sampling=gauss:8"; owned */
+    char sampling[SAMPLING_NAME]; /* or "accuracy:ERROR"; "": at the scene's own wavelengths */
+    char options[COST_OPTIONS];   /* of render, beside the sampling, with a blank between two */
+    char name[COST_OPTIONS];
+    char *text;              /* of the words; owned */
+    char *words[COST_WORDS]; /* options of render, e.g. "--sampling=gauss:8" */
     int n_words;
-    struct accuracy accuracy;                    /* of 0 pages until it has been measured */
-    double *walls, *processors;                  /* seconds of each run of the program; owned */
-    double seconds, fastest, slowest, processor; /* median and extremes of walls; other median */
+    struct accuracy accuracy;  /* of 0 pages until it has been measured */
+    struct run_seconds *times; /* of each run of the program; owned */
+    double seconds, fastest, slowest,
+        processor;        /* median and extremes by the clock; other median */
     bool best, uncertain; /* on the frontier of seconds and quantile_95; within noise of it */
 };
 enum { GOOD, COLOURS, SPECTRA, FINE_SPECTRA, N_CHOSEN }; /* samplings with few pages */
 struct cost {
-    struct survey survey;
     char *scene; /* its name with the changes of the command line; owned */
+    const char *observer;
+    int width, height, positions; /* positions: a side of each pixel */
+    /* The properties of the scene that decide which configurations make sense. */
+    bool shaded;      /* smooth, flat and phong shading differ */
+    bool tessellated; /* has built-in shapes of slices, stacks, ... */
+    bool fluorescent, spectral_texture;
+    bool peaks; /* adaptive sampling finds emission peaks */
     char chosen[N_CHOSEN][SAMPLING_NAME];
     int runs, n;
     struct cost_entry *entries; /* room for MAX_CONFIGURATIONS; by seconds in the end; owned */
@@ -109,17 +98,14 @@ void cost_json(const struct cost *cost, struct json *json); /* begins a text wit
 
 /* ---- frontier.c: the chart ---- */
 
-/* Prints a whole SVG 1.1 file. Fails without memory. Both axes are logarithmic. Errors below
- * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Points have
- * numbers, and a legend names them. Steps join the points of the frontier; the others are pale. */
-bool cost_svg(const struct cost *cost, struct printed *to, struct error *err);
+/* Prints a whole SVG 1.1 file. Both axes are logarithmic. Errors below 1/1000 of the largest, and
+ * 0, lie on the lower edge, which has a label that says so. Points have the numbers of their rows
+ * in the table, and a legend names them. Steps join the points of the frontier; the others are
+ * pale. */
+void cost_svg(const struct cost *cost, struct printed *to);
 
 /* ---- measure.c ---- */
 
-/* Reads and samples the scene as render does with the words of the entry (NULL: none). The job
- * comes in zeroed; the caller always frees it. */
-bool cost_read(const struct options *options, const struct cost_entry *entry,
-               struct render_job *job, struct error *err);
 /* Measures all configurations that make sense for the scene. The caller always frees *out. */
 bool cost_measure(const struct options *options, struct cost *out, struct error *err);
 
@@ -127,26 +113,29 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
 
 /* Summarize the stack of the standard; measure a stack of the standard's size, with its sampling
  * (zeroed: none). */
-bool standard_summarize(const char *stack, struct standard *out, struct error *err);
-bool standard_compare(const char *stack, const struct sampling *sampling, struct standard *standard,
-                      struct accuracy *out, struct error *err);
+bool standard_summarize(const char *stack, struct summary *out, struct error *err);
+bool standard_compare(const char *stack, const struct sampling *sampling,
+                      const struct summary *standard, struct accuracy *out, struct error *err);
+void summary_free(struct summary *summary);
 
 /* ---- configurations.c ---- */
 
-/* Survey the scene in a process of its own, and add notes on what it suggests. */
-bool survey_scene(const struct options *options, struct survey *out, struct error *err);
-bool survey_notes(struct cost *cost, struct error *err);
-/* Fills in the name and the words of a zeroed entry, which the caller always frees. */
-bool configuration_entry(const struct configuration *configuration, const char *observer,
-                         struct cost_entry *out, struct error *err);
-/* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
-bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err);
-/* Add every sampling, with the finest shading; choose samplings; add shadings, renderers, positions
- * and depths with a good one; add the best samplings with the best shadings. Choices depend on
- * errors, not on seconds: they are the same in every run. Entries have no words yet. */
+/* Survey the scene of a command line of render; add notes on what it suggests. */
+bool survey_scene(const struct scene *scene, const struct options *options, struct cost *out,
+                  struct error *err);
+bool survey_notes(struct cost *cost, bool lit, struct error *err);
+/* Fills in the words of an entry, which has none. The caller always frees it. */
+bool entry_words(struct cost_entry *entry, const char *observer, struct error *err);
+/* Returns the entry of the standard: every nm, the finest shading, pages of floats. */
+struct cost_entry standard_entry(const struct cost *cost);
+/* Add the samplings that find out about the scene; all others, with the finest shading; choose
+ * samplings; add shadings, renderers, positions and depths with a good one; add the best samplings
+ * with the best shadings. Choices depend on errors, not on seconds: they are the same in every run.
+ * Entries have no words yet. */
+void configurations_first(struct cost *cost);
 void configurations_samplings(struct cost *cost);
 void configurations_choose(struct cost *cost);
-void configurations_pictures(struct cost *cost);
+void configurations_styles(struct cost *cost);
 void configurations_combined(struct cost *cost);
 
 #endif

@@ -13,7 +13,7 @@ enum { DEFAULT_RUNS = 5 };
 /* ---- a configuration as a command line of render ---- */
 
 /* Reads a command line of render: the changes of the scene that cost was given, then the words of
- * the entry (NULL: none). */
+ * the entry. */
 static bool read_words(const struct options *options, const struct cost_entry *entry,
                        struct options *out, struct error *err)
 {
@@ -21,7 +21,7 @@ static bool read_words(const struct options *options, const struct cost_entry *e
     int n = 0;
     for (int i = 0; i < options->n_recorded; i++)
         line[n++] = options->recorded[i];
-    for (int i = 0; entry && i < entry->n_words; i++)
+    for (int i = 0; i < entry->n_words; i++)
         line[n++] = entry->words[i];
     if (!options_read(&render_command, false, line, n, out, err))
         return false;
@@ -61,23 +61,13 @@ static bool run_program(const struct options *options, const struct cost_entry *
     return process_program(line, out, err);
 }
 
-bool cost_read(const struct options *options, const struct cost_entry *entry,
-               struct render_job *job, struct error *err)
-{
-    struct options own = {.operand = NULL};
-    bool done = read_words(options, entry, &own, err) &&
-                scene_read_sampled(&own, &job->scene, &job->sampling, err);
-    options_free(&own);
-    return done;
-}
-
 struct measurement {
     const struct options *options;
     struct progress_line line;
     bool shown; /* the line of progress */
     struct folder folder;
     char stack[sizeof(struct folder) + 16]; /* a file in it */
-    struct standard standard;
+    struct summary standard;
     long steps, all_steps;
     const struct cost_entry *entry; /* at hand */
     struct cost *cost;
@@ -90,44 +80,39 @@ static void step(struct measurement *measurement, long steps)
         progress_show(&measurement->line, measurement->steps, measurement->all_steps);
 }
 
-/* ---- jobs for processes of their own ---- */
-
-static bool render_job(void *context, void *out, struct error *err)
+/* Surveys the scene, and refuses a detector that is no observer. Without --detector, which needs a
+ * sampling, the options of cost are those of render that change the scene. */
+static bool survey(const struct measurement *measurement, struct error *err)
 {
-    const struct measurement *measurement = context;
-    struct options own = {.operand = NULL};
-    (void)out;
-    bool done = read_words(measurement->options, measurement->entry, &own, err);
-    own.output = measurement->stack;
-    done = done && render_command.run(&own, err) && outputs_commit(&own.outputs, err);
-    options_free(&own);
-    return done;
-}
-
-static bool compare_job(void *context, void *out, struct error *err)
-{
-    struct measurement *measurement = context;
+    struct options plain = *measurement->options;
+    struct detector observer = {.name = NULL};
     struct render_job job = {.options = {.threads = 0}};
-    const bool done =
-        cost_read(measurement->options, measurement->entry, &job, err) &&
-        standard_compare(measurement->stack, &job.sampling, &measurement->standard, out, err);
+    struct cost *cost = measurement->cost;
+    plain.detector = NULL;
+    cost->observer = options_detector(measurement->options);
+    const bool done = observer_read(cost->observer, &observer, err) &&
+                      scene_read_sampled(&plain, &job.scene, &job.sampling, err) &&
+                      survey_scene(&job.scene, measurement->options, cost, err);
+    detector_free(&observer);
     job_free(&job);
     return done;
 }
 
-/* Renders an entry to the stack. A program says why it failed in words
- * only. So this process, in a copy, learns whether the system lacks what the entry needs. */
-static bool render_entry(struct measurement *measurement, const struct cost_entry *entry,
-                         struct run_seconds *seconds, struct error *err)
+/* Renders the entry at hand to the stack, and measures that. It runs in a process of its own: the
+ * error then says whether the system lacks what the entry needs, where a program has words only. */
+static bool measure_job(void *context, void *out, struct error *err)
 {
-    struct error again = {.status = EXIT_AGREED};
-    measurement->entry = entry;
-    if (run_program(measurement->options, entry, measurement->stack, seconds, err))
-        return true;
-    if (err->status == EXIT_SYSTEM && !process_run(render_job, measurement, NULL, 0, &again) &&
-        again.unsupported)
-        *err = again;
-    return false;
+    struct measurement *measurement = context;
+    struct options own = {.operand = NULL};
+    struct render_job job = {.options = {.threads = 0}};
+    bool done = read_words(measurement->options, measurement->entry, &own, err);
+    own.output = measurement->stack;
+    done = done && render_command.run(&own, err) && outputs_commit(&own.outputs, err) &&
+           scene_read_sampled(&own, &job.scene, &job.sampling, err) &&
+           standard_compare(measurement->stack, &job.sampling, &measurement->standard, out, err);
+    job_free(&job);
+    options_free(&own);
+    return done;
 }
 
 /* ---- configurations ---- */
@@ -136,12 +121,13 @@ static bool render_entry(struct measurement *measurement, const struct cost_entr
  * of room. */
 static bool make_standard(struct measurement *measurement, struct error *err)
 {
-    struct cost_entry entry = {.n_words = 0};
+    struct cost_entry entry = standard_entry(measurement->cost);
     struct error own = {.status = EXIT_AGREED};
     struct run_seconds seconds = {.wall = 0};
-    const bool done = configuration_standard(measurement->cost, &entry, &own) &&
-                      render_entry(measurement, &entry, &seconds, &own) &&
-                      standard_summarize(measurement->stack, &measurement->standard, &own);
+    const bool done =
+        entry_words(&entry, measurement->cost->observer, &own) &&
+        run_program(measurement->options, &entry, measurement->stack, &seconds, &own) &&
+        standard_summarize(measurement->stack, &measurement->standard, &own);
     measurement->cost->standard_seconds = seconds.wall;
     unlink(measurement->stack);
     cost_entry_free(&entry);
@@ -156,25 +142,21 @@ static bool make_standard(struct measurement *measurement, struct error *err)
  * system does not support, becomes a note. */
 static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
 {
-    struct accuracy accuracy = {.n_pages = 0};
     struct error own = {.status = EXIT_AGREED};
-    struct run_seconds seconds = {.wall = 0};
-    if (!configuration_entry(&entry->configuration, measurement->cost->survey.observer, entry, err))
+    measurement->entry = entry;
+    if (!entry_words(entry, measurement->cost->observer, err))
         return false;
-    const bool done = render_entry(measurement, entry, &seconds, &own) &&
-                      process_run(compare_job, measurement, &accuracy, sizeof accuracy, &own);
+    const bool done =
+        process_run(measure_job, measurement, &entry->accuracy, sizeof entry->accuracy, &own);
     unlink(measurement->stack);
-    step(measurement, done ? 2 : 2 + measurement->cost->runs);
+    step(measurement, 2);
     if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
         *err = own;
         return false;
     }
     if (!done)
         return cost_note(measurement->cost, err, "without %s: %s", entry->name, error_words(&own));
-    const size_t runs = (size_t)measurement->cost->runs;
-    entry->accuracy = accuracy;
-    return MAKE_ARRAY(entry->walls, runs, err, "the seconds of runs") &&
-           MAKE_ARRAY(entry->processors, runs, err, "the seconds of runs");
+    return MAKE_ARRAY(entry->times, measurement->cost->runs, err, "the seconds of runs");
 }
 
 /* Adds configurations and warms them up. `add` may choose by the errors measured before. */
@@ -205,9 +187,9 @@ static void remove_failed(struct cost *cost)
 /* ---- the estimate ---- */
 
 /* Most scenes have about so many configurations. */
-static int likely_configurations(const struct survey *survey)
+static int likely_configurations(const struct cost *cost)
 {
-    return survey->tessellated ? 52 : 36;
+    return cost->tessellated ? 52 : 36;
 }
 
 /* A run takes some time to start, and this part of the standard's seconds on average; a comparison
@@ -216,9 +198,9 @@ static const double start_seconds = 0.03, run_part = 0.2, compare_part = 0.8;
 
 static double estimate(const struct cost *cost)
 {
-    const double parts = cost->survey.positions > 1 ? 2 : 1, /* the standard has more positions */
+    const double parts = cost->positions > 1 ? 2 : 1, /* the standard has more positions */
         standard = cost->standard_seconds / parts, runs = 1 + cost->runs;
-    return likely_configurations(&cost->survey) *
+    return likely_configurations(cost) *
            (runs * (start_seconds + run_part * standard) + compare_part * standard);
 }
 
@@ -233,31 +215,36 @@ static bool announce(const struct measurement *measurement, struct error *err)
         return true;
     print(&line, "about %.0f %s, for %d runs of about %d configurations\n",
           is_long ? seconds / 60 : seconds, is_long ? "min" : "s", cost->runs,
-          likely_configurations(&cost->survey));
+          likely_configurations(cost));
     return printed_show(&line, STDERR_FILENO, err);
 }
 
 /* ---- rounds ---- */
 
-static int by_size(const void *a, const void *b)
+static int by_clock(const void *a, const void *b)
 {
-    const double one = *(const double *)a, two = *(const double *)b;
+    const double one = ((const struct run_seconds *)a)->wall,
+                 two = ((const struct run_seconds *)b)->wall;
     return (one > two) - (one < two);
 }
 
-/* Sorts n numbers, and returns their median. */
-static double median(double *numbers, int n)
+static int by_processor(const void *a, const void *b)
 {
-    qsort(numbers, (size_t)n, sizeof *numbers, by_size);
-    return (numbers[(n - 1) / 2] + numbers[n / 2]) / 2;
+    const double one = ((const struct run_seconds *)a)->processor,
+                 two = ((const struct run_seconds *)b)->processor;
+    return (one > two) - (one < two);
 }
 
-static void take_seconds(struct cost_entry *entry, int runs)
+/* Finds medians and extremes of the times of n runs. */
+static void take_seconds(struct cost_entry *entry, int n)
 {
-    entry->seconds = median(entry->walls, runs);
-    entry->processor = median(entry->processors, runs);
-    entry->fastest = entry->walls[0];
-    entry->slowest = entry->walls[runs - 1];
+    struct run_seconds *times = entry->times;
+    qsort(times, (size_t)n, sizeof *times, by_processor);
+    entry->processor = (times[(n - 1) / 2].processor + times[n / 2].processor) / 2;
+    qsort(times, (size_t)n, sizeof *times, by_clock);
+    entry->seconds = (times[(n - 1) / 2].wall + times[n / 2].wall) / 2;
+    entry->fastest = times[0].wall;
+    entry->slowest = times[n - 1].wall;
 }
 
 /* Runs all configurations in turn, so that a slow moment of the machine meets all of them. */
@@ -265,34 +252,29 @@ static bool run_round(struct measurement *measurement, int round, struct error *
 {
     for (int i = 0; i < measurement->cost->n; i++) {
         struct cost_entry *entry = &measurement->cost->entries[i];
-        struct run_seconds seconds;
-        if (!render_entry(measurement, entry, &seconds, err))
+        if (!run_program(measurement->options, entry, measurement->stack, &entry->times[round],
+                         err))
             return false;
-        entry->walls[round] = seconds.wall;
-        entry->processors[round] = seconds.processor;
         unlink(measurement->stack);
         step(measurement, 1);
     }
     return true;
 }
 
-static long steps_of(const struct measurement *measurement, int n_attempts)
-{
-    return (long)n_attempts * (2 + measurement->cost->runs);
-}
-
 static bool measure_all(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    measurement->all_steps = steps_of(measurement, likely_configurations(&cost->survey));
-    if (!warm_up_more(measurement, configurations_samplings, err))
+    measurement->all_steps = (long)likely_configurations(cost) * (2 + cost->runs);
+    if (!warm_up_more(measurement, configurations_first, err) ||
+        !warm_up_more(measurement, configurations_samplings, err) ||
+        !survey_notes(cost, measurement->standard.lit, err))
         return false;
     configurations_choose(cost);
-    if (!warm_up_more(measurement, configurations_pictures, err) ||
+    if (!warm_up_more(measurement, configurations_styles, err) ||
         !warm_up_more(measurement, configurations_combined, err))
         return false;
-    measurement->all_steps = steps_of(measurement, cost->n);
     remove_failed(cost);
+    measurement->all_steps = measurement->steps + (long)cost->n * cost->runs;
     for (int round = 0; round < cost->runs; round++)
         if (!run_round(measurement, round, err))
             return false;
@@ -306,7 +288,7 @@ static bool measure_all(struct measurement *measurement, struct error *err)
 static int by_seconds(const void *a, const void *b)
 {
     const struct cost_entry *one = a, *two = b;
-    return by_size(&one->seconds, &two->seconds);
+    return (one->seconds > two->seconds) - (one->seconds < two->seconds);
 }
 
 static bool conclude(struct cost *cost, struct error *err)
@@ -317,38 +299,18 @@ static bool conclude(struct cost *cost, struct error *err)
                                        cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 
-/* Returns the scene's name with the changes of the command line, allocated. */
-static char *name_scene(const struct measurement *measurement, struct error *err)
-{
-    struct printed printed = {.text = NULL};
-    print_text(&printed, measurement->cost->survey.scene);
-    for (int i = 0; i < measurement->options->n_recorded; i++)
-        print(&printed, " %s", measurement->options->recorded[i]);
-    return printed_take(&printed, err);
-}
-
-static bool describe(struct measurement *measurement, struct error *err)
+static bool measure(struct measurement *measurement, struct error *err)
 {
     const struct cost_options *own = measurement->options->own;
     struct cost *cost = measurement->cost;
     cost->runs = own->runs ? own->runs : DEFAULT_RUNS;
-    return (cost->scene = name_scene(measurement, err)) &&
-           MAKE_ARRAY(cost->entries, MAX_CONFIGURATIONS, err, "the table of configurations") &&
-           survey_notes(cost, err) &&
-           (measurement->standard.lit ||
-            cost_note(cost, err, "the observer sees no light: the white is a radiance of 1"));
-}
-
-static bool measure(struct measurement *measurement, struct error *err)
-{
-    struct cost *cost = measurement->cost;
-    if (!survey_scene(measurement->options, &cost->survey, err) ||
-        !folder_open(&measurement->folder, err))
+    if (!survey(measurement, err) || !folder_open(&measurement->folder, err))
         return false;
     snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
              measurement->folder.path);
     guard_remove(measurement->stack);
-    return make_standard(measurement, err) && describe(measurement, err) &&
+    return make_standard(measurement, err) &&
+           MAKE_ARRAY(cost->entries, MAX_CONFIGURATIONS, err, "the table of configurations") &&
            announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
 }
 
@@ -363,6 +325,6 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
     const bool done = measure(&measurement, err);
     guard_forget(measurement.stack);
     folder_close(&measurement.folder);
-    FREE_ALL(measurement.standard.pixels, measurement.standard.lattice);
+    summary_free(&measurement.standard);
     return done;
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The standard, and the difference of a configuration's stack from it.
+/* Summaries of stacks, and the difference of a configuration's from the standard's.
  *
  * render draws the standard as it draws any configuration: a stack of floats with a page at every
  * nm. That stack is too large to be read again for each measurement, so a summary is kept: a struct
- * standard_pixel of each pixel, row by row; and the radiances at every nm of a lattice of pixels,
- * again row by row. The lattice is every step-th pixel of every step-th row.
+ * seen_pixel of each pixel, row by row; and all pages of a lattice of pixels, again row by row. The
+ * lattice is every step-th pixel of every step-th row.
  *
  * A float is off by up to 6e-8 of a radiance, which moves L*, a* and b* by some 1e-6. Only errors
  * of that size, of stacks of floats, are measured less exactly by this. */
@@ -24,67 +24,32 @@ enum { BLOCK_PIXELS = 1024 }; /* that a thread takes at a time */
 /* Samples of a chunk of rows: 8 MiB. */
 static const size_t chunk_samples = (size_t)1 << 21;
 
-/* Reads a stack, and makes the summary or compares with it. */
+void summary_free(struct summary *summary)
+{
+    FREE_ALL(summary->pixels, summary->lattice);
+    *summary = (struct summary){.pixels = NULL};
+}
+
+static size_t count_pixels(const struct summary *summary)
+{
+    return (size_t)summary->width * (size_t)summary->height;
+}
+
+/* ---- a summary ---- */
+
+/* Reads a stack, and summarizes it. */
 struct walk {
-    struct standard *standard;
+    struct summary *out;
+    const struct summary *standard; /* NULL: the stack is the standard's */
     struct stack_rows rows;
     struct sight sight;
-    int threads;
-    struct standard_pixel *pixels; /* those of the current rows in the standard */
-    float *lattice;                /* [column][nm]: the next row of the lattice in the standard */
-    /* While a stack is compared: */
-    float *pages;            /* [column][page]: a row of the lattice of the stack */
-    double *linear;          /* synthesis of a stack without sampling */
-    const double *synthesis; /* radiances at every nm from pages, [nm][page]; NULL: there is none */
-    double (*squares)[2];    /* [column]: of the errors of radiances, and of radiances */
-    double error, all;       /* the sums of these squares */
-    float *differences;      /* of the pixels so far in which either picture shows an object */
-    size_t n_differences;
+    struct seen_pixel *pixels; /* those of the current rows */
 };
-
-static bool open_walk(struct walk *walk, const char *stack, struct error *err)
-{
-    const struct white_request white = {NULL, false};
-    walk->threads = threads_count(walk->standard->threads);
-    return cube_open(stack, &walk->rows.cube, err) &&
-           rows_allocate(&walk->rows, chunk_samples, err) &&
-           sight_make(&walk->rows.cube, walk->standard->observer, &white, &walk->sight, err);
-}
-
-static size_t pixels_at_hand(const struct walk *walk)
-{
-    return (size_t)walk->rows.n * (size_t)walk->standard->width;
-}
-
-static size_t lattice_samples(const struct walk *walk)
-{
-    return (size_t)walk->standard->columns * (size_t)walk->standard->n_nm;
-}
 
 static void close_walk(struct walk *walk)
 {
     rows_close(&walk->rows);
     sight_free(&walk->sight);
-    FREE_ALL(walk->pages, walk->linear, walk->squares, walk->differences);
-}
-
-/* Calls a function for each chunk of rows, and another for each of its rows in the lattice. */
-static bool walk_rows(struct walk *walk, bool (*chunk)(struct walk *walk, struct error *err),
-                      void (*lattice_row)(struct walk *walk, int row), struct error *err)
-{
-    walk->pixels = walk->standard->pixels;
-    walk->lattice = walk->standard->lattice;
-    for (int y = 0; y < walk->standard->height; y += walk->rows.most) {
-        if (!rows_read(&walk->rows, y, err) || !chunk(walk, err))
-            return false;
-        walk->pixels += pixels_at_hand(walk);
-        for (int row = 0; row < walk->rows.n; row++)
-            if ((y + row) % walk->standard->step == 0) {
-                lattice_row(walk, row);
-                walk->lattice += lattice_samples(walk);
-            }
-    }
-    return true;
 }
 
 /* Finds XYZ of a pixel of the chunk. Returns whether any of X, Y and Z is not 0. */
@@ -99,23 +64,11 @@ static bool find_xyz(const struct walk *walk, size_t pixel, double xyz[3])
     return fabs(xyz[0]) > 0 || fabs(xyz[1]) > 0 || fabs(xyz[2]) > 0;
 }
 
-/* Copies the samples of the lattice's pixels in a row of the chunk: out[column * n_pages + page].
- */
-static void copy_lattice(const struct walk *walk, int row, float *out)
+/* Finds which pixels of the chunk show an object, by the map of the stack. */
+static bool find_shown(const struct walk *walk, struct error *err)
 {
-    const int width = walk->standard->width;
-    const float *samples = walk->rows.samples + (size_t)row * (size_t)width;
-    for (int x = 0; x < width; x += walk->standard->step)
-        for (int page = 0; page < walk->rows.cube.image.n_pages; page++)
-            *out++ = samples[(size_t)page * walk->rows.stride + (size_t)x];
-}
-
-/* ---- the summary ---- */
-
-static bool find_shown(struct walk *walk, struct error *err)
-{
-    struct standard_pixel *pixel = walk->pixels;
-    const int width = walk->standard->width;
+    struct seen_pixel *pixel = walk->pixels;
+    const int width = walk->out->width;
     int *objects;
     bool done = MAKE_ARRAY(objects, (size_t)width, err, "a row of objects");
     for (int row = 0; done && row < walk->rows.n; row++) {
@@ -127,107 +80,105 @@ static bool find_shown(struct walk *walk, struct error *err)
     return done;
 }
 
-static void summarize_pixels(void *context, size_t first, size_t end)
+static void see_pixels(void *context, size_t first, size_t end)
 {
     const struct walk *walk = context;
     for (size_t i = first; i < end; i++) {
-        struct standard_pixel *pixel = &walk->pixels[i];
+        struct seen_pixel *pixel = &walk->pixels[i];
         double xyz[3];
         pixel->shown = find_xyz(walk, i, xyz) || pixel->shown;
-        cielab(xyz, walk->standard->white, pixel->lab);
+        cielab(xyz, walk->out->white, pixel->lab);
     }
 }
 
-static bool summarize_chunk(struct walk *walk, struct error *err)
+static bool walk_rows(struct walk *walk, struct error *err)
 {
-    if (!find_shown(walk, err))
-        return false;
-    threads_blocks(walk->threads, pixels_at_hand(walk), BLOCK_PIXELS, summarize_pixels, walk);
+    const struct summary *out = walk->out;
+    const int threads = threads_count(out->threads);
+    float *lattice = out->lattice;
+    walk->pixels = out->pixels;
+    for (int y = 0; y < out->height; y += walk->rows.most) {
+        if (!rows_read(&walk->rows, y, err) || (!walk->standard && !find_shown(walk, err)))
+            return false;
+        const size_t n_pixels = (size_t)walk->rows.n * (size_t)out->width;
+        threads_blocks(threads, n_pixels, BLOCK_PIXELS, see_pixels, walk);
+        walk->pixels += n_pixels;
+        for (size_t at = 0; at < n_pixels; at++)
+            if ((y + (int)(at / (size_t)out->width)) % out->step == 0 &&
+                (int)(at % (size_t)out->width) % out->step == 0)
+                for (int page = 0; page < out->n_pages; page++)
+                    *lattice++ = walk->rows.samples[(size_t)page * walk->rows.stride + at];
+    }
     return true;
 }
 
-static void summarize_lattice(struct walk *walk, int row)
-{
-    copy_lattice(walk, row, walk->lattice);
-}
-
-/* Describes the standard, and makes room for it. */
+/* Describes the stack, and makes room for its summary. */
 static bool describe(struct walk *walk, struct error *err)
 {
     const struct image *image = &walk->rows.cube.image;
-    const size_t n_pixels = (size_t)image->width * (size_t)image->height;
-    const int step = (int)ceil(sqrt((double)n_pixels / lattice_pixels));
     const double *white = walk->sight.white;
-    struct standard *out = walk->standard;
+    struct summary *out = walk->out;
     out->width = image->width;
     out->height = image->height;
-    out->lit = walk->sight.has_white && (white[0] > 0 || white[1] > 0 || white[2] > 0);
-    out->first_nm = image->wavelengths_nm[0];
-    out->n_nm = image->n_pages;
+    out->n_pages = image->n_pages;
+    out->first_nm = image->wavelengths_nm ? image->wavelengths_nm[0] : 0;
+    const int step = (int)ceil(sqrt((double)count_pixels(out) / lattice_pixels));
     out->step = step;
-    out->columns = (image->width + step - 1) / step;
+    out->n_points = ((image->width + step - 1) / step) * ((image->height + step - 1) / step);
+    out->lit = walk->sight.has_white && (white[0] > 0 || white[1] > 0 || white[2] > 0);
     detector_response(walk->sight.weights, NULL, image->n_pages, out->white);
-    if (out->lit)
-        memcpy(out->white, white, sizeof out->white);
-    const size_t rows = (size_t)((image->height + step - 1) / step);
-    return MAKE_ARRAY(out->pixels, n_pixels, err, "the pixels of the standard") &&
-           MAKE_ARRAY(out->lattice, rows * lattice_samples(walk), err,
-                      "the radiances of the standard");
+    if (walk->standard || out->lit)
+        memcpy(out->white, walk->standard ? walk->standard->white : white, sizeof out->white);
+    return MAKE_ARRAY(out->pixels, count_pixels(out), err, "the pixels of a stack") &&
+           MAKE_ARRAY(out->lattice, (size_t)out->n_points * (size_t)out->n_pages, err,
+                      "the radiances of a stack");
 }
 
-bool standard_summarize(const char *stack, struct standard *out, struct error *err)
+static bool summarize(struct walk *walk, const char *stack, struct error *err)
 {
-    struct walk walk = {.standard = out};
-    const bool done = open_walk(&walk, stack, err) && describe(&walk, err) &&
-                      walk_rows(&walk, summarize_chunk, summarize_lattice, err);
+    const struct white_request white = {NULL, false};
+    return cube_open(stack, &walk->rows.cube, err) &&
+           rows_allocate(&walk->rows, chunk_samples, err) &&
+           sight_make(&walk->rows.cube, walk->out->observer, &white, &walk->sight, err) &&
+           describe(walk, err) && walk_rows(walk, err);
+}
+
+bool standard_summarize(const char *stack, struct summary *out, struct error *err)
+{
+    struct walk walk = {.out = out};
+    const bool done = summarize(&walk, stack, err);
     close_walk(&walk);
     return done;
 }
 
 /* ---- the difference of a stack ---- */
 
-/* Returns CIEDE2000 at a pixel of the chunk; -1: neither picture shows an object. */
-static float difference_at(const struct walk *walk, size_t pixel)
-{
-    double xyz[3], lab[3];
-    if (!find_xyz(walk, pixel, xyz) && !walk->pixels[pixel].shown)
-        return -1;
-    cielab(xyz, walk->standard->white, lab);
-    return (float)ciede2000_difference(walk->pixels[pixel].lab, lab);
-}
+struct comparison {
+    const struct summary *standard, *seen;
+    float *differences;      /* of each pixel; -1: neither picture shows an object; owned */
+    const double *synthesis; /* radiances at every nm from pages, [nm][page]; NULL: there is none */
+    double (*squares)[2];    /* of each point: of errors of radiances, and of radiances; owned */
+};
 
 static void compare_pixels(void *context, size_t first, size_t end)
 {
-    const struct walk *walk = context;
-    for (size_t i = first; i < end; i++)
-        walk->differences[walk->n_differences + i] = difference_at(walk, i);
+    const struct comparison *of = context;
+    for (size_t i = first; i < end; i++) {
+        const struct seen_pixel *a = &of->standard->pixels[i], *b = &of->seen->pixels[i];
+        of->differences[i] =
+            a->shown || b->shown ? (float)ciede2000_difference(a->lab, b->lab) : -1;
+    }
 }
 
-/* Keeps the differences of pixels that show an object. */
-static bool compare_chunk(struct walk *walk, struct error *err)
+/* Sums up squares at a point of the lattice, over every nm. */
+static void square(void *context, int point)
 {
-    const size_t n_pixels = pixels_at_hand(walk);
-    float *differences = walk->differences + walk->n_differences;
-    size_t n = 0;
-    (void)err;
-    threads_blocks(walk->threads, n_pixels, BLOCK_PIXELS, compare_pixels, walk);
-    for (size_t i = 0; i < n_pixels; i++)
-        if (differences[i] >= 0)
-            differences[n++] = differences[i];
-    walk->n_differences += n;
-    return true;
-}
-
-/* Sums up squares at a pixel of the lattice, over every nm. */
-static void square(void *context, int column)
-{
-    const struct walk *walk = context;
-    const int n_pages = walk->rows.cube.image.n_pages, n_nm = walk->standard->n_nm;
-    const double *synthesis = walk->synthesis;
-    const float *pages = walk->pages + (size_t)column * (size_t)n_pages;
-    const float *expected = walk->lattice + (size_t)column * (size_t)n_nm;
-    double *squares = walk->squares[column];
-    squares[0] = squares[1] = 0;
+    const struct comparison *of = context;
+    const int n_pages = of->seen->n_pages, n_nm = of->standard->n_pages;
+    const double *synthesis = of->synthesis;
+    const float *pages = of->seen->lattice + (size_t)point * (size_t)n_pages;
+    const float *expected = of->standard->lattice + (size_t)point * (size_t)n_nm;
+    double *squares = of->squares[point];
     for (int j = 0; j < n_nm; j++, synthesis += n_pages) {
         double radiance = 0;
         for (int page = 0; page < n_pages; page++)
@@ -238,29 +189,19 @@ static void square(void *context, int column)
     }
 }
 
-/* Adds the sums in the order of the columns, so that the number of threads does not matter. */
-static void compare_lattice(struct walk *walk, int row)
+/* Finds the relative error of radiances. Adds the sums in the order of the points, so that the
+ * number of threads does not matter. A black picture of a black scene has no error. */
+static double radiance_error(struct comparison *of)
 {
-    const int columns = walk->standard->columns;
-    if (!walk->synthesis)
-        return;
-    copy_lattice(walk, row, walk->pages);
-    threads_each(walk->threads, columns, square, walk);
-    for (int column = 0; column < columns; column++) {
-        walk->error += walk->squares[column][0];
-        walk->all += walk->squares[column][1];
+    double error = 0, all = 0;
+    if (!of->synthesis)
+        return (double)NAN;
+    threads_each(threads_count(of->seen->threads), of->seen->n_points, square, of);
+    for (int i = 0; i < of->seen->n_points; i++) {
+        error += of->squares[i][0];
+        all += of->squares[i][1];
     }
-}
-
-/* Without a sampling, radiances are linear between the wavelengths of the stack. */
-static bool find_synthesis(struct walk *walk, const struct sampling *sampling, struct error *err)
-{
-    const struct image *image = &walk->rows.cube.image;
-    if (!sampling)
-        walk->linear = linear_synthesis(image->wavelengths_nm, image->n_pages,
-                                        walk->standard->first_nm, walk->standard->n_nm, err);
-    walk->synthesis = sampling ? sampling->synthesis : walk->linear;
-    return sampling || walk->linear;
+    return error > 0 ? sqrt(error / all) : 0;
 }
 
 static int by_size(const void *a, const void *b)
@@ -269,46 +210,53 @@ static int by_size(const void *a, const void *b)
     return (one > two) - (one < two);
 }
 
-/* Computes the mean, the quantile and the errors. A black picture of a black scene has no error. */
-static void conclude(const struct walk *walk, struct accuracy *out)
+/* Finds the mean and the quantile of the pixels that show an object: the last n, once sorted. */
+static void colour_errors(struct comparison *of, struct accuracy *out)
 {
-    const struct cube *cube = &walk->rows.cube;
-    const size_t n = walk->n_differences;
+    const size_t n_pixels = count_pixels(of->seen);
+    const float *shown = of->differences;
     double sum = 0;
-    qsort(walk->differences, n, sizeof *walk->differences, by_size);
+    threads_blocks(threads_count(of->seen->threads), n_pixels, BLOCK_PIXELS, compare_pixels, of);
+    qsort(of->differences, n_pixels, sizeof *of->differences, by_size);
+    while (shown < of->differences + n_pixels && *shown < 0)
+        shown++;
+    const size_t n = (size_t)(of->differences + n_pixels - shown);
     for (size_t i = 0; i < n; i++)
-        sum += (double)walk->differences[i];
-    *out = (struct accuracy){.n_pages = cube->image.n_pages, .spectral = !cube->components};
+        sum += (double)shown[i];
     if (n > 0) {
         out->mean = sum / (double)n;
-        out->quantile_95 = (double)walk->differences[n - n / 20 - 1];
-        out->largest = (double)walk->differences[n - 1];
+        out->quantile_95 = (double)shown[n - n / 20 - 1];
+        out->largest = (double)shown[n - 1];
     }
-    out->radiance = !walk->synthesis  ? (double)NAN
-                    : walk->error > 0 ? sqrt(walk->error / walk->all)
-                                      : 0;
 }
 
-static bool allocate(struct walk *walk, struct error *err)
+/* Without a sampling, radiances are linear between the wavelengths of the stack. */
+bool standard_compare(const char *stack, const struct sampling *sampling,
+                      const struct summary *standard, struct accuracy *out, struct error *err)
 {
-    const struct standard *standard = walk->standard;
-    const size_t columns = (size_t)standard->columns,
-                 n_pages = (size_t)walk->rows.cube.image.n_pages,
-                 n_pixels = (size_t)standard->width * (size_t)standard->height;
-    return MAKE_ARRAY(walk->pages, columns * n_pages, err, "a row of radiances") &&
-           MAKE_ARRAY(walk->squares, columns, err, "a row of radiances") &&
-           MAKE_ARRAY(walk->differences, n_pixels, err, "differences from the standard");
-}
-
-bool standard_compare(const char *stack, const struct sampling *sampling, struct standard *standard,
-                      struct accuracy *out, struct error *err)
-{
-    struct walk walk = {.standard = standard};
-    const bool done = open_walk(&walk, stack, err) && allocate(&walk, err) &&
-                      find_synthesis(&walk, sampling_or_none(sampling), err) &&
-                      walk_rows(&walk, compare_chunk, compare_lattice, err);
-    if (done)
-        conclude(&walk, out);
+    struct summary seen = {.observer = standard->observer, .threads = standard->threads};
+    struct walk walk = {.out = &seen, .standard = standard};
+    struct comparison of = {.standard = standard, .seen = &seen, .synthesis = sampling->synthesis};
+    double *linear = NULL;
+    bool done =
+        summarize(&walk, stack, err) &&
+        MAKE_ARRAY(of.differences, count_pixels(&seen), err, "differences from the standard") &&
+        MAKE_ARRAY(of.squares, seen.n_points, err, "differences from the standard");
+    if (done && !sampling_or_none(sampling)) {
+        of.synthesis = linear = linear_synthesis(walk.rows.cube.image.wavelengths_nm, seen.n_pages,
+                                                 standard->first_nm, standard->n_pages, err);
+        done = linear != NULL;
+    }
+    if (done) {
+        *out = (struct accuracy){.n_pages = seen.n_pages,
+                                 .spectral = !walk.rows.cube.components,
+                                 .radiance = radiance_error(&of),
+                                 .n_peaks = sampling->n_peaks,
+                                 .rank = sampling->rank};
+        colour_errors(&of, out);
+    }
+    FREE_ALL(of.differences, of.squares, linear);
     close_walk(&walk);
+    summary_free(&seen);
     return done;
 }

@@ -25,39 +25,35 @@ static bool count_devices(void *context, void *out, struct error *err)
     return contexts_devices(out, err);
 }
 
-/* Returns whether a choice is what it asks for, and says more than those before it. */
-static bool is_new(const struct listed_driver *listed, const struct driver_list *before)
+static bool is_same(const struct listed_driver *a, const struct listed_driver *b)
 {
-    const struct context_wish wish = wish_of(listed);
-    if (!listed->usable ||
-        (wish.driver && strncmp(listed->is.names.renderer, wish.driver, strlen(wish.driver)) != 0))
-        return false;
-    for (int i = 0; i < before->n; i++) {
-        const struct listed_driver *other = &before->list[i];
-        if (other->usable && strcmp(other->library, listed->library) == 0 &&
-            wish_of(other).way == wish.way &&
-            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0)
-            return false;
-    }
-    return true;
+    const struct renderer_names *one = &a->is.names, *two = &b->is.names;
+    return a->usable && b->usable && wish_of(a).way == wish_of(b).way &&
+           strcmp(one->library, two->library) == 0 && strcmp(one->renderer, two->renderer) == 0 &&
+           strcmp(one->version, two->version) == 0;
 }
 
-/* Tries a library with a choice of --renderer; lists it if it says something new. NULL, which comes
- * first, is always listed. */
-static bool try_renderer(const char *library, const char *renderer, struct driver_list *out,
-                         struct error *err)
+bool drivers_add(struct driver_list *to, const char *library, const char *renderer, bool new_only,
+                 struct error *err)
 {
-    struct listed_driver listed = {.renderer = renderer};
+    struct listed_driver added = {.renderer = renderer};
     struct error own = {.status = EXIT_AGREED};
-    snprintf(listed.library, sizeof listed.library, "%s", library);
-    listed.usable = process_run(describe, &listed, &listed.is, sizeof listed.is, &own);
-    snprintf(listed.reason, sizeof listed.reason, "%.500s", error_words(&own));
-    return (renderer && !is_new(&listed, out)) ||
-           array_add(&out->list, &out->n, &listed, sizeof listed, err);
+    snprintf(added.library, sizeof added.library, "%s", library);
+    added.usable = process_run(describe, &added, &added.is, sizeof added.is, &own);
+    snprintf(added.reason, sizeof added.reason, "%.500s", error_words(&own));
+    const char *driver = wish_of(&added).driver;
+    bool is_new =
+        added.usable && (!driver || strncmp(added.is.names.renderer, driver, strlen(driver)) == 0);
+    for (int i = 0; i < to->n; i++)
+        if (is_same(&added, &to->list[i])) {
+            added.again = true;
+            is_new = is_new && strcmp(to->list[i].library, library) != 0;
+        }
+    return (new_only && !is_new) || array_add(&to->list, &to->n, &added, sizeof added, err);
 }
 
 /* A library that cannot draw may still draw with shaders. */
-static bool try_library(const char *library, struct driver_list *out, struct error *err)
+static bool try_library(const char *library, struct driver_list *to, struct error *err)
 {
     static const char *const renderers[] = {
         NULL,        "llvmpipe",           "softpipe",
@@ -66,27 +62,36 @@ static bool try_library(const char *library, struct driver_list *out, struct err
     enum { ALL = sizeof renderers / sizeof *renderers, WITHOUT_SHADERS = 3 };
     const int n = strcmp(library, "osmesa") == 0 ? WITHOUT_SHADERS : ALL;
     for (int i = 0; i < n; i++)
-        if (!try_renderer(library, renderers[i], out, err))
+        if (!drivers_add(to, library, renderers[i], i > 0, err))
             return false;
     return true;
 }
 
-bool drivers_list(struct driver_list *out, struct error *err)
+bool drivers_list(struct driver_list *to, struct error *err)
 {
     struct error own = {.status = EXIT_AGREED};
+    char library[16];
     int n_devices = 0;
-    *out = (struct driver_list){.n = 0};
-    if (!try_library("osmesa", out, err) || !try_library("egl", out, err))
-        return false;
-    if (!process_run(count_devices, NULL, &n_devices, sizeof n_devices, &own))
+    bool done = try_library("osmesa", to, err) && try_library("egl", to, err);
+    if (done && !process_run(count_devices, NULL, &n_devices, sizeof n_devices, &own))
         n_devices = 0;
-    for (int i = 0; i < n_devices; i++) {
-        char library[16];
+    for (int i = 0; i < n_devices && done; i++) {
         snprintf(library, sizeof library, "egl:%d", i);
-        if (!try_library(library, out, err))
-            return false;
+        done = try_library(library, to, err);
     }
-    return true;
+    return done;
+}
+
+void driver_options(const struct listed_driver *driver, char out[64])
+{
+    snprintf(out, 64, "--gl %s%s%s", driver->library, driver->renderer ? " --renderer " : "",
+             driver->renderer ? driver->renderer : "");
+}
+
+const char *driver_profile(const struct listed_driver *driver)
+{
+    const struct driver *known = driver_of(driver->is.names.renderer);
+    return !driver->usable ? "" : known == driver_of(NULL) ? "measured" : known->name;
 }
 
 /* ---- the command ---- */
@@ -104,45 +109,6 @@ static bool measure(void *context, void *out, struct error *err)
     return done;
 }
 
-/* Returns the profile by which a render judges a driver. */
-static const char *profile_of(const struct context_description *is)
-{
-    const struct driver *known = driver_of(is->names.renderer);
-    return known == driver_of(NULL) ? "measured" : known->name;
-}
-
-/* Prints the options, and what they choose; what was measured (NULL: nothing), and the bounds of a
- * driver that does so. */
-static void print_driver(const struct listed_driver *driver, const struct traits *traits,
-                         struct json *json)
-{
-    const struct context_description *is = &driver->is;
-    struct printed *to = &json->printed;
-    struct driver profile;
-    struct error refused = {.status = EXIT_AGREED};
-    char words[DRIVER_WORDS];
-    print(to, "--gl %s%s%s\n", driver->library, driver->renderer ? " --renderer " : "",
-          driver->renderer ? driver->renderer : "");
-    if (!driver->usable) {
-        print(to, "  cannot draw: %s\n", driver->reason);
-        return;
-    }
-    print(to,
-          "  renderer        %s, by %s\n  version         %s, of %s\n  profile         %s\n"
-          "  largest         %d x %d pixels, textures of %d x %d texels\n",
-          is->names.renderer, is->names.library, is->names.version, is->vendor, profile_of(is),
-          is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
-          is->largest_texture);
-    if (!traits)
-        return;
-    traits_print(traits, to);
-    const bool bounded = traits_profile(traits, &profile, &refused);
-    if (bounded)
-        driver_print(&profile, words);
-    print(to, "  bounds          %s%s\n",
-          bounded ? "" : "none: ", bounded ? words : error_words(&refused));
-}
-
 static void json_bounds(const struct driver *of, struct json *json)
 {
     json_open(json, "measured_bounds", '{');
@@ -156,33 +122,56 @@ static void json_bounds(const struct driver *of, struct json *json)
     json_close(json, '}');
 }
 
-static void json_driver(const struct listed_driver *driver, const struct traits *traits,
-                        struct json *json)
+/* Puts the bounds of a driver that draws as was measured, or why there are none. */
+static void put_bounds(const struct traits *traits, struct json *json)
 {
-    const struct context_description *is = &driver->is;
     struct driver profile;
     struct error refused = {.status = EXIT_AGREED};
-    json_open(json, NULL, '{');
-    json_string(json, "gl", driver->library);
-    json_string(json, "renderer", driver->renderer);
-    json_truth(json, "usable", driver->usable);
-    json_string(json, "reason", driver->usable ? NULL : driver->reason);
+    char words[DRIVER_WORDS];
+    const bool bounded = traits_profile(traits, &profile, &refused);
+    if (bounded)
+        driver_print(&profile, words);
+    if (json->words) {
+        print(&json->printed, "  bounds          %s%s\n",
+              bounded ? "" : "none: ", bounded ? words : error_words(&refused));
+        return;
+    }
+    json_string(json, "cannot_be_checked", bounded ? NULL : error_words(&refused));
+    if (bounded)
+        json_bounds(&profile, json);
+}
+
+/* Puts the options, and what they choose; and what was measured (NULL: nothing). */
+static void put_driver(const struct listed_driver *driver, const struct traits *traits,
+                       struct json *json)
+{
+    const struct context_description *is = &driver->is;
+    char options[64];
+    driver_options(driver, options);
+    json_open(json, json->words ? options : NULL, '{');
+    if (!json->words) {
+        json_string(json, "gl", driver->library);
+        json_string(json, "renderer", driver->renderer);
+        json_truth(json, "usable", driver->usable);
+    }
+    json_string(json, json->words ? "cannot_draw" : "reason",
+                driver->usable ? NULL : driver->reason);
     if (driver->usable) {
         json_string(json, "gl_library", is->names.library);
         json_string(json, "gl_vendor", is->vendor);
         json_string(json, "gl_renderer", is->names.renderer);
         json_string(json, "gl_version", is->names.version);
-        json_string(json, "driver_profile", profile_of(is));
+        json_string(json, "driver_profile", driver_profile(driver));
         json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
     }
     if (traits) {
-        const bool bounded = traits_profile(traits, &profile, &refused);
-        traits_json(traits, json);
-        json_string(json, "cannot_be_checked", bounded ? NULL : error_words(&refused));
-        if (bounded)
-            json_bounds(&profile, json);
+        if (json->words)
+            traits_print(traits, &json->printed);
+        else
+            traits_json(traits, json);
+        put_bounds(traits, json);
     }
     json_close(json, '}');
 }
@@ -190,11 +179,12 @@ static void json_driver(const struct listed_driver *driver, const struct traits 
 static bool run_drivers(struct options *options, struct error *err)
 {
     const struct drivers_options *own = options->own;
-    struct driver_list drivers;
+    struct driver_list drivers = {.n = 0};
     struct json json;
     bool usable = false, done = drivers_list(&drivers, err);
     (options->json ? json_begin : words_begin)(&json);
-    json_open(&json, "drivers", '[');
+    if (!json.words)
+        json_open(&json, "drivers", '[');
     for (int i = 0; done && i < drivers.n; i++) {
         struct listed_driver *driver = &drivers.list[i];
         struct traits traits;
@@ -202,7 +192,7 @@ static bool run_drivers(struct options *options, struct error *err)
         done = !measured || process_run(measure, driver, &traits, sizeof traits, err);
         usable = usable || driver->usable;
         if (done)
-            (options->json ? json_driver : print_driver)(driver, measured ? &traits : NULL, &json);
+            put_driver(driver, measured ? &traits : NULL, &json);
     }
     json_close(&json, ']');
     if (!done)
@@ -216,9 +206,9 @@ static const struct option drivers_rows[] = {
     {"--measure", "measures what each one does where OpenGL leaves it free",
      OWN(FLAG, drivers_options, measure)},
 };
-static const struct option_list driver_options = OPTION_LIST(drivers_rows);
-static const struct option_list *const lists[] = {&driver_options, &json_option, &common_options,
-                                                  NULL};
+static const struct option_list drivers_options_list = OPTION_LIST(drivers_rows);
+static const struct option_list *const lists[] = {&drivers_options_list, &json_option,
+                                                  &common_options, NULL};
 const struct command drivers_command = {
     .name = "drivers",
     .operands = "[--measure] [--json FILE]",

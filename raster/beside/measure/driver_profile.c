@@ -16,7 +16,32 @@ static const double most_depth_steps = 1.5;
  * bounds of lighting count at least 6 roundings. */
 static const double most_lighting = 16;
 
-/* ---- the profile ---- */
+/* ---- what was measured, in words ---- */
+
+static const char *const side_names[SIDES] = {"left", "right", "top", "bottom"};
+
+enum { ROWS = 12 };
+/* A row of the table of traits. */
+struct trait {
+    const char *name, *allowed; /* by the specification, or by what bounds can cover */
+    bool is_allowed;
+    char measured[96];
+};
+
+static void add_row(struct trait **next, const char *name, const char *allowed, bool is_allowed,
+                    const char *format, ...) PRINTF_LIKE(5, 6);
+static void add_row(struct trait **next, const char *name, const char *allowed, bool is_allowed,
+                    const char *format, ...)
+{
+    struct trait *row = (*next)++;
+    va_list values;
+    va_start(values, format);
+    vsnprintf(row->measured, sizeof row->measured, format, values);
+    va_end(values);
+    row->name = name;
+    row->allowed = allowed;
+    row->is_allowed = is_allowed;
+}
 
 /* The least power of two that is not smaller; 0 where single precision explains the error. */
 static double grid_of(double measured, double by_roundings)
@@ -29,12 +54,13 @@ static double grid_of(double measured, double by_roundings)
     return grid;
 }
 
-/* A measured maximum is not the largest there is: twice as much, as a power of two. */
-static double lighting_of(const struct traits *traits)
+/* Normals, their product with the light, and its length: see eye_normal and cosine_between. */
+static const double roundings_of_normals = 26;
+
+/* Returns how many times Mesa's the bounds of lighting are, where errors are so many times them. A
+ * measured maximum is not the largest there is: twice as much, as a power of two. */
+static double lighting_of(double ratio)
 {
-    /* normals, their product with the light, and its length: see eye_normal and cosine_between */
-    static const double roundings_of_normals = 26;
-    const double ratio = fmax(traits->power_ratio, traits->normal_roundings / roundings_of_normals);
     double factor = 1;
     while (factor < 2 * ratio && ratio > 0.9 && factor <= most_lighting)
         factor *= 2;
@@ -46,54 +72,62 @@ static double largest_depth_error(const struct traits *traits)
     return fmax(-traits->depth_low, traits->depth_high);
 }
 
-/* Refuses what breaks the specification in a way that no bound covers. */
-static bool check_traits(const struct traits *of, struct error *err)
+static void describe_traits(const struct traits *of, struct trait row[ROWS])
 {
-    const double depth = largest_depth_error(of);
-    return (of->edge_px <= most_px ||
-            error_failed(err, "it draws edges off by %.3g pixel; at most 1/16 is allowed",
-                         of->edge_px)) &&
-           (depth <= most_depth_steps ||
-            error_failed(err,
-                         "it stores depths off by %.4g steps of 24 bits; at most %g are allowed",
-                         depth, most_depth_steps)) &&
-           (of->provoking == 2 ||
-            error_failed(err,
-                         "it takes the colour of a flat triangle from corner %d; "
-                         "the last one is required",
-                         of->provoking + 1)) &&
-           (!of->clamps ||
-            error_failed(err, "it clamps colours although clamps are switched off")) &&
-           (of->varying_pixels == 0 ||
-            error_failed(
-                err,
-                "its passes do not show the same triangles: %ld of %ld pixels differ between "
-                "flat and lit ones",
-                of->varying_pixels, of->seen_pixels)) &&
-           (of->value_px <= most_px ||
-            error_failed(
-                err,
-                "it interpolates values as if corners were off by %.3g pixel; at most 1/16 is "
-                "allowed",
-                of->value_px)) &&
-           (of->filter_texels <= most_filter_texels ||
-            error_failed(err,
-                         "its weights of linear filtering are off by %.3g; at most 1/16 is bounded",
-                         of->filter_texels)) &&
-           (lighting_of(of) <= most_lighting ||
-            error_failed(
-                err,
-                "its lighting is off by %.3g of a highlight and %.3g roundings of a cosine; 1 "
-                "part in 100000 is allowed",
-                of->power_error, of->normal_roundings));
+    static const char *const corners[3] = {"first", "second", "last"};
+    char sides[64] = "";
+    for (size_t i = 0, length = 0; i < SIDES; i++)
+        if (of->draws[i])
+            length += (size_t)snprintf(sides + length, sizeof sides - length, "%s%s",
+                                       length ? ", " : "", side_names[i]);
+    add_row(&row, "edges", "1/16", of->edge_px <= most_px,
+            "off by %.3g pixel (GL_SUBPIXEL_BITS %d)", of->edge_px, of->subpixel_bits);
+    add_row(&row, "centres on edges", "any rule", true, "%s; %ld of %ld not so", sides,
+            of->odd_centres, of->centres);
+    add_row(&row, "shared edges", "0, 0", true, "%ld holes, %ld doubles in %ld pixels", of->holes,
+            of->doubles, of->shared_pixels);
+    add_row(&row, "without area", "no rule", true, "%ld pixels, %ld not finite, %ld shown",
+            of->sliver_pixels, of->undefined_pixels, of->shown_pixels);
+    add_row(&row, "depth", "-1.5 to 1.5 of 24 bits", largest_depth_error(of) <= most_depth_steps,
+            "%+.2f to %+.2f steps (GL_DEPTH_BITS %d)", of->depth_low, of->depth_high,
+            of->depth_bits);
+    add_row(&row, "flat colour", "last", of->provoking == 2, "of the %s corner",
+            corners[of->provoking]);
+    add_row(&row, "colours above 1", "kept", !of->clamps, "%s", of->clamps ? "clamped" : "kept");
+    add_row(&row, "values in triangles", "1/16", of->value_px <= most_px,
+            "as of corners off by %.2g pixel", of->value_px);
+    add_row(&row, "linear filtering", "no rule; bounded to 1/16",
+            of->filter_texels <= most_filter_texels, "weights off by %.3g", of->filter_texels);
+    add_row(&row, "highlights", "1e-05 an operation", lighting_of(of->power_ratio) <= most_lighting,
+            "off by %.2g, %.2g of the bound of Mesa's", of->power_error, of->power_ratio);
+    add_row(&row, "normals", "1e-05 an operation",
+            lighting_of(of->normal_roundings / roundings_of_normals) <= most_lighting,
+            "off by %.2g roundings", of->normal_roundings);
+    add_row(&row, "flat and lit passes", "0", of->varying_pixels == 0, "%ld of %ld pixels differ",
+            of->varying_pixels, of->seen_pixels);
 }
+
+void traits_print(const struct traits *of, struct printed *to)
+{
+    struct trait rows[ROWS];
+    describe_traits(of, rows);
+    print(to, "  %-24s %-44s %s\n", "measured", "", "allowed");
+    for (int i = 0; i < ROWS; i++)
+        print(to, "    %-22s %-44s %s\n", rows[i].name, rows[i].measured, rows[i].allowed);
+}
+
+/* ---- the profile ---- */
 
 bool traits_profile(const struct traits *traits, struct driver *out, struct error *err)
 {
     const struct driver *most = driver_of(NULL);
+    struct trait rows[ROWS];
     *out = *most;
-    if (!check_traits(traits, err))
-        return false;
+    describe_traits(traits, rows);
+    for (int i = 0; i < ROWS; i++)
+        if (!rows[i].is_allowed)
+            return error_failed(err, "%s: %s; allowed: %s", rows[i].name, rows[i].measured,
+                                rows[i].allowed);
     out->name = "measured";
     out->is_measured = true;
     out->grid_px = grid_of(traits->edge_px, roundings(most->edge_roundings) * TARGET);
@@ -105,7 +139,8 @@ bool traits_profile(const struct traits *traits, struct driver *out, struct erro
      * the set-up. */
     out->corner_px = grid_of(traits->value_px, roundings(16) * 3 * TARGET);
     out->filter_texels = grid_of(traits->filter_texels, roundings(32));
-    out->lighting = lighting_of(traits);
+    out->lighting =
+        lighting_of(fmax(traits->power_ratio, traits->normal_roundings / roundings_of_normals));
     out->watertight = traits->holes == 0 && traits->doubles == 0;
     const bool *draws = traits->draws, left_bottom = draws[SIDE_LEFT] && draws[SIDE_BOTTOM] &&
                                                      !draws[SIDE_RIGHT] && !draws[SIDE_TOP] &&
@@ -114,53 +149,7 @@ bool traits_profile(const struct traits *traits, struct driver *out, struct erro
     return true;
 }
 
-/* ---- the table ---- */
-
-static const char *const side_names[SIDES] = {"left", "right", "top", "bottom"};
-
-/* One row: a trait, its measurement, and the rule. */
-static void print_row(struct printed *to, const char *trait, const char *allowed,
-                      const char *format, ...) PRINTF_LIKE(4, 5);
-static void print_row(struct printed *to, const char *trait, const char *allowed,
-                      const char *format, ...)
-{
-    char measured[128];
-    va_list values;
-    va_start(values, format);
-    vsnprintf(measured, sizeof measured, format, values);
-    va_end(values);
-    print(to, "    %-22s %-44s %s\n", trait, measured, allowed);
-}
-
-void traits_print(const struct traits *of, struct printed *to)
-{
-    static const char *const corners[3] = {"first", "second", "last"};
-    char sides[64] = "";
-    for (size_t i = 0, length = 0; i < SIDES; i++)
-        if (of->draws[i])
-            length += (size_t)snprintf(sides + length, sizeof sides - length, "%s%s",
-                                       length ? ", " : "", side_names[i]);
-    print(to, "  %-24s %-44s %s\n", "measured", "", "allowed");
-    print_row(to, "edges", "1/16", "off by %.3g pixel (GL_SUBPIXEL_BITS %d)", of->edge_px,
-              of->subpixel_bits);
-    print_row(to, "centres on edges", "any rule", "%s; %ld of %ld not so", sides, of->odd_centres,
-              of->centres);
-    print_row(to, "shared edges", "0, 0", "%ld holes, %ld doubles in %ld pixels", of->holes,
-              of->doubles, of->shared_pixels);
-    print_row(to, "without area", "no rule", "%ld pixels, %ld not finite, %ld shown",
-              of->sliver_pixels, of->undefined_pixels, of->shown_pixels);
-    print_row(to, "depth", "-1.5 to 1.5 of 24 bits", "%+.2f to %+.2f steps (GL_DEPTH_BITS %d)",
-              of->depth_low, of->depth_high, of->depth_bits);
-    print_row(to, "flat colour", "last", "of the %s corner", corners[of->provoking]);
-    print_row(to, "colours above 1", "kept", "%s", of->clamps ? "clamped" : "kept");
-    print_row(to, "values in triangles", "1/16", "as of corners off by %.2g pixel", of->value_px);
-    print_row(to, "linear filtering", "no rule", "weights off by %.3g", of->filter_texels);
-    print_row(to, "highlights", "1e-05 an operation", "off by %.2g, %.2g of the bound of Mesa's",
-              of->power_error, of->power_ratio);
-    print_row(to, "normals", "1e-05 an operation", "off by %.2g roundings", of->normal_roundings);
-    print_row(to, "flat and lit passes", "0", "%ld of %ld pixels differ", of->varying_pixels,
-              of->seen_pixels);
-}
+/* ---- as JSON ---- */
 
 void traits_json(const struct traits *traits, struct json *json)
 {

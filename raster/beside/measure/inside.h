@@ -36,8 +36,8 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
 
 /* ---- driver_profile.c ---- */
 
-/* Makes the profile. Fails, with the reason as "it ...", where the specification does not allow
- * what was measured, or no bound covers it. */
+/* Makes the profile. Fails, with the row of the table as reason, where the specification does not
+ * allow what was measured, or no bound covers it. */
 bool traits_profile(const struct traits *traits, struct driver *out, struct error *err);
 /* Prints what was measured beside what the specification allows. */
 void traits_print(const struct traits *traits, struct printed *to);

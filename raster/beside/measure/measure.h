@@ -26,8 +26,8 @@ extern const struct command drivers_command;
 /* A library and a driver, as the options --gl and --renderer name them. */
 struct listed_driver {
     char library[16];
-    const char *renderer; /* NULL: the one that comes without --renderer */
-    bool usable;
+    const char *renderer;          /* NULL: the one that comes without --renderer */
+    bool usable, again;            /* again: an earlier one of the list is the same OpenGL */
     struct context_description is; /* if it is usable */
     char reason[512];              /* why it is not, in a line */
 };
@@ -35,9 +35,17 @@ struct driver_list {
     struct listed_driver *list; /* owned */
     int n;
 };
-/* Tries OSMesa, EGL, and each of EGL's devices, with each driver of Mesa's, with and without
- * shaders, in processes of their own. Leaves out a driver that a library does not have, or has
- * without being asked for it. The caller always frees the list. */
-bool drivers_list(struct driver_list *out, struct error *err);
+/* Adds a library with a choice of --renderer, which it tries in a process of its own. `new_only`:
+ * leaves out a driver that the library does not have, or has in the list by another choice. */
+bool drivers_add(struct driver_list *to, const char *library, const char *renderer, bool new_only,
+                 struct error *err);
+/* Adds OSMesa, EGL, and each of EGL's devices, with each driver of Mesa's, with and without
+ * shaders, but none twice. The caller always frees the list. */
+bool drivers_list(struct driver_list *to, struct error *err);
+/* Writes the options: "--gl egl --renderer softpipe". */
+void driver_options(const struct listed_driver *driver, char out[64]);
+/* Returns the name of the profile by which a render judges a driver; "" for one that is not usable.
+ */
+const char *driver_profile(const struct listed_driver *driver);
 
 #endif

@@ -14,41 +14,20 @@ struct verify_options {
 
 /* ---- drivers ---- */
 
-static bool add_driver(struct verification *to, const char *library, const char *renderer,
-                       struct error *err)
-{
-    struct verify_driver driver = {.renderer = renderer};
-    snprintf(driver.library, sizeof driver.library, "%s", library);
-    return array_add(&to->drivers, &to->n_drivers, &driver, sizeof driver, err);
-}
-
-/* Returns whether an earlier driver of the list is the same one, by another option. */
-static bool is_listed(const struct driver_list *drivers, int index)
-{
-    const struct listed_driver *listed = &drivers->list[index];
-    const char *driver;
-    for (int i = 0; i < index; i++) {
-        const struct listed_driver *other = &drivers->list[i];
-        if (other->usable && strcmp(other->is.names.library, listed->is.names.library) == 0 &&
-            strcmp(other->is.names.renderer, listed->is.names.renderer) == 0 &&
-            strcmp(other->is.names.version, listed->is.names.version) == 0 &&
-            driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
-            return true;
-    }
-    return false;
-}
-
+/* An OpenGL that the options name is verified even where it cannot draw: each picture then fails.
+ */
 static bool find_drivers(const struct options *options, struct verification *out, struct error *err)
 {
     const struct verify_options *own = options->own;
-    struct driver_list drivers = {.n = 0};
-    if (own->render.gl || own->render.renderer)
-        return add_driver(out, own->render.gl ? own->render.gl : "auto", own->render.renderer, err);
-    bool done = drivers_list(&drivers, err);
-    for (int i = 0; i < drivers.n && done; i++)
-        if (drivers.list[i].usable && !is_listed(&drivers, i))
-            done = add_driver(out, drivers.list[i].library, drivers.list[i].renderer, err);
-    free(drivers.list);
+    const bool named = own->render.gl || own->render.renderer;
+    struct driver_list found = {.n = 0};
+    const bool done = named ? drivers_add(&found, own->render.gl ? own->render.gl : "auto",
+                                          own->render.renderer, false, err)
+                            : drivers_list(&found, err);
+    out->drivers = found.list;
+    for (int i = 0; i < found.n; i++)
+        if (named || (found.list[i].usable && !found.list[i].again))
+            out->drivers[out->n_drivers++] = found.list[i];
     return done && (out->n_drivers > 0 ||
                     error_unsupported(err, "no OpenGL can draw here; spectral drivers prints why"));
 }
@@ -68,40 +47,34 @@ static bool add_scene(struct verification *to, const struct verify_scene *scene,
     return false;
 }
 
-/* Adds a built-in file if it is a scene of that kind; NULL: any name will do. */
-static bool add_file(struct verification *to, const struct builtin_file *file, bool hard,
-                     const char *wanted, struct error *err)
+/* Adds the built-in scenes that a word names, and then the hard cases: by their names, or all of
+ * them by "hard"; NULL: names all. */
+static bool add_builtin(struct verification *to, const char *word, struct error *err)
 {
-    struct verify_scene scene = {.is_hard = hard, .is_large = !hard};
-    char name[BUILTIN_NAME];
-    if (!builtin_name(file, hard ? "hard/" : "scenes/", ".scene", name) ||
-        (wanted && strcmp(name, wanted) != 0))
-        return true;
-    snprintf(scene.name, sizeof scene.name, "%s%.*s", hard ? "hard/" : "", BUILTIN_NAME - 6, name);
-    char path[sizeof BUILTIN_PREFIX + BUILTIN_NAME];
-    snprintf(path, sizeof path, "%s%s", BUILTIN_PREFIX, file->name);
-    return add_scene(to, &scene, hard ? path : name, err);
-}
-
-static bool add_builtin(struct verification *to, bool hard, const char *wanted, struct error *err)
-{
-    for (size_t i = 0; i < builtin_file_count; i++)
-        if (!add_file(to, &builtin_files[i], hard, wanted, err))
+    char name[BUILTIN_NAME], path[sizeof BUILTIN_PREFIX + BUILTIN_NAME];
+    for (size_t i = 0; i < 2 * builtin_file_count; i++) {
+        const bool hard = i >= builtin_file_count;
+        const struct builtin_file *file = &builtin_files[i % builtin_file_count];
+        struct verify_scene scene = {.is_hard = hard, .is_large = !hard};
+        if (!builtin_name(file, hard ? "hard/" : "scenes/", ".scene", name))
+            continue;
+        snprintf(scene.name, sizeof scene.name, "%s%.*s", hard ? "hard/" : "", BUILTIN_NAME - 6,
+                 name);
+        snprintf(path, sizeof path, "%s%s", BUILTIN_PREFIX, file->name);
+        if ((!word || strcmp(word, scene.name) == 0 || (hard && strcmp(word, "hard") == 0)) &&
+            !add_scene(to, &scene, hard ? path : name, err))
             return false;
+    }
     return true;
 }
 
-/* Adds the scenes that a word names: "hard", all of these cases; "hard/NAME", one of them; a
- * built-in scene; or a file. */
+/* Adds the scenes that a word names: built-in ones, or a file. */
 static bool add_named(struct verification *to, const char *word, struct error *err)
 {
     const int before = to->n_scenes;
     const size_t length = strlen(word);
     struct verify_scene scene = {.is_hard = false};
-    if (strcmp(word, "hard") == 0)
-        return add_builtin(to, true, NULL, err);
-    if (!add_builtin(to, false, word, err) ||
-        (strncmp(word, "hard/", 5) == 0 && !add_builtin(to, true, word + 5, err)))
+    if (!add_builtin(to, word, err))
         return false;
     if (to->n_scenes > before)
         return true;
@@ -120,9 +93,7 @@ static bool verification_open(const struct options *options, struct verification
     for (int i = 0; i < n_named; i++)
         if (!add_named(out, options->operands[i], err))
             return false;
-    if ((n_named == 0 &&
-         (!add_builtin(out, false, NULL, err) || !add_builtin(out, true, NULL, err))) ||
-        !find_drivers(options, out, err))
+    if ((n_named == 0 && !add_builtin(out, NULL, err)) || !find_drivers(options, out, err))
         return false;
     const size_t n = (size_t)out->n_drivers * (size_t)out->n_scenes;
     return MAKE_ARRAY(out->results, n, err, "the results of %zu pictures", n);
@@ -151,12 +122,6 @@ struct totals totals_of(const struct verify_result *results, int n)
     return totals;
 }
 
-void driver_options(const struct verify_driver *driver, char out[64])
-{
-    snprintf(out, 64, " --gl %s%s%s", driver->library, driver->renderer ? " --renderer " : "",
-             driver->renderer ? driver->renderer : "");
-}
-
 /* ---- one scene on one driver ---- */
 
 const char usual_size[] = "300x200", usual_wavelengths[] = "400:700:10";
@@ -164,7 +129,7 @@ const char *const verify_words[] = {"agreed", "differs", "not verified", "failed
 
 struct task {
     const struct options *options;
-    const struct verify_driver *driver;
+    const struct listed_driver *driver;
     const struct verify_scene *scene;
 };
 
@@ -174,8 +139,6 @@ static void take(const struct plan *plan, const struct render_result *result,
 {
     struct error words = {.status = EXIT_AGREED};
     out->check = result->check;
-    out->names = result->names;
-    snprintf(out->profile, sizeof out->profile, "%s", result->driver.name);
     out->outcome = (int)check_outcome(&result->check);
     if (out->outcome == VERIFY_AGREED)
         return;
@@ -248,15 +211,10 @@ static bool run_all(const struct options *options, struct verification *of, stru
     const double start = clock_seconds();
     const int n = of->n_drivers * of->n_scenes;
     for (int i = 0; i < n; i++) {
-        struct verify_driver *driver = &of->drivers[i / of->n_scenes];
         struct verify_result *result = &of->results[i];
-        struct task task = {options, driver, &of->scenes[i % of->n_scenes]};
+        struct task task = {options, &of->drivers[i / of->n_scenes], &of->scenes[i % of->n_scenes]};
         if (!verify_run(&task, result, err))
             return false;
-        if (result->outcome != VERIFY_FAILED) {
-            driver->names = result->names;
-            memcpy(driver->profile, result->profile, sizeof driver->profile);
-        }
         if (shown)
             progress_show(&line, i + 1, n);
     }

@@ -31,13 +31,6 @@ bool export_plan(const struct plan *plan, const char *path, struct error *err);
 
 /* ---- command.c ---- */
 
-/* A driver, as the options --gl and --renderer name it. */
-struct verify_driver {
-    char library[16];
-    const char *renderer;        /* NULL: the one that comes without --renderer */
-    struct renderer_names names; /* known when a scene was drawn */
-    char profile[16];            /* whose bounds the check uses; likewise */
-};
 enum { /* those of a check; or no picture was drawn */
        VERIFY_AGREED = OUTCOME_AGREED,
        VERIFY_DIFFERS = OUTCOME_DIFFERS,
@@ -50,8 +43,6 @@ extern const char *const verify_words[]; /* of these outcomes */
 struct verify_result {
     int outcome;
     struct check_verdict check;
-    struct renderer_names names;
-    char profile[16];
     double seconds;
     char text[1024]; /* a line: the first pixel that differs, or why there is no verdict; empty: it
                         agrees */
@@ -67,7 +58,7 @@ struct verify_scene {
 extern const char usual_size[], usual_wavelengths[];
 
 struct verification {
-    struct verify_driver *drivers;
+    struct listed_driver *drivers; /* see raster/beside/measure */
     struct verify_scene *scenes;
     struct verify_result *results; /* [driver][scene] */
     int n_drivers, n_scenes;
@@ -80,8 +71,6 @@ struct totals {
     double seconds;
 };
 struct totals totals_of(const struct verify_result *results, int n);
-/* Writes the driver's options: " --gl egl --renderer softpipe". */
-void driver_options(const struct verify_driver *driver, char out[64]);
 
 /* ---- tables.c ---- */
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/inside.h"
 
 /* ---- the table ---- */
@@ -68,15 +69,15 @@ static int count_agreed(const struct verification *of, int driver)
 
 static void print_driver(const struct verification *of, int driver, struct printed *to)
 {
-    const struct verify_driver *by = &of->drivers[driver];
+    const struct listed_driver *by = &of->drivers[driver];
     struct verify_result sum = {.outcome = VERIFY_AGREED};
     char options[64], name[40];
     int n = 0;
     driver_options(by, options);
-    print(to, "%s", options + 1);
-    if (by->names.renderer[0])
-        print(to, ": %s, %s, by %s, bounds of %s", by->names.renderer, by->names.version,
-              by->names.library, by->profile);
+    print(to, "%s", options);
+    if (by->is.names.renderer[0])
+        print(to, ": %s, %s, by %s, bounds of %s", by->is.names.renderer, by->is.names.version,
+              by->is.names.library, driver_profile(by));
     print(to, "\n  %-28s %-13s %9s %9s %6s %6s %6s %9s %8s\n", "scene", "verdict", "floor",
           "99.9 %", "% to 1", "8", "256", "pixels", "seconds");
     for (int s = 0; s < of->n_scenes; s++) {
@@ -118,7 +119,7 @@ void verify_print_failures(const struct verification *of, const struct options *
             driver_options(&of->drivers[d], by);
             print_text(to, "  spectral render");
             print_shell(to, of->scenes[s].path);
-            print(to, " -o /dev/null%s", by);
+            print(to, " -o /dev/null %s", by);
             if (of->scenes[s].is_large)
                 print(to, " --wavelengths %s --size %s", usual_wavelengths, usual_size);
             for (int i = 0; i < options->n_recorded; i++) { /* all but those of the driver */
@@ -165,14 +166,14 @@ void verify_json(const struct verification *of, struct json *json)
     json_string(json, "program", PROGRAM);
     json_open(json, "drivers", '[');
     for (int d = 0; d < of->n_drivers; d++) {
-        const struct verify_driver *by = &of->drivers[d];
+        const struct listed_driver *by = &of->drivers[d];
         json_open(json, NULL, '{');
         json_string(json, "gl", by->library);
         json_string(json, "renderer", by->renderer);
-        json_string(json, "gl_library", by->names.library);
-        json_string(json, "gl_renderer", by->names.renderer);
-        json_string(json, "gl_version", by->names.version);
-        json_string(json, "driver_profile", by->profile);
+        json_string(json, "gl_library", by->is.names.library);
+        json_string(json, "gl_renderer", by->is.names.renderer);
+        json_string(json, "gl_version", by->is.names.version);
+        json_string(json, "driver_profile", driver_profile(by));
         json_count(json, "agreed", (uint64_t)count_agreed(of, d));
         json_open(json, "scenes", '[');
         for (int s = 0; s < of->n_scenes; s++)
@@ -194,13 +195,14 @@ static void print_attribute(struct printed *to, const char *name, const char *va
     print_text(to, "\"");
 }
 
-static void print_case(const struct verify_driver *by, const char *scene,
+static void print_case(const struct listed_driver *by, const char *scene,
                        const struct verify_result *result, struct printed *to)
 {
     const bool failed = result->outcome == VERIFY_FAILED;
     print_text(to, "    <testcase");
     print_attribute(to, "name", scene);
-    print_attribute(to, "classname", by->names.renderer[0] ? by->names.renderer : by->library);
+    print_attribute(to, "classname",
+                    by->is.names.renderer[0] ? by->is.names.renderer : by->library);
     print(to, " time=\"%.3f\"", result->seconds);
     if (result->outcome == VERIFY_AGREED) {
         print_text(to, "/>\n");
@@ -223,18 +225,18 @@ static void print_counts(const struct verify_result *results, int n, struct prin
 
 static void print_suite(const struct verification *of, int driver, struct printed *to)
 {
-    const struct verify_driver *by = &of->drivers[driver];
+    const struct listed_driver *by = &of->drivers[driver];
     char options[64];
     driver_options(by, options);
     print_text(to, "  <testsuite");
-    print_attribute(to, "name", options + 1);
+    print_attribute(to, "name", options);
     print_counts(result_of(of, driver, 0), of->n_scenes, to);
     print_text(to, "    <properties>\n");
     const char *const properties[][2] = {{"program", PROGRAM},
-                                         {"gl_library", by->names.library},
-                                         {"gl_renderer", by->names.renderer},
-                                         {"gl_version", by->names.version},
-                                         {"driver_profile", by->profile}};
+                                         {"gl_library", by->is.names.library},
+                                         {"gl_renderer", by->is.names.renderer},
+                                         {"gl_version", by->is.names.version},
+                                         {"driver_profile", driver_profile(by)}};
     for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
         print_text(to, "      <property");
         print_attribute(to, "name", properties[i][0]);

@@ -98,30 +98,62 @@ static void rivals(void)
 
 /* ---- configurations ---- */
 
+static const struct cost_entry *named(const struct cost *cost, const char *name)
+{
+    for (int i = 0; i < cost->n; i++)
+        if (strcmp(cost->entries[i].name, name) == 0)
+            return &cost->entries[i];
+    return NULL;
+}
+
+/* Entries as they are added without any measurement: the chosen sampling is that of the scene. */
+static void configurations(void)
+{
+    static struct cost_entry entries[MAX_CONFIGURATIONS];
+    struct cost cost = {.entries = entries, .positions = 4, .tessellated = true, .shaded = true};
+    configurations_first(&cost);
+    entries[1].accuracy.rank = 3;
+    configurations_samplings(&cost);
+    const int n = cost.n;
+    configurations_samplings(&cost);
+    CHECK(cost.n == n, "nothing is added twice");
+    CHECK(named(&cost, "basis:2 phong x4") && named(&cost, "basis:3 phong x4") &&
+              !named(&cost, "basis:4 phong x4"),
+          "a basis has at most as many components as the products");
+    CHECK(named(&cost, "gauss:12 phong x4") && !named(&cost, "adaptive:0.1 phong x4"),
+          "without peaks the light is smooth");
+    configurations_styles(&cost);
+    CHECK(named(&cost, "own wavelengths flat x2") && named(&cost, "accuracy:0.5 smooth") &&
+              named(&cost, "own wavelengths phong x4 depth 32f"),
+          "styles, accuracies and depths are named");
+    CHECK(named(&cost, "own wavelengths smooth samples 2") &&
+              !named(&cost, "own wavelengths smooth samples 4"),
+          "fewer positions than those asked for are tried");
+}
+
 static void words(void)
 {
     struct error err = {.status = EXIT_AGREED};
-    struct cost_entry seen = {.n_words = 0};
-    const struct cost cost = {.survey = {.observer = "cie1931"}};
-    const struct configuration configuration = {.sampling = "gauss:8,open",
-                                                .shading = SHADING_SMOOTH,
-                                                .tessellation = 2,
-                                                .renderer = BY_CHECKED_LLVMPIPE,
-                                                .buffer_bits = 16,
-                                                .bits = 32};
-    static const char *const expected[] = {
-        "--sampling=gauss:8,open", "--detector=cie1964", "--shading=smooth", "--tessellation=2",
-        "--renderer=llvmpipe",     "--buffer=16",        "--depth=32f"};
-    CHECK(configuration_entry(&configuration, "cie1964", &seen, &err) && seen.n_words == 7,
-          "a configuration with every option has seven words, without --no-check");
-    for (int i = 0; i < seen.n_words && i < 7; i++)
+    struct cost_entry seen = {.sampling = "gauss:8,open",
+                              .options = "--shading=smooth --renderer=llvmpipe --depth=32f"};
+    static const char *const expected[] = {"--sampling=gauss:8,open", "--detector=my observer",
+                                           "--shading=smooth", "--renderer=llvmpipe",
+                                           "--depth=32f"};
+    CHECK(entry_words(&seen, "my observer", &err) && seen.n_words == 5,
+          "a configuration has a word for each option");
+    for (int i = 0; i < seen.n_words && i < 5; i++)
         CHECK_TEXT(seen.words[i], expected[i], "word %d is %s", i + 1, expected[i]);
-    CHECK_TEXT(seen.name, "gauss:8,open smooth x2 llvmpipe checked buffer 16 depth 32f",
-               "its name contains all its options");
     cost_entry_free(&seen);
-    CHECK(configuration_standard(&cost, &seen, &err) && seen.n_words == 7,
+    seen = (struct cost_entry){.sampling = "accuracy:0.5"};
+    CHECK(entry_words(&seen, "cie1931", &err) && seen.n_words == 1,
           "the default observer adds no word");
-    CHECK_TEXT(seen.words[6], "--full-scale=65535",
+    CHECK_TEXT(seen.words[0], "--accuracy=0.5", "an accuracy is no sampling");
+    cost_entry_free(&seen);
+    seen = standard_entry(&(struct cost){.positions = 2});
+    CHECK(entry_words(&seen, "cie1931", &err) && seen.n_words == 8,
+          "the standard has eight words, without an observer");
+    CHECK_TEXT(seen.words[5], "--samples=4", "the standard has twice as many positions");
+    CHECK_TEXT(seen.words[7], "--full-scale=65535",
                "the reference has a full scale, so that phong shading is never refused");
     cost_entry_free(&seen);
 }
@@ -132,8 +164,10 @@ static void csv(void)
     struct cost_entry entries[] = {entry(1, 2, 3, 0.1)};
     struct cost cost = {.entries = entries, .n = 1};
     struct error err = {.status = EXIT_AGREED};
-    const struct configuration configuration = {.sampling = "rgb", .tessellation = 1};
-    configuration_entry(&configuration, "a \"film\".csv", &entries[0], &err);
+    strcpy(entries[0].sampling, "rgb");
+    strcpy(entries[0].name, "rgb smooth");
+    strcpy(entries[0].options, "--shading=smooth --renderer=raster --no-check");
+    entry_words(&entries[0], "a \"film\".csv", &err);
     struct printed printed = {.text = NULL};
     cost_csv(&cost, &printed);
     char *text = printed_end(&printed);
@@ -150,6 +184,7 @@ int main(void)
 {
     frontier();
     rivals();
+    configurations();
     words();
     csv();
     return test_end();

@@ -16,8 +16,7 @@ static char *svg_of(const struct point *points, int n)
 {
     static struct cost_entry entries[MANY];
     static char scene[] = "cost & <accuracy>";
-    const struct cost cost = {
-        .survey = {.observer = "cie1931"}, .scene = scene, .entries = entries, .n = n};
+    const struct cost cost = {.observer = "cie1931", .scene = scene, .entries = entries, .n = n};
     for (int i = 0; i < n; i++) {
         entries[i] = (struct cost_entry){.seconds = points[i].cost,
                                          .fastest = 0.95 * points[i].cost,
@@ -28,8 +27,7 @@ static char *svg_of(const struct point *points, int n)
         snprintf(entries[i].name, sizeof entries[i].name, "%s", points[i].name);
     }
     struct printed printed = {.text = NULL};
-    struct error err = {.status = EXIT_AGREED};
-    cost_svg(&cost, &printed, &err);
+    cost_svg(&cost, &printed);
     return svg_end(&printed);
 }
 
