@@ -143,15 +143,8 @@ struct contexts {
     bool mirrored; /* the projection must turn y around for this, so that fronts go round with the
                       clock; known when a canvas is open */
     struct canvas *current;
-    /* what the library does for a canvas; by osmesa.c or egl.c */
-    const struct context_kind {
-        bool (*open)(struct canvas *canvas, struct error *err);
-        bool (*use)(struct canvas *canvas, struct error *err);
-        void (*fill)(const struct canvas *canvas);
-        void (*close)(struct canvas *canvas);
-        void (*end)(struct contexts *contexts);
-    } * kind;
-    void *own; /* of osmesa.c or egl.c; owned */
+    const struct context_kind *kind; /* NULL: no library was found */
+    void *own;                       /* of osmesa.c or egl.c; owned */
 };
 /* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
  * opens one of them. contexts_close frees *out, also after a failure. */
