@@ -25,9 +25,9 @@ bool sample_gauss_open(const struct sampling_task *task, struct error *err)
     const struct sampling *out = task->out;
     const double first_nm = out->pages.first_nm;
     struct quadrature rule;
-    if (out->method.count > out->fine.n)
+    if (task->count > out->fine.n)
         return sampling_refuse(task, out->fine.n, err);
-    quadrature_legendre(first_nm - 0.5, first_nm + out->fine.n - 0.5, out->method.count, &rule);
+    quadrature_legendre(first_nm - 0.5, first_nm + out->fine.n - 0.5, task->count, &rule);
     return one_segment(task, &rule, err);
 }
 
@@ -43,10 +43,9 @@ bool sample_gauss_detector(const struct sampling_task *task, struct error *err)
         seen[j] = sampling_seen(out, j);
         points += seen[j] != 0;
     }
-    const bool found =
-        quadrature_discrete(out->fine.nm, seen, out->fine.n, out->method.count, &rule);
+    const bool found = quadrature_discrete(out->fine.nm, seen, out->fine.n, task->count, &rule);
     free(seen);
-    if (out->method.count > points)
+    if (task->count > points)
         return sampling_refuse(task, points, err);
     return found ? one_segment(task, &rule, err)
                  : error_usage(err, "%s has no solution; take fewer samples", task->name);
@@ -81,14 +80,14 @@ static void project(const double *channels, const double *rows, int n, double ou
 static void find_functions(struct functions *out)
 {
     const struct fine_detector *fine = &out->sampling->fine;
-    const enum sampling_functions functions = out->sampling->method.functions;
+    const enum sampling_kind kind = out->sampling->method.kind;
     double matrix[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    if (functions != FUNCTIONS_XYZ)
+    if (kind != SAMPLING_GAUSS_XYZ)
         adaptation_cones(ADAPTATION_VON_KRIES, matrix);
     memcpy(out->row, fine->weights, 3 * (size_t)fine->n * sizeof *out->row);
     colour_apply_all(matrix, fine->n, out->row);
     colour_inverse(matrix, out->back);
-    if (functions == FUNCTIONS_ACC) {
+    if (kind == SAMPLING_GAUSS_ACC) {
         out->first_is_best = true;
         orthogonal_rows(out->row, 3, fine->n);
         project(fine->weights, out->row, fine->n, out->back);
@@ -123,8 +122,8 @@ static int solvable(struct functions *of, int n)
 static bool refuse_unsolvable(const struct sampling_task *task, struct functions *of,
                               struct error *err)
 {
-    const int other = solvable(of, task->out->method.count);
-    if (task->out->method.count < 3 && other > 0)
+    const int other = solvable(of, task->count);
+    if (task->count < 3 && other > 0)
         return error_usage(err, "%s: three functions need at least 3 samples; %d have a solution",
                            task->name, other);
     if (other > 0)
@@ -174,15 +173,14 @@ bool sample_gauss_functions(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
     struct functions functions = {.sampling = out};
-    if (out->method.count > out->fine.n)
+    if (task->count > out->fine.n)
         return sampling_refuse(task, out->fine.n, err);
     functions.row = sampling_numbers(3 * (size_t)out->fine.n, err);
     if (!functions.row)
         return false;
     find_functions(&functions);
-    const bool done = solve(&functions, out->method.count)
-                          ? union_of_nodes(&functions, out, err)
-                          : refuse_unsolvable(task, &functions, err);
+    const bool done = solve(&functions, task->count) ? union_of_nodes(&functions, out, err)
+                                                     : refuse_unsolvable(task, &functions, err);
     free(functions.row);
     return done;
 }
