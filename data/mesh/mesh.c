@@ -47,6 +47,17 @@ void mesh_free(struct mesh *mesh)
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
+void sort_by_key(const int32_t *key, size_t step, int n, int n_keys, int32_t *starts,
+                 int32_t *order)
+{
+    for (int i = 0; i < n; i++)
+        starts[key[(size_t)i * step]]++;
+    for (int k = 0; k < n_keys; k++)
+        starts[k + 1] += starts[k];
+    for (int i = n; i-- > 0;)
+        order[--starts[key[(size_t)i * step]]] = i;
+}
+
 /* ---- borders ---- */
 
 /* Finds the point of each vertex: the number of the first vertex in the same place. */
@@ -146,18 +157,6 @@ static void unitize_points(struct builder *b)
 }
 
 /* ---- normals where the file has none ---- */
-
-/* Counting sort. starts[p] is first the end of its point's corners, and at last their begin. The
- * corners of a point keep their order. */
-static void sort_corners(struct builder *b)
-{
-    for (int i = 0; i < b->obj.n_corners; i++)
-        b->starts[b->obj.corners[i].index[OBJ_POINT]]++;
-    for (int p = 0; p < b->obj.list[OBJ_POINT].n; p++)
-        b->starts[p + 1] += b->starts[p];
-    for (int i = b->obj.n_corners; i-- > 0;)
-        b->order[--b->starts[b->obj.corners[i].index[OBJ_POINT]]] = i;
-}
 
 /* Measures all faces at their corners, and gives normals to those that lack them. */
 static bool add_normals(struct builder *b, double crease_deg, struct error *err)
@@ -302,7 +301,9 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
     if (good && unitize)
         unitize_points(&builder);
     if (good)
-        sort_corners(&builder);
+        sort_by_key(builder.obj.corners->index, sizeof *builder.obj.corners / sizeof(int32_t),
+                    builder.obj.n_corners, builder.obj.list[OBJ_POINT].n, builder.starts,
+                    builder.order);
     good = good && (!builder.obj.lacks_normals || add_normals(&builder, crease_deg, err)) &&
            add_faces(&builder, out, err);
     FREE_ALL(builder.cutter, builder.order, builder.starts, builder.first_vertex, builder.links);

@@ -26,7 +26,7 @@ struct mesh {
     /* Once mesh_part has asked, the triangles of part p: triangles[first[p]] up to before
      * triangles[first[p + 1]]. */
     struct division {
-        int32_t *triangles, *first; /* NULL: all triangles are part 0; owned */
+        int32_t *triangles, *first; /* owned */
         int32_t *number; /* of each vertex in the part that is taken out; otherwise -1; NULL: nobody
                             has asked yet; owned */
     } division;
@@ -52,8 +52,8 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
 /* Halves all edges of a mesh of a file, so that each triangle becomes four. The middle of an edge
  * depends on its ends alone: no crack opens. Keeps parts. */
 bool mesh_halve(struct mesh *mesh, struct error *err);
-/* Makes a mesh of the triangles of one part (-1: of all), with the vertices that they use, in their
- * order. It may be empty: n_triangles 0. */
+/* Makes a mesh of the triangles of one part, with the vertices that they use, in their order. It
+ * may be empty: n_triangles 0. -1, or a mesh without parts: copies all. */
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);
 
 /* ---- shape.c: the words of the scene language ---- */

@@ -117,11 +117,16 @@ static struct vertex turned_vertex(const struct shape *shape, double u, double v
 
 /* ---- the Utah teapot: bicubic Bézier patches ---- */
 
-enum { TEAPOT_POINTS = 290 };
+enum { PATCH_POINTS = 16 };
 struct teapot_patch {
-    struct vector point[16];
-    bool pole; /* its first row is one point */
+    struct vector point[PATCH_POINTS];
 };
+
+/* Returns whether the first row of a patch is one point. */
+static bool begins_at_pole(const struct teapot_patch *patch)
+{
+    return same_place(patch->point[0], patch->point[1]);
+}
 
 /* Cubic Bernstein weights at index/count, and a third of their derivatives. Mirrored indices give
  * mirrored weights in every bit. */
@@ -158,7 +163,7 @@ static struct vertex teapot_vertex(const struct teapot_patch *patch, double size
 {
     const struct vector *point = patch->point;
     const struct bernstein rows = bernstein_at(row, count), columns = bernstein_at(column, count);
-    const bool pole = patch->pole && row == 0;
+    const bool pole = row == 0 && begins_at_pole(patch);
     struct vector across[4], along[4];
     for (int i = 0; i < 4; i++) {
         across[i] = weigh(&point[4 * i], columns.value);
@@ -176,38 +181,19 @@ static struct vertex teapot_vertex(const struct teapot_patch *patch, double size
                            vector_normalise(upright(normal)), 1 - column / count, 1 - row / count};
 }
 
-static bool read_patch(struct text *text, const struct vector *points, int n_points,
-                       struct teapot_patch *out, struct error *err)
-{
-    long index, last = -1;
-    for (int i = 0; i < 16; i++, last = index) {
-        if (!text_integer(text, "point of a patch", 0, n_points - 1, &index, err))
-            return false;
-        out->point[i] = points[index];
-        if (i == 1)
-            out->pole = index == last;
-    }
-    return text_end(text, "a patch", err);
-}
-
 static bool read_teapot(struct text *text, struct teapot_patch *out, struct error *err)
 {
-    struct vector points[TEAPOT_POINTS];
     struct word word;
-    int n_points = 0, n_patches = 0;
-    bool good = true;
-    while (good && text_next_line(text)) {
-        if (!text_word(text, &word))
-            continue;
-        if (word_is(&word, "point") && n_points < TEAPOT_POINTS)
-            good = text_vector(text, "point", &points[n_points++], err) &&
-                   text_end(text, "a point", err);
-        else if (n_patches++ < TEAPOT_PATCHES)
-            good = read_patch(text, points, n_points, &out[n_patches - 1], err);
-    }
-    return good && (n_patches == TEAPOT_PATCHES ||
-                    error_at(err, text_whole(text), "expected %d patches, found %d", TEAPOT_PATCHES,
-                             n_patches));
+    bool done = true;
+    for (int n = 0; done && n < TEAPOT_PATCHES * PATCH_POINTS;)
+        if (text_peek(*text, &word)) {
+            done = text_vector(text, "point", &out[n / PATCH_POINTS].point[n % PATCH_POINTS], err);
+            n++;
+        } else if (!text_next_line(text)) {
+            return error_at(err, text_whole(text), "expected %d patches of %d points",
+                            TEAPOT_PATCHES, PATCH_POINTS);
+        }
+    return done;
 }
 
 /* ---- any patch ---- */
@@ -315,7 +301,8 @@ static void add_patch(struct mesh *mesh, const struct patches *patches, int patc
                       int rows)
 {
     const struct form *form = &forms[patches->shape->kind];
-    const bool low_pole = form->low_pole || (patches->teapot && patches->teapot[patch].pole);
+    const bool low_pole =
+        form->low_pole || (patches->teapot && begins_at_pole(&patches->teapot[patch]));
     int below = 0;
     for (int v = 0; v <= rows; v++) {
         const bool high = form->high_pole && v == rows, pole = high || (low_pole && v == 0);
