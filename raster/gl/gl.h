@@ -231,15 +231,9 @@ struct shown drawing_shown(const struct renderer *renderer, int x, int y);
 void drawing_set_viewport(const struct drawing *of); /* of the tile */
 void drawing_read_depths(const struct drawing *of);  /* if they are wanted */
 
-/* Floats of a vertex in its two buffers: position and normal; texture coordinates, which only
- * textured meshes have. */
-enum { VERTEX_FLOATS = 6, COORDINATE_FLOATS = 2 };
-/* Binds the triangles of an instance. Returns how many corners they have. */
-int mesh_bind_triangles(const struct drawing *of, int instance);
-/* Bind the buffer of positions and normals, and that of texture coordinates; the latter returns
- * false where the instance shows no texture. */
-void mesh_bind_vertices(const struct drawing *of, int instance);
-bool mesh_bind_coordinates(const struct drawing *of, int instance);
+/* Binds the vertices of an instance, VERTEX_NUMBERS floats each, and its triangles. Returns how
+ * many corners these have. */
+int mesh_bind(const struct drawing *of, int instance);
 
 /* Binds an object of a texture of the plan to its unit. */
 void texture_bind(const struct drawing *of, int index, int unit);
