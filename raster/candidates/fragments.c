@@ -69,7 +69,7 @@ static enum presence triangle_presence(const struct bounded_triangle *triangle,
 /* A triangle without area touches its longest edge only. */
 static enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py)
 {
-    const double *x = triangle->x, *y = triangle->y;
+    const double *x = triangle->screen.x, *y = triangle->screen.y;
     struct edge_functions edges;
     double slack[3], errors[3];
     for (int i = 0; i < 3; i++)

@@ -14,7 +14,7 @@ struct colour_bound {
 };
 /* A triangle as OpenGL sets it up for interpolation, after clipping. */
 struct clipped_triangle {
-    double x[3], y[3], z[3], inverse_w[3], share[3][3]; /* as of struct screen_triangle */
+    struct screen_triangle screen; /* its corners and their shares; the rest is of the whole */
     double slack_px[3];      /* of each corner in x and y, off the plane of interpolated values */
     double moved_px[3];      /* how far each may be from its place, in this plane, too */
     int cuts;                /* how many made a corner, at most */

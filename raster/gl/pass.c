@@ -100,7 +100,8 @@ static int bind_mesh(const struct gl *gl, int instance)
     const int n = mesh_bind(&gl->base, instance);
     gl->base.call->VertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
     gl->base.call->NormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
-    gl->base.call->TexCoordPointer(2, GL_FLOAT, step, (const void *)(6 * sizeof(GLfloat)));
+    if (gl->texture)
+        gl->base.call->TexCoordPointer(2, GL_FLOAT, step, (const void *)(6 * sizeof(GLfloat)));
     return n;
 }
 
