@@ -5,50 +5,39 @@
 
 /* ---- one rule ---- */
 
-/* Makes pages of the rule's nodes, of one segment that is the whole range. */
-static bool one_segment(const struct sampling_task *task, const struct quadrature *rule,
-                        struct error *err)
+/* Makes pages of the nodes of one rule, of one segment that is the whole range. */
+bool sample_gauss(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
-    if (!sampling_room(out, rule->n, SEGMENTS, err))
-        return false;
-    for (int i = 0; i < rule->n; i++) {
-        out->pages.wavelength_nm[i] = rule->node[i];
-        out->segment_nm[i][0] = out->pages.first_nm - 0.5;
-        out->segment_nm[i][1] = out->pages.first_nm + out->fine.n - 0.5;
-    }
-    return true;
-}
-
-bool sample_gauss_open(const struct sampling_task *task, struct error *err)
-{
-    const struct sampling *out = task->out;
-    const double first_nm = out->pages.first_nm;
+    const bool open = out->method.kind == SAMPLING_GAUSS_OPEN;
+    const double first_nm = out->pages.first_nm - 0.5,
+                 last_nm = out->pages.first_nm + out->fine.n - 0.5;
     struct quadrature rule;
-    if (task->count > out->fine.n)
-        return sampling_refuse(task, out->fine.n, err);
-    quadrature_legendre(first_nm - 0.5, first_nm + out->fine.n - 0.5, task->count, &rule);
-    return one_segment(task, &rule, err);
-}
-
-bool sample_gauss_detector(const struct sampling_task *task, struct error *err)
-{
-    const struct sampling *out = task->out;
-    struct quadrature rule;
-    double *seen = sampling_numbers((size_t)out->fine.n, err);
+    double *weight = sampling_numbers((size_t)out->fine.n, err);
     int points = 0;
-    if (!seen)
+    if (!weight)
         return false;
     for (int j = 0; j < out->fine.n; j++) {
-        seen[j] = sampling_seen(out, j);
-        points += seen[j] != 0;
+        weight[j] = open ? 1 : sampling_seen(out, j);
+        points += weight[j] != 0;
     }
-    const bool found = quadrature_discrete(out->fine.nm, seen, out->fine.n, task->count, &rule);
-    free(seen);
+    const bool found =
+        open || quadrature_discrete(out->fine.nm, weight, out->fine.n, task->count, &rule);
+    free(weight);
     if (task->count > points)
         return sampling_refuse(task, points, err);
-    return found ? one_segment(task, &rule, err)
-                 : error_usage(err, "%s has no solution; take fewer samples", task->name);
+    if (!found)
+        return error_usage(err, "%s has no solution; take fewer samples", task->name);
+    if (open)
+        quadrature_legendre(first_nm, last_nm, task->count, &rule);
+    if (!sampling_room(out, rule.n, SEGMENTS, err))
+        return false;
+    for (int i = 0; i < rule.n; i++) {
+        out->pages.wavelength_nm[i] = rule.node[i];
+        out->segment_nm[i][0] = first_nm;
+        out->segment_nm[i][1] = last_nm;
+    }
+    return true;
 }
 
 /* ---- a rule for each of three functions ---- */

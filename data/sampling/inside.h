@@ -65,8 +65,7 @@ double sampling_dot(const double *a, const double *b, int n); /* in basis.c */
 bool sample_box(const struct sampling_task *task, struct error *err);
 bool sample_riemann(const struct sampling_task *task, struct error *err);
 bool sample_tristimulus(const struct sampling_task *task, struct error *err); /* rgb and xyz */
-bool sample_gauss_detector(const struct sampling_task *task, struct error *err);
-bool sample_gauss_open(const struct sampling_task *task, struct error *err);
+bool sample_gauss(const struct sampling_task *task, struct error *err);
 bool sample_gauss_functions(const struct sampling_task *task, struct error *err);
 bool sample_adaptive(const struct sampling_task *task, struct error *err);
 bool sample_basis(const struct sampling_task *task, struct error *err);
