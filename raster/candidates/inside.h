@@ -67,12 +67,6 @@ struct fragment {
     bool loose; /* its colour has no bound */
     double depth, depth_error;
 };
-struct fragment_list {               /* of a pixel; 32 bytes, since every fragment touches it */
-    int32_t head;                    /* first possible fragment; -1: none */
-    int32_t n_candidates, n_pruned;  /* in the list; when it was last rid of hidden ones */
-    uint32_t n_definite, n_possible; /* fragments, hidden ones too */
-    double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
-};
 /* Edges that run by within their slack. */
 struct seam {
     /* Each such edge, a random number for one direction and its negative for the other, adds to one
@@ -81,11 +75,17 @@ struct seam {
     uint32_t n_covered; /* fragments of the reference that are not definite */
     bool open;          /* some possible fragment is not counted in the sums */
 };
+struct fragment_list {               /* of a pixel */
+    int32_t head;                    /* first possible fragment; -1: none */
+    int32_t n_candidates, n_pruned;  /* in the list; when it was last rid of hidden ones */
+    uint32_t n_definite, n_possible; /* fragments, hidden ones too */
+    double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
+    struct seam seam;
+};
 struct fragments {
     const struct tile *tile; /* as OpenGL draws it */
     struct rectangle rows;   /* this chunk's part */
     struct fragment_list *pixels;
-    struct seam *seams; /* of each pixel */
     struct bounded_triangle *triangles;
     struct fragment *fragments;
     struct clipped_triangle *clipped;
