@@ -215,7 +215,7 @@ static const char *const functions[] = {"eglGetProcAddress", "eglQueryString",  
                                         "eglCreateContext",  "eglDestroyContext", "eglMakeCurrent"};
 enum { N_FUNCTIONS = sizeof functions / sizeof *functions };
 
-/* Finds what is of extensions. */
+/* Finds the functions of extensions. */
 static void find_extensions(struct egl *egl, enum gl_way way)
 {
     any_function *(*const get)(const char *name) = egl->find.get;

@@ -20,7 +20,7 @@ bool library_find_all(void *library, const char *const *names, size_t n, void *o
  * are NULL. Fails with EXIT_SYSTEM if one is missing. */
 bool functions_find(struct contexts *to, void *library, struct error *err);
 
-/* What differs between the libraries. */
+/* A library: all in which OSMesa and EGL differ. */
 struct context_kind {
     const char *name;
     bool flipped;                 /* as in struct contexts */
@@ -31,7 +31,7 @@ struct context_kind {
     /* Completes `own`. device: EGL's; -1: none is asked for. NULL: it is complete. */
     bool (*begin)(struct contexts *contexts, int device, struct error *err);
     void (*end)(struct contexts *contexts); /* NULL: there is nothing to end */
-    /* What the library does for a canvas. */
+    /* of a canvas */
     bool (*open)(struct canvas *canvas, struct error *err);
     bool (*use)(struct canvas *canvas, struct error *err);
     void (*fill)(const struct canvas *canvas);
