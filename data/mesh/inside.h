@@ -39,6 +39,11 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
 /* Does the same for the mesh of a shape. Refuses one that, planned and drawn, would need more
  * memory than is left. */
 bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
+/* Counting sort of the numbers from 0 to n - 1 by their keys, which stand `step` numbers apart and
+ * are below n_keys. Numbers of one key keep their order. starts[k], zeroed before and n_keys + 1
+ * long, is first the end of those of key k, and at last their begin. */
+void sort_by_key(const int32_t *key, size_t step, int n, int n_keys, int32_t *starts,
+                 int32_t *order);
 /* Reads a Wavefront OBJ file: v, vt, vn, f and usemtl. Skips other known statements, refuses
  * unknown and malformed ones. Cuts faces of any size, concave ones too, into triangles. A corner
  * without vn gets the mean normal of its face and of the faces there that meet it at less than

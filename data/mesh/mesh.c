@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes a mesh of the faces of an OBJ file. Corners that agree in point, normal and texture
  * coordinates become one vertex, in the order of first use. Normals and texture coordinates that
- * the file lacks are computed. Time grows linearly with the size of the file. Finds borders of any
- * mesh. */
+ * the file lacks are computed. Time grows linearly with the size of the file. */
 #include "data/mesh/inside.h"
 
 /* ---- the mesh itself ---- */
@@ -47,46 +46,15 @@ void mesh_free(struct mesh *mesh)
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
-/* ---- borders ---- */
-
-/* Finds the point of each vertex: the number of the first vertex in the same place. */
-static bool find_points(const struct mesh *mesh, int32_t *out, struct error *err)
+void sort_by_key(const int32_t *key, size_t step, int n, int n_keys, int32_t *starts,
+                 int32_t *order)
 {
-    struct index points = {.slots = NULL};
-    bool done = true;
-    for (int i = 0; i < mesh->n_vertices && done; i++) {
-        const struct vector p = mesh->vertices[i].position;
-        const double key[3] = {p.x + 0, p.y + 0, p.z + 0}; /* -0 becomes 0 */
-        const int point = index_find(&points, key, sizeof key);
-        done = point >= 0 || index_add(&points, key, sizeof key, i, err);
-        out[i] = point >= 0 ? point : i;
-    }
-    index_free(&points);
-    return done;
-}
-
-/* Each edge adds a random number, or the other way round the negative one. */
-static bool edges_meet(const struct mesh *mesh, const int32_t *points)
-{
-    uint64_t sum = 0;
-    for (int i = 0; i < mesh->n_triangles; i++)
-        for (int j = 0; j < 3; j++) {
-            const int32_t *corner = mesh->triangles[i];
-            const uint64_t from = (uint64_t)points[corner[j]] + 1,
-                           to = (uint64_t)points[corner[(j + 1) % 3]] + 1;
-            sum += hash_bits(from << 32 | to) - hash_bits(to << 32 | from);
-        }
-    return sum == 0 && mesh->n_triangles > 0;
-}
-
-bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err)
-{
-    int32_t *points;
-    const bool done = MAKE_ARRAY(points, mesh->n_vertices, err, "the points of a mesh") &&
-                      find_points(mesh, points, err);
-    *closed = done && edges_meet(mesh, points);
-    free(points);
-    return done;
+    for (int i = 0; i < n; i++)
+        starts[key[(size_t)i * step]]++;
+    for (int k = 0; k < n_keys; k++)
+        starts[k + 1] += starts[k];
+    for (int i = n; i-- > 0;)
+        order[--starts[key[(size_t)i * step]]] = i;
 }
 
 /* ---- working memory ---- */
@@ -146,18 +114,6 @@ static void unitize_points(struct builder *b)
 }
 
 /* ---- normals where the file has none ---- */
-
-/* Counting sort. starts[p] is first the end of its point's corners, and at last their begin. The
- * corners of a point keep their order. */
-static void sort_corners(struct builder *b)
-{
-    for (int i = 0; i < b->obj.n_corners; i++)
-        b->starts[b->obj.corners[i].index[OBJ_POINT]]++;
-    for (int p = 0; p < b->obj.list[OBJ_POINT].n; p++)
-        b->starts[p + 1] += b->starts[p];
-    for (int i = b->obj.n_corners; i-- > 0;)
-        b->order[--b->starts[b->obj.corners[i].index[OBJ_POINT]]] = i;
-}
 
 /* Measures all faces at their corners, and gives normals to those that lack them. */
 static bool add_normals(struct builder *b, double crease_deg, struct error *err)
@@ -302,7 +258,9 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
     if (good && unitize)
         unitize_points(&builder);
     if (good)
-        sort_corners(&builder);
+        sort_by_key(builder.obj.corners->index, sizeof *builder.obj.corners / sizeof(int32_t),
+                    builder.obj.n_corners, builder.obj.list[OBJ_POINT].n, builder.starts,
+                    builder.order);
     good = good && (!builder.obj.lacks_normals || add_normals(&builder, crease_deg, err)) &&
            add_faces(&builder, out, err);
     FREE_ALL(builder.cutter, builder.order, builder.starts, builder.first_vertex, builder.links);

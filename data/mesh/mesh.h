@@ -26,7 +26,7 @@ struct mesh {
     /* Once mesh_part has asked, the triangles of part p: triangles[first[p]] up to before
      * triangles[first[p + 1]]. */
     struct division {
-        int32_t *triangles, *first; /* NULL: all triangles are part 0; owned */
+        int32_t *triangles, *first; /* owned */
         int32_t *number; /* of each vertex in the part that is taken out; otherwise -1; NULL: nobody
                             has asked yet; owned */
     } division;
@@ -38,11 +38,6 @@ void mesh_box(const struct mesh *mesh, struct vector *low, struct vector *high);
 void mesh_planar(struct mesh *mesh);
 void mesh_free(struct mesh *mesh);
 
-/* Finds whether each edge of each triangle is, the other way round, one of another
- * triangle: the mesh has no border. A mesh with a border is taken for a closed one with a chance of
- * 2^-64. */
-bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err);
-
 /* ---- split.c: parts of a mesh, and of its edges ---- */
 
 /* Cuts all triangles that cross x = 0 there, and makes two parts: 0 at negative x, 1 at positive x.
@@ -52,8 +47,8 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
 /* Halves all edges of a mesh of a file, so that each triangle becomes four. The middle of an edge
  * depends on its ends alone: no crack opens. Keeps parts. */
 bool mesh_halve(struct mesh *mesh, struct error *err);
-/* Makes a mesh of the triangles of one part (-1: of all), with the vertices that they use, in their
- * order. It may be empty: n_triangles 0. */
+/* Makes a mesh of the triangles of one part, with the vertices that they use, in their order. It
+ * may be empty: n_triangles 0. -1, or a mesh without parts: copies all. */
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);
 
 /* ---- shape.c: the words of the scene language ---- */
@@ -83,6 +78,10 @@ struct shape {
 const char *shape_name(enum shape_kind kind); /* the scene language's word */
 /* Prints the word of a built-in shape, its sizes, and what they are where they are left out. */
 void shape_print_signature(enum shape_kind kind, struct printed *to);
+/* Returns whether the mesh of the shape is a solid: it has no border, since each edge of a triangle
+ * is, the other way round, one of another triangle. Of an OBJ file that is not known: it may have
+ * faces inside out, even where it is closed. The spout of the teapot is open. */
+bool shape_is_solid(enum shape_kind kind);
 /* Returns whether all faces of the shape are flat. The rim of a disk is round all the same. */
 bool shape_is_flat(enum shape_kind kind);
 /* Reads a shape's word and sizes, or `mesh` and a file. Sizes that are left out and the other

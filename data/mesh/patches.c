@@ -59,20 +59,20 @@ static struct vertex face_vertex(const double size[3], int face, const double ce
         {at[0], at[1], at[2]}, {normal[0], normal[1], normal[2]}, cell[0] / cells, cell[1] / cells};
 }
 
-/* A flat disk about the z axis, from its centre, v = 0, to its rim; `facing` is the z of its
- * normal, 1 or -1. */
-struct disk {
-    double radius, z, facing, slices, rings;
-};
-
-static struct vertex disk_vertex(const struct disk *disk, double u, double v)
+/* A flat disk about the z axis, from its centre, v = 0, to its rim, v = rings: the shape of this
+ * name, the upper end of a cylinder, or a lower end, which faces -z. */
+static struct vertex disk_vertex(const struct shape *shape, int patch, double u, double v)
 {
-    const struct direction at = circle(u, disk->slices);
-    const double share = v / disk->rings, radius = disk->radius * share;
-    return (struct vertex){{radius * at.cosine, radius * at.sine, disk->z},
-                           {0, 0, disk->facing},
+    const struct form *form = &forms[shape->kind];
+    const double *p = shape->parameter, facing = patch == 1 ? -1 : 1,
+                 z = form->n_patches > 0 ? facing * 0.5 * p[1] : 0;
+    const struct direction at = circle(u, p[form->columns]);
+    const double rings = form->n_patches > 0 ? 1 : p[form->rows], share = v / rings,
+                 radius = p[0] * share;
+    return (struct vertex){{radius * at.cosine, radius * at.sine, z},
+                           {0, 0, facing},
                            0.5 + 0.5 * share * at.cosine,
-                           0.5 + 0.5 * share * disk->facing * at.sine};
+                           0.5 + 0.5 * share * facing * at.sine};
 }
 
 /* ---- surfaces of revolution about z ---- */
@@ -117,11 +117,16 @@ static struct vertex turned_vertex(const struct shape *shape, double u, double v
 
 /* ---- the Utah teapot: bicubic Bézier patches ---- */
 
-enum { TEAPOT_POINTS = 290 };
+enum { PATCH_POINTS = 16 };
 struct teapot_patch {
-    struct vector point[16];
-    bool pole; /* its first row is one point */
+    struct vector point[PATCH_POINTS];
 };
+
+/* Returns whether the first row of a patch is one point. */
+static bool begins_at_pole(const struct teapot_patch *patch)
+{
+    return same_place(patch->point[0], patch->point[1]);
+}
 
 /* Cubic Bernstein weights at index/count, and a third of their derivatives. Mirrored indices give
  * mirrored weights in every bit. */
@@ -158,7 +163,7 @@ static struct vertex teapot_vertex(const struct teapot_patch *patch, double size
 {
     const struct vector *point = patch->point;
     const struct bernstein rows = bernstein_at(row, count), columns = bernstein_at(column, count);
-    const bool pole = patch->pole && row == 0;
+    const bool pole = row == 0 && begins_at_pole(patch);
     struct vector across[4], along[4];
     for (int i = 0; i < 4; i++) {
         across[i] = weigh(&point[4 * i], columns.value);
@@ -176,38 +181,19 @@ static struct vertex teapot_vertex(const struct teapot_patch *patch, double size
                            vector_normalise(upright(normal)), 1 - column / count, 1 - row / count};
 }
 
-static bool read_patch(struct text *text, const struct vector *points, int n_points,
-                       struct teapot_patch *out, struct error *err)
-{
-    long index, last = -1;
-    for (int i = 0; i < 16; i++, last = index) {
-        if (!text_integer(text, "point of a patch", 0, n_points - 1, &index, err))
-            return false;
-        out->point[i] = points[index];
-        if (i == 1)
-            out->pole = index == last;
-    }
-    return text_end(text, "a patch", err);
-}
-
 static bool read_teapot(struct text *text, struct teapot_patch *out, struct error *err)
 {
-    struct vector points[TEAPOT_POINTS];
     struct word word;
-    int n_points = 0, n_patches = 0;
-    bool good = true;
-    while (good && text_next_line(text)) {
-        if (!text_word(text, &word))
-            continue;
-        if (word_is(&word, "point") && n_points < TEAPOT_POINTS)
-            good = text_vector(text, "point", &points[n_points++], err) &&
-                   text_end(text, "a point", err);
-        else if (n_patches++ < TEAPOT_PATCHES)
-            good = read_patch(text, points, n_points, &out[n_patches - 1], err);
-    }
-    return good && (n_patches == TEAPOT_PATCHES ||
-                    error_at(err, text_whole(text), "expected %d patches, found %d", TEAPOT_PATCHES,
-                             n_patches));
+    bool done = true;
+    for (int n = 0; done && n < TEAPOT_PATCHES * PATCH_POINTS;)
+        if (text_peek(*text, &word)) {
+            done = text_vector(text, "point", &out[n / PATCH_POINTS].point[n % PATCH_POINTS], err);
+            n++;
+        } else if (!text_next_line(text)) {
+            return error_at(err, text_whole(text), "expected %d patches of %d points",
+                            TEAPOT_PATCHES, PATCH_POINTS);
+        }
+    return done;
 }
 
 /* ---- any patch ---- */
@@ -274,12 +260,9 @@ struct vertex patch_vertex(const struct patches *patches, int patch, double u, d
         return face_vertex(p, patch, cell, columns);
     if (shape->kind == SHAPE_PLANE)
         return face_vertex(plane, 4, cell, columns);
-    if (shape->kind == SHAPE_DISK)
-        return disk_vertex(&(struct disk){p[0], 0, 1, columns, rows}, u, v);
-    if (!is_disk(shape, patch))
-        return turned_vertex(shape, u, v, columns, rows);
-    const double side = patch == 1 ? -1 : 1;
-    return disk_vertex(&(struct disk){p[0], side * 0.5 * p[1], side, columns, 1}, u, v);
+    if (is_disk(shape, patch))
+        return disk_vertex(shape, patch, u, v);
+    return turned_vertex(shape, u, v, columns, rows);
 }
 
 /* ---- triangles ---- */
@@ -315,7 +298,8 @@ static void add_patch(struct mesh *mesh, const struct patches *patches, int patc
                       int rows)
 {
     const struct form *form = &forms[patches->shape->kind];
-    const bool low_pole = form->low_pole || (patches->teapot && patches->teapot[patch].pole);
+    const bool low_pole =
+        form->low_pole || (patches->teapot && begins_at_pole(&patches->teapot[patch]));
     int below = 0;
     for (int v = 0; v <= rows; v++) {
         const bool high = form->high_pole && v == rows, pole = high || (low_pole && v == 0);
@@ -328,27 +312,11 @@ static void add_patch(struct mesh *mesh, const struct patches *patches, int patc
     }
 }
 
-static bool add_patches(struct mesh *mesh, const struct patches *patches, int columns, int rows,
-                        struct error *err)
-{
-    const int n = forms[patches->shape->kind].n_patches;
-    const size_t cells = (size_t)n * (size_t)rows * (size_t)columns,
-                 places = (size_t)n * (size_t)(rows + 1) * (size_t)(columns + 1);
-    if (!mesh_begin(mesh, places, 2 * cells, err))
-        return false;
-    for (int i = 0; i < n; i++)
-        add_patch(mesh, patches, i, columns, rows);
-    return true;
-}
-
 /* Adds a disk: rings of triangles about its centre. */
-static bool add_disk(struct mesh *mesh, const struct patches *patches, int patch, int slices,
-                     int rings, struct error *err)
+static void add_disk(struct mesh *mesh, const struct patches *patches, int patch, int slices,
+                     int rings)
 {
     const int centre = mesh->n_vertices;
-    const size_t n = (size_t)slices, n_rings = (size_t)rings;
-    if (!mesh_begin(mesh, n * n_rings + 1, n * (2 * n_rings - 1), err))
-        return false;
     add_vertex(mesh, patches, patch, 0, 0);
     const bool up = mesh->vertices[centre].normal.z > 0;
     for (int ring = 1; ring <= rings; ring++)
@@ -362,19 +330,24 @@ static bool add_disk(struct mesh *mesh, const struct patches *patches, int patch
             if (ring > 1)
                 add_triangle(mesh, inner + from, outer + to, inner + to);
         }
-    return true;
 }
 
 static bool add_all(struct mesh *mesh, const struct patches *patches, struct error *err)
 {
     const struct form *form = &forms[patches->shape->kind];
     const int columns = (int)patches->shape->parameter[form->columns],
-              rows = (int)patches->shape->parameter[form->rows];
-    bool done = form->n_patches == 0 || add_patches(mesh, patches, columns, rows, err);
-    for (int i = 0; i < form->n_disks && done; i++)
-        done = add_disk(mesh, patches, form->n_patches + i, columns, form->n_patches > 0 ? 1 : rows,
-                        err);
-    return done;
+              rows = (int)patches->shape->parameter[form->rows],
+              rings = form->n_patches > 0 ? 1 : rows;
+    const size_t n = (size_t)form->n_patches, n_disks = (size_t)form->n_disks, u = (size_t)columns,
+                 v = (size_t)rows, w = (size_t)rings;
+    if (!mesh_begin(mesh, n * (u + 1) * (v + 1) + n_disks * (u * w + 1),
+                    n * 2 * u * v + n_disks * u * (2 * w - 1), err))
+        return false;
+    for (int i = 0; i < form->n_patches; i++)
+        add_patch(mesh, patches, i, columns, rows);
+    for (int i = 0; i < form->n_disks; i++)
+        add_disk(mesh, patches, form->n_patches + i, columns, rings);
+    return true;
 }
 
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)

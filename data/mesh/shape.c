@@ -72,6 +72,12 @@ struct shape shape_tessellated(const struct shape *shape, double factor)
     return out;
 }
 
+bool shape_is_solid(enum shape_kind kind)
+{
+    return kind == SHAPE_SPHERE || kind == SHAPE_TORUS || kind == SHAPE_BOX ||
+           kind == SHAPE_CYLINDER || kind == SHAPE_CONE;
+}
+
 bool shape_is_flat(enum shape_kind kind)
 {
     return kind == SHAPE_BOX || kind == SHAPE_PLANE || kind == SHAPE_DISK;

@@ -224,42 +224,20 @@ bool mesh_halve(struct mesh *mesh, struct error *err)
 
 /* ---- taking a part out ---- */
 
-/* Counting sort. first[p] is first the end of part p, and at last its begin. */
-static void sort_triangles(const struct mesh *mesh, struct division *division)
-{
-    for (int i = 0; i < mesh->n_triangles; i++)
-        division->first[mesh->part[i]]++;
-    for (int part = 0; part < mesh->n_parts; part++)
-        division->first[part + 1] += division->first[part];
-    for (int i = mesh->n_triangles; i-- > 0;)
-        division->triangles[--division->first[mesh->part[i]]] = i;
-}
-
-/* Makes the division of the mesh. */
+/* Makes the division of the mesh, which has parts. */
 static bool divide(struct mesh *mesh, struct error *err)
 {
     static const char what[] = "the parts of a mesh";
     struct division *division = &mesh->division;
-    if ((mesh->part && (!MAKE_ARRAY(division->triangles, mesh->n_triangles, err, what) ||
-                        !MAKE_ARRAY(division->first, (size_t)mesh->n_parts + 1, err, what))) ||
+    if (!MAKE_ARRAY(division->triangles, mesh->n_triangles, err, what) ||
+        !MAKE_ARRAY(division->first, (size_t)mesh->n_parts + 1, err, what) ||
         !MAKE_ARRAY(division->number, mesh->n_vertices, err, what))
         return false;
     for (int i = 0; i < mesh->n_vertices; i++)
         division->number[i] = -1;
-    if (mesh->part)
-        sort_triangles(mesh, division);
+    sort_by_key(mesh->part, 1, mesh->n_triangles, mesh->n_parts, division->first,
+                division->triangles);
     return true;
-}
-
-/* The triangles of a part; `list` NULL: they are the first n triangles of the mesh. */
-struct triangle_list {
-    const int32_t *list;
-    int n;
-};
-
-static const int32_t *triangle_of(const struct mesh *mesh, const struct triangle_list *part, int i)
-{
-    return mesh->triangles[part->list ? part->list[i] : i];
 }
 
 static int compare_numbers(const void *a, const void *b)
@@ -268,39 +246,32 @@ static int compare_numbers(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/* Finds the vertices that the part uses, in their order; returns their number. Numbers them from 0.
- * Few of them are sorted; many are found among all vertices. */
-static int number_vertices(const struct mesh *from, const struct triangle_list *part, int32_t *used)
+/* Finds the vertices that n triangles use, in their order; returns their number. Numbers them from
+ * 0. */
+static int number_vertices(const struct mesh *from, const int32_t *triangles, int n, int32_t *used)
 {
     int32_t *number = from->division.number;
-    int n = 0;
-    for (int i = 0; i < part->n; i++)
-        for (int k = 0; k < 3; k++) {
-            const int32_t vertex = triangle_of(from, part, i)[k];
-            if (number[vertex] < 0)
-                used[n++] = vertex;
-            number[vertex] = 0;
-        }
-    if (n < from->n_vertices / 16)
-        qsort(used, (size_t)n, sizeof *used, compare_numbers);
-    else
-        for (int i = 0, found = 0; i < from->n_vertices; i++)
-            if (number[i] == 0)
-                used[found++] = i;
-    for (int i = 0; i < n; i++)
+    int n_used = 0;
+    for (int i = 0; i < 3 * n; i++) {
+        const int32_t vertex = from->triangles[triangles[i / 3]][i % 3];
+        if (number[vertex] < 0)
+            used[n_used++] = vertex;
+        number[vertex] = 0;
+    }
+    qsort(used, (size_t)n_used, sizeof *used, compare_numbers);
+    for (int i = 0; i < n_used; i++)
         number[used[i]] = i;
-    return n;
+    return n_used;
 }
 
-/* Copies the part, whose vertices have numbers, and takes the numbers away. */
-static void take(const struct mesh *from, const struct triangle_list *part, const int32_t *used,
+/* Copies n triangles, whose vertices have numbers, and takes the numbers away. */
+static void take(const struct mesh *from, const int32_t *triangles, int n, const int32_t *used,
                  int n_used, struct mesh *out)
 {
     int32_t *number = from->division.number;
-    out->n_triangles = part->n;
-    for (int i = 0; i < part->n; i++)
-        for (int k = 0; k < 3; k++)
-            out->triangles[i][k] = number[triangle_of(from, part, i)[k]];
+    out->n_triangles = n;
+    for (int64_t i = 0; i < 3 * (int64_t)n; i++)
+        out->triangles[i / 3][i % 3] = number[from->triangles[triangles[i / 3]][i % 3]];
     out->n_vertices = n_used;
     for (int i = 0; i < n_used; i++) {
         out->vertices[i] = from->vertices[used[i]];
@@ -310,30 +281,34 @@ static void take(const struct mesh *from, const struct triangle_list *part, cons
     }
 }
 
-static struct triangle_list list_part(const struct mesh *mesh, int part)
+static bool copy_mesh(const struct mesh *from, struct mesh *out, struct error *err)
 {
-    const struct division *division = &mesh->division;
-    if (part < 0 || (part == 0 && !mesh->part))
-        return (struct triangle_list){NULL, mesh->n_triangles};
-    if (part >= mesh->n_parts)
-        return (struct triangle_list){NULL, 0};
-    return (struct triangle_list){division->triangles + division->first[part],
-                                  division->first[part + 1] - division->first[part]};
+    const size_t n = (size_t)from->n_triangles;
+    if (!mesh_reserve(out, (size_t)from->n_vertices, n, err))
+        return false;
+    copy_vertices(from, out);
+    memcpy(out->triangles, from->triangles, n * sizeof *out->triangles);
+    out->n_triangles = from->n_triangles;
+    return true;
 }
 
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err)
 {
-    *out = (struct mesh){.parametric = from->parametric};
-    if (!from->division.number && !divide(from, err))
-        return false;
-    const struct triangle_list list = list_part(from, part);
+    const struct division *division = &from->division;
     int32_t *used;
-    if (!MAKE_ARRAY(used, 3 * (size_t)list.n, err, "the vertices of a part of a mesh"))
+    *out = (struct mesh){.parametric = from->parametric};
+    if (part < 0 || !from->part)
+        return copy_mesh(from, out, err);
+    if (!division->number && !divide(from, err))
         return false;
-    const int n_used = number_vertices(from, &list, used);
-    const bool good = mesh_reserve(out, (size_t)n_used, (size_t)list.n, err);
+    const int32_t *triangles = division->triangles + division->first[part];
+    const int n = division->first[part + 1] - division->first[part];
+    if (!MAKE_ARRAY(used, 3 * (size_t)n, err, "the vertices of a part of a mesh"))
+        return false;
+    const int n_used = number_vertices(from, triangles, n, used);
+    const bool good = mesh_reserve(out, (size_t)n_used, (size_t)n, err);
     if (good)
-        take(from, &list, used, n_used, out);
+        take(from, triangles, n, used, n_used, out);
     free(used);
     return good;
 }

@@ -342,7 +342,7 @@ bool sample_adaptive(const struct sampling_task *task, struct error *err)
     bool done = make_room(&a, err) && find_peaks(&a, err);
     if (done) {
         find_scales(&a);
-        find_segments(&a, out->method.tolerance);
+        find_segments(&a, out->method.number);
         done = set_pages(&a, out, err);
     }
     FREE_ALL(a.scale, a.cut, a.segments);

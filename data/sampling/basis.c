@@ -199,7 +199,7 @@ static bool find_components(const struct sampling_task *task, struct components 
     const struct fine_spectra *spectra = c->spectra;
     if (!turn_products(c, err))
         return false;
-    c->n = task->out->method.count < c->rank ? task->out->method.count : c->rank;
+    c->n = task->count < c->rank ? task->count : c->rank;
     c->axis = sampling_numbers((2 + (size_t)spectra->n_products) * (size_t)c->n + 1, err);
     if (!c->axis)
         return false;

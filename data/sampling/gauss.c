@@ -4,51 +4,39 @@
 
 /* ---- one rule ---- */
 
-/* Makes pages of the rule's nodes, of one segment that is the whole range. */
-static bool one_segment(const struct sampling_task *task, const struct quadrature *rule,
-                        struct error *err)
+/* Makes pages of the nodes of one rule, of one segment that is the whole range. */
+bool sample_gauss(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
-    if (!sampling_room(out, rule->n, SEGMENTS, err))
-        return false;
-    for (int i = 0; i < rule->n; i++) {
-        out->pages.wavelength_nm[i] = rule->node[i];
-        out->segment_nm[i][0] = out->pages.first_nm - 0.5;
-        out->segment_nm[i][1] = out->pages.first_nm + out->fine.n - 0.5;
-    }
-    return true;
-}
-
-bool sample_gauss_open(const struct sampling_task *task, struct error *err)
-{
-    const struct sampling *out = task->out;
-    const double first_nm = out->pages.first_nm;
+    const bool open = out->method.kind == SAMPLING_GAUSS_OPEN;
+    const double first_nm = out->pages.first_nm - 0.5,
+                 last_nm = out->pages.first_nm + out->fine.n - 0.5;
     struct quadrature rule;
-    if (out->method.count > out->fine.n)
-        return sampling_refuse(task, out->fine.n, err);
-    quadrature_legendre(first_nm - 0.5, first_nm + out->fine.n - 0.5, out->method.count, &rule);
-    return one_segment(task, &rule, err);
-}
-
-bool sample_gauss_detector(const struct sampling_task *task, struct error *err)
-{
-    const struct sampling *out = task->out;
-    struct quadrature rule;
-    double *seen = sampling_numbers((size_t)out->fine.n, err);
+    double *weight = sampling_numbers((size_t)out->fine.n, err);
     int points = 0;
-    if (!seen)
+    if (!weight)
         return false;
     for (int j = 0; j < out->fine.n; j++) {
-        seen[j] = sampling_seen(out, j);
-        points += seen[j] != 0;
+        weight[j] = open ? 1 : sampling_seen(out, j);
+        points += weight[j] != 0;
     }
     const bool found =
-        quadrature_discrete(out->fine.nm, seen, out->fine.n, out->method.count, &rule);
-    free(seen);
-    if (out->method.count > points)
+        open || quadrature_discrete(out->fine.nm, weight, out->fine.n, task->count, &rule);
+    free(weight);
+    if (task->count > points)
         return sampling_refuse(task, points, err);
-    return found ? one_segment(task, &rule, err)
-                 : error_usage(err, "%s has no solution; take fewer samples", task->name);
+    if (!found)
+        return error_usage(err, "%s has no solution; take fewer samples", task->name);
+    if (open)
+        quadrature_legendre(first_nm, last_nm, task->count, &rule);
+    if (!sampling_room(out, rule.n, SEGMENTS, err))
+        return false;
+    for (int i = 0; i < rule.n; i++) {
+        out->pages.wavelength_nm[i] = rule.node[i];
+        out->segment_nm[i][0] = first_nm;
+        out->segment_nm[i][1] = last_nm;
+    }
+    return true;
 }
 
 /* ---- a rule for each of three functions ---- */
@@ -80,14 +68,14 @@ static void project(const double *channels, const double *rows, int n, double ou
 static void find_functions(struct functions *out)
 {
     const struct fine_detector *fine = &out->sampling->fine;
-    const enum sampling_functions functions = out->sampling->method.functions;
+    const enum sampling_kind kind = out->sampling->method.kind;
     double matrix[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    if (functions != FUNCTIONS_XYZ)
+    if (kind != SAMPLING_GAUSS_XYZ)
         tristimulus_to_cones(matrix);
     memcpy(out->row, fine->weights, 3 * (size_t)fine->n * sizeof *out->row);
     tristimulus_apply_all(matrix, fine->n, out->row);
     tristimulus_inverse(matrix, out->back);
-    if (functions == FUNCTIONS_ACC) {
+    if (kind == SAMPLING_GAUSS_ACC) {
         out->first_is_best = true;
         orthogonal_rows(out->row, 3, fine->n);
         project(fine->weights, out->row, fine->n, out->back);
@@ -122,8 +110,8 @@ static int solvable(struct functions *of, int n)
 static bool refuse_unsolvable(const struct sampling_task *task, struct functions *of,
                               struct error *err)
 {
-    const int other = solvable(of, task->out->method.count);
-    if (task->out->method.count < 3 && other > 0)
+    const int other = solvable(of, task->count);
+    if (task->count < 3 && other > 0)
         return error_usage(err, "%s: three functions need at least 3 samples; %d have a solution",
                            task->name, other);
     if (other > 0)
@@ -173,15 +161,14 @@ bool sample_gauss_functions(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
     struct functions functions = {.sampling = out};
-    if (out->method.count > out->fine.n)
+    if (task->count > out->fine.n)
         return sampling_refuse(task, out->fine.n, err);
     functions.row = sampling_numbers(3 * (size_t)out->fine.n, err);
     if (!functions.row)
         return false;
     find_functions(&functions);
-    const bool done = solve(&functions, out->method.count)
-                          ? union_of_nodes(&functions, out, err)
-                          : refuse_unsolvable(task, &functions, err);
+    const bool done = solve(&functions, task->count) ? union_of_nodes(&functions, out, err)
+                                                     : refuse_unsolvable(task, &functions, err);
     free(functions.row);
     return done;
 }

@@ -23,6 +23,7 @@ bool materials_shown(const struct scene *scene, const struct material ***out, in
 /* The input of a maker; `out` has the method, the detector's name and the fine detector. */
 struct sampling_task {
     char name[SAMPLING_NAME];
+    int count; /* N or K */
     const struct detector *detector;
     const struct fine_spectra *spectra;
     struct sampling *out;
@@ -37,15 +38,15 @@ enum {
     COMPONENTS = 8    /* pages have no wavelengths */
 };
 struct sampling_traits {
-    const char *name; /* of the kind; of those of gauss, the functions */
+    const char *name, *functions; /* the words before and behind the number */
     bool (*make)(const struct sampling_task *task, struct error *err);
     const struct sampling_words {
         const char *page, *pages, *limit; /* one page, several, what they do not show */
     } * words;
     int flags;
-    const char *labels[3]; /* of components; NULL: "component 1" and so on */
+    const char *const *labels; /* of components; NULL: "component 1" and so on */
 };
-const struct sampling_traits *traits_of(const struct sampling_method *method); /* in method.c */
+extern const struct sampling_traits sampling_kinds[]; /* in method.c */
 
 /* Makes room for n pages, and for the arrays that are wanted. */
 enum { SEGMENTS = 1, ANALYSIS = 2, SYNTHESIS = 4 };
@@ -64,8 +65,7 @@ double sampling_dot(const double *a, const double *b, int n); /* in basis.c */
 bool sample_box(const struct sampling_task *task, struct error *err);
 bool sample_riemann(const struct sampling_task *task, struct error *err);
 bool sample_tristimulus(const struct sampling_task *task, struct error *err); /* rgb and xyz */
-bool sample_gauss_detector(const struct sampling_task *task, struct error *err);
-bool sample_gauss_open(const struct sampling_task *task, struct error *err);
+bool sample_gauss(const struct sampling_task *task, struct error *err);
 bool sample_gauss_functions(const struct sampling_task *task, struct error *err);
 bool sample_adaptive(const struct sampling_task *task, struct error *err);
 bool sample_basis(const struct sampling_task *task, struct error *err);

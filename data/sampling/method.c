@@ -9,43 +9,31 @@ static const struct sampling_words components = {"component", "components",
                                                  "no radiances at wavelengths"};
 static const struct sampling_words three_numbers = {"component", "components",
                                                     "no spectra, and no fluorescence"};
-static const struct sampling_traits kinds[] = {
-    [SAMPLING_BOX] = {"box", sample_box, &boxes, .flags = NEEDS_OBSERVER},
-    [SAMPLING_RIEMANN] = {"riemann", sample_riemann, &wavelengths, .flags = ANY_DETECTOR},
-    [SAMPLING_GAUSS] = {"gauss", .words = NULL},
-    [SAMPLING_ADAPTIVE] = {"adaptive", sample_adaptive, &wavelengths, .flags = 0},
-    [SAMPLING_BASIS] = {"basis", sample_basis, &components, .flags = FIXED | COMPONENTS},
-    [SAMPLING_RGB] = {"rgb",
-                      sample_tristimulus,
-                      &three_numbers,
-                      NEEDS_OBSERVER | FIXED | COMPONENTS,
-                      {"red", "green", "blue"}},
-    [SAMPLING_XYZ] = {"xyz",
-                      sample_tristimulus,
-                      &three_numbers,
-                      NEEDS_OBSERVER | FIXED | COMPONENTS,
-                      {"X", "Y", "Z"}},
+static const char *const colours[] = {"red", "green", "blue"}, *const tristimulus[] = {"X", "Y",
+                                                                                       "Z"};
+const struct sampling_traits sampling_kinds[] = {
+    [SAMPLING_BOX] = {"box", "", sample_box, &boxes, NEEDS_OBSERVER, NULL},
+    [SAMPLING_RIEMANN] = {"riemann", "", sample_riemann, &wavelengths, ANY_DETECTOR, NULL},
+    [SAMPLING_GAUSS] = {"gauss", "", sample_gauss, &wavelengths, 0, NULL},
+    [SAMPLING_GAUSS_OPEN] = {"gauss", ",open", sample_gauss, &wavelengths, ANY_DETECTOR, NULL},
+    [SAMPLING_GAUSS_XYZ] = {"gauss", ",xyz", sample_gauss_functions, &wavelengths,
+                            NEEDS_OBSERVER | FIXED, NULL},
+    [SAMPLING_GAUSS_LMS] = {"gauss", ",lms", sample_gauss_functions, &wavelengths,
+                            NEEDS_OBSERVER | FIXED, NULL},
+    [SAMPLING_GAUSS_ACC] = {"gauss", ",acc", sample_gauss_functions, &wavelengths,
+                            NEEDS_OBSERVER | FIXED, NULL},
+    [SAMPLING_ADAPTIVE] = {"adaptive", "", sample_adaptive, &wavelengths, 0, NULL},
+    [SAMPLING_BASIS] = {"basis", "", sample_basis, &components, FIXED | COMPONENTS, NULL},
+    [SAMPLING_RGB] = {"rgb", "", sample_tristimulus, &three_numbers,
+                      NEEDS_OBSERVER | FIXED | COMPONENTS, colours},
+    [SAMPLING_XYZ] = {"xyz", "", sample_tristimulus, &three_numbers,
+                      NEEDS_OBSERVER | FIXED | COMPONENTS, tristimulus},
 };
-static const struct sampling_traits gauss[] = {
-    [FUNCTIONS_DETECTOR] = {"", sample_gauss_detector, &wavelengths, .flags = 0},
-    [FUNCTIONS_OPEN] = {"open", sample_gauss_open, &wavelengths, .flags = ANY_DETECTOR},
-    [FUNCTIONS_XYZ] = {"xyz", sample_gauss_functions, &wavelengths,
-                       .flags = NEEDS_OBSERVER | FIXED},
-    [FUNCTIONS_LMS] = {"lms", sample_gauss_functions, &wavelengths,
-                       .flags = NEEDS_OBSERVER | FIXED},
-    [FUNCTIONS_ACC] = {"acc", sample_gauss_functions, &wavelengths,
-                       .flags = NEEDS_OBSERVER | FIXED},
-};
-enum { KINDS = sizeof kinds / sizeof kinds[0], FUNCTIONS = sizeof gauss / sizeof gauss[0] };
-
-const struct sampling_traits *traits_of(const struct sampling_method *method)
-{
-    return method->kind == SAMPLING_GAUSS ? &gauss[method->functions] : &kinds[method->kind];
-}
+enum { KINDS = sizeof sampling_kinds / sizeof sampling_kinds[0] };
 
 bool sampling_makes_components(const struct sampling_method *method)
 {
-    return traits_of(method)->flags & COMPONENTS;
+    return sampling_kinds[method->kind].flags & COMPONENTS;
 }
 
 static bool refuse_name(const char *option, const char *text, struct error *err)
@@ -58,49 +46,37 @@ static bool refuse_name(const char *option, const char *text, struct error *err)
 
 static bool read_number(const struct word *number, struct sampling_method *out, struct error *err)
 {
-    const long most = out->kind == SAMPLING_GAUSS ? LARGEST_QUADRATURE : 10000;
+    const bool gauss = out->kind >= SAMPLING_GAUSS && out->kind <= SAMPLING_GAUSS_ACC;
     long count = 0;
     if (out->kind == SAMPLING_RIEMANN)
-        return word_number(number, "step in nm", 1, 10000, &out->step_nm, err);
+        return word_number(number, "step in nm", 1, 10000, &out->number, err);
     if (out->kind == SAMPLING_ADAPTIVE)
-        return word_number(number, "tolerance", 1e-9, 1, &out->tolerance, err);
-    const bool done = word_integer(number, "number of samples", 1, most, &count, err);
-    out->count = (int)count;
+        return word_number(number, "tolerance", 1e-9, 1, &out->number, err);
+    const bool done = word_integer(number, "number of samples", 1,
+                                   gauss ? LARGEST_QUADRATURE : 10000, &count, err);
+    out->number = (double)count;
     return done;
-}
-
-/* Returns the index of a name of `length` bytes from row `first` on, or n if it is unknown. */
-static int find_name(const struct sampling_traits *rows, int first, int n, const char *name,
-                     size_t length)
-{
-    int i = first;
-    while (i < n && (strlen(rows[i].name) != length || strncmp(rows[i].name, name, length) != 0))
-        i++;
-    return i;
 }
 
 bool sampling_read(const char *option, const char *text, struct sampling_method *out,
                    struct error *err)
 {
-    const size_t kind_length = strcspn(text, ":");
-    const bool has_number = text[kind_length] != '\0';
-    const int kind = find_name(kinds, 0, KINDS, text, kind_length);
-    *out = (struct sampling_method){.kind = (enum sampling_kind)kind};
-    if (kind == KINDS || has_number == (kind == SAMPLING_RGB || kind == SAMPLING_XYZ))
-        return refuse_name(option, text, err);
-    if (!has_number)
-        return true;
-    const char *number = text + kind_length + 1, *end = number + strcspn(number, ",");
-    int functions = FUNCTIONS_DETECTOR;
-    if (*end == ',')
-        functions = find_name(gauss, FUNCTIONS_OPEN, FUNCTIONS, end + 1, strlen(end + 1));
-    if (end == number || functions == FUNCTIONS || (*end == ',' && kind != SAMPLING_GAUSS))
-        return refuse_name(option, text, err);
-    out->functions = (enum sampling_functions)functions;
-    const struct word word = {.start = number,
+    const size_t length = strcspn(text, ":");
+    const char *number = text + length + (text[length] == ':'),
+               *end = number + strcspn(number, ",");
+    const struct word name = {.start = text, .length = length},
+                      word = {.start = number,
                               .length = (size_t)(end - number),
-                              .place = {option, 1, (int)kind_length + 2}};
-    return read_number(&word, out, err);
+                              .place = {option, 1, (int)length + 2}};
+    int kind = 0;
+    while (kind < KINDS && !(word_is(&name, sampling_kinds[kind].name) &&
+                             strcmp(end, sampling_kinds[kind].functions) == 0))
+        kind++;
+    *out = (struct sampling_method){.kind = (enum sampling_kind)kind};
+    const bool bare = kind == SAMPLING_RGB || kind == SAMPLING_XYZ;
+    if (kind == KINDS || (bare ? text[length] != '\0' : word.length == 0))
+        return refuse_name(option, text, err);
+    return bare || read_number(&word, out, err);
 }
 
 /* Returns how many digits, from `fewest` on, read back as the same number. */
@@ -123,15 +99,11 @@ int exact_digits(double number)
 
 void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME])
 {
-    const char *functions = gauss[method->functions].name;
-    const double number = method->kind == SAMPLING_RIEMANN    ? method->step_nm
-                          : method->kind == SAMPLING_ADAPTIVE ? method->tolerance
-                                                              : method->count;
+    const struct sampling_traits *kind = &sampling_kinds[method->kind];
     char digits[32] = "";
-    if (number > 0) /* 10 rather than 1e+01 */
-        snprintf(digits, sizeof digits, "%.*g", digits_of(number, 1), number);
-    snprintf(out, SAMPLING_NAME, "%s%s%s%s%s", kinds[method->kind].name, number > 0 ? ":" : "",
-             digits, functions[0] != '\0' ? "," : "", functions);
+    if (method->number > 0) /* 10 rather than 1e+01 */
+        snprintf(digits, sizeof digits, ":%.*g", digits_of(method->number, 1), method->number);
+    snprintf(out, SAMPLING_NAME, "%s%s%s", kind->name, digits, kind->functions);
 }
 
 bool sampling_takes_means(const char *name)

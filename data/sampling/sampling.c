@@ -123,7 +123,7 @@ void sampling_weights(const struct detector *detector, const double *wavelength_
 static bool check_detector(const struct sampling_task *task, struct error *err)
 {
     const struct sampling *out = task->out;
-    const struct sampling_traits *kind = traits_of(&out->method);
+    const struct sampling_traits *kind = &sampling_kinds[out->method.kind];
     bool sees = kind->flags & ANY_DETECTOR;
     for (int j = 0; j < out->fine.n; j++)
         sees = sees || sampling_seen(out, j) > 0;
@@ -139,7 +139,7 @@ static bool complete(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
     double *wavelength_nm = out->pages.wavelength_nm;
-    const struct sampling_traits *kind = traits_of(&out->method);
+    const struct sampling_traits *kind = &sampling_kinds[out->method.kind];
     out->spectral = !(kind->flags & COMPONENTS);
     out->fixed = kind->flags & FIXED;
     for (int page = 0; !out->spectral && page < out->pages.n; page++)
@@ -157,14 +157,16 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
                    const struct fine_spectra *spectra, struct sampling *out, struct error *err)
 {
     struct detector sees;
-    struct sampling_task task = {.detector = &sees, .spectra = spectra, .out = out};
+    struct sampling_task task = {
+        .count = (int)method->number, .detector = &sees, .spectra = spectra, .out = out};
     *out = (struct sampling){.method = *method,
                              .pages = {.first_nm = spectra->first_nm, .n_nm = spectra->n_nm}};
     sampling_name(method, task.name);
     const bool done =
         detector_read(detector, &sees, err) && string_copy(sees.name, &out->detector, err) &&
         fine_detector_make(&sees, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
-        check_detector(&task, err) && traits_of(method)->make(&task, err) && complete(&task, err);
+        check_detector(&task, err) && sampling_kinds[method->kind].make(&task, err) &&
+        complete(&task, err);
     detector_free(&sees);
     if (!done)
         sampling_free(out);
@@ -230,9 +232,9 @@ const struct sampling *sampling_or_none(const struct sampling *sampling)
 
 void sampling_label(const struct sampling_method *method, int page, char out[24])
 {
-    const struct sampling_traits *kind = traits_of(method);
+    const struct sampling_traits *kind = &sampling_kinds[method->kind];
     out[0] = '\0';
-    if (kind->labels[0])
+    if (kind->labels)
         snprintf(out, 24, "%s", kind->labels[page]);
     else if (kind->flags & COMPONENTS)
         snprintf(out, 24, "component %d", page + 1);
@@ -274,7 +276,7 @@ static void print_peaks(const struct sampling *sampling, struct printed *to)
 void sampling_print(const struct sampling *sampling, struct printed *to)
 {
     char name[SAMPLING_NAME];
-    const struct sampling_traits *kind = traits_of(&sampling->method);
+    const struct sampling_traits *kind = &sampling_kinds[sampling->method.kind];
     sampling_name(&sampling->method, name);
     print(to, "%s for %s: %d %s", name, sampling->detector, sampling->pages.n,
           sampling->pages.n == 1 ? kind->words->page : kind->words->pages);

@@ -14,7 +14,7 @@ bool sampling_refuse(const struct sampling_task *task, int most, struct error *e
 bool sample_riemann(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
-    const double step = out->method.step_nm, range = out->fine.n - 1;
+    const double step = out->method.number, range = out->fine.n - 1;
     if (range > 0 && step > range)
         return error_usage(err, "%s: the range is %g nm long; a step is no more than that",
                            task->name, range);
@@ -71,9 +71,9 @@ bool sample_box(const struct sampling_task *task, struct error *err)
         first++;
     while (sampling_seen(out, last - 1) == 0)
         last--;
-    if (out->method.count > last - first)
+    if (task->count > last - first)
         return sampling_refuse(task, last - first, err);
-    if (!sampling_room(out, out->method.count, SEGMENTS | ANALYSIS | SYNTHESIS, err))
+    if (!sampling_room(out, task->count, SEGMENTS | ANALYSIS | SYNTHESIS, err))
         return false;
     cut_boxes(out, first, last);
     return true;

@@ -59,22 +59,18 @@ static bool holds(const struct list *list, const struct builtin_file *file, char
              table_is_detector(file) == (strcmp(list->name, "detectors") == 0)));
 }
 
-/* Orders names as a reader does: numbers in them by their value, so that f2 comes before f10. */
+/* Orders names as a reader does: numbers in them by their value, so that f2 comes before f10. The
+ * number of more digits is the larger one: no name has a number with zeros before it. */
 static int compare_names(const void *a, const void *b)
 {
+    static const char digits[] = "0123456789";
     const char *one = a, *other = b;
-    for (; *one && *other; one++, other++) {
-        char *end, *other_end;
-        const long difference = isdigit((unsigned char)*one) && isdigit((unsigned char)*other)
-                                    ? strtol(one, &end, 10) - strtol(other, &other_end, 10)
-                                    : (unsigned char)*one - (unsigned char)*other;
-        if (difference != 0)
-            return difference < 0 ? -1 : 1;
-        if (isdigit((unsigned char)*one)) {
-            one = end - 1;
-            other = other_end - 1;
-        }
-    }
+    bool within = false; /* both are within a number */
+    for (; *one && *one == *other; one++, other++)
+        within = isdigit((unsigned char)*one);
+    const size_t n = strspn(one, digits), m = strspn(other, digits);
+    if (n != m && (within || (n > 0 && m > 0)))
+        return n < m ? -1 : 1;
     return (unsigned char)*one - (unsigned char)*other;
 }
 

@@ -8,36 +8,49 @@
 enum statement { KD, KS, KE, NS, STATEMENTS };
 static const char *const statements[STATEMENTS] = {"Kd", "Ks", "Ke", "Ns"};
 
-struct entry {
-    double colour[NS][3]; /* red, green, blue */
-    double shininess;     /* Ns: 0..1000 */
-    struct place place, given[STATEMENTS];
-};
+/* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. It
+ * begins and ends beyond all light, so that nobody reads past its ends. */
+static bool spread(const double colour[3], struct place place, const char *name,
+                   struct spectrum *out, struct error *err)
+{
+    static const struct {
+        double nm;
+        int part;
+    } knots[] = {{1, 2}, {480, 2}, {500, 1}, {570, 1}, {600, 0}, {999999, 0}};
+    for (size_t i = 0; i < sizeof knots / sizeof knots[0]; i++)
+        if (!spectrum_append(out, knots[i].nm, colour[knots[i].part], place, err))
+            return false;
+    return string_copy(name, &out->name, err);
+}
 
-static bool read_colour(struct text *text, enum statement statement, double out[3],
-                        struct error *err)
+/* Reads a colour into its spectrum, which stays absent where the colour is black. */
+static bool read_colour(struct text *text, enum statement statement, struct place place,
+                        struct material *out, struct error *err)
 {
     static const char *const parts[] = {"red", "green", "blue"};
+    struct spectrum *const spectra[] = {&out->diffuse, &out->specular, &out->glow};
+    double colour[3];
     for (int i = 0; i < 3; i++) {
         char what[16];
         snprintf(what, sizeof what, "%s of %s", parts[i], statements[statement]);
-        if (!text_number(text, what, 0, statement == KE ? HUGE_VAL : 1, &out[i], err))
+        if (!text_number(text, what, 0, statement == KE ? HUGE_VAL : 1, &colour[i], err))
             return false;
     }
-    return true;
+    return (colour[0] == 0 && colour[1] == 0 && colour[2] == 0) ||
+           spread(colour, place, out->name, spectra[statement], err);
 }
 
-static bool read_statement(struct text *text, const struct word *first, struct entry *out,
-                           struct error *err)
+static bool read_statement(struct text *text, const struct word *first,
+                           struct place given[STATEMENTS], struct material *out, struct error *err)
 {
     int i = 0;
     while (i < STATEMENTS && !word_is(first, statements[i]))
         i++;
     if (i == STATEMENTS)
         return true;
-    return place_once(&out->given[i], first->place, statements[i], err) &&
-           (i == NS ? text_number(text, statements[i], 0, 1000, &out->shininess, err)
-                    : read_colour(text, (enum statement)i, out->colour[i], err)) &&
+    return place_once(&given[i], first->place, statements[i], err) &&
+           (i == NS ? text_number(text, statements[i], 0, 1000, &out->gloss, err)
+                    : read_colour(text, (enum statement)i, given[i], out, err)) &&
            text_end(text, statements[i], err);
 }
 
@@ -97,68 +110,48 @@ struct mtl_entry *mtl_find(const struct mtl *mtl, struct place from, const struc
     return NULL;
 }
 
-/* Reads the statements of the entry up to the next newmtl. Their places name `path`. */
-static bool read_entry(const struct mtl_entry *found, char *path, struct entry *out,
-                       struct error *err)
+/* Reads the statements of the entry up to the next newmtl. Their places name the material's path.
+ */
+static bool read_entry(const struct mtl_entry *found, struct place given[STATEMENTS],
+                       struct material *out, struct error *err)
 {
     struct text text = found->behind;
     struct word word;
-    text.path = path;
-    out->place = found->name.place;
-    out->place.path = path;
+    text.path = out->path;
     while (text_next_line(&text)) {
         if (!text_word(&text, &word))
             continue;
         if (word_is(&word, "newmtl"))
             break;
-        if (!read_statement(&text, &word, out, err))
+        if (!read_statement(&text, &word, given, out, err))
             return false;
     }
     return found->again.line == 0 || place_once(&out->place, found->again, "this entry", err);
 }
 
-/* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. It
- * begins and ends beyond all light, so that nobody reads past its ends. */
-static bool spread(const struct entry *entry, enum statement statement, const char *name,
-                   struct spectrum *out, struct error *err)
-{
-    static const struct {
-        double nm;
-        int part;
-    } knots[] = {{1, 2}, {480, 2}, {500, 1}, {570, 1}, {600, 0}, {999999, 0}};
-    for (size_t i = 0; i < sizeof knots / sizeof knots[0]; i++)
-        if (!spectrum_append(out, knots[i].nm, entry->colour[statement][knots[i].part],
-                             entry->given[statement], err))
-            return false;
-    return string_copy(name, &out->name, err);
-}
-
 /* An entry with Ks or Ke needs no Kd, which is 0 then. A highlight needs both Ks and Ns. Shininess
  * above 128, the largest of OpenGL, becomes 128. */
-static bool make_material(struct entry *entry, struct material *out, struct error *err)
+static bool complete(const struct place given[STATEMENTS], struct material *out, struct error *err)
 {
-    bool present[NS];
-    struct place *given = entry->given;
-    if (given[KD].line == 0) {
-        if (given[KS].line == 0 && given[KE].line == 0)
-            return error_at(err, entry->place, "the entry has none of Kd, Ks and Ke");
-        given[KD] = entry->place;
-    }
-    for (int i = 0; i < NS; i++)
-        present[i] = entry->colour[i][0] > 0 || entry->colour[i][1] > 0 || entry->colour[i][2] > 0;
-    out->place = entry->place;
+    static const double black[3] = {0, 0, 0};
+    if (given[KD].line == 0 && given[KS].line == 0 && given[KE].line == 0)
+        return error_at(err, out->place, "the entry has none of Kd, Ks and Ke");
     out->from_rgb = true;
-    out->gloss = present[KS] ? fmin(entry->shininess, HIGHEST_GLOSS) : 0;
+    out->gloss = out->specular.kind != SPECTRUM_NONE ? fmin(out->gloss, HIGHEST_GLOSS) : 0;
     out->gloss_place = given[NS];
-    return spread(entry, KD, out->name, &out->diffuse, err) &&
-           (out->gloss == 0 || spread(entry, KS, out->name, &out->specular, err)) &&
-           (!present[KE] || spread(entry, KE, out->name, &out->glow, err));
+    if (out->gloss == 0)
+        spectrum_free(&out->specular);
+    return out->diffuse.kind != SPECTRUM_NONE ||
+           spread(black, given[KD].line > 0 ? given[KD] : out->place, out->name, &out->diffuse,
+                  err);
 }
 
 bool mtl_read(const struct mtl_entry *found, struct material *out, struct error *err)
 {
-    struct entry entry = {.shininess = 0};
-    *out = (struct material){.name = word_copy(&found->name, err)};
-    return out->name && string_copy(found->behind.path, &out->path, err) &&
-           read_entry(found, out->path, &entry, err) && make_material(&entry, out, err);
+    struct place given[STATEMENTS] = {{0}};
+    *out = (struct material){.name = word_copy(&found->name, err), .place = found->name.place};
+    if (!out->name || !string_copy(found->behind.path, &out->path, err))
+        return false;
+    out->place.path = out->path;
+    return read_entry(found, given, out, err) && complete(given, out, err);
 }

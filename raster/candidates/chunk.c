@@ -93,7 +93,6 @@ static bool shows_hidden(const struct bounding *bounding, size_t index)
 static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
 {
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
-    const struct seam *seam = &bounding->fragments.seams[index];
     struct chunk *out = bounding->chunk;
     if (!array_grow(&out->ambiguous, out->n_ambiguous, 1, sizeof *out->ambiguous))
         return false;
@@ -104,7 +103,7 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
         return true;
     /* triangles that meet without a gap surely cover the pixel, if the driver is watertight */
     ambiguous->background =
-        pixel->limit == HUGE_VAL && !(is_closed(seam) && seam->n_covered > 0 &&
+        pixel->limit == HUGE_VAL && !(is_closed(&pixel->seam) && pixel->seam.n_covered > 0 &&
                                       bounding->fragments.tile->lit->driver->watertight);
     for (int32_t f = pixel->head; f >= 0; f = bounding->fragments.fragments[f].next)
         if (!add_candidates(bounding, &bounding->fragments.fragments[f], x, y))
@@ -159,14 +158,13 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
     struct chunk *out = bounding->chunk;
     const struct rectangle *at = &out->picture.at;
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
-    const struct seam *seam = &bounding->fragments.seams[index];
     const int x = at->x + (int)index % at->width, y = at->y + (int)index / at->width;
     const uint32_t spread = pixel->n_possible - pixel->n_definite;
     out->pixels[index].overdraw =
         (struct overdraw){.least = (uint8_t)pixel->n_definite,
                           .spread = spread < UINT8_MAX ? (uint8_t)spread : UINT8_MAX,
-                          .meant = (uint8_t)(pixel->n_definite + seam->n_covered),
-                          .closed = is_closed(seam)};
+                          .meant = (uint8_t)(pixel->n_definite + pixel->seam.n_covered),
+                          .closed = is_closed(&pixel->seam)};
     const bool settled = is_settled(bounding, index) && !settle(bounding, index, x, y);
     out->is_ambiguous[index] = !settled;
     return settled || add_ambiguous(bounding, index, x, y);

@@ -69,7 +69,7 @@ static enum presence triangle_presence(const struct bounded_triangle *triangle,
 /* A triangle without area touches its longest edge only. */
 static enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py)
 {
-    const double *x = triangle->x, *y = triangle->y;
+    const double *x = triangle->screen.x, *y = triangle->screen.y;
     struct edge_functions edges;
     double slack[3], errors[3];
     for (int i = 0; i < 3; i++)
@@ -167,7 +167,6 @@ struct visit {
     int32_t triangle;
     bool any; /* OpenGL may have a fragment of it somewhere */
     struct fragment_list *pixel;
-    struct seam *seam;
     double x, y;
     struct edge_functions edges;
     double most; /* most_slack */
@@ -193,7 +192,7 @@ static void add_edges(const struct visit *visit)
             continue;
         uint64_t from = corner_number(screen, (i + 1) % 3, object),
                  to = corner_number(screen, (i + 2) % 3, object);
-        visit->seam->edge_sum[screen->clockwise] +=
+        visit->pixel->seam.edge_sum[screen->clockwise] +=
             hash_bits(from + 2 * to) - hash_bits(to + 2 * from);
     }
 }
@@ -209,8 +208,8 @@ static void count_fragment(const struct visit *visit, enum presence presence, bo
         pixel->n_definite++;
         return;
     }
-    visit->seam->n_covered += covered;
-    visit->seam->open = visit->seam->open || triangle->edge_on || triangle->cut;
+    visit->pixel->seam.n_covered += covered;
+    visit->pixel->seam.open = visit->pixel->seam.open || triangle->edge_on || triangle->cut;
     add_edges(visit);
 }
 
@@ -319,7 +318,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
     /* the near or the far plane may cut it off */
     if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
         presence = POSSIBLE;
-        visit->seam->open = true;
+        visit->pixel->seam.open = true;
     }
     count_fragment(visit, presence, covered);
     return bounds_of(visit->of->tile->lit, &triangle->screen)->placed->twin ||
@@ -341,9 +340,8 @@ static bool visit_pixel(void *context, int x, int y)
     unsigned clipped = clipped_at(visit->of, triangle, visit->x, visit->y);
     if (clipped == 0)
         return true;
-    size_t pixel = (size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x);
-    visit->pixel = &visit->of->pixels[pixel];
-    visit->seam = &visit->of->seams[pixel];
+    visit->pixel =
+        &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
     return judge_fragment(visit, presence, clipped);
 }
 
@@ -370,8 +368,7 @@ bool fragments_find(struct fragments *out)
 {
     size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height;
     out->unused = -1;
-    if (!memory_make(&out->pixels, n_pixels, sizeof *out->pixels) ||
-        !memory_make(&out->seams, n_pixels, sizeof *out->seams))
+    if (!memory_make(&out->pixels, n_pixels, sizeof *out->pixels))
         return false;
     for (size_t i = 0; i < n_pixels; i++)
         out->pixels[i] = (struct fragment_list){.head = -1, .limit = HUGE_VAL};
@@ -391,6 +388,5 @@ bool fragments_find(struct fragments *out)
 
 void fragments_free(struct fragments *fragments)
 {
-    FREE_ALL(fragments->pixels, fragments->seams, fragments->triangles, fragments->fragments,
-             fragments->clipped);
+    FREE_ALL(fragments->pixels, fragments->triangles, fragments->fragments, fragments->clipped);
 }

@@ -14,7 +14,7 @@ struct colour_bound {
 };
 /* A triangle as OpenGL sets it up for interpolation, after clipping. */
 struct clipped_triangle {
-    double x[3], y[3], z[3], inverse_w[3], share[3][3]; /* as of struct screen_triangle */
+    struct screen_triangle screen; /* its corners and their shares; the rest is of the whole */
     double slack_px[3];      /* of each corner in x and y, off the plane of interpolated values */
     double moved_px[3];      /* how far each may be from its place, in this plane, too */
     int cuts;                /* how many made a corner, at most */
@@ -67,12 +67,6 @@ struct fragment {
     bool loose; /* its colour has no bound */
     double depth, depth_error;
 };
-struct fragment_list {               /* of a pixel; 32 bytes, since every fragment touches it */
-    int32_t head;                    /* first possible fragment; -1: none */
-    int32_t n_candidates, n_pruned;  /* in the list; when it was last rid of hidden ones */
-    uint32_t n_definite, n_possible; /* fragments, hidden ones too */
-    double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
-};
 /* Edges that run by within their slack. */
 struct seam {
     /* Each such edge, a random number for one direction and its negative for the other, adds to one
@@ -81,11 +75,17 @@ struct seam {
     uint32_t n_covered; /* fragments of the reference that are not definite */
     bool open;          /* some possible fragment is not counted in the sums */
 };
+struct fragment_list {               /* of a pixel */
+    int32_t head;                    /* first possible fragment; -1: none */
+    int32_t n_candidates, n_pruned;  /* in the list; when it was last rid of hidden ones */
+    uint32_t n_definite, n_possible; /* fragments, hidden ones too */
+    double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
+    struct seam seam;
+};
 struct fragments {
     const struct tile *tile; /* as OpenGL draws it */
     struct rectangle rows;   /* this chunk's part */
     struct fragment_list *pixels;
-    struct seam *seams; /* of each pixel */
     struct bounded_triangle *triangles;
     struct fragment *fragments;
     struct clipped_triangle *clipped;

@@ -61,7 +61,7 @@ static struct corner_values cut_values(const struct bounded_pixel *pixel,
         size_t at = surface_attributes(surface, screen->vertex[j], screen->side) + attribute;
         double value = parts ? (double)parts[at] : surface->weights[at];
         for (int c = 0; c < 3; c++)
-            out.at[c] += clipped->share[c][j] * value;
+            out.at[c] += clipped->screen.share[c][j] * value;
         out.largest = fmax(out.largest, fabs(value));
     }
     return out;
@@ -93,7 +93,7 @@ static void add_jumps(const struct bounded_pixel *pixel, const struct clipped_tr
         if (!pixel->jumps[j])
             continue;
         for (int c = 0; c < 3; c++)
-            values[c] = clipped->share[c][j] * (double)pixel->jumps[j][attribute];
+            values[c] = clipped->screen.share[c][j] * (double)pixel->jumps[j][attribute];
         struct colour_bound jump = bound_colour(clipped, values);
         out->constant += jump.constant;
         out->fixed += jump.fixed;

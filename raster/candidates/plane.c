@@ -37,13 +37,13 @@ static struct edges edges_of(const struct clipped_triangle *triangle)
     struct edges edges = {.slack_per_d = 0};
     for (int i = 0; i < 3; i++) {
         int next = (i + 1) % 3;
-        edges.dx[i] = triangle->x[next] - triangle->x[i];
-        edges.dy[i] = triangle->y[next] - triangle->y[i];
+        edges.dx[i] = triangle->screen.x[next] - triangle->screen.x[i];
+        edges.dy[i] = triangle->screen.y[next] - triangle->screen.y[i];
     }
     double e = edges.dx[0] * edges.dy[1], f = edges.dx[1] * edges.dy[0];
     edges.twice_area = fabs(e - f);
-    edges.width = most_of(triangle->x) - least_of(triangle->x) + 1;
-    edges.height = most_of(triangle->y) - least_of(triangle->y) + 1;
+    edges.width = most_of(triangle->screen.x) - least_of(triangle->screen.x) + 1;
+    edges.height = most_of(triangle->screen.y) - least_of(triangle->screen.y) + 1;
     edges.e_area = roundings(3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
     double change = 0, perimeter = 0;
     for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
@@ -56,8 +56,8 @@ static struct edges edges_of(const struct clipped_triangle *triangle)
     edges.spread = 1 + 2 * triangle->grid_px * perimeter / edges.twice_area;
     edges.slack = least_of(triangle->slack_px);
     for (int i = 0; i < 3; i++)
-        edges.slack_per_d =
-            fmax(edges.slack_per_d, (triangle->slack_px[i] - edges.slack) / triangle->inverse_w[i]);
+        edges.slack_per_d = fmax(edges.slack_per_d, (triangle->slack_px[i] - edges.slack) /
+                                                        triangle->screen.inverse_w[i]);
     return edges;
 }
 
@@ -118,7 +118,7 @@ static struct plane_rounding plane_rounding(const struct clipped_triangle *trian
 /* True in a parallel view: w is 1, and neither products nor divisions by it round. */
 static bool is_parallel(const struct clipped_triangle *triangle)
 {
-    const double *d = triangle->inverse_w;
+    const double *d = triangle->screen.inverse_w;
     return d[0] == 1 && d[1] == 1 && d[2] == 1;
 }
 
@@ -143,20 +143,20 @@ double bound_linear(const struct clipped_triangle *triangle, const double values
 static double fixed_slack(const struct clipped_triangle *triangle, const struct edges *edges)
 {
     return edges->slack * edges->spread +
-           edges->slack_per_d * (edges->spread - 1) * largest(triangle->inverse_w);
+           edges->slack_per_d * (edges->spread - 1) * largest(triangle->screen.inverse_w);
 }
 
 /* Bounds the error of D, but for its part relative to D. */
 static double inverse_w_error(const struct clipped_triangle *triangle, const struct edges *edges)
 {
-    struct plane_rounding rounding = plane_rounding(triangle, edges, triangle->inverse_w);
+    struct plane_rounding rounding = plane_rounding(triangle, edges, triangle->screen.inverse_w);
     return rounding.common + rounding.own;
 }
 
 void bound_inverse_w(struct clipped_triangle *triangle)
 {
     struct edges edges = edges_of(triangle);
-    double slope = norm(gradient_of(&edges, triangle->inverse_w)),
+    double slope = norm(gradient_of(&edges, triangle->screen.inverse_w)),
            fixed = slope * fixed_slack(triangle, &edges) + inverse_w_error(triangle, &edges),
            per_d = slope * edges.slack_per_d + inverse_w_roundings(triangle),
            magnification = HUGE_VAL;
@@ -174,7 +174,7 @@ void bound_inverse_w(struct clipped_triangle *triangle)
 struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3])
 {
     struct edges edges = edges_of(triangle);
-    const double *d = triangle->inverse_w, products = is_parallel(triangle) ? 0 : 3;
+    const double *d = triangle->screen.inverse_w, products = is_parallel(triangle) ? 0 : 3;
     double n[3], slope = 0, range = 0, value = largest(values), beyond = edges.spread - 1;
     for (int i = 0; i < 3; i++) {
         n[i] = values[i] * d[i];

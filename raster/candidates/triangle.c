@@ -150,7 +150,8 @@ static void clip_planes(const struct tile *tile, const struct screen_triangle *s
     planes[5] = (struct clip_plane){{0, 0, -1, 1}, 2 * error};
 }
 
-/* Clips the whole triangle by these planes. */
+/* Clips the whole triangle by these planes. Its corners come in the order in which OpenGL gets
+ * them, which decides how it fans the polygon. */
 static struct polygon clip_whole(const struct tile *tile, const struct screen_triangle *screen,
                                  const struct clip_plane planes[CLIP_PLANES])
 {
@@ -170,31 +171,23 @@ static struct polygon clip_whole(const struct tile *tile, const struct screen_tr
     return out;
 }
 
-/* Clips the whole triangle by all planes. Its corners come in the order in which OpenGL gets them,
- * which decides how it fans the polygon. */
-static struct polygon polygon_of(const struct tile *tile, const struct screen_triangle *screen)
-{
-    struct clip_plane planes[CLIP_PLANES];
-    clip_planes(tile, screen, planes);
-    return clip_whole(tile, screen, planes);
-}
-
 /* Clips deeper by the near and the far plane where a corner lies so near to one of them that OpenGL
  * may cut it off. n is 0 where there is no such corner. */
 static struct polygon doubtful_polygon_of(const struct tile *tile,
-                                          const struct screen_triangle *screen)
+                                          const struct screen_triangle *screen,
+                                          const struct clip_plane from[CLIP_PLANES])
 {
+    const struct polygon whole = clip_whole(tile, screen, from);
     struct clip_plane planes[CLIP_PLANES];
     bool any = false;
-    clip_planes(tile, screen, planes);
-    const struct polygon whole = clip_whole(tile, screen, planes);
+    memcpy(planes, from, sizeof planes);
     for (int p = 4; p < CLIP_PLANES; p++) {
         double deepest = 0, rounding;
         for (int i = 0; i < whole.n; i++) {
-            const struct bounded from =
+            const struct bounded at =
                 corner_distance(&planes[p], whole.corner[i].clip, &whole.cut[i], &rounding);
-            if ((whole.cut[i].planes >> p & 1) == 0 && from.value <= from.error)
-                deepest = fmax(deepest, from.error);
+            if ((whole.cut[i].planes >> p & 1) == 0 && at.value <= at.error)
+                deepest = fmax(deepest, at.error);
         }
         planes[p].offset -= 2 * deepest; /* so that the corner is outside, whatever its error */
         any = any || deepest > 0;
@@ -280,9 +273,9 @@ static void widen(struct slack *to, struct slack by)
 static void set_reach(const struct tile *tile, struct clipped_triangle *out)
 {
     const struct rectangle *at = &tile->at;
-    double right = most_of(out->x) - at->x, below = most_of(out->y) - at->y,
-           above = at->y + at->height - least_of(out->y),
-           left = tile->lit->driver->left_origin ? 0 : at->x + at->width - least_of(out->x);
+    double right = most_of(out->screen.x) - at->x, below = most_of(out->screen.y) - at->y,
+           above = at->y + at->height - least_of(out->screen.y),
+           left = tile->lit->driver->left_origin ? 0 : at->x + at->width - least_of(out->screen.x);
     out->reach_x = fmin(fmax(right, left), at->width) + 1;
     out->reach_y = fmin(fmax(below, above), at->height) + 1;
 }
@@ -297,14 +290,10 @@ static struct clipped_triangle clipped(const struct tile *tile, const struct bou
                                        const double slack_px[3], const double moved[3])
 {
     const struct driver *driver = tile->lit->driver;
-    struct clipped_triangle out = {.grid_px = tile_edge_error(tile),
+    struct clipped_triangle out = {.screen = from->screen,
+                                   .grid_px = tile_edge_error(tile),
                                    .value_roundings = driver->value_roundings,
                                    .slack = from->slack};
-    memcpy(out.x, from->screen.x, sizeof out.x);
-    memcpy(out.y, from->screen.y, sizeof out.y);
-    memcpy(out.z, from->screen.z, sizeof out.z);
-    memcpy(out.inverse_w, from->screen.inverse_w, sizeof out.inverse_w);
-    memcpy(out.share, from->screen.share, sizeof out.share);
     for (int i = 0; i < 3; i++) {
         out.slack_px[i] = slack_px[i] + driver->corner_px;
         out.moved_px[i] = moved[i] + driver->corner_px;
@@ -338,9 +327,9 @@ static struct clipped_triangle fan_triangle(const struct bounded_triangle *of,
 /* Sets up what OpenGL makes besides if it cuts a corner in doubt, but only what is too thin for a
  * bound: the rest is as the triangles that it makes otherwise. Returns how many. */
 static int set_up_slivers(const struct tile *tile, const struct bounded_triangle *triangle,
-                          struct clipped_triangle *out)
+                          const struct clip_plane planes[CLIP_PLANES], struct clipped_triangle *out)
 {
-    const struct polygon polygon = doubtful_polygon_of(tile, &triangle->screen);
+    const struct polygon polygon = doubtful_polygon_of(tile, &triangle->screen, planes);
     int n = 0;
     for (int i = 2; i < polygon.n; i++) {
         out[n] = fan_triangle(triangle, &polygon, i);
@@ -351,9 +340,9 @@ static int set_up_slivers(const struct tile *tile, const struct bounded_triangle
 
 /* Sets up the triangles that clipping at the tile's border and in depth makes. Returns how many. */
 static int clip_to_tile(const struct tile *tile, const struct bounded_triangle *triangle,
-                        struct clipped_triangle *out)
+                        const struct clip_plane planes[CLIP_PLANES], struct clipped_triangle *out)
 {
-    const struct polygon polygon = polygon_of(tile, &triangle->screen);
+    const struct polygon polygon = clip_whole(tile, &triangle->screen, planes);
     struct bounded_triangle part = *triangle;
     part.slack = (struct slack){0, 0, 0};
     for (int i = 0; i < polygon.n; i++)
@@ -373,9 +362,9 @@ static double corner_slack_px(const struct tile *tile, const struct bounded_tria
 /* Sets up the triangles of a part; returns how many. Where hardly anything of a clipped triangle is
  * in the tile, it has no bound. */
 static int set_up(const struct tile *tile, const struct bounded_triangle *triangle,
-                  struct clipped_triangle *out)
+                  const struct clip_plane planes[CLIP_PLANES], struct clipped_triangle *out)
 {
-    const int n = triangle->straddles ? clip_to_tile(tile, triangle, out) : 0;
+    const int n = triangle->straddles ? clip_to_tile(tile, triangle, planes, out) : 0;
     double slack_px[3];
     if (n > 0)
         return n;
@@ -408,20 +397,22 @@ static void set_edge_errors(const struct tile *tile, struct bounded_triangle *tr
 
 /* Sets up a part's triangles, and finds the bounds that hold for all of them but those too thin for
  * one. Where all are too thin, the depth has no bound. */
-static void complete(const struct tile *tile, struct triangle_part *part)
+static void complete(const struct tile *tile, const struct clip_plane planes[CLIP_PLANES],
+                     struct triangle_part *part)
 {
     struct bounded_triangle *triangle = &part->bounded;
     double error = -1;
-    triangle->n_clipped = set_up(tile, triangle, part->clipped);
+    triangle->n_clipped = set_up(tile, triangle, planes, part->clipped);
     if (triangle->cut)
-        triangle->n_slivers = set_up_slivers(tile, triangle, part->clipped + triangle->n_clipped);
+        triangle->n_slivers =
+            set_up_slivers(tile, triangle, planes, part->clipped + triangle->n_clipped);
     triangle->slack.px = 0; /* only the corners that OpenGL has in the tile count */
     for (int i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *clipped = &part->clipped[i];
         triangle->slack.px = fmax(triangle->slack.px, most_of(clipped->slack_px));
         if (clipped->magnification < HUGE_VAL)
             error = fmax(error, clipped->magnification *
-                                    bound_linear(clipped, clipped->z, clipped->slack.depth));
+                                    bound_linear(clipped, clipped->screen.z, clipped->slack.depth));
     }
     triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(tile->lit->driver);
     set_edge_errors(tile, triangle);
@@ -471,7 +462,7 @@ static int place_parts(const struct tile *tile, const struct screen_triangle *wh
         triangle->straddles = cut || crosses_border(tile, whole);
         for (int v = 0; v < 3 && !cut; v++)
             widen(&triangle->slack, whole_slack(tile->lit, whole, v));
-        complete(tile, &out[i]);
+        complete(tile, planes, &out[i]);
     }
     return n;
 }

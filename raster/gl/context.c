@@ -21,24 +21,37 @@ static bool refuse_missing(bool osmesa, bool egl, struct error *err)
         osmesa ? of_osmesa : "", osmesa && egl ? ", and no " : "", egl ? of_egl : "");
 }
 
+/* Opens a library, unless none of its files is there. */
+static bool open_kind(struct contexts *contexts, const struct context_kind *kind, int device,
+                      struct error *err)
+{
+    void *library;
+    if (!library_open(kind->files, &library, err))
+        return false;
+    if (!library)
+        return true;
+    if (!memory_make(&contexts->own, kind->own_size, 1))
+        return memory_lacks(err, (double)kind->own_size, "%s", kind->name);
+    contexts->kind = kind;
+    contexts->name = kind->name;
+    contexts->flipped = kind->flipped;
+    if (!library_find_all(library, kind->functions, kind->n_functions, contexts->own))
+        return error_unsupported(err, "%s", kind->too_old);
+    return (!kind->begin || kind->begin(contexts, device, err)) &&
+           functions_find(contexts, library, err);
+}
+
 static bool open_library(struct contexts *contexts, const char *wanted, struct error *err)
 {
     const bool any = strcmp(wanted, "auto") == 0, shaders = contexts->way != GL_WITHOUT_SHADERS,
                osmesa = (any && !shaders) || strcmp(wanted, "osmesa") == 0;
-    bool found = false;
+    const bool egl = any || !osmesa;
     if (osmesa && shaders)
         return error_unsupported(err, "OSMesa draws without shaders here; add --gl egl");
-    if (osmesa && !osmesa_open(contexts, &found, err))
+    if ((osmesa && !open_kind(contexts, &osmesa_kind, -1, err)) ||
+        (egl && !contexts->kind && !open_kind(contexts, &egl_kind, driver_device(wanted), err)))
         return false;
-    if (found)
-        return true;
-    if (osmesa && !any)
-        return refuse_missing(true, false, err);
-    if (contexts->kind)
-        contexts->kind->end(contexts);
-    *contexts = (struct contexts){.way = contexts->way};
-    return egl_open(contexts, driver_device(wanted), &found, err) &&
-           (found || refuse_missing(any && !shaders, true, err));
+    return contexts->kind || refuse_missing(osmesa, egl, err);
 }
 
 #ifdef OSMESA_VERSION /* built in; Mesa crashes when asked for another driver */
@@ -67,9 +80,11 @@ bool contexts_open(const struct context_wish *wish, struct contexts **out, struc
 
 void contexts_close(struct contexts *contexts)
 {
-    if (contexts && contexts->kind)
+    if (!contexts)
+        return;
+    if (contexts->kind && contexts->kind->end)
         contexts->kind->end(contexts);
-    free(contexts);
+    FREE_ALL(contexts->own, contexts);
 }
 
 bool has_extension(const char *list, const char *name)

@@ -12,12 +12,8 @@
 #include "raster/gl/inside.h"
 
 #ifdef OSMESA_VERSION /* the static program has no loader */
-bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err)
-{
-    (void)contexts, (void)device, (void)err;
-    *found = false;
-    return true;
-}
+static const char *const files[] = {NULL};
+const struct context_kind egl_kind = {.name = "EGL", .files = files};
 
 bool contexts_devices(int *out, struct error *err)
 {
@@ -33,8 +29,8 @@ bool contexts_devices(int *out, struct error *err)
 #include <EGL/eglext.h>
 
 struct egl {
-    /* of the library: see find_functions */
-    PFNEGLGETPROCADDRESSPROC get;
+    /* of the library: see `functions` */
+    struct library_functions find;
     PFNEGLQUERYSTRINGPROC query_string;
     PFNEGLINITIALIZEPROC initialize;
     PFNEGLTERMINATEPROC terminate;
@@ -152,9 +148,8 @@ static void close_canvas(struct canvas *canvas)
 static void end(struct contexts *contexts)
 {
     const struct egl *egl = contexts->own;
-    if (egl && egl->display != EGL_NO_DISPLAY)
+    if (egl->display != EGL_NO_DISPLAY)
         egl->terminate(egl->display);
-    free(contexts->own);
 }
 
 /* ---- the display ---- */
@@ -214,23 +209,21 @@ static bool find_config(struct egl *egl, enum gl_way way, struct error *err)
 
 /* ---- the library ---- */
 
-/* Finds EGL's functions; false if one is missing. */
-static bool find_functions(struct egl *egl, enum gl_way way, void *library)
-{
-    static const char *const names[] = {"eglGetProcAddress", "eglQueryString",    "eglInitialize",
+static const char *const files[] = {"libEGL.so.1", "libEGL.so", NULL};
+static const char *const functions[] = {"eglGetProcAddress", "eglQueryString",    "eglInitialize",
                                         "eglTerminate",      "eglBindAPI",        "eglChooseConfig",
                                         "eglCreateContext",  "eglDestroyContext", "eglMakeCurrent"};
-    if (!library_find_all(library, names, sizeof names / sizeof *names, egl))
-        return false;
-    egl->get_platform_display =
-        (PFNEGLGETPLATFORMDISPLAYEXTPROC)egl->get("eglGetPlatformDisplayEXT");
-    egl->query_devices = (PFNEGLQUERYDEVICESEXTPROC)egl->get("eglQueryDevicesEXT");
-    egl->clip_control =
-        (PFNGLCLIPCONTROLPROC)egl->get(way == GL_ES ? "glClipControlEXT" : "glClipControl");
-    return egl->get_platform_display != NULL;
-}
+enum { N_FUNCTIONS = sizeof functions / sizeof *functions };
 
-static const char *const files[] = {"libEGL.so.1", "libEGL.so", NULL};
+/* Finds the functions of extensions. */
+static void find_extensions(struct egl *egl, enum gl_way way)
+{
+    any_function *(*const get)(const char *name) = egl->find.get;
+    egl->get_platform_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC)get("eglGetPlatformDisplayEXT");
+    egl->query_devices = (PFNEGLQUERYDEVICESEXTPROC)get("eglQueryDevicesEXT");
+    egl->clip_control =
+        (PFNGLCLIPCONTROLPROC)get(way == GL_ES ? "glClipControlEXT" : "glClipControl");
+}
 
 bool contexts_devices(int *out, struct error *err)
 {
@@ -241,33 +234,27 @@ bool contexts_devices(int *out, struct error *err)
     *out = 0;
     if (!library_open(files, &library, err))
         return false;
-    if (library && find_functions(&egl, GL_WITHOUT_SHADERS, library) && egl.query_devices &&
+    if (!library || !library_find_all(library, functions, N_FUNCTIONS, &egl))
+        return true;
+    find_extensions(&egl, GL_WITHOUT_SHADERS);
+    if (egl.get_platform_display && egl.query_devices &&
         egl.query_devices(MOST_DEVICES, devices, &n))
         *out = n;
     return true;
 }
 
-bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err)
+static const char too_old[] = "this EGL is too old: version 1.4 with platforms is needed";
+
+static bool begin(struct contexts *contexts, int device, struct error *err)
 {
-    static const struct context_kind kind = {open_canvas, use_canvas, fill_canvas, close_canvas,
-                                             end};
-    struct egl *egl;
-    void *library;
-    *found = false;
-    if (!MAKE_ARRAY(egl, 1, err, "EGL"))
-        return false;
-    contexts->own = egl;
-    contexts->kind = &kind;
-    contexts->name = "EGL";
-    contexts->flipped = true;
-    if (!library_open(files, &library, err))
-        return false;
-    *found = library != NULL;
-    if (!library)
-        return true;
-    if (!find_functions(egl, contexts->way, library))
-        return error_unsupported(err, "this EGL is too old: version 1.4 with platforms is needed");
-    return find_display(egl, device, err) && find_config(egl, contexts->way, err) &&
-           functions_find(contexts, library, egl->get, "EGL's OpenGL", err);
+    struct egl *egl = contexts->own;
+    find_extensions(egl, contexts->way);
+    if (!egl->get_platform_display)
+        return error_unsupported(err, "%s", too_old);
+    return find_display(egl, device, err) && find_config(egl, contexts->way, err);
 }
+
+const struct context_kind egl_kind = {
+    "EGL", true, files,       functions,  N_FUNCTIONS, sizeof(struct egl), too_old,
+    begin, end,  open_canvas, use_canvas, fill_canvas, close_canvas};
 #endif

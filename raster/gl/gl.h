@@ -143,15 +143,8 @@ struct contexts {
     bool mirrored; /* the projection must turn y around for this, so that fronts go round with the
                       clock; known when a canvas is open */
     struct canvas *current;
-    /* what the library does for a canvas; by osmesa.c or egl.c */
-    const struct context_kind {
-        bool (*open)(struct canvas *canvas, struct error *err);
-        bool (*use)(struct canvas *canvas, struct error *err);
-        void (*fill)(const struct canvas *canvas);
-        void (*close)(struct canvas *canvas);
-        void (*end)(struct contexts *contexts);
-    } * kind;
-    void *own; /* of osmesa.c or egl.c; owned */
+    const struct context_kind *kind; /* NULL: no library was found */
+    void *own;                       /* of osmesa.c or egl.c; owned */
 };
 /* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
  * opens one of them. contexts_close frees *out, also after a failure. */
@@ -238,15 +231,9 @@ struct shown drawing_shown(const struct renderer *renderer, int x, int y);
 void drawing_set_viewport(const struct drawing *of); /* of the tile */
 void drawing_read_depths(const struct drawing *of);  /* if they are wanted */
 
-/* Floats of a vertex in its two buffers: position and normal; texture coordinates, which only
- * textured meshes have. */
-enum { VERTEX_FLOATS = 6, COORDINATE_FLOATS = 2 };
-/* Binds the triangles of an instance. Returns how many corners they have. */
-int mesh_bind_triangles(const struct drawing *of, int instance);
-/* Bind the buffer of positions and normals, and that of texture coordinates; the latter returns
- * false where the instance shows no texture. */
-void mesh_bind_vertices(const struct drawing *of, int instance);
-bool mesh_bind_coordinates(const struct drawing *of, int instance);
+/* Binds the vertices of an instance, VERTEX_NUMBERS floats each, and its triangles. Returns how
+ * many corners these have. */
+int mesh_bind(const struct drawing *of, int instance);
 
 /* Binds an object of a texture of the plan to its unit. */
 void texture_bind(const struct drawing *of, int index, int unit);

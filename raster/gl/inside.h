@@ -16,15 +16,32 @@ bool library_open(const char *const *files, void **out, struct error *err);
  * are there. */
 bool library_find_all(void *library, const char *const *names, size_t n, void *out);
 
-/* Finds the functions of the way of *to, in the library (NULL: none), or by what its own function
- * finds; all others are NULL. Fails with EXIT_SYSTEM if one is missing. `name`: the library's. */
-bool functions_find(struct contexts *to, void *library, any_function *(*get)(const char *name),
-                    const char *name, struct error *err);
+/* Finds the functions of the way of *to, in the library or by its own function for that; all others
+ * are NULL. Fails with EXIT_SYSTEM if one is missing. */
+bool functions_find(struct contexts *to, void *library, struct error *err);
 
-/* Open a library; *found: its file is there, otherwise nothing is opened. device: EGL's; -1: none
- * is asked for. */
-bool osmesa_open(struct contexts *contexts, bool *found, struct error *err);
-bool egl_open(struct contexts *contexts, int device, bool *found, struct error *err);
+/* A library: all in which OSMesa and EGL differ. */
+struct context_kind {
+    const char *name;
+    bool flipped;                 /* as in struct contexts */
+    const char *const *files;     /* names of the library, then NULL */
+    const char *const *functions; /* `own` of struct contexts begins with them */
+    size_t n_functions, own_size; /* own_size: in bytes */
+    const char *too_old;          /* the message where a function is missing */
+    /* Completes `own`. device: EGL's; -1: none is asked for. NULL: it is complete. */
+    bool (*begin)(struct contexts *contexts, int device, struct error *err);
+    void (*end)(struct contexts *contexts); /* NULL: there is nothing to end */
+    /* of a canvas */
+    bool (*open)(struct canvas *canvas, struct error *err);
+    bool (*use)(struct canvas *canvas, struct error *err);
+    void (*fill)(const struct canvas *canvas);
+    void (*close)(struct canvas *canvas);
+};
+extern const struct context_kind osmesa_kind, egl_kind;
+/* `own` begins with the library's own function for finding others. */
+struct library_functions {
+    any_function *(*get)(const char *name);
+};
 
 bool has_extension(const char *list, const char *name); /* list: words; NULL: none */
 

@@ -5,12 +5,34 @@
 
 #include "raster/gl/inside.h"
 
-#ifdef OSMESA_VERSION /* static */
+#ifdef OSMESA_VERSION /* static: OSMesa is built in, with its header, and there is no EGL */
+#include <GL/osmesa.h>
+
+static any_function *const built_in[] = {
+    (any_function *)OSMesaGetProcAddress, (any_function *)OSMesaCreateContextExt,
+    (any_function *)OSMesaDestroyContext, (any_function *)OSMesaMakeCurrent,
+    (any_function *)OSMesaPixelStore};
+
+bool library_open(const char *const *files, void **out, struct error *err)
+{
+    static char osmesa;
+    (void)err;
+    *out = *files ? &osmesa : NULL;
+    return true;
+}
+
 static void library_find(void *library, const char *name, void *out)
 {
     void *symbol = NULL;
     (void)library, (void)name;
     memcpy(out, &symbol, sizeof symbol);
+}
+
+bool library_find_all(void *library, const char *const *names, size_t n, void *out)
+{
+    (void)library, (void)names;
+    memcpy(out, built_in, n * sizeof *built_in);
+    return true;
 }
 #else
 #include <dlfcn.h>
@@ -66,9 +88,9 @@ static const struct {
 #define SHADERS_NAME(type, name, parameters) {"gl" #name, false, true},
     COMMON_FUNCTIONS(COMMON_NAME) FIXED_FUNCTIONS(FIXED_NAME) SHADER_FUNCTIONS(SHADERS_NAME)};
 
-bool functions_find(struct contexts *to, void *library, any_function *(*get)(const char *name),
-                    const char *name, struct error *err)
+bool functions_find(struct contexts *to, void *library, struct error *err)
 {
+    const struct library_functions *own = to->own;
     enum { N = sizeof functions / sizeof *functions };
     any_function *found[N];
     for (int i = 0; i < N; i++) {
@@ -76,12 +98,11 @@ bool functions_find(struct contexts *to, void *library, any_function *(*get)(con
         found[i] = NULL;
         if (to->way == GL_WITHOUT_SHADERS ? functions[i].shaders : functions[i].fixed)
             continue;
-        if (library)
-            library_find(library, function, &found[i]);
+        library_find(library, function, &found[i]);
         if (!found[i])
-            found[i] = get(function);
+            found[i] = own->get(function);
         if (!found[i])
-            return error_unsupported(err, "%s has no function %s", name, function);
+            return error_unsupported(err, "%s has no function %s", to->name, function);
     }
     memcpy(&to->call, found, sizeof found); /* all pointers to functions have one size in POSIX */
     return true;

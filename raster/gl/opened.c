@@ -11,33 +11,18 @@
 
 /* ---- meshes ---- */
 
-enum { VERTICES, COORDINATES, BUFFERS };
-
-/* Fills a buffer that has no name yet with n_floats numbers of each vertex, from number `first` on.
- */
-static bool upload_vertices(const struct drawing *of, GLuint *name, const struct mesh *mesh,
-                            size_t first, size_t n_floats, struct error *err)
+/* Fills the bound buffer with the vertices of a mesh. */
+static bool upload_vertices(const struct drawing *of, const struct mesh *mesh, struct error *err)
 {
-    const size_t n = (size_t)mesh->n_vertices;
-    float *floats, numbers[VERTEX_NUMBERS];
-    if (*name || !MAKE_ARRAY(floats, n * n_floats, err, "%zu vertices of a mesh", n))
-        return *name;
-    for (size_t i = 0; i < n; i++) {
-        vertex_numbers(&mesh->vertices[i], numbers);
-        memcpy(floats + n_floats * i, numbers + first, n_floats * sizeof *floats);
-    }
-    of->call->GenBuffers(1, name);
-    of->call->BindBuffer(GL_ARRAY_BUFFER, *name);
-    of->call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * n_floats * sizeof *floats), floats,
-                         GL_STATIC_DRAW);
+    const size_t n = VERTEX_NUMBERS * (size_t)mesh->n_vertices;
+    float *floats;
+    if (!MAKE_ARRAY(floats, n, err, "%d vertices of a mesh", mesh->n_vertices))
+        return false;
+    for (int i = 0; i < mesh->n_vertices; i++)
+        vertex_numbers(&mesh->vertices[i], floats + VERTEX_NUMBERS * (size_t)i);
+    of->call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * sizeof *floats), floats, GL_STATIC_DRAW);
     free(floats);
     return true;
-}
-
-static bool shows_texture(const struct drawing *of, int instance)
-{
-    const int shaded = of->plan->instances[instance].shaded;
-    return texture_is_drawn(of->plan, of->plan->materials[shaded].texture);
 }
 
 /* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
@@ -67,22 +52,24 @@ static bool upload_triangles(const struct drawing *of, int instance, struct erro
     return true;
 }
 
+/* Makes a buffer, unless it has a name already, and binds it. Returns whether it is new. */
+static bool bind_buffer(const struct drawing *of, GLenum target, GLuint *name)
+{
+    const bool is_new = *name == 0;
+    if (is_new)
+        of->call->GenBuffers(1, name);
+    of->call->BindBuffer(target, *name);
+    return is_new;
+}
+
 static bool upload_instance(const struct drawing *of, int instance, struct error *err)
 {
-    const int index = of->plan->instances[instance].mesh;
-    const struct mesh *mesh = &of->plan->meshes[index].mesh;
-    GLuint *buffers = of->objects + BUFFERS * index, *indices = index_buffer(of, instance);
-    if (!of->plan->instances[instance].in_view)
-        return true;
-    if (!upload_vertices(of, &buffers[VERTICES], mesh, 0, VERTEX_FLOATS, err) ||
-        (shows_texture(of, instance) &&
-         !upload_vertices(of, &buffers[COORDINATES], mesh, VERTEX_FLOATS, COORDINATE_FLOATS, err)))
-        return false;
-    if (*indices)
-        return true;
-    of->call->GenBuffers(1, indices);
-    of->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *indices);
-    return upload_triangles(of, instance, err);
+    const int mesh = of->plan->instances[instance].mesh;
+    return !of->plan->instances[instance].in_view ||
+           ((!bind_buffer(of, GL_ARRAY_BUFFER, &of->objects[mesh]) ||
+             upload_vertices(of, &of->plan->meshes[mesh].mesh, err)) &&
+            (!bind_buffer(of, GL_ELEMENT_ARRAY_BUFFER, index_buffer(of, instance)) ||
+             upload_triangles(of, instance, err)));
 }
 
 /* Uploads all meshes that are drawn. Nothing is uploaded twice, and nothing of an instance out of
@@ -90,7 +77,7 @@ static bool upload_instance(const struct drawing *of, int instance, struct error
 static bool meshes_upload(struct drawing *of, struct error *err)
 {
     const int n = of->plan->n_instances, n_meshes = of->plan->n_meshes;
-    if (!MAKE_ARRAY(of->objects, BUFFERS * n_meshes, err, "%d meshes", n_meshes) ||
+    if (!MAKE_ARRAY(of->objects, n_meshes, err, "%d meshes", n_meshes) ||
         !MAKE_ARRAY(of->indices, n_meshes + n, err, "%d objects", n))
         return false;
     for (int i = 0; i < n; i++)
@@ -99,29 +86,12 @@ static bool meshes_upload(struct drawing *of, struct error *err)
     return true;
 }
 
-static unsigned buffer_of(const struct drawing *of, int instance, int which)
+int mesh_bind(const struct drawing *of, int instance)
 {
-    return of->objects[BUFFERS * of->plan->instances[instance].mesh + which];
-}
-
-int mesh_bind_triangles(const struct drawing *of, int instance)
-{
+    of->call->BindBuffer(GL_ARRAY_BUFFER, of->objects[of->plan->instances[instance].mesh]);
     of->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(of, instance));
     return 3 * (of->plan->instances[instance].instance.n_triangles -
                 of->lit->bounds[instance].n_hidden);
-}
-
-void mesh_bind_vertices(const struct drawing *of, int instance)
-{
-    of->call->BindBuffer(GL_ARRAY_BUFFER, buffer_of(of, instance, VERTICES));
-}
-
-bool mesh_bind_coordinates(const struct drawing *of, int instance)
-{
-    if (!shows_texture(of, instance))
-        return false;
-    of->call->BindBuffer(GL_ARRAY_BUFFER, buffer_of(of, instance, COORDINATES));
-    return true;
 }
 
 /* ---- triangles with their numbers as colours ---- */

@@ -5,21 +5,17 @@
 
 #include "raster/gl/inside.h"
 
-#ifdef OSMESA_VERSION /* built in, with its header */
-#include <GL/osmesa.h>
-#else
 typedef struct osmesa_context *OSMesaContext;
 enum { OSMESA_RGBA = GL_RGBA, OSMESA_Y_UP = 0x11 };
-#endif
 
 struct osmesa {
+    struct library_functions find;
     OSMesaContext (*create)(GLenum format, GLint depth, GLint stencil, GLint accumulation,
                             OSMesaContext shared);
     void (*destroy)(OSMesaContext context);
     GLboolean (*make_current)(OSMesaContext context, void *buffer, GLenum type, GLsizei width,
                               GLsizei height);
     void (*pixel_store)(GLint name, GLint value);
-    any_function *(*get)(const char *name);
 };
 
 static const struct osmesa *osmesa_of(const struct canvas *canvas)
@@ -59,53 +55,23 @@ static void close_canvas(struct canvas *canvas)
     osmesa_of(canvas)->destroy(canvas->context);
 }
 
-static void end(struct contexts *contexts)
-{
-    free(contexts->own);
-}
-
 /* ---- the library ---- */
 
-#ifdef OSMESA_VERSION /* built in */
-static bool find_functions(struct osmesa *out, void **library, bool *found, struct error *err)
-{
-    (void)err;
-    *library = NULL;
-    *found = true;
-    *out = (struct osmesa){OSMesaCreateContextExt, OSMesaDestroyContext, OSMesaMakeCurrent,
-                           OSMesaPixelStore, OSMesaGetProcAddress};
-    return true;
-}
-#else
-static bool find_functions(struct osmesa *out, void **library, bool *found, struct error *err)
-{
-    static const char *const files[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so", NULL};
-    static const char *const names[] = {"OSMesaCreateContextExt", "OSMesaDestroyContext",
-                                        "OSMesaMakeCurrent", "OSMesaPixelStore",
-                                        "OSMesaGetProcAddress"};
-    if (!library_open(files, library, err))
-        return false;
-    *found = *library != NULL;
-    if (!*found)
-        return true;
-    return library_find_all(*library, names, sizeof names / sizeof *names, out) ||
-           error_unsupported(err, "libOSMesa lacks a function of OSMesa 8");
-}
-#endif
-
-bool osmesa_open(struct contexts *contexts, bool *found, struct error *err)
-{
-    static const struct context_kind kind = {open_canvas, use_canvas, fill_canvas, close_canvas,
-                                             end};
-    struct osmesa *osmesa;
-    void *library;
-    *found = false;
-    if (!MAKE_ARRAY(osmesa, 1, err, "OSMesa"))
-        return false;
-    contexts->own = osmesa;
-    contexts->kind = &kind;
-    contexts->name = "OSMesa";
-    if (!find_functions(osmesa, &library, found, err))
-        return false;
-    return !*found || functions_find(contexts, library, osmesa->get, contexts->name, err);
-}
+static const char *const files[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so", NULL};
+/* In the order of struct osmesa, and of `built_in` in library.c. */
+static const char *const functions[] = {"OSMesaGetProcAddress", "OSMesaCreateContextExt",
+                                        "OSMesaDestroyContext", "OSMesaMakeCurrent",
+                                        "OSMesaPixelStore"};
+const struct context_kind osmesa_kind = {"OSMesa",
+                                         false,
+                                         files,
+                                         functions,
+                                         sizeof functions / sizeof *functions,
+                                         sizeof(struct osmesa),
+                                         "libOSMesa lacks a function of OSMesa 8",
+                                         NULL,
+                                         NULL,
+                                         open_canvas,
+                                         use_canvas,
+                                         fill_canvas,
+                                         close_canvas};

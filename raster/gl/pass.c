@@ -96,13 +96,13 @@ static bool draw_into(struct gl *gl, float *floats, bool numbers, struct error *
 /* The next draw call takes its vertices from an instance's mesh. Returns how many. */
 static int bind_mesh(const struct gl *gl, int instance)
 {
-    const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
-    mesh_bind_vertices(&gl->base, instance);
+    const GLsizei step = VERTEX_NUMBERS * sizeof(GLfloat);
+    const int n = mesh_bind(&gl->base, instance);
     gl->base.call->VertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
     gl->base.call->NormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
-    if (mesh_bind_coordinates(&gl->base, instance))
-        gl->base.call->TexCoordPointer(COORDINATE_FLOATS, GL_FLOAT, 0, NULL);
-    return mesh_bind_triangles(&gl->base, instance);
+    if (gl->texture)
+        gl->base.call->TexCoordPointer(2, GL_FLOAT, step, (const void *)(6 * sizeof(GLfloat)));
+    return n;
 }
 
 static void switch_textures(const struct gl *gl, bool on)

@@ -117,16 +117,14 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
     const struct whole *whole = &maker->wholes[cutting.whole];
     struct plan_mesh added = {.mesh = *mesh,
                               .cutting = cutting,
+                              .solid = cutting.side < 0 && shape_is_solid(whole->shape.kind),
                               .shape = whole->shape,
                               .centre = whole->centre,
                               .unit = whole->unit};
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
-    /* Only built-in shapes are known to be solids: an OBJ file may have faces inside out, even
-     * where it is closed. */
-    if ((whole->shape.kind == SHAPE_MESH || mesh_find_closed(&added.mesh, &added.solid, err)) &&
-        index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
+    if (index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
         array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
         return true;
     mesh_free(mesh);

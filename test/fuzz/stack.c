@@ -102,7 +102,7 @@ static void develop_colour(const char *path)
 
 static void develop_sampled(const char *path)
 {
-    const struct sampling_method gauss = {.kind = SAMPLING_GAUSS, .count = 5};
+    const struct sampling_method gauss = {.kind = SAMPLING_GAUSS, .number = 5};
     struct development of = {"cie1964",
                              .adaptation = {ADAPTATION_CAT16, 0},
                              .white = "d65",

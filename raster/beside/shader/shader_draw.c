@@ -15,18 +15,15 @@ enum { POSITION, NORMAL, COORDINATES, NUMBER = NORMAL }; /* the inputs of the ve
 static int bind_mesh(const struct shader *shader, int instance)
 {
     const struct gl_functions *call = shader->base.call;
-    const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
-    mesh_bind_vertices(&shader->base, instance);
+    const GLsizei step = VERTEX_NUMBERS * sizeof(GLfloat);
+    const int n = mesh_bind(&shader->base, instance);
     call->VertexAttribPointer(POSITION, 3, GL_FLOAT, GL_FALSE, step, NULL);
     call->VertexAttribPointer(NORMAL, 3, GL_FLOAT, GL_FALSE, step,
                               (const void *)(3 * sizeof(GLfloat))); /* into the bound buffer */
-    if (mesh_bind_coordinates(&shader->base, instance)) {
-        call->EnableVertexAttribArray(COORDINATES);
-        call->VertexAttribPointer(COORDINATES, COORDINATE_FLOATS, GL_FLOAT, GL_FALSE, 0, NULL);
-    } else {
-        call->DisableVertexAttribArray(COORDINATES);
-    }
-    return mesh_bind_triangles(&shader->base, instance);
+    call->EnableVertexAttribArray(COORDINATES);
+    call->VertexAttribPointer(COORDINATES, 2, GL_FLOAT, GL_FALSE, step,
+                              (const void *)(6 * sizeof(GLfloat)));
+    return n;
 }
 
 /* Lets them show a texture of the plan, which is drawn. */

@@ -350,6 +350,7 @@ static void check_parts(void)
     CHECK(again.n_triangles == halves.n_triangles && again.n_vertices == halves.n_vertices &&
               memcmp(again.part, halves.part, (size_t)again.n_triangles * sizeof *again.part) == 0,
           "a second cut changes nothing");
+    halves.n_parts = 3;
     none = part_of(&halves, 2);
     CHECK(none.n_triangles == 0 && none.n_vertices == 0 && none.n_parts == 1,
           "a part without triangles is empty");

@@ -176,7 +176,7 @@ static void test_tolerances(const char *light, int n_peaks)
     bool within = true;
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct sampling s = made(&stage, names[i]);
-        within = within && worst_error(&stage, &s) <= s.method.tolerance;
+        within = within && worst_error(&stage, &s) <= s.method.number;
         most = s.pages.n > most ? s.pages.n : most;
         if (i == 0)
             CHECK(s.n_peaks == n_peaks, "%s has %d emission peaks", light, n_peaks);

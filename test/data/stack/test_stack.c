@@ -462,7 +462,7 @@ static void test_damage(void)
 /* Pages may have 8 bits, and labels instead of wavelengths. */
 static void test_narrow(void)
 {
-    const struct sampling_method basis = {.kind = SAMPLING_BASIS, .count = PAGES};
+    const struct sampling_method basis = {.kind = SAMPLING_BASIS, .number = PAGES};
     const char *path = "stack_narrow.tif";
     struct stack_options options = small_options();
     struct stack_writer writer;

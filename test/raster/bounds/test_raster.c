@@ -145,8 +145,9 @@ static double inverse_w_at(const struct clipped_triangle *o, double px, double p
     double sum = 0, area = 0;
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        double e = (o->x[j] - px) * (o->y[k] - py) - (o->x[k] - px) * (o->y[j] - py);
-        sum += e * o->inverse_w[i];
+        double e = (o->screen.x[j] - px) * (o->screen.y[k] - py) -
+                   (o->screen.x[k] - px) * (o->screen.y[j] - py);
+        sum += e * o->screen.inverse_w[i];
         area += e;
     }
     return sum / area;
@@ -158,8 +159,9 @@ static double exact(const struct clipped_triangle *o, const double values[3], do
     double sum = 0, weight = 0, turn = 0;
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        double e =
-            ((o->x[j] - px) * (o->y[k] - py) - (o->x[k] - px) * (o->y[j] - py)) * o->inverse_w[i];
+        double e = ((o->screen.x[j] - px) * (o->screen.y[k] - py) -
+                    (o->screen.x[k] - px) * (o->screen.y[j] - py)) *
+                   o->screen.inverse_w[i];
         if (e * turn < 0)
             return (double)NAN;
         turn = e;
@@ -184,13 +186,13 @@ static void check_bounds(double size, double depth_range, const char *name)
         double values[3], cx = test_random(&state, 100, 900), cy = test_random(&state, 100, 900);
         float x[3], y[3], w[3], v[3];
         for (int c = 0; c < 3; c++) {
-            clipped.x[c] = cx + test_random(&state, -size, size);
-            clipped.y[c] = cy + test_random(&state, -size, size);
-            clipped.inverse_w[c] = 1 / test_random(&state, 1, depth_range);
+            clipped.screen.x[c] = cx + test_random(&state, -size, size);
+            clipped.screen.y[c] = cy + test_random(&state, -size, size);
+            clipped.screen.inverse_w[c] = 1 / test_random(&state, 1, depth_range);
             values[c] = test_random(&state, 0, 1);
-            x[c] = (float)clipped.x[c];
-            y[c] = (float)clipped.y[c];
-            w[c] = (float)clipped.inverse_w[c];
+            x[c] = (float)clipped.screen.x[c];
+            y[c] = (float)clipped.screen.y[c];
+            w[c] = (float)clipped.screen.inverse_w[c];
             v[c] = (float)values[c];
         }
         /* corners, w and values are rounded once: 2^-24 relative */
@@ -199,8 +201,10 @@ static void check_bounds(double size, double depth_range, const char *name)
         clipped.slack.w = roundings(2);
         bound_inverse_w(&clipped);
         /* the pixel at the centre of gravity */
-        double px = floor((clipped.x[0] + clipped.x[1] + clipped.x[2]) / 3) + 0.5;
-        double py = floor((clipped.y[0] + clipped.y[1] + clipped.y[2]) / 3) + 0.5;
+        double px =
+            floor((clipped.screen.x[0] + clipped.screen.x[1] + clipped.screen.x[2]) / 3) + 0.5;
+        double py =
+            floor((clipped.screen.y[0] + clipped.screen.y[1] + clipped.screen.y[2]) / 3) + 0.5;
         double expected = exact(&clipped, values, px, py);
         if (isnan(expected) || !(clipped.magnification < HUGE_VAL))
             continue;
@@ -331,12 +335,11 @@ int main(void)
     check_bounds(200, 1, "large triangles");
     check_bounds(5, 1, "small triangles");
     check_bounds(100, 8, "triangles in perspective");
-    struct clipped_triangle line = {.x = {0, 10, 20},
-                                    .y = {0, 10, 20},
-                                    .inverse_w = {1, 1, 1},
-                                    .slack_px = {1e-4, 1e-4, 1e-4},
-                                    .reach_x = 100,
-                                    .reach_y = 100};
+    struct clipped_triangle line = {
+        .screen = {.x = {0, 10, 20}, .y = {0, 10, 20}, .inverse_w = {1, 1, 1}},
+        .slack_px = {1e-4, 1e-4, 1e-4},
+        .reach_x = 100,
+        .reach_y = 100};
     bound_inverse_w(&line);
     CHECK(line.magnification == HUGE_VAL, "a triangle without area has no bound");
     return test_end();
