@@ -147,9 +147,8 @@ bool plan_put_files(const struct plan *plan, const char *detector, struct json *
                     struct error *err)
 {
     struct inputs inputs;
-    const bool done =
-        inputs_list(plan->scene, detector, true, &inputs, err) && inputs_digest(&inputs, err);
-    json_strings(json, "files", (const char *const *)inputs.path, done ? inputs.n : 0);
+    const bool done = inputs_list(plan->scene, detector, true, &inputs, err);
+    json_strings(json, "files", (const char *const *)inputs.file, done ? inputs.n : 0);
     inputs_free(&inputs);
     return done;
 }
