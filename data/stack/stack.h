@@ -76,7 +76,7 @@ struct record {
     int map_bytes;
     char *text; /* files, lights, ambients and, once it is read, all strings point into it; owned */
 };
-/* What a new stack records of its scene. */
+/* A new stack records this of its scene. */
 struct recorded {
     const struct scene *scene;
     const struct sampling *sampling; /* NULL: none */

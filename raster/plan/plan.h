@@ -44,10 +44,11 @@ struct placed_instance {
     struct instance instance;
 };
 enum { N_EFFECTS = 18, BAND_NAME = 32 };
+/* So many of all that an effect may concern call for it. */
 struct plan_effect {
     const char *name;
-    bool used;
-    char reason[160];
+    int used, all;
+    const char *what, *otherwise; /* what: of the numbers; NULL: the scene asks for it or not */
 };
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */

@@ -202,11 +202,11 @@ static bool finish_stack(struct rendering *of, struct error *err)
 static bool finish(struct rendering *of, struct error *err)
 {
     const struct render_output *output = of->output;
-    if ((of->check_scene.mapped && !check_map_finish(&of->map, err)) ||
+    if ((of->check_scene.mapped && !picture_finish(&of->map.picture, err)) ||
         (output->path && !finish_stack(of, err)))
         return false;
     clock_in(&of->since, &of->result->seconds.write);
-    return !of->check_scene.mapped || check_map_commit(&of->map, output->outputs, err);
+    return !of->check_scene.mapped || picture_commit(&of->map.picture, output->outputs, err);
 }
 
 static bool render_all(struct rendering *of, struct error *err)
