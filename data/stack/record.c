@@ -9,12 +9,11 @@
 
 /* ---- the fields ---- */
 
-/* A field is a line "KEY: VALUE"; of texts and options, a line each. Lines of full_scale, scale and
+/* A field is a line "KEY: VALUE"; of texts, a line each. Lines of full_scale, scale and
  * object_map are written by data/stack/tags.c. */
 enum field_kind {
     FIELD_TEXT,   /* const char *; NULL: none */
     FIELD_TEXTS,  /* struct texts */
-    FIELD_OPTION, /* one of record.options */
     FIELD_NUMBERS /* struct numbers */
 };
 struct field {
@@ -30,7 +29,7 @@ static const struct field fields[] = {
     {"scene", FIELD_TEXT, AT(scene), 0, 0},
     {"scene_sha256", FIELD_TEXT, AT(scene_sha256), 0, 0},
     {"file", FIELD_TEXTS, AT(files), 0, 0},
-    {"option", FIELD_OPTION, AT(options), 0, 0},
+    {"option", FIELD_TEXTS, AT(options), 0, 0},
     {"renderer", FIELD_TEXT, AT(renderer), 0, 0},
     {"light", FIELD_TEXTS, AT(lights), 0, 0},
     {"ambient", FIELD_TEXTS, AT(ambients), 0, 0},
@@ -117,7 +116,7 @@ static bool keep_numbers(struct numbers *out, const struct field *field, const c
     return field->count == 0 || out->n == field->count;
 }
 
-/* Keeps a value. Returns false if it is malformed, or one too many. */
+/* Keeps a value. Returns false if it is malformed. */
 static bool keep_value(struct record *record, const struct field *field, char *value,
                        struct error *err)
 {
@@ -127,12 +126,7 @@ static bool keep_value(struct record *record, const struct field *field, char *v
         return keep_numbers(member, field, value, err);
     if (field->kind == FIELD_TEXTS)
         return array_add(&texts->text, &texts->n, &value, sizeof value, err);
-    if (field->kind == FIELD_TEXT)
-        *(const char **)member = value;
-    else if (record->n_options < MAX_RECORDED)
-        record->options[record->n_options++] = value;
-    else
-        return false;
+    *(const char **)member = value;
     return true;
 }
 
@@ -313,8 +307,6 @@ static void put_field(struct printed *stream, const struct record *record,
         put_line(stream, field->key, *text);
     for (int i = 0; field->kind == FIELD_TEXTS && i < texts->n; i++)
         put_line(stream, field->key, texts->text[i]);
-    for (int i = 0; field->kind == FIELD_OPTION && i < record->n_options; i++)
-        put_line(stream, field->key, record->options[i]);
     if (field->kind == FIELD_NUMBERS)
         put_numbers(stream, field->key, numbers->value, numbers->n);
 }

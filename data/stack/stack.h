@@ -45,10 +45,9 @@ struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
     const char *scene_sha256;
-    struct texts files;          /* that the scene names, as inputs_list makes them */
-    const char *renderer;        /* "raster", or OpenGL's GL_RENDERER */
-    char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
-    int n_options;
+    struct texts files;            /* that the scene names, as inputs_list makes them */
+    const char *renderer;          /* "raster", or OpenGL's GL_RENDERER */
+    struct texts options;          /* each one word: "--size=300x200" */
     struct texts lights, ambients; /* of the scene, each as SPECTRUM*INTENSITY */
     /* scene_white, on each page; none where nothing shines, in pages of components, or in a stack
      * without this record. */

@@ -91,7 +91,7 @@ static bool names_option(const char *usage, const char *word, size_t length, boo
 struct reading {
     const struct command *command;
     bool recorded; /* only options that a stack records */
-    char *const *words;
+    const char *const *words;
     int n_words, at; /* at: the word that is read */
 };
 
@@ -266,8 +266,8 @@ static bool check_outputs(const struct options *options, struct error *err)
 
 /* ---- the command line ---- */
 
-bool options_read(const struct command *command, bool recorded, char *const *words, int n_words,
-                  struct options *out, struct error *err)
+bool options_read(const struct command *command, bool recorded, const char *const *words,
+                  int n_words, struct options *out, struct error *err)
 {
     struct reading reading = {command, recorded, words, n_words, 0};
     bool only_operands = false;

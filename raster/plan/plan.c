@@ -261,7 +261,6 @@ void plan_free(struct plan *plan)
         texture_free(&plan->textures[i]);
     FREE_ALL(plan->materials, plan->textures);
     index_free(&plan->by_material);
-    index_free(&plan->by_texture);
     FREE_ALL(plan->lights, plan->sources);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};

@@ -85,7 +85,7 @@ struct plan {
     struct plan_mesh *meshes;
     struct shaded_material *materials;
     struct texture *textures;
-    struct index by_material, by_texture; /* shaded materials by material; textures by file */
+    struct index by_material; /* shaded materials */
     struct placed_instance *instances;
     struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
     struct eye_light *lights;         /* those that shine; and each as the scene has it: */
