@@ -167,21 +167,19 @@ typedef bool pipeline_stage(void *context, struct error *err);
 bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *here, pipeline_stage *beside,
                   void *context, struct error *err);
 
-/* A row of places that one stage fills in turn, and another takes and frees in the same order. It
- * says only which places are full; their contents belong to the stages. Zero it, but for the first
- * two members, before the pipeline runs. */
-struct queue {
+/* Places that one stage fills, and another takes and frees. They say only what they hold, by
+ * numbers above 0 that the stages choose; their contents belong to the stages. Zero it, but for the
+ * first two members, before the pipeline runs. */
+enum { MOST_PLACES = 8 };
+struct places {
     struct pipeline *pipeline;
-    int n_places;
-    long filled, freed; /* how many so far */
+    int n;
+    long holds[MOST_PLACES]; /* 0: the place is free */
 };
-/* Return a place, or -1 where the pipeline has stopped. The first waits for a free place. The
- * second waits until there are more than `ahead` full places, and returns the one behind these. */
-int queue_room(struct queue *queue);
-int queue_next(struct queue *queue, int ahead);
-/* Say that the place is full; that the place that was filled first is free. */
-void queue_fill(struct queue *queue);
-void queue_free(struct queue *queue);
+/* Waits until a place holds this number (0: until one is free), and returns it; -1: the pipeline
+ * has stopped. */
+int places_wait(struct places *places, long number);
+void places_set(struct places *places, int place, long number); /* 0: the place is free now */
 
 /* ---- index.c: a hash table from keys to numbers ---- */
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Stages that work side by side. A thread works with the lock open, and holds it only to look at
- * queues. Where stages work one at a time, it is the other way round: a thread holds the lock while
+ * places. Where stages work one at a time, it is the other way round: a thread holds the lock while
  * it works, and opens it where it waits. */
 #include "data/base/base.h"
 
-/* Begin and end the use of queues. */
+/* Begin and end the use of places. */
 static void begin_use(struct pipeline *pipeline)
 {
     if (!pipeline->alone)
@@ -46,42 +46,32 @@ static void *run_stage(void *of)
     return NULL;
 }
 
-/* ---- queues ---- */
+/* ---- places ---- */
 
-int queue_room(struct queue *queue)
+static int find(const struct places *places, long number)
 {
-    struct pipeline *pipeline = queue->pipeline;
+    for (int i = 0; i < places->n; i++)
+        if (places->holds[i] == number)
+            return i;
+    return -1;
+}
+
+int places_wait(struct places *places, long number)
+{
+    struct pipeline *pipeline = places->pipeline;
     begin_use(pipeline);
-    while (!pipeline->stopped && queue->filled - queue->freed == queue->n_places)
+    while (!pipeline->stopped && find(places, number) < 0)
         pthread_cond_wait(&pipeline->changed, &pipeline->lock);
-    const int place = pipeline->stopped ? -1 : (int)(queue->filled % queue->n_places);
+    const int place = pipeline->stopped ? -1 : find(places, number);
     end_use(pipeline);
     return place;
 }
 
-int queue_next(struct queue *queue, int ahead)
+void places_set(struct places *places, int place, long number)
 {
-    struct pipeline *pipeline = queue->pipeline;
-    begin_use(pipeline);
-    while (!pipeline->stopped && queue->filled - queue->freed <= ahead)
-        pthread_cond_wait(&pipeline->changed, &pipeline->lock);
-    const int place = pipeline->stopped ? -1 : (int)((queue->freed + ahead) % queue->n_places);
-    end_use(pipeline);
-    return place;
-}
-
-void queue_fill(struct queue *queue)
-{
-    begin_use(queue->pipeline);
-    queue->filled++;
-    end_use(queue->pipeline);
-}
-
-void queue_free(struct queue *queue)
-{
-    begin_use(queue->pipeline);
-    queue->freed++;
-    end_use(queue->pipeline);
+    begin_use(places->pipeline);
+    places->holds[place] = number;
+    end_use(places->pipeline);
 }
 
 /* ---- both stages ---- */

@@ -9,13 +9,14 @@
 struct state {
     struct rendering *of;
     const struct plan *plan;
-    /* of the numbers that OpenGL draws; of frames that hold pilots, and others */
-    struct queue numbers, pilots, frames;
+    /* of the numbers that OpenGL draws, by tiles; of frames, by frame_number, in its buffers */
+    struct places numbers, frames;
     /* counts on their way to the stack; each has room for one page of a tile; owned */
     unsigned char *samples[BANDS_PER_PASS];
     struct check *checks;       /* one for each chunk of the current tile; NULL: none */
     struct check_totals totals; /* of that tile */
-    int frame;                  /* the current one; DARK: none */
+    int tile;                   /* how many are judged */
+    int frame, place;           /* the current frame, and where it is; DARK: none */
     float *black;               /* a row of a frame that is not drawn; owned */
     long steps, all_steps;
     double since; /* clock_seconds when the reference began to draw */
@@ -46,44 +47,37 @@ static bool has_pilots(const struct state *state, int frame)
     return false;
 }
 
-static struct queue *queue_of(struct state *state, int frame)
+static long frame_number(const struct state *state, int tile, int frame)
 {
-    return has_pilots(state, frame) ? &state->pilots : &state->frames;
-}
-
-/* The buffer of OpenGL that stands for a place of a queue. */
-static int buffer_at(const struct state *state, const struct queue *queue, int place)
-{
-    return queue == &state->pilots ? AHEAD_FRAMES + place : place;
+    return 1 + (long)tile * state->plan->passes.n_frames + frame;
 }
 
 /* ---- drawing by OpenGL ---- */
 
-static bool draw_numbers(struct state *state, struct error *err)
+static bool draw_numbers(struct state *state, int tile, struct error *err)
 {
-    if (queue_room(&state->numbers) < 0)
+    if (places_wait(&state->numbers, 0) < 0)
         return false;
     struct renderer *renderer = state->of->renderer;
     double since = clock_seconds();
     if (!renderer->kind->identify(renderer, err))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
-    queue_fill(&state->numbers);
+    places_set(&state->numbers, 0, tile + 1);
     return true;
 }
 
-static bool draw_frame(struct state *state, int first_band, struct error *err)
+static bool draw_frame(struct state *state, int tile, int first_band, struct error *err)
 {
     struct renderer *renderer = state->of->renderer;
-    const int frame = state->plan->passes.frame[first_band / BANDS_PER_PASS];
-    struct queue *queue = queue_of(state, frame);
-    const int place = queue_room(queue);
+    const int frame = state->plan->passes.frame[first_band / BANDS_PER_PASS],
+              place = places_wait(&state->frames, 0);
     double since = clock_seconds();
-    if (place < 0 || !renderer->kind->draw(renderer, buffer_at(state, queue, place), first_band,
-                                           state->of->lit.full_scale, err))
+    if (place < 0 ||
+        !renderer->kind->draw(renderer, place, first_band, state->of->lit.full_scale, err))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
-    queue_fill(queue);
+    places_set(&state->frames, place, frame_number(state, tile, frame));
     return true;
 }
 
@@ -99,15 +93,15 @@ static void order_frames(const struct state *state, int *first_bands)
                 first_bands[n++] = passes->first_pass[frame] * BANDS_PER_PASS;
 }
 
-static bool draw_tile(struct state *state, const struct rectangle *at, const int *first_bands,
-                      struct error *err)
+static bool draw_tile(struct state *state, int tile, const int *first_bands, struct error *err)
 {
     struct renderer *renderer = state->of->renderer;
-    renderer->kind->aim(renderer, at);
-    if (state->plan->options.check && !draw_numbers(state, err))
+    const struct rectangle at = plan_tile(state->plan, &state->of->region, tile);
+    renderer->kind->aim(renderer, &at);
+    if (state->plan->options.check && !draw_numbers(state, tile, err))
         return false;
     for (int i = 0; i < state->plan->passes.n_frames; i++)
-        if (!draw_frame(state, first_bands[i], err))
+        if (!draw_frame(state, tile, first_bands[i], err))
             return false;
     return true;
 }
@@ -116,8 +110,7 @@ static bool draw_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     const struct plan *plan = state->plan;
-    const struct rectangle *region = &state->of->region;
-    const int n_tiles = plan_tiles(plan, region), n_frames = plan->passes.n_frames;
+    const int n_tiles = plan_tiles(plan, &state->of->region), n_frames = plan->passes.n_frames;
     struct renderer *renderer = state->of->renderer;
     int *first_bands;
     if (!MAKE_ARRAY(first_bands, n_frames, err, "the order of passes"))
@@ -125,10 +118,8 @@ static bool draw_tiles(void *context, struct error *err)
     order_frames(state, first_bands);
     bool done =
         !renderer->kind->expect || renderer->kind->expect(renderer, first_bands, n_frames, err);
-    for (int i = 0; i < n_tiles && done; i++) {
-        const struct rectangle at = plan_tile(plan, region, i);
-        done = draw_tile(state, &at, first_bands, err);
-    }
+    for (int i = 0; i < n_tiles && done; i++)
+        done = draw_tile(state, i, first_bands, err);
     free(first_bands);
     return done;
 }
@@ -251,7 +242,7 @@ static bool open_checks(struct state *state, const struct tile *tile, struct err
         if (!check_open(&state->of->check_scene, &tile->chunks[i], &state->checks[i], err))
             return false;
     clock_in(&since, &state->of->result->seconds.check);
-    if (queue_next(&state->numbers, 0) < 0)
+    if (places_wait(&state->numbers, state->tile + 1) < 0)
         return false;
     since = clock_seconds();
     each_chunk(&of, identify_chunk);
@@ -283,25 +274,22 @@ static void close_checks(struct state *state, const struct tile *tile)
 
 /* ---- the frame of a pass ---- */
 
-/* Finds the pixels of the passes that show a frame; waits until OpenGL has drawn it. number: how
- * many full places of the frame's queue come before. */
-static bool find_frame(struct state *state, int frame, int number, struct tile_pass *of)
+/* Finds the pixels of the passes that show a frame; waits until OpenGL has drawn it. Returns the
+ * place of the frame; -1: the other stage has failed. */
+static int find_frame(struct state *state, int frame, struct tile_pass *of)
 {
-    const struct renderer *renderer = state->of->renderer;
-    struct queue *queue = queue_of(state, frame);
-    const int place = queue_next(queue, number);
-    if (place < 0)
-        return false;
-    of->pixels = renderer->buffers[buffer_at(state, queue, place)];
+    const int place = places_wait(&state->frames, frame_number(state, state->tile, frame));
+    if (place >= 0)
+        of->pixels = state->of->renderer->buffers[place];
     of->stride = (size_t)state->plan->tile_width;
-    return true;
+    return place;
 }
 
 /* The current frame is not needed any more. */
 static void leave_frame(struct state *state)
 {
     if (state->frame != DARK)
-        queue_free(queue_of(state, state->frame));
+        places_set(&state->frames, state->place, 0);
     state->frame = DARK;
 }
 
@@ -317,8 +305,9 @@ static bool find_pixels(struct state *state, struct tile_pass *of)
     }
     if (frame != state->frame)
         leave_frame(state);
-    state->frame = frame;
-    return find_frame(state, frame, 0, of);
+    state->place = find_frame(state, frame, of);
+    state->frame = state->place >= 0 ? frame : DARK;
+    return state->place >= 0;
 }
 
 /* Learns from all passes that hold pilots; a pass is dark where only materials out of view have
@@ -326,13 +315,11 @@ static bool find_pixels(struct state *state, struct tile_pass *of)
 static bool learn_pilots(struct state *state, const struct tile *tile, struct error *err)
 {
     const struct fit *fit = &state->of->check_scene.fit;
-    for (int i = 0, number = -1, last = DARK; i < fit->n_passes; i++) {
+    for (int i = 0; i < fit->n_passes; i++) {
         const int frame = state->plan->passes.frame[fit->passes[i]];
         struct tile_pass of = {
             .state = state, .tile = tile, .pass = fit->passes[i], .pixels = state->black};
-        number += frame != last && frame != DARK;
-        last = frame != DARK ? frame : last;
-        if (frame != DARK && !find_frame(state, frame, number, &of))
+        if (frame != DARK && find_frame(state, frame, &of) < 0)
             return false;
         double since = clock_seconds();
         if (!plan_load_textures(state->plan, of.pass * BANDS_PER_PASS, err))
@@ -449,7 +436,7 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
         light_work_add(&state->of->result->light, &tile->chunks[i].picture.work);
     bool done = (!checking || open_checks(state, tile, err)) && add_object_map(state, tile, err);
     if (done && checking)
-        queue_free(&state->numbers);
+        places_set(&state->numbers, 0, 0);
     done = done && learn_pilots(state, tile, err);
     for (int pass = 0; done && pass < state->plan->n_passes; pass++) {
         done = treat_pass(state, tile, pass, err);
@@ -461,6 +448,7 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
         totals_add(&state->of->totals, &state->totals);
     close_checks(state, tile);
     state->since = clock_seconds();
+    state->tile++;
     return done;
 }
 
@@ -502,9 +490,9 @@ bool stages_run(struct rendering *of, struct error *err)
 {
     struct pipeline pipeline;
     struct state state = {.of = of, .plan = of->plan, .frame = DARK};
-    state.numbers = (struct queue){.pipeline = &pipeline, .n_places = 1};
-    state.pilots = (struct queue){.pipeline = &pipeline, .n_places = MAX_PILOT_PASSES};
-    state.frames = (struct queue){.pipeline = &pipeline, .n_places = AHEAD_FRAMES};
+    state.numbers = (struct places){.pipeline = &pipeline, .n = 1};
+    state.frames = (struct places){.pipeline = &pipeline,
+                                   .n = of->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES};
     bool done = allocate(&state, err);
     if (done && of->renderer) /* OpenGL's context is this thread's */
         done = pipeline_run(&pipeline, of->plan->options.threads == 1, draw_tiles, treat_tiles,

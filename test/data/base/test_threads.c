@@ -72,7 +72,7 @@ enum { PLACES = 3, NO_FAILURE = -1, MADE, TAKEN };
 /* Numbers that one stage makes, and another takes. */
 struct numbers {
     struct pipeline pipeline;
-    struct queue made;
+    struct places made;
     long made_at[PLACES];
     int n, ahead; /* how many; so many places are looked at before the first is freed */
     int fails;    /* a stage, at half of the numbers; or NO_FAILURE */
@@ -91,13 +91,13 @@ static bool make_numbers(void *context, struct error *err)
 {
     struct numbers *of = context;
     for (int i = 0; i < of->n; i++) {
-        const int place = queue_room(&of->made);
+        const int place = places_wait(&of->made, 0);
         if (place < 0 || !fail_at(of, MADE, i, err))
             return false;
         if (of->slow)
             nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
         of->made_at[place] = i;
-        queue_fill(&of->made);
+        places_set(&of->made, place, i + 1);
     }
     return true;
 }
@@ -108,19 +108,20 @@ static bool take_numbers(void *context, struct error *err)
     struct numbers *of = context;
     for (int i = 0; i < of->n; i++) {
         const int ahead = of->ahead < of->n - 1 - i ? of->ahead : of->n - 1 - i;
-        const int last = queue_next(&of->made, ahead), first = queue_next(&of->made, 0);
+        const int last = places_wait(&of->made, i + ahead + 1),
+                  first = places_wait(&of->made, i + 1);
         if (last < 0 || first < 0 || !fail_at(of, TAKEN, i, err))
             return false;
         of->right = of->right && of->made_at[last] == i + ahead && of->made_at[first] == i;
         of->taken++;
-        queue_free(&of->made);
+        places_set(&of->made, first, 0);
     }
     return true;
 }
 
 static bool run(struct numbers *of, bool alone, struct error *err)
 {
-    of->made = (struct queue){.pipeline = &of->pipeline, .n_places = PLACES};
+    of->made = (struct places){.pipeline = &of->pipeline, .n = PLACES};
     of->right = true;
     *err = (struct error){.status = EXIT_AGREED};
     return pipeline_run(&of->pipeline, alone, make_numbers, take_numbers, of, err);
