@@ -191,11 +191,9 @@ bool render_again(struct options *options, struct error *err)
         return error_usage(err, "--again takes no --part: it makes a whole stack");
     /* With -o /dev/null, or with its own name, the stack is written under its default name,
      * compared, and then discarded. */
-    bool discard = false;
-    if (options->output && strcmp(options->output, "/dev/null") != 0 &&
-        !file_is_same(options->output, own->again, &discard, err))
+    bool discard = options->output && strcmp(options->output, "/dev/null") == 0;
+    if (options->output && !discard && !file_is_same(options->output, own->again, &discard, err))
         return false;
-    discard = discard || (options->output && strcmp(options->output, "/dev/null") == 0);
     if (discard)
         options->output = NULL;
     if (!options_name_output(options, own->again, "-again.tif", err))
