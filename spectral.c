@@ -88,7 +88,8 @@ static bool run_with_options(const struct command *command, char *const *words, 
                              struct error *err)
 {
     struct options options;
-    bool done = options_read(command, false, words + 2, n_words - 2, &options, err);
+    bool done =
+        options_read(command, false, (const char *const *)words + 2, n_words - 2, &options, err);
     options.program = words[0];
     if (done && !options.help)
         options_limit_memory(&options);

@@ -151,43 +151,35 @@ struct counter {
     }
 uint64_t counter_add(struct counter *to, uint64_t n); /* returns the number before */
 
-/* ---- pipeline.c: stages that work side by side, one on what another has made ---- */
+/* ---- pipeline.c: two stages that work side by side, one on what the other has made ---- */
 
-/* Stages share it. If `alone`, one stage works at a time, until it waits: there is one thread. */
+/* The stages share it. If `alone`, one works at a time, until it waits: there is one thread. */
 struct pipeline {
     bool alone;
     bool stopped; /* a stage has failed */
     pthread_mutex_t lock;
     pthread_cond_t changed;
-    struct worker *last; /* without threads: the stage that works where the first one waits */
 };
 /* A part of the work; false: it failed, or the pipeline has stopped. */
 typedef bool pipeline_stage(void *context, struct error *err);
-enum { MOST_STAGES = 3 };
-/* Runs the stages at the same time, the first one on this thread, and returns when all have ended.
- * If a stage fails, the others stop where they wait for it, and *err is the error of the first. */
-bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *const stages[], int n,
+/* Runs two stages at the same time, one of them on this thread, and returns when both have ended.
+ * If a stage fails, the other stops where it waits for it, and *err is the error of the first. */
+bool pipeline_run(struct pipeline *out, bool alone, pipeline_stage *here, pipeline_stage *beside,
                   void *context, struct error *err);
 
-/* A row of places that one stage fills in turn, and another takes and frees in the same order. It
- * says only which places are full; their contents belong to the stages. Zero it, but for the first
- * two members, before the pipeline runs. */
-struct queue {
+/* Places that one stage fills, and another takes and frees. They say only what they hold, by
+ * numbers above 0 that the stages choose; their contents belong to the stages. Zero it, but for the
+ * first two members, before the pipeline runs. */
+enum { MOST_PLACES = 8 };
+struct places {
     struct pipeline *pipeline;
-    int n_places;
-    long filled, freed; /* how many so far */
-    bool ended;         /* nothing is filled any more */
+    int n;
+    long holds[MOST_PLACES]; /* 0: the place is free */
 };
-/* Return a place, or -1 where the pipeline has stopped. The first waits for a free place. The
- * second waits until there are more than `ahead` full places, and returns the one behind these; -1
- * also where the queue ends before. */
-int queue_room(struct queue *queue);
-int queue_next(struct queue *queue, int ahead);
-/* Say that the place is full; that the place that was filled first is free; that no other follows.
- */
-void queue_fill(struct queue *queue);
-void queue_free(struct queue *queue);
-void queue_end(struct queue *queue);
+/* Waits until a place holds this number (0: until one is free), and returns it; -1: the pipeline
+ * has stopped. */
+int places_wait(struct places *places, long number);
+void places_set(struct places *places, int place, long number); /* 0: the place is free now */
 
 /* ---- index.c: a hash table from keys to numbers ---- */
 

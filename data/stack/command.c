@@ -28,7 +28,7 @@ static void put_facts(struct json *json, const struct image *image, const struct
     json_string(json, "scene", record->scene);
     json_string(json, "scene_sha256", record->scene_sha256);
     json_strings(json, "files", record->files.text, record->files.n);
-    json_strings(json, "options", (const char *const *)record->options, record->n_options);
+    json_strings(json, "options", record->options.text, record->options.n);
     json_string(json, "renderer", record->renderer);
     json_strings(json, "lights", record->lights.text, record->lights.n);
     json_strings(json, "ambient_lights", record->ambients.text, record->ambients.n);

@@ -5,17 +5,28 @@
 
 /* ---- finding ---- */
 
-/* Adds a copy of the path, unless it is NULL, built in or missing. */
+const char *input_path(const char *file)
+{
+    return strlen(file) > SHA256_DIGITS ? file + SHA256_DIGITS + 1 : "";
+}
+
+/* Adds the file with its digest, unless the path is NULL, or the file built in, missing or there
+ * already. */
 static bool add(struct inputs *to, const char *path, struct error *err)
 {
-    char *copy = NULL;
-    if (!path || path_is_builtin(path) || file_is_missing(path))
+    char sha256[SHA256_DIGITS + 1];
+    struct printed file = {.text = NULL};
+    if (!path || path_is_builtin(path) || file_is_missing(path) ||
+        index_find(&to->paths, path, strlen(path)) >= 0)
         return true;
-    if (!string_copy(path, &copy, err))
+    if ((!digest_was_read(path, sha256) && !digest_file(path, sha256, err)) ||
+        !index_add(&to->paths, path, strlen(path), to->n, err))
         return false;
-    if (array_add(&to->path, &to->n, &copy, sizeof copy, err))
+    print(&file, "%s %s", sha256, path);
+    char *text = printed_take(&file, err);
+    if (text && array_add(&to->file, &to->n, &text, sizeof text, err))
         return true;
-    free(copy);
+    free(text);
     return false;
 }
 
@@ -64,55 +75,27 @@ static bool add_all(struct inputs *to, const struct scene *scene, struct error *
 
 static int compare_paths(const void *a, const void *b)
 {
-    return strcmp(*(char *const *)a, *(char *const *)b);
-}
-
-static void sort(struct inputs *inputs)
-{
-    int n = 0;
-    if (inputs->n > 0)
-        qsort(inputs->path, (size_t)inputs->n, sizeof *inputs->path, compare_paths);
-    for (int i = 0; i < inputs->n; i++)
-        if (n > 0 && strcmp(inputs->path[n - 1], inputs->path[i]) == 0)
-            free(inputs->path[i]);
-        else
-            inputs->path[n++] = inputs->path[i];
-    inputs->n = n;
+    return strcmp(input_path(*(char *const *)a), input_path(*(char *const *)b));
 }
 
 bool inputs_list(const struct scene *scene, const char *detector, bool texts, struct inputs *out,
                  struct error *err)
 {
-    *out = (struct inputs){.path = NULL};
+    *out = (struct inputs){.file = NULL};
     bool done = add_all(out, scene, err) && add_detector(out, detector, err), regular;
     for (int i = 0; texts && done && i < scene->n_texts; i++)
         done = file_is_regular(scene->files[i].path, &regular, err) &&
                (!regular || add(out, scene->files[i].path, err));
-    sort(out);
+    if (out->n > 0)
+        qsort(out->file, (size_t)out->n, sizeof *out->file, compare_paths);
     return done;
 }
 
 void inputs_free(struct inputs *inputs)
 {
     for (int i = 0; i < inputs->n; i++)
-        free(inputs->path[i]);
-    free(inputs->path);
-    *inputs = (struct inputs){.path = NULL};
-}
-
-bool inputs_digest(struct inputs *inputs, struct error *err)
-{
-    char sha256[65];
-    for (int i = 0; i < inputs->n; i++) {
-        char *path = inputs->path[i];
-        struct printed line = {.text = NULL};
-        if (!digest_was_read(path, sha256) && !digest_file(path, sha256, err))
-            return false;
-        print(&line, "%s %s", sha256, path);
-        inputs->path[i] = printed_take(&line, err);
-        free(path);
-        if (!inputs->path[i])
-            return false;
-    }
-    return true;
+        free(inputs->file[i]);
+    free(inputs->file);
+    index_free(&inputs->paths);
+    *inputs = (struct inputs){.file = NULL};
 }

@@ -99,12 +99,12 @@ static bool find_share(const struct record *record, double *out, struct error *e
     static const char unchecked[] = "--unchecked=";
     const size_t length = sizeof unchecked - 1;
     *out = USUAL_UNCHECKED;
-    for (int i = 0; i < record->n_options; i++)
-        if (strcmp(record->options[i], "--strict") == 0)
+    for (int i = 0; i < record->options.n; i++)
+        if (strcmp(record->options.text[i], "--strict") == 0)
             *out = 0;
-    for (int i = 0; i < record->n_options; i++)
-        if (strncmp(record->options[i], unchecked, length) == 0 &&
-            !option_number("--unchecked", record->options[i] + length, 0, 1, out, err))
+    for (int i = 0; i < record->options.n; i++)
+        if (strncmp(record->options.text[i], unchecked, length) == 0 &&
+            !option_number("--unchecked", record->options.text[i] + length, 0, 1, out, err))
             return false;
     return true;
 }

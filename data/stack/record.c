@@ -9,12 +9,11 @@
 
 /* ---- the fields ---- */
 
-/* A field is a line "KEY: VALUE"; of texts and options, a line each. Lines of full_scale, scale and
+/* A field is a line "KEY: VALUE"; of texts, a line each. Lines of full_scale, scale and
  * object_map are written by data/stack/tags.c. */
 enum field_kind {
     FIELD_TEXT,   /* const char *; NULL: none */
     FIELD_TEXTS,  /* struct texts */
-    FIELD_OPTION, /* one of record.options */
     FIELD_NUMBERS /* struct numbers */
 };
 struct field {
@@ -30,7 +29,7 @@ static const struct field fields[] = {
     {"scene", FIELD_TEXT, AT(scene), 0, 0},
     {"scene_sha256", FIELD_TEXT, AT(scene_sha256), 0, 0},
     {"file", FIELD_TEXTS, AT(files), 0, 0},
-    {"option", FIELD_OPTION, AT(options), 0, 0},
+    {"option", FIELD_TEXTS, AT(options), 0, 0},
     {"renderer", FIELD_TEXT, AT(renderer), 0, 0},
     {"light", FIELD_TEXTS, AT(lights), 0, 0},
     {"ambient", FIELD_TEXTS, AT(ambients), 0, 0},
@@ -82,14 +81,6 @@ static void put_numbers(struct printed *to, const char *key, const double *numbe
         print(to, " %.*g%s", exact_digits(numbers[i]), numbers[i], i == n - 1 ? "\n" : "");
 }
 
-static bool add_numbers(struct numbers *to, const double *numbers, int n, struct error *err)
-{
-    for (int i = 0; i < n; i++)
-        if (!array_add(&to->value, &to->n, &numbers[i], sizeof *numbers, err))
-            return false;
-    return true;
-}
-
 /* Replaces each %XX by its byte, in place. */
 static void decode(char *text)
 {
@@ -125,7 +116,7 @@ static bool keep_numbers(struct numbers *out, const struct field *field, const c
     return field->count == 0 || out->n == field->count;
 }
 
-/* Keeps a value. Returns false if it is malformed, or one too many. */
+/* Keeps a value. Returns false if it is malformed. */
 static bool keep_value(struct record *record, const struct field *field, char *value,
                        struct error *err)
 {
@@ -135,12 +126,7 @@ static bool keep_value(struct record *record, const struct field *field, char *v
         return keep_numbers(member, field, value, err);
     if (field->kind == FIELD_TEXTS)
         return array_add(&texts->text, &texts->n, &value, sizeof value, err);
-    if (field->kind == FIELD_TEXT)
-        *(const char **)member = value;
-    else if (record->n_options < MAX_RECORDED)
-        record->options[record->n_options++] = value;
-    else
-        return false;
+    *(const char **)member = value;
     return true;
 }
 
@@ -171,141 +157,141 @@ static bool put_files(const struct scene *scene, const char *detector, struct pr
                       struct error *err)
 {
     struct inputs inputs;
-    const bool done =
-        inputs_list(scene, detector, false, &inputs, err) && inputs_digest(&inputs, err);
+    const bool done = inputs_list(scene, detector, false, &inputs, err);
     for (int i = 0; done && i < inputs.n; i++)
-        put_line(to, "file", inputs.path[i]);
+        put_line(to, "file", inputs.file[i]);
     inputs_free(&inputs);
     return done;
 }
 
-/* Prints the white of these pages, if something shines there; or, for a detector at every nm, how
- * it responds to the white, if it sees one. */
-static bool put_white(const struct scene *scene, const struct spectral_pages *pages,
-                      const struct fine_detector *fine, struct printed *to, struct error *err)
+static void put_lights(struct printed *to, const char *key, const struct light *lights, int n)
 {
-    double *white, response[3] = {0};
-    if (!MAKE_ARRAY(white, pages->n, err, "a white"))
-        return false;
-    const double illumination = scene_white(scene, pages, white);
-    bool seen = !fine, finite = true;
-    if (fine)
-        detector_response(fine->weights, white, fine->n, response);
+    for (int i = 0; i < n; i++) {
+        print(to, "%s: ", key);
+        put_value(to, lights[i].spectrum.name);
+        print(to, "*%.*g\n", exact_digits(lights[i].intensity), lights[i].intensity);
+    }
+}
+
+/* Finds how a detector at every nm responds to the white. Returns the sum of the lights'
+ * intensities; 0: nothing shines there, or the detector does not see it. */
+static double respond(const struct scene *scene, const struct fine_detector *fine, double *white,
+                      double out[3])
+{
+    const struct spectral_pages every_nm = {.n = fine->n, .wavelength_nm = fine->nm};
+    const double illumination = scene_white(scene, &every_nm, white);
+    bool seen = false, finite = true;
+    detector_response(fine->weights, white, fine->n, out);
     for (int channel = 0; channel < 3; channel++) {
-        seen = seen || response[channel] > 0;
-        finite = finite && fabs(response[channel]) <= DBL_MAX;
+        seen = seen || out[channel] > 0;
+        finite = finite && fabs(out[channel]) <= DBL_MAX;
     }
-    if (illumination > 0 && seen && finite) {
-        put_numbers(to, "illumination", &illumination, 1);
-        if (fine)
-            put_numbers(to, "white_response", response, 3);
-        else
-            put_numbers(to, "white", white, pages->n);
-    }
-    free(white);
-    return true;
+    return seen && finite ? illumination : 0;
 }
 
 /* Prints how the pages become channels. */
-static bool put_sampling(const struct scene *scene, const struct sampling *sampling,
-                         struct printed *to, struct error *err)
+static void put_sampling(struct printed *to, const struct sampling *sampling)
 {
-    const struct fine_detector *fine = &sampling->fine;
-    const struct spectral_pages every_nm = {.n = fine->n, .wavelength_nm = fine->nm};
-    const double first_nm = sampling->pages.first_nm;
-    const double range_nm[] = {first_nm - 0.5, first_nm + fine->n - 0.5};
+    const double first_nm = sampling->pages.first_nm,
+                 range_nm[] = {first_nm - 0.5, first_nm + sampling->fine.n - 0.5};
     const int n = sampling->pages.n;
     char name[SAMPLING_NAME];
     sampling_name(&sampling->method, name);
     put_line(to, "sampling", name);
-    if (!sampling->fixed) {
-        if (sampling->segment_nm)
-            put_numbers(to, "segments", sampling->segment_nm[0], 2 * n);
-        return true;
-    }
-    put_numbers(to, "response_range", range_nm, 2);
-    put_numbers(to, "response", sampling->weights, 3 * n);
-    return put_white(scene, &every_nm, fine, to, err);
+    put_line(to, "sampling_detector", sampling->detector);
+    if (!sampling->spectral)
+        put_line(to, "components", "yes");
+    if (sampling->fixed) {
+        put_numbers(to, "response_range", range_nm, 2);
+        put_numbers(to, "response", sampling->weights, 3 * n);
+    } else if (sampling->segment_nm)
+        put_numbers(to, "segments", sampling->segment_nm[0], 2 * n);
 }
 
-/* The facts of the scene are printed as they will be written, and read from that. */
-bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
-                  struct record *out, struct error *err)
+/* Prints the white of the pages, if something shines there, how they became pages, and, for a
+ * detector at every nm, how it responds to the white. */
+static bool put_light(struct printed *to, const struct scene *scene,
+                      const struct sampling *sampling, struct error *err)
 {
     const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
-    struct printed printed = {.text = NULL};
-    bool done = put_files(scene, detector, &printed, err);
-    for (int i = 0; i < scene->n_lights + scene->n_ambients; i++) {
-        const struct light *light = scene_light(scene, i);
-        print_text(&printed, i < scene->n_lights ? "light: " : "ambient: ");
-        put_value(&printed, light->spectrum.name);
-        print(&printed, "*%.*g\n", exact_digits(light->intensity), light->intensity);
-    }
+    const bool fixed = sampling && sampling->fixed;
+    const int n_fine = fixed ? sampling->fine.n : 0;
+    double *white, response[3], finely = 0, illumination = 0;
+    if (!MAKE_ARRAY(white, n_fine > pages.n ? n_fine : pages.n, err, "a white"))
+        return false;
+    if (fixed)
+        finely = respond(scene, &sampling->fine, white, response);
     if (!sampling || sampling->spectral)
-        done = done && put_white(scene, &pages, NULL, &printed, err);
+        illumination = scene_white(scene, &pages, white);
+    if (illumination > 0 || finely > 0)
+        put_numbers(to, "illumination", illumination > 0 ? &illumination : &finely, 1);
+    if (illumination > 0)
+        put_numbers(to, "white", white, pages.n);
     if (sampling)
-        done = done && put_sampling(scene, sampling, &printed, err);
-    *out = (struct record){.scene = scene->path,
-                           .scene_sha256 = scene->sha256,
-                           .sampling_detector = sampling ? sampling->detector : NULL,
-                           .components = sampling && !sampling->spectral ? "yes" : NULL,
-                           .text = printed_take(&printed, err)};
-    done = done && out->text && keep_lines(out, err);
-    if (!done)
-        record_free(out);
-    return done;
+        put_sampling(to, sampling);
+    if (finely > 0)
+        put_numbers(to, "white_response", response, 3);
+    free(white);
+    return true;
 }
 
-bool record_part(struct record *record, const struct part_rows *rows, int height,
-                 const double *wavelengths_nm, int n, struct error *err)
+bool record_put_scene(struct printed *to, const struct recorded *made, struct error *err)
 {
-    const double numbers[3] = {rows->first, rows->count, height};
-    return add_numbers(&record->rows, numbers, 3, err) &&
-           (n == 0 || add_numbers(&record->wavelengths, wavelengths_nm, n, err));
+    const struct scene *scene = made->scene;
+    put_line(to, "program", PROGRAM);
+    put_line(to, "scene", scene->path);
+    put_line(to, "scene_sha256", scene->sha256);
+    if (!put_files(scene, made->detector, to, err))
+        return false;
+    for (int i = 0; i < made->n_options; i++)
+        put_line(to, "option", made->options[i]);
+    put_line(to, "renderer", made->renderer);
+    put_lights(to, "light", scene->lights, scene->n_lights);
+    put_lights(to, "ambient", scene->ambients, scene->n_ambients);
+    return put_light(to, scene, made->sampling, err);
+}
+
+void record_put_object(struct printed *to, const char *name)
+{
+    put_line(to, "object", name);
+}
+
+void record_put_part(struct printed *to, const struct part_rows *rows, int height,
+                     const double *wavelengths_nm, int n)
+{
+    put_numbers(to, "rows", (const double[]){rows->first, rows->count, height}, 3);
+    put_numbers(to, "wavelengths", wavelengths_nm, n);
 }
 
 /* ---- files ---- */
 
-enum { SHA256_DIGITS = 64 };
-
-/* Returns the path in "SHA-256 PATH"; "": there is none. */
-static const char *path_in(const char *file)
+/* Refuses a difference between two such texts, in lists that are sorted by paths. NULL: the list
+ * has ended. */
+static bool refuse_change(const char *recorded, const char *now, struct error *err)
 {
-    return strlen(file) > SHA256_DIGITS ? file + SHA256_DIGITS + 1 : "";
-}
-
-/* Says how two such texts differ, in lists that are sorted by paths. NULL: the list has ended. */
-static void describe_change(const char *recorded, const char *now, char out[FILE_CHANGE])
-{
-    const int order = !recorded ? 1 : !now ? -1 : strcmp(path_in(recorded), path_in(now));
+    const int order = !recorded ? 1 : !now ? -1 : strcmp(input_path(recorded), input_path(now));
     if (order == 0)
-        snprintf(out, FILE_CHANGE,
-                 "%.700s has changed since the stack was made: expected SHA-256 %.64s, found %.64s",
-                 path_in(now), recorded, now);
-    else if (order < 0)
-        snprintf(out, FILE_CHANGE, "%.700s was a file of the scene when the stack was made",
-                 path_in(recorded));
-    else
-        snprintf(out, FILE_CHANGE, "%.700s was no file of the scene when the stack was made",
-                 path_in(now));
+        return error_usage(err,
+                           "%.700s has changed since the stack was made: expected SHA-256 %.64s, "
+                           "found %.64s",
+                           input_path(now), recorded, now);
+    return error_usage(err, "%.700s was %s file of the scene when the stack was made",
+                       input_path(order < 0 ? recorded : now), order < 0 ? "a" : "no");
 }
 
-bool record_find_change(const struct record *record, const struct scene *scene,
-                        const char *detector, char change[FILE_CHANGE], struct error *err)
+bool record_has_files(const struct record *record, const struct scene *scene, const char *detector,
+                      struct error *err)
 {
     struct inputs inputs;
     const int n = record->files.n;
-    const bool done =
-        inputs_list(scene, detector, false, &inputs, err) && inputs_digest(&inputs, err);
-    change[0] = '\0';
-    for (int i = 0; done && change[0] == '\0' && (i < n || i < inputs.n); i++) {
+    bool same = inputs_list(scene, detector, false, &inputs, err);
+    for (int i = 0; same && (i < n || i < inputs.n); i++) {
         const char *recorded = i < n ? record->files.text[i] : NULL;
-        const char *now = i < inputs.n ? inputs.path[i] : NULL;
-        if (!recorded || !now || strcmp(recorded, now) != 0)
-            describe_change(recorded, now, change);
+        const char *now = i < inputs.n ? inputs.file[i] : NULL;
+        same = (recorded && now && strcmp(recorded, now) == 0) || refuse_change(recorded, now, err);
     }
     inputs_free(&inputs);
-    return done;
+    return same;
 }
 
 /* ---- writing ---- */
@@ -321,8 +307,6 @@ static void put_field(struct printed *stream, const struct record *record,
         put_line(stream, field->key, *text);
     for (int i = 0; field->kind == FIELD_TEXTS && i < texts->n; i++)
         put_line(stream, field->key, texts->text[i]);
-    for (int i = 0; field->kind == FIELD_OPTION && i < record->n_options; i++)
-        put_line(stream, field->key, record->options[i]);
     if (field->kind == FIELD_NUMBERS)
         put_numbers(stream, field->key, numbers->value, numbers->n);
 }

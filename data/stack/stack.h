@@ -9,20 +9,23 @@
 
 /* Materials, spectra, textures, meshes: files that decide a picture, and that are not built in. */
 struct inputs {
-    char **path; /* in the order of strcmp, each once; both are owned */
+    char *
+        *file; /* "SHA-256 PATH", in the order of strcmp of the paths, each once; both are owned */
     int n;
+    struct index paths;
 };
 /* Lists the files that the scene's text and its options name, as far as the picture needs them and
  * they are there: a material that no object uses is not read, and a plan refuses a missing file
  * that it needs. detector: a file or a built-in name; NULL: the scene is not sampled for one.
- * texts: lists the files of the scene's text, too, unless that came from a pipe. The caller frees
- * *out, also after a failure. */
+ * texts: lists the files of the scene's text, too, unless that came from a pipe. Digests are those
+ * of the files as this process has read them, or else it reads them. The caller frees *out, also
+ * after a failure. */
 bool inputs_list(const struct scene *scene, const char *detector, bool texts, struct inputs *out,
                  struct error *err);
 void inputs_free(struct inputs *inputs);
-/* Replaces each path by "SHA-256 PATH", of the file as this process has read it, or else reads it.
- */
-bool inputs_digest(struct inputs *inputs, struct error *err);
+/* Returns the path in "SHA-256 PATH"; "": there is none. */
+enum { SHA256_DIGITS = 64 };
+const char *input_path(const char *file);
 
 struct texts {
     const char **text; /* the array is owned, the texts are not */
@@ -42,10 +45,9 @@ struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
     const char *scene_sha256;
-    struct texts files;          /* that the scene names, as inputs_digest makes them */
-    const char *renderer;        /* "raster", or OpenGL's GL_RENDERER */
-    char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
-    int n_options;
+    struct texts files;            /* that the scene names, as inputs_list makes them */
+    const char *renderer;          /* "raster", or OpenGL's GL_RENDERER */
+    struct texts options;          /* each one word: "--size=300x200" */
     struct texts lights, ambients; /* of the scene, each as SPECTRUM*INTENSITY */
     /* scene_white, on each page; none where nothing shines, in pages of components, or in a stack
      * without this record. */
@@ -73,19 +75,26 @@ struct record {
     int map_bytes;
     char *text; /* files, lights, ambients and, once it is read, all strings point into it; owned */
 };
-/* Records a scene: its name, its files and that of the detector it is drawn for (NULL: none), its
- * lights, its white and its sampling (NULL: none). Scene and sampling must outlive the record. */
-bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
-                  struct record *out, struct error *err);
-/* Records that the stack has these rows of a picture, and n wavelengths (components: 0). height:
- * the rows of the picture. */
-bool record_part(struct record *record, const struct part_rows *rows, int height,
-                 const double *wavelengths_nm, int n, struct error *err);
+/* A new stack records this of its scene. */
+struct recorded {
+    const struct scene *scene;
+    const struct sampling *sampling; /* NULL: none */
+    const char *detector;            /* that the scene is drawn for; NULL: none */
+    const char *renderer;
+    char *const *options; /* n_options, each one word */
+    int n_options;
+};
+/* Print lines of a record: first the scene with its files, lights, white and sampling; then the
+ * objects; last, of a part, its rows of the picture, which has `height`, and n wavelengths
+ * (components: 0). */
+bool record_put_scene(struct printed *to, const struct recorded *made, struct error *err);
+void record_put_object(struct printed *to, const char *name);
+void record_put_part(struct printed *to, const struct part_rows *rows, int height,
+                     const double *wavelengths_nm, int n);
 /* Compares the files that a scene names, and that of its detector (NULL: none), with those that are
- * recorded. *change says in words what the first difference is; "": there is none. */
-enum { FILE_CHANGE = 1024 };
-bool record_find_change(const struct record *record, const struct scene *scene,
-                        const char *detector, char change[FILE_CHANGE], struct error *err);
+ * recorded. Refuses the first difference. */
+bool record_has_files(const struct record *record, const struct scene *scene, const char *detector,
+                      struct error *err);
 /* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
  * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record, struct error *err);

@@ -42,14 +42,9 @@ const struct option_list common_options = OPTION_LIST(common_rows),
 bool option_number(const char *option, const char *value, double lowest, double highest,
                    double *out, struct error *err)
 {
-    struct text text;
-    bool done = text_open_string(&text, option, value, err) && text_next_line(&text) &&
-                text_number(&text, "value", lowest, highest, out, err) &&
-                text_end(&text, option, err);
-    if (!done)
-        error_usage(err, "%s takes a number", option);
-    text_free(&text);
-    return done;
+    const char *start = value + strspn(value, " ");
+    const struct word word = {.start = start, .length = strlen(start), .place = {option, 1, 1}};
+    return word_number(&word, "value", lowest, highest, out, err);
 }
 
 bool option_count(const char *option, const char *value, double lowest, double highest, int *out,
@@ -60,21 +55,6 @@ bool option_count(const char *option, const char *value, double lowest, double h
         return false;
     *out = (int)count;
     return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
-}
-
-/* Refuses a value that is none of the choices; NULL: any value is good. */
-static bool check_choice(const char *option, const char *const *choices, const char *value,
-                         struct error *err)
-{
-    const struct word typed = {.start = value, .length = strlen(value)};
-    struct suggestion suggestion = {.distance = 0};
-    for (; choices && *choices; choices++) {
-        if (strcmp(value, *choices) == 0)
-            return true;
-        suggestion_add(&suggestion, &typed, *choices, strlen(*choices));
-    }
-    return !choices || error_usage(err, "%s '%s' is not known; %s", option, value,
-                                   suggestion_end(&suggestion, "it is one of"));
 }
 
 /* ---- one option ---- */
@@ -111,7 +91,7 @@ static bool names_option(const char *usage, const char *word, size_t length, boo
 struct reading {
     const struct command *command;
     bool recorded; /* only options that a stack records */
-    char *const *words;
+    const char *const *words;
     int n_words, at; /* at: the word that is read */
 };
 
@@ -170,11 +150,14 @@ static bool store_value(struct options *options, const struct option *option, co
                         const char *value, struct error *err)
 {
     char *at = (option->own ? (char *)options->own : (char *)options) + option->offset;
+    const struct word word = {.start = value, .length = value ? strlen(value) : 0};
+    int chosen;
     switch (option->kind) {
     case OPTION_TEXT:
+        chosen = option->choices ? word_choose(&word, option->choices, name, err) : 0;
+        value = option->choices && chosen >= 0 ? option->choices[chosen] : value;
         memcpy(at, &value, sizeof value);
-        return check_choice(name, option->choices, value, err) &&
-               (!option->accepts || option->accepts(name, value, err));
+        return chosen >= 0 && (!option->accepts || option->accepts(name, value, err));
     case OPTION_NUMBER:
         return option_number(name, value, option->lowest, option->highest, (double *)at, err);
     case OPTION_COUNT:
@@ -283,8 +266,8 @@ static bool check_outputs(const struct options *options, struct error *err)
 
 /* ---- the command line ---- */
 
-bool options_read(const struct command *command, bool recorded, char *const *words, int n_words,
-                  struct options *out, struct error *err)
+bool options_read(const struct command *command, bool recorded, const char *const *words,
+                  int n_words, struct options *out, struct error *err)
 {
     struct reading reading = {command, recorded, words, n_words, 0};
     bool only_operands = false;

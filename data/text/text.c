@@ -355,24 +355,16 @@ bool word_integer(const struct word *word, const char *what, long lowest, long h
 {
     char buffer[SHOWN_SIZE];
     const char *end = word->start + word->length, *at = skip_sign(word->start, end);
-    const bool negative = at > word->start && at[-1] == '-';
-    bool fits = true;
-    long value = 0;
     if (!word_check(word, err))
         return false;
     if (word->quoted || at == end || skip_digits(at, end) < end)
         return error_at(err, word->place, "%s must be a whole number, not '%s'", what,
                         shown(word, buffer));
-    for (; at < end; at++) {
-        fits = fits && value <= (LONG_MAX - (*at - '0')) / 10;
-        value = fits ? 10 * value + (*at - '0') : LONG_MAX;
-    }
-    value = negative ? -value : value;
-    if (!fits || value < lowest || value > highest)
-        return error_at(err, word->place, "%s %s is out of range; it lies between %ld and %ld",
-                        what, shown(word, buffer), lowest, highest);
-    *out = value;
-    return true;
+    errno = 0;
+    *out = strtol(word->start, NULL, 10); /* which ends with the word's digits */
+    return (errno == 0 && *out >= lowest && *out <= highest) ||
+           error_at(err, word->place, "%s %s is out of range; it lies between %ld and %ld", what,
+                    shown(word, buffer), lowest, highest);
 }
 
 static bool expect_number(struct text *text, struct word *out, const char *what, struct error *err)

@@ -266,8 +266,8 @@ struct options {
  * operands; behind "--" all words are operands. Refuses an output that is a file of another word.
  * recorded: a stack has recorded the words, and no other options are known. The words must outlive
  * *out. Call options_free also after a failure. */
-bool options_read(const struct command *command, bool recorded, char *const *words, int n_words,
-                  struct options *out, struct error *err);
+bool options_read(const struct command *command, bool recorded, const char *const *words,
+                  int n_words, struct options *out, struct error *err);
 void options_free(struct options *options);
 /* Adds "NAME=VALUE", or the name of a flag (value NULL), to the words that the stack records. */
 bool options_record(struct options *options, const char *name, const char *value,

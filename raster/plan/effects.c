@@ -70,13 +70,6 @@ static const char *why_no_luminescence(const struct plan *plan, int able, const 
                                                            : "nothing is excited and shown";
 }
 
-/* An effect as it is counted: so many of all that it may concern call for it. */
-struct counted {
-    const char *name;
-    int used, all;
-    const char *what, *otherwise; /* what: of the numbers; NULL: the scene asks for it or not */
-};
-
 void plan_effects(struct plan *plan)
 {
     const struct scene *scene = plan->scene;
@@ -86,7 +79,7 @@ void plan_effects(struct plan *plan)
     const char *is_other = shading == SHADING_FLAT    ? "shading is flat"
                            : shading == SHADING_PHONG ? "shading is phong"
                                                       : "shading is smooth";
-    const struct counted effects[N_EFFECTS] = {
+    const struct plan_effect effects[N_EFFECTS] = {
         {"ambient", n.ambient, materials, "materials", "no ambient light reflected"},
         {"lights", lights, scene->n_lights, "shine", "no light shines"},
         {"diffuse", n.diffuse, materials, "materials", "no material reflects a light"},
@@ -111,16 +104,5 @@ void plan_effects(struct plan *plan)
         {"tessellation", n.tessellated, objects, "objects",
          scene->tessellation == 1 ? "shapes are as the scene says"
                                   : "no object has other numbers by the factor"}};
-    for (int i = 0; i < N_EFFECTS; i++) {
-        const struct counted *from = &effects[i];
-        struct plan_effect *to = &plan->effects[i];
-        to->name = from->name;
-        to->used = from->used > 0;
-        if (to->used && from->what)
-            snprintf(to->reason, sizeof to->reason, "%d of %d %s", from->used, from->all,
-                     from->what);
-        else
-            snprintf(to->reason, sizeof to->reason, "%s",
-                     to->used ? "the scene asks for it" : from->otherwise);
-    }
+    memcpy(plan->effects, effects, sizeof effects);
 }

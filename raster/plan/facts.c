@@ -98,18 +98,24 @@ static void put_work(struct json *json, const struct plan *plan)
 
 static void put_effects(struct json *json, const struct plan *plan)
 {
+    char reason[160];
     json_open(json, "effects", '[');
     for (int i = 0; i < N_EFFECTS; i++) {
         const struct plan_effect *effect = &plan->effects[i];
+        const bool used = effect->used > 0;
+        if (used && effect->what)
+            snprintf(reason, sizeof reason, "%d of %d %s", effect->used, effect->all, effect->what);
+        else
+            snprintf(reason, sizeof reason, "%s",
+                     used ? "the scene asks for it" : effect->otherwise);
         if (json->words) {
-            print(&json->printed, "%-17s %s (%s)\n", effect->name, effect->used ? "yes" : "no",
-                  effect->reason);
+            print(&json->printed, "%-17s %s (%s)\n", effect->name, used ? "yes" : "no", reason);
             continue;
         }
         json_open(json, NULL, '{');
         json_string(json, "name", effect->name);
-        json_truth(json, "simulated", effect->used);
-        json_string(json, "reason", effect->reason);
+        json_truth(json, "simulated", used);
+        json_string(json, "reason", reason);
         json_close(json, '}');
     }
     json_close(json, ']');
@@ -147,9 +153,8 @@ bool plan_put_files(const struct plan *plan, const char *detector, struct json *
                     struct error *err)
 {
     struct inputs inputs;
-    const bool done =
-        inputs_list(plan->scene, detector, true, &inputs, err) && inputs_digest(&inputs, err);
-    json_strings(json, "files", (const char *const *)inputs.path, done ? inputs.n : 0);
+    const bool done = inputs_list(plan->scene, detector, true, &inputs, err);
+    json_strings(json, "files", (const char *const *)inputs.file, done ? inputs.n : 0);
     inputs_free(&inputs);
     return done;
 }

@@ -27,8 +27,8 @@ static bool term_is_same(const struct plan *plan, const double *row, int a, int 
 }
 
 /* Returns whether two passes show the same; b may be DARK. A spectral texture may differ between
- * passes. Only terms count that may show, of materials in view; reaches: of each light, it, or one
- * that it is the first of, reaches something. */
+ * passes. Only terms count that may show, of materials in view; reaches: a light of this spectrum,
+ * by the number of its first one, reaches something. */
 static bool is_same(const struct plan *plan, const bool *reaches, int a, int b)
 {
     for (int m = 0; m < plan->n_materials; m++) {
@@ -54,7 +54,8 @@ bool passes_make(struct plan *plan, struct error *err)
     struct passes *out = &plan->passes;
     bool *reaches;
     *out = (struct passes){.frame = NULL};
-    const bool done = MAKE_ARRAY(reaches, plan->n_lights, err, "%d lights", plan->n_lights) &&
+    const int n_lights = plan->illumination.n_lights;
+    const bool done = MAKE_ARRAY(reaches, n_lights, err, "%d lights", n_lights) &&
                       MAKE_ARRAY(out->frame, n, err, "%zu passes", n) &&
                       MAKE_ARRAY(out->first_pass, n, err, "%zu passes", n);
     for (int i = 0; i < plan->n_lights && done; i++)

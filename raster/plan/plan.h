@@ -44,10 +44,11 @@ struct placed_instance {
     struct instance instance;
 };
 enum { N_EFFECTS = 18, BAND_NAME = 32 };
+/* So many of all that an effect may concern call for it. */
 struct plan_effect {
     const char *name;
-    bool used;
-    char reason[160];
+    int used, all;
+    const char *what, *otherwise; /* what: of the numbers; NULL: the scene asks for it or not */
 };
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
@@ -84,7 +85,7 @@ struct plan {
     struct plan_mesh *meshes;
     struct shaded_material *materials;
     struct texture *textures;
-    struct index by_material, by_texture; /* shaded materials by material; textures by file */
+    struct index by_material; /* shaded materials */
     struct placed_instance *instances;
     struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
     struct eye_light *lights;         /* those that shine; and each as the scene has it: */

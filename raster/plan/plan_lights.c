@@ -70,35 +70,25 @@ bool lights_list(struct plan *plan, struct error *err)
     return true;
 }
 
-/* Lights that share a spectrum are kept or dropped together. */
+/* Lights that share a spectrum are kept or dropped together. Numbers of spectra stay. */
 bool lights_drop_idle(struct plan *plan, struct error *err)
 {
+    bool *used;
+    int n = 0;
     if (plan->options.exchangeable)
         return true;
-    /* First a 1 for each light that terms have, then its new number; -1: it is dropped. */
-    int *number, n = 0;
-    if (!MAKE_ARRAY(number, plan->n_lights, err, "%d lights", plan->n_lights))
+    if (!MAKE_ARRAY(used, plan->n_lights, err, "%d lights", plan->n_lights))
         return false;
     for (int m = 0; m < plan->n_materials; m++)
         for (int t = 0; t < plan->materials[m].n_terms; t++)
             if (plan->materials[m].terms[t].light >= 0)
-                number[plan->materials[m].terms[t].light] = 1;
-    for (int i = 0; i < plan->n_lights; i++) {
-        struct eye_light light = plan->lights[i];
-        const bool kept = light.first == i ? number[i] > 0 : number[light.first] >= 0;
-        number[i] = kept ? n : -1;
-        light.first = number[light.first];
-        if (!kept)
-            continue;
-        plan->lights[n] = light;
-        plan->sources[n++] = plan->sources[i];
-    }
-    for (int m = 0; m < plan->n_materials; m++)
-        for (int t = 0; t < plan->materials[m].n_terms; t++) {
-            struct term *term = &plan->materials[m].terms[t];
-            term->light = term->light >= 0 ? number[term->light] : -1;
+                used[plan->materials[m].terms[t].light] = true;
+    for (int i = 0; i < plan->n_lights; i++)
+        if (used[plan->lights[i].first]) {
+            plan->lights[n] = plan->lights[i];
+            plan->sources[n++] = plan->sources[i];
         }
-    free(number);
+    free(used);
     plan->n_lights = n;
     return true;
 }

@@ -10,30 +10,22 @@
 
 /* ---- textures ---- */
 
-/* A texture is read when it is first asked for; NULL after an error. */
+/* A texture is read when it is first asked for; NULL after an error. A material asks once. */
 static struct texture *find_texture(struct plan *plan, const struct material *material,
                                     struct error *err)
 {
-    const char *path = material->texture;
-    struct texture *texture = &plan->textures[plan->n_textures];
-    char *key;
-    if (!MAKE_ARRAY(key, strlen(path) + 3, err, "the name of %s", path))
-        return NULL;
-    sprintf(key, "%c%c%s", material->spectral_texture ? 's' : 'g',
-            material->texture_linear ? 'l' : 'n', path);
-    const int known = index_find(&plan->by_texture, key, strlen(key));
-    bool done = true;
-    if (known >= 0)
-        texture = &plan->textures[known];
-    else {
-        *texture = (struct texture){.spectral = material->spectral_texture,
-                                    .linear = material->texture_linear};
-        plan->n_textures++; /* counted first, so that plan_free reaches it after a failure */
-        done = texture_read(path, material->texture_place, tags_read, texture, err) &&
-               index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err);
-    }
-    free(key);
-    return done ? texture : NULL;
+    struct texture *texture = plan->textures;
+    for (; texture < plan->textures + plan->n_textures; texture++)
+        if (strcmp(texture->image.path, material->texture) == 0 &&
+            texture->spectral == material->spectral_texture &&
+            texture->linear == material->texture_linear)
+            return texture;
+    *texture = (struct texture){.spectral = material->spectral_texture,
+                                .linear = material->texture_linear};
+    plan->n_textures++; /* counted first, so that plan_free reaches it after a failure */
+    return texture_read(material->texture, material->texture_place, tags_read, texture, err)
+               ? texture
+               : NULL;
 }
 
 struct texels plan_texels(const struct texture *texture, int plane)

@@ -22,7 +22,7 @@ struct eye_light {
     bool directional, attenuated, spot;
     struct vector position, axis; /* if directional: unit vector towards it; axis: of a spot */
     double attenuation[3], cutoff_cosine, spot_exponent; /* constant, linear, quadratic */
-    int first;    /* the light that stands for all of the same spectrum; perhaps this one */
+    int first;    /* a number that all lights of the same spectrum share */
     double share; /* this light's radiation as a part of that one's */
 };
 enum shading_model { GOURAUD, FLAT, PHONG };
@@ -37,7 +37,7 @@ struct view {
 enum reflection { CONSTANT, DIFFUSE, SPECULAR }; /* constant: the weight is 1 */
 struct term {
     enum reflection reflection;
-    int light; /* the first light of its spectrum; -1: none */
+    int light; /* `first` of the lights of its spectrum; -1: none */
 };
 struct texels { /* rows from the bottom upwards; the texture repeats without end */
     const float *values;

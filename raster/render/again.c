@@ -13,7 +13,7 @@
 static bool recorded_options(const struct options *options, const char *from,
                              const struct record *record, struct options *out, struct error *err)
 {
-    if (!options_read(&render_command, true, record->options, record->n_options, out, err))
+    if (!options_read(&render_command, true, record->options.text, record->options.n, out, err))
         return false;
     if (out->operand)
         return error_usage(err, "%s records '%s', which is not an option", from, out->operand);
@@ -115,8 +115,8 @@ static bool option_is_trusted(const char *stack, const char *option, struct erro
 static bool record_is_trusted(const char *stack, const struct record *record, struct error *err)
 {
     bool trusted = is_trusted(stack, record->scene, err);
-    for (int i = 0; trusted && i < record->n_options; i++)
-        trusted = option_is_trusted(stack, record->options[i], err);
+    for (int i = 0; trusted && i < record->options.n; i++)
+        trusted = option_is_trusted(stack, record->options.text[i], err);
     return trusted;
 }
 
@@ -191,11 +191,9 @@ bool render_again(struct options *options, struct error *err)
         return error_usage(err, "--again takes no --part: it makes a whole stack");
     /* With -o /dev/null, or with its own name, the stack is written under its default name,
      * compared, and then discarded. */
-    bool discard = false;
-    if (options->output && strcmp(options->output, "/dev/null") != 0 &&
-        !file_is_same(options->output, own->again, &discard, err))
+    bool discard = options->output && strcmp(options->output, "/dev/null") == 0;
+    if (options->output && !discard && !file_is_same(options->output, own->again, &discard, err))
         return false;
-    discard = discard || (options->output && strcmp(options->output, "/dev/null") == 0);
     if (discard)
         options->output = NULL;
     if (!options_name_output(options, own->again, "-again.tif", err))

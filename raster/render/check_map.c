@@ -41,7 +41,7 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
     const bool coloured = picture_is_png(path);
     const int width = plan->scene->width;
     struct printed colours = {.text = NULL};
-    *out = (struct check_map){.coloured = coloured, .width = width};
+    *out = (struct check_map){.samples = NULL};
     print_text(&colours, "Cross-check of OpenGL. ");
     check_map_print_colours(&colours);
     char *in_words = printed_take(&colours, err);
@@ -75,11 +75,6 @@ static float position_sample(const struct check *check, int page, size_t positio
     }
 }
 
-static struct rectangle pixels_of(const struct check *check)
-{
-    return plan_pixels(check->scene->lit->plan, &check->chunk->picture.at);
-}
-
 /* Returns the largest sample of a pixel's positions. */
 static float sample_of(const struct check *check, int page, size_t pixel)
 {
@@ -93,20 +88,6 @@ static float sample_of(const struct check *check, int page, size_t pixel)
     return largest;
 }
 
-static bool write_planes(struct check_map *map, const struct check *check, struct error *err)
-{
-    const struct rectangle at = pixels_of(check);
-    const size_t n = (size_t)at.width * (size_t)at.height;
-    for (int page = 0; page < MAP_PAGES; page++) {
-        const struct page_rectangle to = {page, at.x, at.y, at.width, at.height};
-        for (size_t i = 0; i < n; i++)
-            map->samples[i] = sample_of(check, page, i);
-        if (!pages_write(&map->picture.pages, &to, map->samples, err))
-            return false;
-    }
-    return true;
-}
-
 /* Colours a floor. Negative floors mean the background. */
 static void colour_pixel(const struct check *check, int page, size_t pixel, uint8_t out[3])
 {
@@ -116,38 +97,29 @@ static void colour_pixel(const struct check *check, int page, size_t pixel, uint
         memcpy(out, colour_differs, sizeof colour_differs);
 }
 
-static bool write_colours(struct check_map *map, const struct check *check, struct error *err)
-{
-    const struct rectangle at = pixels_of(check);
-    const size_t n = (size_t)at.width * (size_t)at.height;
-    uint8_t *colours = (uint8_t *)map->samples; /* 3 of its 4 bytes a pixel */
-    for (int page = MAP_FLOOR; page <= MAP_BAND_FLOOR; page++) {
-        const struct picture_rectangle to = {at.x + (page == MAP_FLOOR ? 0 : map->width), at.y,
-                                             at.width, at.height};
-        for (size_t i = 0; i < n; i++)
-            colour_pixel(check, page, i, colours + 3 * i);
-        if (!picture_put(&map->picture, &to, colours, err))
-            return false;
-    }
-    return true;
-}
-
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err)
 {
-    return (map->coloured ? write_colours : write_planes)(map, check, err);
+    const struct plan *plan = check->scene->lit->plan;
+    const struct rectangle at = plan_pixels(plan, &check->chunk->picture.at);
+    const bool coloured = map->picture.png != NULL;
+    uint8_t *colours = (uint8_t *)map->samples; /* 3 of its 4 bytes a pixel */
+    bool done = true;
+    for (int page = 0; done && page < (coloured ? MAP_RATIO : MAP_PAGES); page++) {
+        const struct page_rectangle to = {page, at.x, at.y, at.width, at.height};
+        const struct picture_rectangle half = {at.x + page * plan->scene->width, at.y, at.width,
+                                               at.height};
+        for (size_t i = 0; i < (size_t)at.width * (size_t)at.height; i++)
+            if (coloured)
+                colour_pixel(check, page, i, colours + 3 * i);
+            else
+                map->samples[i] = sample_of(check, page, i);
+        done = coloured ? picture_put(&map->picture, &half, colours, err)
+                        : pages_write(&map->picture.pages, &to, map->samples, err);
+    }
+    return done;
 }
 
 /* ---- the end ---- */
-
-bool check_map_finish(struct check_map *map, struct error *err)
-{
-    return picture_finish(&map->picture, err);
-}
-
-bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err)
-{
-    return picture_commit(&map->picture, outputs, err);
-}
 
 void check_map_discard(struct check_map *map)
 {

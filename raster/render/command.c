@@ -44,16 +44,12 @@ static bool check_again(const struct render_options *own, const struct render_ou
 static bool check_same_scene(const struct options *options, const struct scene *scene,
                              const char *stack, const struct record *made, struct error *err)
 {
-    char change[FILE_CHANGE] = "";
     if (made && strcmp(scene->sha256, made->scene_sha256) != 0)
         return error_usage(err,
                            "%s: the scene has changed since %s was made: expected SHA-256 %.64s, "
                            "found %s",
                            scene->path, stack, made->scene_sha256, scene->sha256);
-    if (made && made->files.n > 0 &&
-        !record_find_change(made, scene, options->detector, change, err))
-        return false;
-    return change[0] == '\0' || error_usage(err, "%s", change);
+    return !made || made->files.n == 0 || record_has_files(made, scene, options->detector, err);
 }
 
 /* ---- report ---- */
@@ -219,21 +215,13 @@ void options_forget_check(struct options *options)
 }
 
 /* Reads "3/7", the number of a part and how many there are. */
-static bool part_read(const char *option, const char *value, struct picture_part *out,
-                      struct error *err)
+static bool part_read(const char *value, struct picture_part *out, struct error *err)
 {
     int end = 0;
     if (sscanf(value, "%6d/%6d%n", &out->number, &out->count, &end) == 2 && value[end] == '\0' &&
         out->number >= 1 && out->number <= out->count)
         return true;
-    return error_usage(err, "%s: expected a part and their number, as 3/7, found '%s'", option,
-                       value);
-}
-
-static bool part_accepts(const char *option, const char *value, struct error *err)
-{
-    struct picture_part part;
-    return part_read(option, value, &part, err);
+    return error_usage(err, "--part: expected a part and their number, as 3/7, found '%s'", value);
 }
 
 /* Each part gets a name of its own where the command line gives none. */
@@ -262,8 +250,7 @@ static bool render_scene(struct options *options, struct error *err)
     struct picture_part part = {.count = 0};
     if (own->part && own->check_map)
         return error_usage(err, "--part takes no --check-map, which shows the whole picture");
-    if (!choose_renderer(options, err) ||
-        (own->part && !part_read("--part", own->part, &part, err)) ||
+    if (!choose_renderer(options, err) || (own->part && !part_read(own->part, &part, err)) ||
         !name_stack(options, &part, err))
         return false;
     if (stores_raster(own))
@@ -332,7 +319,7 @@ static const struct option render_rows[] = {
     {"--keep", "stores the stack even if the check fails", OWN(FLAG, render_options, keep)},
     {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, render_options, envi)},
     {"--part I/N", "draws part I of N as a stack of some rows of the picture; see join",
-     OWN(TEXT, render_options, part), .accepts = part_accepts},
+     OWN(TEXT, render_options, part)},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      OWN(TEXT, render_options, depth), .choices = depths, .recorded = true},
 };

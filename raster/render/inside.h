@@ -16,10 +16,8 @@ void notes_of_nothing(struct notes *notes);
  * band, the largest error / bound, and enum check_class. A PNG, twice as wide, has the two floors
  * in colours, side by side. */
 struct check_map {
-    struct picture_writer picture;
-    bool coloured;  /* a PNG */
-    int width;      /* of the scene's picture */
-    float *samples; /* of a chunk */
+    struct picture_writer picture; /* the caller finishes and commits it */
+    float *samples;                /* of a chunk; owned */
 };
 /* Prints the meaning of a PNG's colours, in a line without its end. */
 void check_map_print_colours(struct printed *to);
@@ -27,8 +25,6 @@ void check_map_print_colours(struct printed *to);
 bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
                     struct error *err);
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
-bool check_map_finish(struct check_map *map, struct error *err);
-bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err);
 void check_map_discard(struct check_map *map); /* safe after commit */
 
 /* ---- render.c: everything before the first pixel, and after the last one ---- */

@@ -70,60 +70,47 @@ static bool find_region(struct rendering *of, struct error *err)
 
 /* ---- the stack: its record, and whether it is stored ---- */
 
-/* Lists the names of the objects in the order of their numbers; none if there is no object map. */
-static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
-{
-    const char **names;
-    if (!MAKE_ARRAY(names, plan->n_instances, err, "the names of objects"))
-        return false;
-    record->objects = (struct texts){names, plan->map_bytes > 0 ? plan->n_instances : 0};
-    for (int i = 0; i < record->objects.n; i++)
-        names[i] = object_name(plan, i);
-    return true;
-}
-
-/* Returns the record of the stack as text, allocated; NULL on failure. */
+/* Returns the record of the stack as text, allocated; NULL on failure. Objects are recorded if
+ * there is an object map. */
 static char *make_provenance(const struct rendering *of, struct error *err)
 {
     const struct plan *plan = of->plan;
-    const struct render_output *output = of->output;
     const struct part_rows *rows = &of->result->rows;
-    const int n = plan->sampling && !plan->sampling->spectral ? 0 : plan->n_bands;
-    struct record record;
-    char *text = NULL;
-    if (!record_scene(plan->scene, plan->sampling, output->detector, &record, err))
-        return NULL;
-    record.program = PROGRAM;
-    record.renderer = render_stored(plan, of->result);
-    record.n_options = output->n_recorded;
-    for (int i = 0; i < record.n_options; i++)
-        record.options[i] = output->recorded[i];
-    if (list_objects(plan, &record, err) &&
-        (rows->count == 0 ||
-         record_part(&record, rows, plan->scene->height, plan->scene->wavelengths_nm, n, err)))
-        text = record_text(&record, err);
-    record_free(&record);
-    return text;
+    const struct recorded made = {.scene = plan->scene,
+                                  .sampling = plan->sampling,
+                                  .detector = of->output->detector,
+                                  .renderer = render_stored(plan, of->result),
+                                  .options = of->output->recorded,
+                                  .n_options = of->output->n_recorded};
+    struct printed lines = {.text = NULL};
+    const bool done = record_put_scene(&lines, &made, err);
+    for (int i = 0; i < plan->n_instances && plan->map_bytes > 0; i++)
+        record_put_object(&lines, object_name(plan, i));
+    if (rows->count > 0)
+        record_put_part(&lines, rows, plan->scene->height, plan->scene->wavelengths_nm,
+                        has_components(plan) ? 0 : plan->n_bands);
+    if (done)
+        return printed_take(&lines, err);
+    free(printed_end(&lines));
+    return NULL;
 }
 
 static bool open_stack(struct rendering *of, struct error *err)
 {
     const struct plan *plan = of->plan;
-    const struct sampling *sampling = plan->sampling;
     const struct part_rows *rows = &of->result->rows;
-    const bool labelled = sampling && !sampling->spectral;
     char *provenance = make_provenance(of, err);
-    const struct stack_options options = {.width = plan->scene->width,
-                                          .height =
-                                              rows->count > 0 ? rows->count : plan->scene->height,
-                                          .n_wavelengths = plan->n_bands,
-                                          .wavelengths_nm = plan->scene->wavelengths_nm,
-                                          .full_scale = of->lit.full_scale,
-                                          .bits = plan->options.bits,
-                                          .scene = plan->scene->path,
-                                          .provenance = provenance,
-                                          .map_bytes = plan->map_bytes,
-                                          .components = labelled ? &sampling->method : NULL};
+    const struct stack_options options = {
+        .width = plan->scene->width,
+        .height = rows->count > 0 ? rows->count : plan->scene->height,
+        .n_wavelengths = plan->n_bands,
+        .wavelengths_nm = plan->scene->wavelengths_nm,
+        .full_scale = of->lit.full_scale,
+        .bits = plan->options.bits,
+        .scene = plan->scene->path,
+        .provenance = provenance,
+        .map_bytes = plan->map_bytes,
+        .components = has_components(plan) ? &plan->sampling->method : NULL};
     const bool done = provenance && stack_open(&of->stack, of->output->path, &options, err);
     free(provenance);
     clock_in(&of->since, &of->result->seconds.write);
@@ -215,11 +202,11 @@ static bool finish_stack(struct rendering *of, struct error *err)
 static bool finish(struct rendering *of, struct error *err)
 {
     const struct render_output *output = of->output;
-    if ((of->check_scene.mapped && !check_map_finish(&of->map, err)) ||
+    if ((of->check_scene.mapped && !picture_finish(&of->map.picture, err)) ||
         (output->path && !finish_stack(of, err)))
         return false;
     clock_in(&of->since, &of->result->seconds.write);
-    return !of->check_scene.mapped || check_map_commit(&of->map, output->outputs, err);
+    return !of->check_scene.mapped || picture_commit(&of->map.picture, output->outputs, err);
 }
 
 static bool render_all(struct rendering *of, struct error *err)

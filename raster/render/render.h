@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The room "render": a scene becomes a plan, and a plan becomes a stack, tile by tile and pass by
- * pass; the result is reported, with notes on what makes a picture black or guessed. OpenGL, the
- * check and the file work side by side, each on what the one before has made. This room connects
- * them, and does not depend on how any of them works. */
+ * pass; the result is reported, with notes on what makes a picture black or guessed. OpenGL
+ * draws while the check and the file take what it has drawn before. This room connects them, and
+ * does not depend on how any of them works. */
 #ifndef RASTER_RENDER_RENDER_H
 #define RASTER_RENDER_RENDER_H
 

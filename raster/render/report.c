@@ -129,7 +129,7 @@ static void json_effects(struct json *json, const struct plan *plan)
         if (strcmp(plan->effects[i].name, "lights") == 0)
             json_count(json, "lights", (uint64_t)plan->n_lights);
         else
-            json_truth(json, plan->effects[i].name, plan->effects[i].used);
+            json_truth(json, plan->effects[i].name, plan->effects[i].used > 0);
     json_close(json, '}');
 }
 

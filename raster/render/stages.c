@@ -1,32 +1,25 @@
 /* SPDX-License-Identifier: MIT */
-/* The passes of all tiles, by three stages that work side by side. One draws by OpenGL, three bands
- * a pass. One draws the reference of each tile, judges what OpenGL has drawn, and counts. One
- * writes. The stages do the same work in the same order, however far one is ahead of another. */
+/* The passes of all tiles, by two stages that work side by side. One draws by OpenGL, three bands a
+ * pass. One draws the reference of each tile, judges what OpenGL has drawn, counts and writes. The
+ * stages do the same work in the same order, however far one is ahead of the other. */
 #include <stdlib.h>
 
 #include "raster/render/inside.h"
 
-/* Counts on their way to the stack: of some pages of a tile. */
-struct written {
-    struct rectangle at;                    /* in pixels of the picture */
-    int first_page, n_pages;                /* the object map is the page after the last one */
-    unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
-};
-enum { WRITTEN_PLACES = 2 }; /* one is filled while the other is written */
-
 struct state {
     struct rendering *of;
     const struct plan *plan;
-    struct written written[WRITTEN_PLACES];
-    /* of the numbers that OpenGL draws; of frames that hold pilots, and others; of `written` */
-    struct queue numbers, pilots, frames, counted;
+    /* of the numbers that OpenGL draws, by tiles; of frames, by frame_number, in its buffers */
+    struct places numbers, frames;
+    /* counts on their way to the stack; each has room for one page of a tile; owned */
+    unsigned char *samples[BANDS_PER_PASS];
     struct check *checks;       /* one for each chunk of the current tile; NULL: none */
     struct check_totals totals; /* of that tile */
-    int frame;                  /* the current one; DARK: none */
+    int tile;                   /* how many are judged */
+    int frame, place;           /* the current frame, and where it is; DARK: none */
     float *black;               /* a row of a frame that is not drawn; owned */
     long steps, all_steps;
-    double since;           /* clock_seconds when the reference began to draw */
-    double written_seconds; /* of the stage that writes */
+    double since; /* clock_seconds when the reference began to draw */
 };
 
 void clock_in(double *since, double *part)
@@ -54,101 +47,80 @@ static bool has_pilots(const struct state *state, int frame)
     return false;
 }
 
-static struct queue *queue_of(struct state *state, int frame)
+static long frame_number(const struct state *state, int tile, int frame)
 {
-    return has_pilots(state, frame) ? &state->pilots : &state->frames;
-}
-
-/* The buffer of OpenGL that stands for a place of a queue. */
-static int buffer_at(const struct state *state, const struct queue *queue, int place)
-{
-    return queue == &state->pilots ? AHEAD_FRAMES + place : place;
+    return 1 + (long)tile * state->plan->passes.n_frames + frame;
 }
 
 /* ---- drawing by OpenGL ---- */
 
-static bool draw_numbers(struct state *state, struct error *err)
+static bool draw_numbers(struct state *state, int tile, struct error *err)
 {
-    if (queue_room(&state->numbers) < 0)
+    if (places_wait(&state->numbers, 0) < 0)
         return false;
     struct renderer *renderer = state->of->renderer;
     double since = clock_seconds();
     if (!renderer->kind->identify(renderer, err))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
-    queue_fill(&state->numbers);
+    places_set(&state->numbers, 0, tile + 1);
     return true;
 }
 
-static bool draw_frame(struct state *state, int frame, struct error *err)
+static bool draw_frame(struct state *state, int tile, int first_band, struct error *err)
 {
     struct renderer *renderer = state->of->renderer;
-    struct queue *queue = queue_of(state, frame);
-    const int place = queue_room(queue), pass = state->plan->passes.first_pass[frame];
+    const int frame = state->plan->passes.frame[first_band / BANDS_PER_PASS],
+              place = places_wait(&state->frames, 0);
     double since = clock_seconds();
-    if (place < 0 || !renderer->kind->draw(renderer, buffer_at(state, queue, place),
-                                           pass * BANDS_PER_PASS, state->of->lit.full_scale, err))
+    if (place < 0 ||
+        !renderer->kind->draw(renderer, place, first_band, state->of->lit.full_scale, err))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
-    queue_fill(queue);
+    places_set(&state->frames, place, frame_number(state, tile, frame));
     return true;
 }
 
-/* Lists the frames of a tile in the order of drawing: those with pilots come first. */
-static void order_frames(const struct state *state, int *out)
-{
-    int n = 0;
-    for (int with = 1; with >= 0; with--)
-        for (int frame = 0; frame < state->plan->passes.n_frames; frame++)
-            if (has_pilots(state, frame) == (with == 1))
-                out[n++] = frame;
-}
-
-static bool draw_tile(struct state *state, const struct rectangle *at, const int *frames,
-                      struct error *err)
-{
-    struct renderer *renderer = state->of->renderer;
-    renderer->kind->aim(renderer, at);
-    if (state->plan->options.check && !draw_numbers(state, err))
-        return false;
-    for (int i = 0; i < state->plan->passes.n_frames; i++)
-        if (!draw_frame(state, frames[i], err))
-            return false;
-    return true;
-}
-
-/* Lets the renderer expect the frames, in their order. */
-static bool expect_frames(const struct state *state, const int *frames, struct error *err)
+/* Lists the first bands of a tile's frames in the order of drawing: those with pilots come first.
+ */
+static void order_frames(const struct state *state, int *first_bands)
 {
     const struct passes *passes = &state->plan->passes;
+    int n = 0;
+    for (int with = 1; with >= 0; with--)
+        for (int frame = 0; frame < passes->n_frames; frame++)
+            if (has_pilots(state, frame) == (with == 1))
+                first_bands[n++] = passes->first_pass[frame] * BANDS_PER_PASS;
+}
+
+static bool draw_tile(struct state *state, int tile, const int *first_bands, struct error *err)
+{
     struct renderer *renderer = state->of->renderer;
-    int *first_bands;
-    if (!MAKE_ARRAY(first_bands, passes->n_frames, err, "%d passes", passes->n_frames))
+    const struct rectangle at = plan_tile(state->plan, &state->of->region, tile);
+    renderer->kind->aim(renderer, &at);
+    if (state->plan->options.check && !draw_numbers(state, tile, err))
         return false;
-    for (int i = 0; i < passes->n_frames; i++)
-        first_bands[i] = passes->first_pass[frames[i]] * BANDS_PER_PASS;
-    const bool done = !renderer->kind->expect ||
-                      renderer->kind->expect(renderer, first_bands, passes->n_frames, err);
-    free(first_bands);
-    return done;
+    for (int i = 0; i < state->plan->passes.n_frames; i++)
+        if (!draw_frame(state, tile, first_bands[i], err))
+            return false;
+    return true;
 }
 
 static bool draw_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     const struct plan *plan = state->plan;
-    const struct rectangle *region = &state->of->region;
-    const int n_tiles = plan_tiles(plan, region);
-    int *frames;
-    if (!MAKE_ARRAY(frames, plan->passes.n_frames, err, "the order of passes"))
+    const int n_tiles = plan_tiles(plan, &state->of->region), n_frames = plan->passes.n_frames;
+    struct renderer *renderer = state->of->renderer;
+    int *first_bands;
+    if (!MAKE_ARRAY(first_bands, n_frames, err, "the order of passes"))
         return false;
-    order_frames(state, frames);
-    bool done = expect_frames(state, frames, err);
-    for (int i = 0; i < n_tiles && done; i++) {
-        const struct rectangle at = plan_tile(plan, region, i);
-        done = draw_tile(state, &at, frames, err);
-    }
-    free(frames);
+    order_frames(state, first_bands);
+    bool done =
+        !renderer->kind->expect || renderer->kind->expect(renderer, first_bands, n_frames, err);
+    for (int i = 0; i < n_tiles && done; i++)
+        done = draw_tile(state, i, first_bands, err);
+    free(first_bands);
     return done;
 }
 
@@ -159,12 +131,13 @@ struct tile_pass {
     struct state *state;
     const struct tile *tile;
     int pass;
-    const float *pixels;       /* OpenGL's; NULL: it does not draw */
-    size_t stride;             /* of its rows, in pixels */
-    const struct written *out; /* where counts go; NULL: nowhere */
-    pthread_mutex_t lock;      /* of these sums: */
-    double judging, counting;  /* seconds of all threads */
+    const float *pixels;      /* OpenGL's; NULL: it does not draw */
+    size_t stride;            /* of its rows, in pixels */
+    pthread_mutex_t lock;     /* of what follows */
+    double judging, counting; /* seconds of all threads */
     struct odd_samples odd;
+    bool failed;       /* to write */
+    struct error *err; /* of the first thread that failed */
 };
 
 /* A thread is worth starting for so many pixels of a pass. */
@@ -197,43 +170,62 @@ static void learn_chunk(void *context, int i)
                true);
 }
 
-/* Stores the samples of a chunk in all bands of a pass. */
-static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
+/* Writes the samples of a rectangle, in pixels of the picture, to a page of the stack. */
+static bool write_page(const struct state *state, int page, const struct rectangle *at,
+                       const void *samples, struct error *err)
 {
-    const struct plan *plan = of->state->plan;
+    const struct rendering *of = state->of;
+    const struct page_rectangle to = {page, at->x, at->y - of->result->rows.first, at->width,
+                                      at->height};
+    return pages_write(&of->stack.pages, &to, samples, err);
+}
+
+/* Counts the samples of a chunk in all bands of a pass, and writes them. */
+static bool count_bands(const struct tile_pass *of, int chunk, struct odd_samples *odd,
+                        struct error *err)
+{
+    const struct state *state = of->state;
+    const struct plan *plan = state->plan;
     const struct picture *picture = &of->tile->chunks[chunk].picture;
-    const struct rectangle above = {0, 0, of->tile->at.width, chunk * CHUNK_ROWS},
-                           stored_above = plan_pixels(plan, &above);
-    const size_t first = (size_t)stored_above.width * (size_t)stored_above.height;
-    const int n = bands_of_pass(plan, of->pass);
+    const struct rectangle at = plan_pixels(plan, &picture->at),
+                           tile = plan_pixels(plan, &of->tile->at);
+    const size_t first = (size_t)at.width * (size_t)(at.y - tile.y);
+    const int n = bands_of_pass(plan, of->pass), first_band = of->pass * BANDS_PER_PASS;
     struct stored_band stored[BANDS_PER_PASS];
     for (int i = 0; i < n; i++)
         stored[i] =
-            (struct stored_band){of->tile->lit, of->pass * BANDS_PER_PASS + i,
-                                 of->out->samples[i] + first * (size_t)plan->options.bits / 8};
-    return plan->options.store_raster
+            (struct stored_band){of->tile->lit, first_band + i,
+                                 state->samples[i] + first * (size_t)plan->options.bits / 8};
+    *odd = plan->options.store_raster
                ? store_reference(stored, n, picture)
                : store_gl(stored, n, &picture->at, pixels_of(of, chunk), of->stride);
+    bool done = true;
+    for (int i = 0; i < n && done; i++)
+        done = write_page(state, first_band + i, &at, stored[i].out, err);
+    return done;
 }
 
-/* Judges and counts a chunk while its pixels are in the cache. */
+/* Judges, counts and writes a chunk while its pixels are in the cache. */
 static void treat_chunk(void *context, int i)
 {
     struct tile_pass *of = context;
     double since = clock_seconds(), judging = 0, counting = 0;
     struct odd_samples odd = {0, 0};
+    struct error err = {.status = EXIT_AGREED};
     if (of->state->checks)
         check_pass(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride,
                    false);
     clock_in(&since, &judging);
-    if (of->out)
-        odd = count_bands(of, i);
+    const bool done = !of->state->of->output->path || count_bands(of, i, &odd, &err);
     clock_in(&since, &counting);
     pthread_mutex_lock(&of->lock);
     of->judging += judging;
     of->counting += counting;
     of->odd.clipped += odd.clipped;
     of->odd.undefined += odd.undefined;
+    if (!done && !of->failed)
+        *of->err = err;
+    of->failed = of->failed || !done;
     pthread_mutex_unlock(&of->lock);
 }
 
@@ -250,7 +242,7 @@ static bool open_checks(struct state *state, const struct tile *tile, struct err
         if (!check_open(&state->of->check_scene, &tile->chunks[i], &state->checks[i], err))
             return false;
     clock_in(&since, &state->of->result->seconds.check);
-    if (queue_next(&state->numbers, 0) < 0)
+    if (places_wait(&state->numbers, state->tile + 1) < 0)
         return false;
     since = clock_seconds();
     each_chunk(&of, identify_chunk);
@@ -282,25 +274,22 @@ static void close_checks(struct state *state, const struct tile *tile)
 
 /* ---- the frame of a pass ---- */
 
-/* Finds the pixels of the passes that show a frame; waits until OpenGL has drawn it. number: how
- * many full places of the frame's queue come before. */
-static bool find_frame(struct state *state, int frame, int number, struct tile_pass *of)
+/* Finds the pixels of the passes that show a frame; waits until OpenGL has drawn it. Returns the
+ * place of the frame; -1: the other stage has failed. */
+static int find_frame(struct state *state, int frame, struct tile_pass *of)
 {
-    const struct renderer *renderer = state->of->renderer;
-    struct queue *queue = queue_of(state, frame);
-    const int place = queue_next(queue, number);
-    if (place < 0)
-        return false;
-    of->pixels = renderer->buffers[buffer_at(state, queue, place)];
+    const int place = places_wait(&state->frames, frame_number(state, state->tile, frame));
+    if (place >= 0)
+        of->pixels = state->of->renderer->buffers[place];
     of->stride = (size_t)state->plan->tile_width;
-    return true;
+    return place;
 }
 
 /* The current frame is not needed any more. */
 static void leave_frame(struct state *state)
 {
     if (state->frame != DARK)
-        queue_free(queue_of(state, state->frame));
+        places_set(&state->frames, state->place, 0);
     state->frame = DARK;
 }
 
@@ -316,8 +305,9 @@ static bool find_pixels(struct state *state, struct tile_pass *of)
     }
     if (frame != state->frame)
         leave_frame(state);
-    state->frame = frame;
-    return find_frame(state, frame, 0, of);
+    state->place = find_frame(state, frame, of);
+    state->frame = state->place >= 0 ? frame : DARK;
+    return state->place >= 0;
 }
 
 /* Learns from all passes that hold pilots; a pass is dark where only materials out of view have
@@ -325,13 +315,11 @@ static bool find_pixels(struct state *state, struct tile_pass *of)
 static bool learn_pilots(struct state *state, const struct tile *tile, struct error *err)
 {
     const struct fit *fit = &state->of->check_scene.fit;
-    for (int i = 0, number = -1, last = DARK; i < fit->n_passes; i++) {
+    for (int i = 0; i < fit->n_passes; i++) {
         const int frame = state->plan->passes.frame[fit->passes[i]];
         struct tile_pass of = {
             .state = state, .tile = tile, .pass = fit->passes[i], .pixels = state->black};
-        number += frame != last && frame != DARK;
-        last = frame != DARK ? frame : last;
-        if (frame != DARK && !find_frame(state, frame, number, &of))
+        if (frame != DARK && find_frame(state, frame, &of) < 0)
             return false;
         double since = clock_seconds();
         if (!plan_load_textures(state->plan, of.pass * BANDS_PER_PASS, err))
@@ -344,20 +332,6 @@ static bool learn_pilots(struct state *state, const struct tile *tile, struct er
 }
 
 /* ---- a pass ---- */
-
-/* Finds room for counts; *out is NULL where none are written. */
-static bool find_room(struct state *state, const struct tile *tile, struct written **out)
-{
-    *out = NULL;
-    if (!state->of->output->path)
-        return true;
-    const int place = queue_room(&state->counted);
-    if (place < 0)
-        return false;
-    *out = &state->written[place];
-    (*out)->at = plan_pixels(state->plan, &tile->at);
-    return true;
-}
 
 /* Shares the seconds of a pass in proportion to those of its threads. */
 static void share_seconds(const struct tile_pass *of, double seconds)
@@ -372,26 +346,19 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
 {
     struct render_result *result = state->of->result;
     struct tile_pass of = {
-        .state = state, .tile = tile, .pass = pass, .lock = PTHREAD_MUTEX_INITIALIZER};
-    struct written *room;
-    if (!find_pixels(state, &of) || !find_room(state, tile, &room))
+        .state = state, .tile = tile, .pass = pass, .lock = PTHREAD_MUTEX_INITIALIZER, .err = err};
+    if (!find_pixels(state, &of))
         return false;
     double since = clock_seconds(), seconds = 0;
     if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
         return false;
     clock_in(&since, &result->seconds.read);
-    of.out = room;
     each_chunk(&of, treat_chunk);
     clock_in(&since, &seconds);
     share_seconds(&of, seconds);
     result->odd.clipped += of.odd.clipped;
     result->odd.undefined += of.odd.undefined;
-    if (room) {
-        room->first_page = pass * BANDS_PER_PASS;
-        room->n_pages = bands_of_pass(state->plan, pass);
-        queue_fill(&state->counted);
-    }
-    return true;
+    return !of.failed;
 }
 
 /* ---- the object map ---- */
@@ -441,19 +408,14 @@ static void map_objects(const struct rendering *of, const struct tile *tile,
         }
 }
 
-/* Makes the object map of a tile. */
-static bool add_object_map(struct state *state, const struct tile *tile)
+/* Writes the object map of a tile: the page after the last one. */
+static bool add_object_map(struct state *state, const struct tile *tile, struct error *err)
 {
-    struct written *room;
+    const struct rectangle at = plan_pixels(state->plan, &tile->at);
     if (state->plan->map_bytes == 0 || !state->of->output->path)
         return true;
-    if (!find_room(state, tile, &room))
-        return false;
-    map_objects(state->of, tile, &room->at, room->samples[0]);
-    room->first_page = state->plan->n_bands;
-    room->n_pages = 1;
-    queue_fill(&state->counted);
-    return true;
+    map_objects(state->of, tile, &at, state->samples[0]);
+    return write_page(state, state->plan->n_bands, &at, state->samples[0], err);
 }
 
 /* ---- judging ---- */
@@ -472,9 +434,9 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     clock_in(&state->since, &state->of->result->seconds.raster);
     for (int i = 0; i < tile->n_chunks; i++)
         light_work_add(&state->of->result->light, &tile->chunks[i].picture.work);
-    bool done = (!checking || open_checks(state, tile, err)) && add_object_map(state, tile);
+    bool done = (!checking || open_checks(state, tile, err)) && add_object_map(state, tile, err);
     if (done && checking)
-        queue_free(&state->numbers);
+        places_set(&state->numbers, 0, 0);
     done = done && learn_pilots(state, tile, err);
     for (int pass = 0; done && pass < state->plan->n_passes; pass++) {
         done = treat_pass(state, tile, pass, err);
@@ -486,6 +448,7 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
         totals_add(&state->of->totals, &state->totals);
     close_checks(state, tile);
     state->since = clock_seconds();
+    state->tile++;
     return done;
 }
 
@@ -495,37 +458,7 @@ static bool treat_tiles(void *context, struct error *err)
     const struct rendering *of = state->of;
     state->all_steps = (long)plan_tiles(of->plan, &of->region) * of->plan->n_passes;
     state->since = clock_seconds();
-    const bool done = tiles_each(&of->lit, &of->region, treat_tile, state, err);
-    queue_end(&state->counted);
-    return done;
-}
-
-/* ---- writing ---- */
-
-static bool write_pages(const struct state *state, const struct written *from, struct error *err)
-{
-    struct rendering *of = state->of;
-    const struct rectangle *at = &from->at;
-    for (int i = 0; i < from->n_pages; i++) {
-        const struct page_rectangle to = {from->first_page + i, at->x,
-                                          at->y - of->result->rows.first, at->width, at->height};
-        if (!pages_write(&of->stack.pages, &to, from->samples[i], err))
-            return false;
-    }
-    return true;
-}
-
-static bool write_tiles(void *context, struct error *err)
-{
-    struct state *state = context;
-    for (int place; (place = queue_next(&state->counted, 0)) >= 0;) {
-        double since = clock_seconds();
-        if (!write_pages(state, &state->written[place], err))
-            return false;
-        clock_in(&since, &state->written_seconds);
-        queue_free(&state->counted);
-    }
-    return true;
+    return tiles_each(&of->lit, &of->region, treat_tile, state, err);
 }
 
 /* ---- all of it ---- */
@@ -538,11 +471,10 @@ static bool allocate(struct state *state, struct error *err)
     if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture") ||
         (plan->options.check && !totals_open(&state->of->check_scene, &state->totals, err)))
         return false;
-    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->of->output->path; i++) {
-        unsigned char **samples = &state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS];
-        if (!MAKE_ARRAY(*samples, n_samples * (size > map ? size : map), err, "a page of a tile"))
+    for (int i = 0; i < BANDS_PER_PASS && state->of->output->path; i++)
+        if (!MAKE_ARRAY(state->samples[i], n_samples * (size > map ? size : map), err,
+                        "a page of a tile"))
             return false;
-    }
     return true;
 }
 
@@ -550,29 +482,23 @@ static void release(struct state *state)
 {
     free(state->black);
     totals_free(&state->totals);
-    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS; i++)
-        free(state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS]);
+    for (int i = 0; i < BANDS_PER_PASS; i++)
+        free(state->samples[i]);
 }
 
 bool stages_run(struct rendering *of, struct error *err)
 {
-    pipeline_stage *parts[MOST_STAGES];
     struct pipeline pipeline;
     struct state state = {.of = of, .plan = of->plan, .frame = DARK};
-    int n = 0;
-    state.numbers = (struct queue){.pipeline = &pipeline, .n_places = 1};
-    state.pilots = (struct queue){.pipeline = &pipeline, .n_places = MAX_PILOT_PASSES};
-    state.frames = (struct queue){.pipeline = &pipeline, .n_places = AHEAD_FRAMES};
-    state.counted = (struct queue){.pipeline = &pipeline, .n_places = WRITTEN_PLACES};
-    if (of->renderer)
-        parts[n++] = draw_tiles; /* OpenGL's context is this thread's */
-    parts[n++] = treat_tiles;
-    if (of->output->path)
-        parts[n++] = write_tiles;
-    const bool done =
-        allocate(&state, err) &&
-        pipeline_run(&pipeline, of->plan->options.threads == 1, parts, n, &state, err);
-    of->result->seconds.write += state.written_seconds;
+    state.numbers = (struct places){.pipeline = &pipeline, .n = 1};
+    state.frames = (struct places){.pipeline = &pipeline,
+                                   .n = of->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES};
+    bool done = allocate(&state, err);
+    if (done && of->renderer) /* OpenGL's context is this thread's */
+        done = pipeline_run(&pipeline, of->plan->options.threads == 1, draw_tiles, treat_tiles,
+                            &state, err);
+    else
+        done = done && treat_tiles(&state, err);
     release(&state);
     return done;
 }

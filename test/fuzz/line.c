@@ -38,7 +38,8 @@ static void read_words(const struct command *command, char *const *words, int n_
 {
     struct error err = {.status = EXIT_AGREED};
     struct options options;
-    if (fuzz_ends(options_read(command, false, words, n_words, &options, &err), &err) &&
+    if (fuzz_ends(options_read(command, false, (const char *const *)words, n_words, &options, &err),
+                  &err) &&
         changes_scenes(command))
         change_scene(&options);
     options_free(&options);

@@ -60,8 +60,8 @@ static void run_command(const struct command *command, char *const *words, int n
 {
     struct error err = {.status = EXIT_AGREED};
     struct options options = {.operand = NULL};
-    const bool done =
-        options_read(command, false, words, n, &options, &err) && command->run(&options, &err);
+    const bool done = options_read(command, false, (const char *const *)words, n, &options, &err) &&
+                      command->run(&options, &err);
     if (err.status != EXIT_DIFFERENT)
         fuzz_ends(done, &err);
     options_free(&options);

@@ -17,7 +17,7 @@ enum { DEFAULT_RUNS = 5 };
 static bool read_words(const struct options *options, const struct cost_entry *entry,
                        struct options *out, struct error *err)
 {
-    char *line[MAX_RECORDED + COST_WORDS];
+    const char *line[MAX_RECORDED + COST_WORDS];
     int n = 0;
     for (int i = 0; i < options->n_recorded; i++)
         line[n++] = options->recorded[i];

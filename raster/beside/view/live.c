@@ -121,7 +121,7 @@ static bool page_files_make(const struct scene *scene, struct page_files *out, s
     for (int i = 0; done && i < scene->n_texts; i++)
         done = add(out, scene->files[i].path, err);
     for (int i = 0; done && i < out->inputs.n; i++)
-        done = add(out, out->inputs.path[i], err);
+        done = add(out, input_path(out->inputs.file[i]), err);
     return done;
 }
 

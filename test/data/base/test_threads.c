@@ -68,12 +68,12 @@ static void test_numbers(void)
 
 /* ---- stages ---- */
 
-enum { PLACES = 3, NO_FAILURE = -1, MADE, DOUBLED, TAKEN };
-/* Numbers that one stage makes, another doubles, and a third one takes. */
+enum { PLACES = 3, NO_FAILURE = -1, MADE, TAKEN };
+/* Numbers that one stage makes, and another takes. */
 struct numbers {
     struct pipeline pipeline;
-    struct queue made, doubled;
-    long made_at[PLACES], doubled_at[PLACES];
+    struct places made;
+    long made_at[PLACES];
     int n, ahead; /* how many; so many places are looked at before the first is freed */
     int fails;    /* a stage, at half of the numbers; or NO_FAILURE */
     long taken;   /* how many came, in order */
@@ -91,63 +91,40 @@ static bool make_numbers(void *context, struct error *err)
 {
     struct numbers *of = context;
     for (int i = 0; i < of->n; i++) {
-        const int place = queue_room(&of->made);
+        const int place = places_wait(&of->made, 0);
         if (place < 0 || !fail_at(of, MADE, i, err))
             return false;
         if (of->slow)
             nanosleep(&(struct timespec){.tv_nsec = 100000000}, NULL);
         of->made_at[place] = i;
-        queue_fill(&of->made);
+        places_set(&of->made, place, i + 1);
     }
-    queue_end(&of->made);
     return true;
 }
 
-/* Doubles the numbers as far ahead as it may look, then frees the first. */
-static bool double_numbers(void *context, struct error *err)
+/* Looks at the numbers as far ahead as it may, then frees the first. */
+static bool take_numbers(void *context, struct error *err)
 {
     struct numbers *of = context;
     for (int i = 0; i < of->n; i++) {
         const int ahead = of->ahead < of->n - 1 - i ? of->ahead : of->n - 1 - i;
-        const int last = queue_next(&of->made, ahead), first = queue_next(&of->made, 0);
-        if (last < 0 || first < 0 || !fail_at(of, DOUBLED, i, err))
+        const int last = places_wait(&of->made, i + ahead + 1),
+                  first = places_wait(&of->made, i + 1);
+        if (last < 0 || first < 0 || !fail_at(of, TAKEN, i, err))
             return false;
         of->right = of->right && of->made_at[last] == i + ahead && of->made_at[first] == i;
-        const int place = queue_room(&of->doubled);
-        if (place < 0)
-            return false;
-        of->doubled_at[place] = 2 * of->made_at[first];
-        queue_free(&of->made);
-        queue_fill(&of->doubled);
+        of->taken++;
+        places_set(&of->made, first, 0);
     }
-    if (queue_next(&of->made, 0) >= 0) /* the end */
-        of->right = false;
-    queue_end(&of->doubled);
     return true;
 }
 
-static bool take_numbers(void *context, struct error *err)
-{
-    struct numbers *of = context;
-    for (int place; (place = queue_next(&of->doubled, 0)) >= 0;) {
-        if (!fail_at(of, TAKEN, (int)of->taken, err))
-            return false;
-        of->right = of->right && of->doubled_at[place] == 2 * of->taken;
-        of->taken++;
-        queue_free(&of->doubled);
-    }
-    return !of->pipeline.stopped;
-}
-
-static pipeline_stage *const stages[] = {make_numbers, double_numbers, take_numbers};
-
 static bool run(struct numbers *of, bool alone, struct error *err)
 {
-    of->made = (struct queue){.pipeline = &of->pipeline, .n_places = PLACES};
-    of->doubled = (struct queue){.pipeline = &of->pipeline, .n_places = PLACES - 1};
+    of->made = (struct places){.pipeline = &of->pipeline, .n = PLACES};
     of->right = true;
     *err = (struct error){.status = EXIT_AGREED};
-    return pipeline_run(&of->pipeline, alone, stages, 3, of, err);
+    return pipeline_run(&of->pipeline, alone, make_numbers, take_numbers, of, err);
 }
 
 static void test_stages(void)
@@ -158,7 +135,7 @@ static void test_stages(void)
                 struct numbers of = {.n = n, .ahead = ahead, .fails = NO_FAILURE};
                 struct error err;
                 CHECK(run(&of, alone == 1, &err) && of.right && of.taken == n,
-                      "%d numbers pass three stages in order, %d ahead, %s", n, ahead,
+                      "%d numbers pass two stages in order, %d ahead, %s", n, ahead,
                       alone == 1 ? "one at a time" : "side by side");
             }
 }
@@ -173,13 +150,13 @@ static void test_failing(void)
             snprintf(text, sizeof text, "error: stage %d fails at 250", fails);
             CHECK(!run(&of, alone == 1, &err) && strcmp(err.text, text) == 0 &&
                       err.status == EXIT_INPUT,
-                  "where stage %d fails, all end, with its error: %s", fails, err.text);
+                  "where stage %d fails, both end, with its error: %s", fails, err.text);
             CHECK(of.right && of.taken <= 250, "until then all was right: %ld numbers", of.taken);
         }
 }
 
-/* Two stages wait for the first, which sleeps for 0.4 s in all. Spinning would take 0.4 s of a
- * processor or more. */
+/* The second stage waits for the first, which sleeps for 0.4 s in all. Spinning would take 0.4 s of
+ * a processor or more. */
 static void test_waiting(void)
 {
     for (int alone = 0; alone < 2; alone++) {
