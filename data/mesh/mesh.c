@@ -6,10 +6,11 @@
 
 /* ---- the mesh itself ---- */
 
-/* Fails if there would be more items than an int32_t counts, or than fit into memory. */
+/* Fails if there would be more items than fit into memory, or than leave room for a number of each
+ * corner of a triangle in an int32_t. */
 static bool reserve(void *items, int have, size_t more, size_t size, struct error *err)
 {
-    return (more <= (size_t)(INT32_MAX - have) &&
+    return (more <= (size_t)(INT32_MAX / 3 - have) &&
             memory_resize(items, (size_t)have + more, size)) ||
            memory_lacks(err, ((double)have + (double)more) * (double)size, "a mesh");
 }

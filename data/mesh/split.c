@@ -270,7 +270,7 @@ static void take(const struct mesh *from, const int32_t *triangles, int n, const
 {
     int32_t *number = from->division.number;
     out->n_triangles = n;
-    for (int64_t i = 0; i < 3 * (int64_t)n; i++)
+    for (int i = 0; i < 3 * n; i++)
         out->triangles[i / 3][i % 3] = number[from->triangles[triangles[i / 3]][i % 3]];
     out->n_vertices = n_used;
     for (int i = 0; i < n_used; i++) {
