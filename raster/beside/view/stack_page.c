@@ -123,18 +123,16 @@ static bool read_objects(struct stack_page *of, struct error *err)
 /* ---- the description ---- */
 
 /* Puts the white at each page's wavelength; none if the stack records none. */
-static bool put_white(const struct cube *cube, struct json *json, struct error *err)
+static void put_white(const struct cube *cube, struct json *json, struct error *err)
 {
     struct error refused = {.status = EXIT_AGREED};
     double *white;
-    if (!MAKE_ARRAY(white, (size_t)cube->image.n_pages, err, "the white of a page"))
-        return false;
-    if (!cube->components && cube_white(cube, NULL, white, &refused))
+    if (MAKE_ARRAY(white, (size_t)cube->image.n_pages, err, "the white of a page") &&
+        !cube->components && cube_white(cube, NULL, white, &refused))
         json_numbers(json, "white", white, cube->image.n_pages);
     if (cube->record.illumination.n > 0)
         json_number(json, "illumination", cube->record.illumination.value[0]);
     free(white);
-    return true;
 }
 
 static void put_size(const struct stack_page *stack, struct json *json)
@@ -159,62 +157,50 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     const struct cube *cube = &stack->rows.cube;
     const struct texts *objects = &cube->record.objects;
     struct json json;
-    int n_detectors;
     json_begin(&json);
     json_string(&json, "program", PROGRAM);
     json_string(&json, "stack", path_name(name));
     json_string(&json, "scene", cube->record.scene);
     put_size(stack, &json);
     json_strings(&json, "objects", objects->text, objects->n);
-    const bool done = put_white(cube, &json, err) && put_eyes(cube, true, &json, &n_detectors, err);
-    char *text = done ? json_take(&json, err) : NULL;
-    free(printed_end(&json.printed));
-    return text;
+    put_white(cube, &json, err);
+    put_eyes(cube, true, &json, err);
+    return json_take(&json, err);
 }
 
 /* ---- a page, or its data alone ---- */
 
 /* Puts the data: the head, the samples, the objects. */
-static bool put_stack(const struct stack_page *stack, const char *name, struct printed *to,
+static void put_stack(const struct stack_page *stack, const char *name, struct printed *to,
                       struct error *err)
 {
-    char *json = describe(stack, name, err);
-    if (!json)
-        return false;
-    put_head(to, json);
-    free(json);
+    put_head(to, describe(stack, name, err));
     print_bytes(to, stack->samples, stack->n_bytes);
     if (stack->objects)
         print_bytes(to, stack->objects, stack->n_pixels * sizeof *stack->objects);
-    return true;
-}
-
-static bool write_page(struct stack_page *of, struct printed *stack, struct options *options,
-                       struct error *err)
-{
-    struct printed data = {.text = NULL};
-    char *bytes = printed_take(stack, err);
-    const bool packed = bytes && put_packed(&data, "stack", bytes, stack->length, err);
-    free(bytes);
-    const bool done = packed && page_write(has_live_pages() ? PAGE_LIVE : PAGE_STACK, &data,
-                                           options, &of->bytes, err);
-    free(printed_end(&data));
-    return done;
 }
 
 bool stack_page_write(struct stack_page *of, struct options *options, bool alone, struct error *err)
 {
     const char *stack = options->operand;
-    struct printed bytes = {.text = NULL};
+    struct printed data = {.text = NULL}, bytes = {.text = NULL};
     if (!cube_open(stack, &of->rows.cube, err))
         return false;
     find_size(of);
-    const bool done = read_samples(of, err) && read_objects(of, err) &&
-                      put_stack(of, stack, &bytes, err) &&
-                      (alone ? printed_write(&bytes, options->output, &options->outputs, err)
-                             : write_page(of, &bytes, options, err));
-    of->bytes = alone ? bytes.length : of->bytes;
-    free(printed_end(&bytes));
+    if (!read_samples(of, err) || !read_objects(of, err))
+        return false;
+    put_stack(of, stack, &bytes, err);
+    char *text = printed_take(&bytes, err);
+    of->bytes = bytes.length;
+    bool done = err->status == EXIT_AGREED;
+    if (done && alone)
+        done = file_write(options->output, text, bytes.length, &options->outputs, err);
+    else if (done) {
+        put_packed(&data, "stack", text, bytes.length, err);
+        done =
+            page_write(has_live_pages() ? PAGE_LIVE : PAGE_STACK, &data, options, &of->bytes, err);
+    }
+    free(text);
     return done;
 }
 
