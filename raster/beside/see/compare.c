@@ -16,6 +16,7 @@ bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *e
     const size_t width = (size_t)rows->cube.image.width, height = (size_t)rows->cube.image.height;
     const size_t fitting = most_samples / (n_pages * width);
     const size_t n = fitting < 1 ? 1 : fitting < height ? fitting : height;
+    rows->end = rows->cube.image.height;
     rows->most = (int)n;
     rows->stride = n * width;
     return MAKE_ARRAY(rows->samples, n_pages * rows->stride, err, "rows of %s",
@@ -24,7 +25,7 @@ bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *e
 
 bool rows_read(struct stack_rows *rows, int first, struct error *err)
 {
-    const int left = rows->cube.image.height - first;
+    const int left = rows->end - first;
     rows->first = first;
     rows->n = left < rows->most ? left : rows->most;
     for (int page = 0; page < rows->cube.image.n_pages; page++)

@@ -29,7 +29,8 @@ static bool prepare_chunk(struct development *of, struct error *err)
     of->rows = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->n_pixels = (size_t)of->rows * (size_t)image->width;
     of->threads = threads_count(of->threads);
-    return MAKE_ARRAY(of->radiance, BATCH * of->n_pixels, err, "rows of %s", image->path) &&
+    return (of->lit ||
+            MAKE_ARRAY(of->radiance, BATCH * of->n_pixels, err, "rows of %s", image->path)) &&
            MAKE_ARRAY(of->sums, 3 * of->n_pixels, err, "rows of the picture") &&
            (memory_make(&of->samples, 3 * of->n_pixels, sample_bytes(of)) ||
             memory_lacks(err, 12 * (double)of->n_pixels, "rows of the picture"));
@@ -79,10 +80,31 @@ static int rows_at(const struct development *of, int y)
     return left < of->rows ? left : of->rows;
 }
 
+/* Adds a band of some rows of a scene. */
+static void add_band(void *context, const struct drawn_band *drawn)
+{
+    const struct development *of = context;
+    const struct rectangle *at = &drawn->pixels;
+    const int n_pages = of->cube.image.n_pages, width = of->cube.image.width;
+    const float *radiance = drawn->radiance;
+    for (int y = 0; y < at->height; y++, radiance += at->width)
+        for (int channel = 0; channel < 3; channel++) {
+            const double weight = of->weights[channel * n_pages + drawn->band];
+            double *sums = of->sums + (size_t)channel * of->n_pixels +
+                           (size_t)(at->y + y - of->first) * (size_t)width + at->x;
+            for (int x = 0; x < at->width; x++)
+                sums[x] += weight * (double)radiance[x];
+        }
+}
+
 static bool sum_chunk(struct development *of, int y, int rows, struct error *err)
 {
     struct image *image = &of->cube.image;
+    struct radiances scene = {of->threads, add_band, of};
     memset(of->sums, 0, 3 * of->n_pixels * sizeof *of->sums);
+    of->first = y;
+    if (of->lit)
+        return radiances_each(of->lit, &(struct rectangle){0, y, image->width, rows}, &scene, err);
     for (int page = 0; page < image->n_pages; page++) {
         if (!image_read(image, page, y, rows, of->radiance + (size_t)(page % BATCH) * of->n_pixels,
                         err))
@@ -202,8 +224,16 @@ static bool open_picture(const struct development *of, const char *path, struct 
     const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
     unsigned char profile[LARGEST_PROFILE];
     struct printed printed = {.text = NULL};
-    print(&printed, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
-    develop_print_settings(of, &printed);
+    if (of->lit)
+        print(&printed,
+              "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
+              "adaptation        none\ndisplay           %s\nexposure          1\n",
+              of->cube.image.path, of->detector_name, display_names[of->display]);
+    else {
+        print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
+              of->cube.image.path);
+        develop_print_settings(of, &printed);
+    }
     char *text = picture_text(printed_take(&printed, err));
     const struct picture_options options = {
         .width = of->cube.image.width,
@@ -243,6 +273,35 @@ bool develop(struct development *of, const char *stack, const char *output, stru
     of->out_of_gamut = (struct counter)COUNTER;
     return cube_open(stack, &of->cube, err) && develop_weights(of, err) && prepare_chunk(of, err) &&
            (!of->automatic || find_exposure(of, err)) && write_picture(of, output, err);
+}
+
+struct cube scene_cube(const struct scene *scene)
+{
+    return (struct cube){.image = {.path = scene->path,
+                                   .width = scene->width,
+                                   .height = scene->height,
+                                   .n_pages = scene->n_wavelengths,
+                                   .wavelengths_nm = scene->wavelengths_nm}};
+}
+
+bool develop_scene(const struct lit_scene *lit, const char *output, struct outputs *outputs,
+                   uint64_t *out_of_gamut, struct error *err)
+{
+    struct development of = {.detector_name = "cie1931",
+                             .display = DISPLAY_SRGB,
+                             .bits = 8,
+                             .threads = lit->plan->options.threads,
+                             .exposure = 1,
+                             .outputs = outputs,
+                             .lit = lit,
+                             .cube = scene_cube(lit->plan->scene),
+                             .out_of_gamut = COUNTER};
+    const bool done =
+        develop_weights(&of, err) && prepare_chunk(&of, err) && write_picture(&of, output, err);
+    *out_of_gamut = of.out_of_gamut.n;
+    of.cube = (struct cube){.components = false}; /* the scene owns it */
+    develop_free(&of);
+    return done;
 }
 
 void develop_free(struct development *of)

@@ -28,7 +28,7 @@ static bool write_scene_page(struct viewing *view, struct error *err)
 static bool (*const writers[])(struct viewing *view, struct error *err) = {
     write_scene_page, write_scene_page, still_write, weights_write, description_write};
 
-/* What a command has written, told as JSON and in words. */
+/* The facts of what a command has written, as JSON and in words. */
 struct telling {
     struct json json;
     struct printed words;

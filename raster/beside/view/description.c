@@ -375,9 +375,7 @@ char *description_make(struct viewing *view, struct error *err)
 {
     struct describer describer = {.plan = view->plan, .err = err};
     const struct scene *scene = view->plan->scene;
-    const struct cube cube = {.image = {.path = scene->path,
-                                        .n_pages = scene->n_wavelengths,
-                                        .wavelengths_nm = scene->wavelengths_nm}};
+    const struct cube cube = scene_cube(scene);
     struct json *json = &describer.json;
     json_begin(json);
     json_string(json, "program", PROGRAM);

@@ -273,3 +273,18 @@ bool weights_write(struct viewing *view, struct error *err)
     output_discard(&out);
     return done;
 }
+
+/* ---- the picture that a page shows first ---- */
+
+bool still_write(struct viewing *view, struct error *err)
+{
+    struct plan plan = *view->plan;
+    struct lit_scene lit = {.plan = &plan};
+    plan.options.bits = 32; /* samples are radiances */
+    const bool done = lit_make(&plan, driver_of(NULL), &lit, err) &&
+                      notes_make(&lit, SOME_PIXELS, view->notes, err) &&
+                      develop_scene(&lit, view->options->output, &view->options->outputs,
+                                    &view->out_of_gamut, err);
+    lit_free(&lit);
+    return done;
+}

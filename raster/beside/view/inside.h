@@ -59,11 +59,7 @@ bool viewer_write(struct viewing *view, struct error *err);
 bool description_write(struct viewing *view, struct error *err);
 bool weights_write(struct viewing *view, struct error *err);
 
-/* ---- still.c: the picture that the page shows first ---- */
-
-/* Draws the plan's picture by the reference, as cie1931 sees it without adaptation on an sRGB
- * display at exposure 1, and writes it as PNG. Makes the notes on the scene. Memory does not grow
- * with the picture's height. */
+/* Writes the picture that the page shows first: see develop_scene. Makes the notes on the scene. */
 bool still_write(struct viewing *view, struct error *err);
 
 /* ---- stack_page.c: a stack in a page ---- */
