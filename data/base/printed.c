@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A text that is printed into memory. Only a whole text is returned. */
+#define _GNU_SOURCE /* vasprintf */
 #include <stdarg.h>
 #include <unistd.h>
 
@@ -49,20 +50,16 @@ void print_shell(struct printed *to, const char *word)
 
 void print(struct printed *to, const char *format, ...)
 {
+    char *text;
     va_list arguments;
     va_start(arguments, format);
-    const size_t room = to->failed ? 0 : to->capacity - to->length;
-    const int length = vsnprintf(room > 0 ? to->text + to->length : NULL, room, format, arguments);
+    const int length = vasprintf(&text, format, arguments);
     va_end(arguments);
+    to->failed = to->failed || length < 0;
     if (length < 0)
-        to->failed = true;
-    else if (make_room(to, (size_t)length)) {
-        va_start(arguments, format);
-        if ((size_t)length >= room)
-            vsnprintf(to->text + to->length, (size_t)length + 1, format, arguments);
-        va_end(arguments);
-        to->length += (size_t)length;
-    }
+        return;
+    print_bytes(to, text, (size_t)length);
+    free(text);
 }
 
 void print_printable(struct printed *to, const char *text)

@@ -107,7 +107,7 @@ static bool extend_strip(struct picture_writer *writer, int end, size_t row_byte
     return true;
 }
 
-bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
+bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
                  const void *samples, struct error *err)
 {
     const size_t pixel = 3 * (size_t)writer->options.bits / 8;

@@ -122,8 +122,8 @@ static bool write_colours(struct check_map *map, const struct check *check, stru
     const size_t n = (size_t)at.width * (size_t)at.height;
     uint8_t *colours = (uint8_t *)map->samples; /* 3 of its 4 bytes a pixel */
     for (int page = MAP_FLOOR; page <= MAP_BAND_FLOOR; page++) {
-        const struct picture_rectangle to = {at.x + (page == MAP_FLOOR ? 0 : map->width), at.y,
-                                             at.width, at.height};
+        const struct page_rectangle to = {0, at.x + (page == MAP_FLOOR ? 0 : map->width), at.y,
+                                          at.width, at.height};
         for (size_t i = 0; i < n; i++)
             colour_pixel(check, page, i, colours + 3 * i);
         if (!picture_put(&map->picture, &to, colours, err))

@@ -16,7 +16,6 @@ struct page_file {
 struct page_files {
     struct page_file *list; /* the first one is the scene's; owned */
     int n;
-    struct index places;  /* in the list, by name */
     struct inputs inputs; /* own the paths of files that are no texts of the scene */
     char *above;          /* how the paths of files in that folder begin: "" or "scenes/"; owned */
 };
@@ -55,12 +54,13 @@ static bool add(struct page_files *files, const char *path, struct error *err)
     struct page_file file = {name_below(files, path, err), path};
     if (!file.name)
         return false;
-    const size_t length = strlen(file.name);
-    const int place = index_find(&files->places, file.name, length);
-    if (place < 0 && array_add(&files->list, &files->n, &file, sizeof file, err))
-        return index_add(&files->places, file.name, length, files->n - 1, err);
+    int place = 0;
+    while (place < files->n && strcmp(files->list[place].name, file.name) != 0)
+        place++;
+    if (place == files->n && array_add(&files->list, &files->n, &file, sizeof file, err))
+        return true;
     free(file.name);
-    return place >= 0 && is_same_file(files->list[place].path, path, err);
+    return place < files->n && is_same_file(files->list[place].path, path, err);
 }
 
 static void page_files_free(struct page_files *files)
@@ -69,7 +69,6 @@ static void page_files_free(struct page_files *files)
         free(files->list[i].name);
     free(files->list);
     free(files->above);
-    index_free(&files->places);
     inputs_free(&files->inputs);
     *files = (struct page_files){.list = NULL};
 }

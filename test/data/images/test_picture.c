@@ -218,7 +218,7 @@ static void test_png_rows(void)
 }
 
 /* Copies a rectangle of a picture of 8 bits and this width. */
-static void copy_rectangle(const uint8_t *picture, int width, const struct picture_rectangle *at,
+static void copy_rectangle(const uint8_t *picture, int width, const struct page_rectangle *at,
                            uint8_t *out)
 {
     const size_t n = 3 * (size_t)at->width;
@@ -235,8 +235,8 @@ static bool put_tiles(struct picture_writer *writer, const uint8_t *picture, str
         for (int x = 0; x < width; x += 30)
             for (int row = y; row < y + 20 && row < height; row += 8) {
                 const int end = y + 20 < height ? y + 20 : height;
-                const struct picture_rectangle at = {x, row, width - x < 30 ? width - x : 30,
-                                                     end - row < 8 ? end - row : 8};
+                const struct page_rectangle at = {0, x, row, width - x < 30 ? width - x : 30,
+                                                  end - row < 8 ? end - row : 8};
                 copy_rectangle(picture, width, &at, part);
                 if (!picture_put(writer, &at, part, err))
                     return false;
