@@ -63,21 +63,14 @@ static void add_pixels(void *context, size_t first, size_t end)
 }
 
 /* Pages missing in the last batch have weight 0. */
-static void add_batch(struct development *of, int first, size_t n)
+static void add_batch(struct development *of, int first)
 {
     const int n_pages = of->cube.image.n_pages;
     struct batch batch = {.of = of};
     for (int channel = 0; channel < 3; channel++)
         for (int page = 0; page < BATCH && first + page < n_pages; page++)
             batch.weights[channel][page] = of->weights[channel * n_pages + first + page];
-    threads_blocks(of->threads, n, BLOCK_PIXELS, add_pixels, &batch);
-}
-
-/* Returns the number of rows of the chunk that begins with row y. */
-static int rows_at(const struct development *of, int y)
-{
-    const int left = of->cube.image.height - y;
-    return left < of->rows ? left : of->rows;
+    threads_blocks(of->threads, of->n, BLOCK_PIXELS, add_pixels, &batch);
 }
 
 /* Adds a band of some rows of a scene. */
@@ -97,31 +90,35 @@ static void add_band(void *context, const struct drawn_band *drawn)
         }
 }
 
-static bool sum_chunk(struct development *of, int y, int rows, struct error *err)
+/* Sums the rows from y on. */
+static bool sum_chunk(struct development *of, int y, struct error *err)
 {
     struct image *image = &of->cube.image;
+    const struct rectangle at = {0, y, image->width,
+                                 of->rows < image->height - y ? of->rows : image->height - y};
     struct radiances scene = {of->threads, add_band, of};
     memset(of->sums, 0, 3 * of->n_pixels * sizeof *of->sums);
     of->first = y;
+    of->n = (size_t)at.width * (size_t)at.height;
     if (of->lit)
-        return radiances_each(of->lit, &(struct rectangle){0, y, image->width, rows}, &scene, err);
+        return radiances_each(of->lit, &at, &scene, err);
     for (int page = 0; page < image->n_pages; page++) {
-        if (!image_read(image, page, y, rows, of->radiance + (size_t)(page % BATCH) * of->n_pixels,
-                        err))
+        if (!image_read(image, page, y, at.height,
+                        of->radiance + (size_t)(page % BATCH) * of->n_pixels, err))
             return false;
         if (page % BATCH == BATCH - 1 || page == image->n_pages - 1)
-            add_batch(of, page / BATCH * BATCH, (size_t)rows * (size_t)image->width);
+            add_batch(of, page / BATCH * BATCH);
     }
     return true;
 }
 
 /* ---- exposure ---- */
 
-static double largest_sum(const struct development *of, int channel, size_t n)
+static double largest_sum(const struct development *of, int channel)
 {
     const double *sums = of->sums + (size_t)channel * of->n_pixels;
     double largest = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < of->n; i++)
         largest = sums[i] > largest ? sums[i] : largest;
     return largest;
 }
@@ -130,17 +127,14 @@ static double largest_sum(const struct development *of, int channel, size_t n)
  * displayed (or 100). A black picture has exposure 1. */
 static bool find_exposure(struct development *of, struct error *err)
 {
-    const struct image *image = &of->cube.image;
     const bool rgb = of->values == DEVELOP_RGB;
     double brightest = 0; /* in parts of the largest */
-    for (int y = 0; y < image->height; y += rows_at(of, y)) {
-        const int rows = rows_at(of, y);
-        if (!sum_chunk(of, y, rows, err))
+    for (int y = 0; y < of->cube.image.height; y += of->rows) {
+        if (!sum_chunk(of, y, err))
             return false;
         for (int channel = rgb ? 0 : 1; channel < (rgb ? 3 : 2); channel++)
-            brightest =
-                fmax(brightest, largest_sum(of, channel, (size_t)rows * (size_t)image->width) /
-                                    (rgb ? display_largest(of->display, channel) : 100));
+            brightest = fmax(brightest, largest_sum(of, channel) /
+                                            (rgb ? display_largest(of->display, channel) : 100));
     }
     of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
     return true;
@@ -251,17 +245,15 @@ static bool open_picture(const struct development *of, const char *path, struct 
 
 static bool write_picture(struct development *of, const char *path, struct error *err)
 {
-    const struct image *image = &of->cube.image;
+    const int width = of->cube.image.width, height = of->cube.image.height;
     struct picture_writer writer;
     bool done = open_picture(of, path, &writer, err);
     if (!done)
         return false;
-    for (int y = 0; done && y < image->height; y += rows_at(of, y)) {
-        const int rows = rows_at(of, y);
-        done = sum_chunk(of, y, rows, err);
-        threads_blocks(of->threads, (size_t)rows * (size_t)image->width, BLOCK_PIXELS, store_pixels,
-                       of);
-        done = done && picture_write(&writer, of->samples, rows, err);
+    for (int y = 0; done && y < height; y += of->rows) {
+        done = sum_chunk(of, y, err);
+        threads_blocks(of->threads, of->n, BLOCK_PIXELS, store_pixels, of);
+        done = done && picture_write(&writer, of->samples, (int)of->n / width, err);
     }
     done = done && picture_commit(&writer, of->outputs, err);
     picture_discard(&writer);

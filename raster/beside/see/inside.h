@@ -85,6 +85,7 @@ struct development {
     /* The rows at hand. */
     int first, rows; /* of a chunk */
     size_t n_pixels; /* of a chunk */
+    size_t n;        /* of the rows at hand */
     float *radiance; /* [page of the batch][pixel]; owned */
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them; owned */

@@ -72,10 +72,10 @@ struct stack_page {
     int factor, width, height;
     bool counts; /* samples are 16-bit counts; otherwise floats */
     size_t n_pixels;
-    unsigned char *samples; /* owned: [page][pixel], counts as differences: see put_differences */
-    size_t n_bytes;         /* of the samples */
-    uint16_t *objects;      /* the object of each pixel, from 1; owned; NULL: none is recorded */
-    size_t bytes;           /* of the page */
+    void *samples;     /* [page][pixel]: uint16_t or float; owned */
+    size_t n_bytes;    /* of the samples */
+    uint16_t *objects; /* the object of each pixel, from 1; owned; NULL: none is recorded */
+    size_t bytes;      /* of the page */
 };
 /* Writes the page of a stack, the operand, or of any cube that cube_open reads, to the options'
  * output. Samples of TIFF files of whole numbers stay counts, all others floats. alone: writes the

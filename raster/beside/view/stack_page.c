@@ -26,8 +26,20 @@ static void find_size(struct stack_page *out)
     out->n_bytes = out->n_pixels * (size_t)image->n_pages * (out->counts ? 2 : 4);
 }
 
-/* Stores the means of the current rows of a page of the stack. `sums` is room for a row. */
-static void store_row(const struct stack_page *of, int page, double *sums, float *out)
+/* Stores a mean as a float, or as a count of scale / LARGEST_SAMPLE. */
+static void store_sample(const struct stack_page *of, float mean, size_t at)
+{
+    const double value = (double)mean / of->rows.cube.image.scale;
+    if (of->counts)
+        ((uint16_t *)of->samples)[at] =
+            (uint16_t)fmin(LARGEST_SAMPLE, floor(value * LARGEST_SAMPLE + 0.5));
+    else
+        ((float *)of->samples)[at] = mean;
+}
+
+/* Stores the means of the current rows of a page of the stack from sample `at` on. `sums` is room
+ * for a row. */
+static void store_row(const struct stack_page *of, int page, double *sums, size_t at)
 {
     const int width = of->rows.cube.image.width;
     const float *row = of->rows.samples + (size_t)page * of->rows.stride;
@@ -37,62 +49,29 @@ static void store_row(const struct stack_page *of, int page, double *sums, float
             sums[x / of->factor] += (double)row[x];
     for (int x = 0; x < of->width; x++) {
         const int left = width - x * of->factor, columns = left < of->factor ? left : of->factor;
-        out[x] = (float)(sums[x] / ((double)columns * of->rows.n));
+        store_sample(of, (float)(sums[x] / ((double)columns * of->rows.n)), at + (size_t)x);
     }
-}
-
-static bool read_pages(struct stack_page *of, float *out, struct error *err)
-{
-    const int n_pages = of->rows.cube.image.n_pages;
-    const size_t width = (size_t)of->width,
-                 most = (size_t)of->factor * (size_t)of->rows.cube.image.width * (size_t)n_pages;
-    double *sums;
-    bool done =
-        MAKE_ARRAY(sums, width, err, "a row of a page") && rows_allocate(&of->rows, most, err);
-    for (int y = 0; done && y < of->height; y++) {
-        done = rows_read(&of->rows, y * of->factor, err);
-        for (int page = 0; done && page < n_pages; page++)
-            store_row(of, page, sums, out + (size_t)page * of->n_pixels + (size_t)y * width);
-    }
-    free(sums);
-    return done;
-}
-
-/* Turns floats into counts of scale / LARGEST_SAMPLE, page by page. */
-static bool store_counts(struct stack_page *of, const float *values, struct error *err)
-{
-    uint16_t *counts;
-    const bool done = MAKE_ARRAY(counts, of->n_pixels, err, "the pixels of a page") &&
-                      MAKE_ARRAY(of->samples, of->n_bytes, err, "the pixels of a page");
-    for (int page = 0; done && page < of->rows.cube.image.n_pages; page++) {
-        const float *from = values + (size_t)page * of->n_pixels;
-        for (size_t i = 0; i < of->n_pixels; i++)
-            counts[i] = (uint16_t)fmin(
-                LARGEST_SAMPLE,
-                floor((double)from[i] / of->rows.cube.image.scale * LARGEST_SAMPLE + 0.5));
-        put_differences(counts, of->n_pixels, of->samples + (size_t)page * 2 * of->n_pixels);
-    }
-    free(counts);
-    return done;
 }
 
 static bool read_samples(struct stack_page *of, struct error *err)
 {
     const struct image *image = &of->rows.cube.image;
-    const size_t n = of->n_pixels * (size_t)image->n_pages;
-    float *values;
-    if (!memory_suffices((double)n * 4 + 2.0 * (double)of->n_bytes, (struct place){NULL, 0, 0}, err,
-                         "a page of %d bands of %dx%d pixels", image->n_pages, of->width,
-                         of->height) ||
-        !MAKE_ARRAY(values, n, err, "the pixels of a page"))
-        return false;
-    bool done = read_pages(of, values, err);
-    if (done && !of->counts) {
-        of->samples = (unsigned char *)values;
-        return true;
+    const size_t width = (size_t)of->width, n_pages = (size_t)image->n_pages,
+                 most = (size_t)of->factor * (size_t)image->width * n_pages;
+    double *sums = NULL;
+    bool done = memory_suffices(3.0 * (double)of->n_bytes, (struct place){NULL, 0, 0}, err,
+                                "a page of %d bands of %dx%d pixels", image->n_pages, of->width,
+                                of->height) &&
+                MAKE_ARRAY(sums, width, err, "a row of a page") &&
+                rows_allocate(&of->rows, most, err) &&
+                (memory_make(&of->samples, of->n_bytes, 1) ||
+                 memory_lacks(err, (double)of->n_bytes, "the pixels of a page"));
+    for (int y = 0; done && y < of->height; y++) {
+        done = rows_read(&of->rows, y * of->factor, err);
+        for (size_t page = 0; done && page < n_pages; page++)
+            store_row(of, (int)page, sums, page * of->n_pixels + (size_t)y * width);
     }
-    done = done && store_counts(of, values, err);
-    free(values);
+    free(sums);
     return done;
 }
 
@@ -170,12 +149,22 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
 
 /* ---- a page, or its data alone ---- */
 
-/* Puts the data: the head, the samples, the objects. */
+/* Puts the data: the head, the samples, page by page, counts as differences, and the objects. */
 static void put_stack(const struct stack_page *stack, const char *name, struct printed *to,
                       struct error *err)
 {
+    const size_t n = stack->n_pixels;
+    unsigned char *differences;
     put_head(to, describe(stack, name, err));
-    print_bytes(to, stack->samples, stack->n_bytes);
+    if (!stack->counts)
+        print_bytes(to, stack->samples, stack->n_bytes);
+    else if (MAKE_ARRAY(differences, 2 * n, err, "the pixels of a page")) {
+        for (int page = 0; page < stack->rows.cube.image.n_pages; page++) {
+            put_differences((const uint16_t *)stack->samples + (size_t)page * n, n, differences);
+            print_bytes(to, differences, 2 * n);
+        }
+        free(differences);
+    }
     if (stack->objects)
         print_bytes(to, stack->objects, stack->n_pixels * sizeof *stack->objects);
 }
