@@ -155,7 +155,7 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
     if (of->values == DEVELOP_LAB)
         cielab(values, of->adapted_white, lab);
     for (int channel = 0; channel < 3; channel++)
-        samples[3 * pixel + (size_t)channel] =
+        samples[(size_t)channel * of->n + pixel] =
             stored(of->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 

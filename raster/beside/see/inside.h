@@ -145,7 +145,7 @@ struct comparison {
     struct band_difference *row_bands;  /* [row][band]; rms: sum of squares so far */
     double *largest_a;                  /* [row] */
     double (*measures)[PIXEL_MEASURES]; /* [row][x] */
-    float (*samples)[3]; /* [row][x]: of the map; room for floats, also where it has bytes */
+    float *samples; /* of the map: [channel][row][x]; or its bytes: [row][x][channel] */
     struct picture_writer picture;
 };
 /* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
