@@ -184,6 +184,10 @@ struct probe {
     struct probe_column columns[MAX_PROBE_COLUMNS];
     int n_columns;
     struct moments *moments; /* of each band, while samples come; owned */
+    struct region_object {
+        int number; /* of the object, or surface, at the pixel that came last */
+        bool begun, several;
+    } shown;
 };
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
  * frees *probe, here and below, also after a failure. */

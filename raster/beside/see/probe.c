@@ -41,6 +41,14 @@ static struct probe_column *add_column(struct probe *probe, const char *name, st
     return out;
 }
 
+static void note_shown(struct probe *probe, int number)
+{
+    struct region_object *shown = &probe->shown;
+    shown->several = shown->several || (shown->begun && number != shown->number);
+    shown->number = number;
+    shown->begun = true;
+}
+
 /* Begins a probe of a stack or scene: copies the wavelengths, and makes room for means and
  * deviations. The image gives these and the size. Refuses a region that is not within it. */
 static bool probe_begin(struct probe *probe, const struct image *image, struct error *err)
@@ -114,30 +122,22 @@ static bool read_bands(struct stack_rows *rows, struct probe *probe, struct erro
     return true;
 }
 
-/* Finds the number of the object that all pixels of the region show; -1: they show several, or the
- * stack has no map of objects. `row` is room for one row of the region. */
-static bool find_number(const struct cube *cube, const struct probe *probe, int *row, int *number,
-                        struct error *err)
-{
-    for (int y = 0; y < probe->height && (y == 0 || *number >= 0); y++) {
-        if (!cube_objects(cube, probe->x, probe->y + y, probe->width, row, err))
-            return false;
-        *number = y == 0 ? row[0] : *number;
-        for (int x = 0; x < probe->width; x++)
-            *number = row[x] == *number ? *number : -1;
-    }
-    return true;
-}
-
+/* Finds the object that all pixels of the region show, if the stack has a map of objects. */
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
-    int number = -1, *row;
-    bool done = MAKE_ARRAY(row, probe->width, err, "a row of %s", probe->source) &&
-                find_number(cube, probe, row, &number, err);
+    const struct region_object *shown = &probe->shown;
+    int *row;
+    bool done = MAKE_ARRAY(row, probe->width, err, "a row of %s", probe->source);
+    for (int y = 0; done && y < probe->height && !shown->several; y++) {
+        done = cube_objects(cube, probe->x, probe->y + y, probe->width, row, err);
+        for (int x = 0; done && x < probe->width; x++)
+            note_shown(probe, row[x]);
+    }
     free(row);
-    if (!done || number < 0)
+    if (!done || shown->several || shown->number < 0)
         return done;
-    return string_copy(number > 0 ? cube->record.objects.text[number - 1] : "background",
+    return string_copy(shown->number > 0 ? cube->record.objects.text[shown->number - 1]
+                                         : "background",
                        &probe->object, err);
 }
 
@@ -159,8 +159,6 @@ struct region {
     struct plan plan; /* a copy of the caller's; samples are radiances */
     struct lit_scene lit;
     struct probe *probe;
-    int surface; /* of the first position; -1: the background */
-    bool begun, several;
 };
 
 static void add_band(void *context, const struct drawn_band *drawn)
@@ -169,11 +167,8 @@ static void add_band(void *context, const struct drawn_band *drawn)
     const struct picture *picture = drawn->picture;
     const size_t n = (size_t)drawn->pixels.width * (size_t)drawn->pixels.height;
     moments_add(&region->probe->moments[drawn->band], drawn->radiance, n);
-    if (!region->begun)
-        region->surface = picture->surface[0];
-    region->begun = true;
     for (int i = 0; drawn->band == 0 && i < picture->at.width * picture->at.height; i++)
-        region->several = region->several || picture->surface[i] != region->surface;
+        note_shown(region->probe, picture->surface[i]);
 }
 
 /* ---- curves of a scene ---- */
@@ -242,14 +237,12 @@ static bool add_material(struct probe *probe, const struct material *material, s
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
-    if (!region->several) {
-        if (!string_copy(object_name(&region->plan, region->surface), &probe->object, err))
-            return false;
-        if (region->surface >= 0 &&
-            !add_material(probe, region->lit.bounds[region->surface].shaded->material, err))
-            return false;
-    }
-    return add_lights(probe, region->plan.scene, err);
+    const int surface = probe->shown.number; /* -1: the background */
+    return (probe->shown.several ||
+            (string_copy(object_name(&region->plan, surface), &probe->object, err) &&
+             (surface < 0 ||
+              add_material(probe, region->lit.bounds[surface].shaded->material, err)))) &&
+           add_lights(probe, region->plan.scene, err);
 }
 
 /* ---- a whole scene ---- */
