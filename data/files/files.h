@@ -51,8 +51,11 @@ bool file_open(const char *path, struct place from, int *descriptor,
 
 bool path_is_builtin(const char *path);  /* begins with BUILTIN_PREFIX */
 const char *path_name(const char *path); /* points behind the last '/' */
+/* Removes "." and "a/.." in place. The folder above the first one is the first one. Returns false
+ * if the path is absolute, or leaves the folder where it begins. */
+bool path_fold(char *path);
 /* Returns the path of `name` as seen from the file `base`: an absolute or "builtin:" name stays,
- * any other name is relative to the folder of base. "a/../" is removed from builtin paths. The
+ * any other name is relative to the folder of base. path_fold folds builtin paths. The
  * result is allocated; NULL: no memory. */
 char *file_relative(const char *base, const char *name);
 

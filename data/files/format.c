@@ -6,42 +6,40 @@
 
 #include "data/files/files.h"
 
-/* A format and its first bytes; in `any`, a byte of 1 may have any value in the file. */
+/* A format and its first n bytes; '?' stands for any byte. */
 static const struct {
     const char *name;
-    unsigned char bytes[12], any[12];
+    const char *bytes;
     size_t n;
 } formats[] = {
-    {"TIFF", {'I', 'I', 42, 0}, {0}, 4},
-    {"TIFF", {'M', 'M', 0, 42}, {0}, 4},
-    {"TIFF", {'I', 'I', 43, 0}, {0}, 4}, /* BigTIFF */
-    {"TIFF", {'M', 'M', 0, 43}, {0}, 4},
-    {"PNG", {0x89, 'P', 'N', 'G'}, {0}, 4},
-    {"JPEG", {0xff, 0xd8, 0xff}, {0}, 3},
-    {"GIF", {'G', 'I', 'F', '8'}, {0}, 4},
-    {"BMP", {'B', 'M', 0, 0, 0, 0, 0, 0, 0, 0}, {0, 0, 1, 1, 1, 1}, 10},
-    {"WebP", {'R', 'I', 'F', 'F', 0, 0, 0, 0, 'W', 'E', 'B', 'P'}, {0, 0, 0, 0, 1, 1, 1, 1}, 12},
-    {"OpenEXR", {0x76, 0x2f, 0x31, 0x01}, {0}, 4},
-    {"Radiance HDR", {'#', '?', 'R', 'A', 'D', 'I', 'A', 'N', 'C', 'E'}, {0}, 10},
-    {"JPEG 2000", {0, 0, 0, 12, 'j', 'P'}, {0}, 6},
-    {"HDF5", {0x89, 'H', 'D', 'F'}, {0}, 4},
-    {"PDF", {'%', 'P', 'D', 'F'}, {0}, 4},
-    {"ENVI", {'E', 'N', 'V', 'I'}, {0}, 4},
+    {"TIFF", "II\x2a\0", 4},
+    {"TIFF", "MM\0\x2a", 4},
+    {"TIFF", "II\x2b\0", 4}, /* BigTIFF */
+    {"TIFF", "MM\0\x2b", 4},
+    {"PNG", "\x89PNG", 4},
+    {"JPEG", "\xff\xd8\xff", 3},
+    {"GIF", "GIF8", 4},
+    {"BMP", "BM????\0\0\0\0", 10},
+    {"WebP", "RIFF????WEBP", 12},
+    {"OpenEXR", "\x76\x2f\x31\x01", 4},
+    {"Radiance HDR", "#?RADIANCE", 10},
+    {"JPEG 2000", "\0\0\0\x0cjP", 6},
+    {"HDF5", "\x89HDF", 4},
+    {"PDF", "%PDF", 4},
+    {"ENVI", "ENVI", 4},
 };
 
-static bool begins(const unsigned char *start, size_t i)
+static const char *format_of(const void *bytes, size_t length)
 {
-    for (size_t k = 0; k < formats[i].n; k++)
-        if (!formats[i].any[k] && start[k] != formats[i].bytes[k])
-            return false;
-    return true;
-}
-
-static const char *format_of(const unsigned char *start, size_t length)
-{
-    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
-        if (length >= formats[i].n && begins(start, i))
+    const char *start = bytes;
+    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+        size_t n = 0; /* bytes that fit */
+        while (n < formats[i].n && n < length &&
+               (formats[i].bytes[n] == '?' || formats[i].bytes[n] == start[n]))
+            n++;
+        if (n == formats[i].n)
             return formats[i].name;
+    }
     return length > 0 && !memchr(start, '\0', length) ? "text" : "";
 }
 

@@ -19,25 +19,25 @@ const char *path_name(const char *path)
     return slash ? slash + 1 : path;
 }
 
-/* Removes "./" and "a/../" in place. The folder above the root is the root. */
-static void fold(char *path)
+bool path_fold(char *path)
 {
-    char *out = path;
-    const char *in = path;
-    while (*in != '\0') {
-        size_t length = strcspn(in, "/");
-        bool folder = in[length] == '/';
-        if (folder && length == 2 && strncmp(in, "..", 2) == 0) {
-            out -= out > path;
-            while (out > path && out[-1] != '/')
-                out--;
-        } else if (!folder || length != 1 || in[0] != '.') {
-            memmove(out, in, length + folder);
-            out += length + folder;
+    char *to = path;
+    bool below = *path != '/';
+    for (const char *at = path; *at != '\0';) {
+        const size_t length = strcspn(at, "/"), step = length + (at[length] == '/');
+        const bool up = length == 2 && memcmp(at, "..", 2) == 0;
+        below = below && !(up && to == path);
+        if (up)
+            for (to -= to > path; to > path && to[-1] != '/'; to--)
+                ;
+        else if (length > 0 && !(length == 1 && *at == '.')) {
+            memmove(to, at, step);
+            to += step;
         }
-        in += length + folder;
+        at += step;
     }
-    *out = '\0';
+    *to = '\0';
+    return below;
 }
 
 char *file_relative(const char *base, const char *name)
@@ -53,7 +53,7 @@ char *file_relative(const char *base, const char *name)
     print(&path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
     char *out = printed_end(&path);
     if (out != NULL && path_is_builtin(out))
-        fold(out + strlen(BUILTIN_PREFIX));
+        path_fold(out + strlen(BUILTIN_PREFIX));
     return out;
 }
 

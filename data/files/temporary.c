@@ -4,6 +4,7 @@
  * temporary name, which is removed when the process ends, unless the process is killed. */
 #define _GNU_SOURCE /* O_TMPFILE, fallocate */
 #include <fcntl.h>
+#include <libgen.h>
 #include <sys/stat.h>
 #include <sys/statvfs.h>
 #include <unistd.h>
@@ -199,26 +200,16 @@ bool folder_open(struct folder *out, struct error *err)
     return done;
 }
 
-/* Writes the folder that a path lies in. */
-static void find_parent(const char *path, char out[sizeof((struct folder *)0)->path])
-{
-    const size_t end = strlen(path), last = end > 0 && path[end - 1] == '/' ? end - 1 : end;
-    size_t n = last;
-    while (n > 0 && path[n - 1] != '/')
-        n--;
-    snprintf(out, sizeof((struct folder *)0)->path, "%.*s", n > 0 ? (int)n : 1, n > 0 ? path : ".");
-}
-
 bool folder_open_beside(const char *path, struct folder *out, struct error *err)
 {
-    char parent[sizeof out->path];
+    char below[sizeof out->path]; /* dirname changes it */
     const struct place place = {path, 0, 0};
     *out = (struct folder){.entries = NULL};
     if (!file_is_missing(path))
         return error_at(err, place, "this folder exists already; expected a new name");
-    find_parent(path, parent);
+    snprintf(below, sizeof below, "%s", path);
     errno = 0;
-    if (make(parent, ".spectral-unfinished.", out))
+    if (make(dirname(below), ".spectral-unfinished.", out))
         return true;
     error_cause(err, place, "cannot make the folder");
     folder_close(out);

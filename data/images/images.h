@@ -224,14 +224,13 @@ struct picture_writer {
 /* The path chooses the format, which picture_accepts. */
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err);
-/* Writes the next rows: three samples a pixel of uint8_t or uint16_t, or a float a channel. */
+/* Writes the next rows: three samples a pixel of uint8_t or uint16_t; or floats, all rows of a
+ * channel before those of the next. */
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err);
-/* Writes a rectangle of RGB, row by row without gaps. Rows are kept until a rectangle reaches the
- * right border: it comes after all others of its rows, and no row comes before the one above it. */
-struct picture_rectangle {
-    int x, y, width, height;
-};
-bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
+/* Writes a rectangle of RGB, of page 0, row by row without gaps. Rows are kept until a rectangle
+ * reaches the right border: it comes after all others of its rows, and no row comes before the one
+ * above it. */
+bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
                  const void *samples, struct error *err);
 /* picture_finish completes the file; picture_commit does so, too, and lets it appear: see
  * output_pass. */

@@ -62,31 +62,18 @@ bool picture_open(struct picture_writer *out, const char *path,
                                 : pages_open(&out->pages, path, set_tags, options, err);
 }
 
-/* Writes each channel of some rows into its page. */
-static bool write_planes(const struct picture_writer *writer, const float *samples, int rows,
-                         struct error *err)
-{
-    const size_t n = (size_t)rows * (size_t)writer->options.width;
-    const size_t n_channels = (size_t)writer->pages.count;
-    struct page_rectangle to = {0, 0, writer->row, writer->options.width, rows};
-    float *plane;
-    bool done = MAKE_ARRAY(plane, n, err, "rows of the picture");
-    for (; done && to.page < writer->pages.count; to.page++) {
-        for (size_t i = 0; i < n; i++)
-            plane[i] = samples[n_channels * i + (size_t)to.page];
-        done = pages_write(&writer->pages, &to, plane, err);
-    }
-    free(plane);
-    return done;
-}
-
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err)
 {
-    const struct page_rectangle to = {0, 0, writer->row, writer->options.width, rows};
+    const int width = writer->options.width;
+    const size_t page_bytes = (size_t)rows * (size_t)width * pages_pixel_bytes(&writer->pages, 0);
+    struct page_rectangle to = {0, 0, writer->row, width, rows};
+    bool done = true;
     assert(rows >= 0 && rows <= writer->options.height - writer->row);
-    const bool done = writer->png                  ? png_write(writer->png, samples, rows, err)
-                      : writer->options.bits == 32 ? write_planes(writer, samples, rows, err)
-                                                   : pages_write(&writer->pages, &to, samples, err);
+    if (writer->png)
+        done = png_write(writer->png, samples, rows, err);
+    for (const char *from = samples; done && !writer->png && to.page < writer->pages.count;
+         to.page++, from += page_bytes)
+        done = pages_write(&writer->pages, &to, from, err);
     writer->row += rows;
     return done;
 }
@@ -107,7 +94,7 @@ static bool extend_strip(struct picture_writer *writer, int end, size_t row_byte
     return true;
 }
 
-bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
+bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
                  const void *samples, struct error *err)
 {
     const size_t pixel = 3 * (size_t)writer->options.bits / 8;

@@ -8,17 +8,18 @@
 #include "data/images/inside.h"
 
 enum { CHUNK_BYTES = 1 << 16, LEVEL = 6, CHANNELS = 3 };
+/* The specification's filters; each predicts a byte. */
+enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
 struct png {
     struct output *output; /* the picture writer's */
     z_stream stream;
     bool deflating; /* the stream is open */
     size_t pixel_bytes, row_bytes;
-    unsigned char *rows;         /* the memory of all rows; owned */
-    unsigned char *row, *above;  /* samples as the file has them */
-    unsigned char *best, *tried; /* filtered, behind the number of the filter */
+    unsigned char *rows;              /* the memory of all rows; owned */
+    unsigned char *row, *above;       /* samples as the file has them */
+    unsigned char *filtered[FILTERS]; /* the row, behind the number of the filter */
     unsigned char packed[CHUNK_BYTES];
 };
-enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
 
 /* ---- chunks ---- */
 
@@ -135,59 +136,30 @@ static int paeth(int left, int above, int corner)
                                                        : corner;
 }
 
-/* Filters the row: each byte minus what the filter predicts from the pixel to the left and from the
- * row above. Zeros stand before each row and above the first one. */
-static void filter_row(const struct png *png, int filter, unsigned char *restrict out)
+/* Filters the row: each byte minus what a filter predicts from the pixel to the left and from the
+ * row above. Zeros stand before each row and above the first one. Returns the row whose bytes, as
+ * numbers from -128 to 127, have the smallest sum of sizes. */
+static const unsigned char *filter_row(const struct png *png)
 {
     const unsigned char *row = png->row, *above = png->above;
     const unsigned char *left = row - png->pixel_bytes, *corner = above - png->pixel_bytes;
-    const size_t n = png->row_bytes;
-    *out++ = (unsigned char)filter;
-    switch (filter) {
-    case FILTER_NONE:
-        memcpy(out, row, n);
-        break;
-    case FILTER_SUB:
-        for (size_t i = 0; i < n; i++)
-            out[i] = (unsigned char)(row[i] - left[i]);
-        break;
-    case FILTER_UP:
-        for (size_t i = 0; i < n; i++)
-            out[i] = (unsigned char)(row[i] - above[i]);
-        break;
-    case FILTER_AVERAGE:
-        for (size_t i = 0; i < n; i++)
-            out[i] = (unsigned char)(row[i] - (left[i] + above[i]) / 2);
-        break;
-    case FILTER_PAETH:
-        for (size_t i = 0; i < n; i++)
-            out[i] = (unsigned char)(row[i] - paeth(left[i], above[i], corner[i]));
-    }
-}
-
-/* Returns the sum of the sizes of filtered bytes, as numbers from -128 to 127. */
-static uint64_t filtered_size(const unsigned char *bytes, size_t n)
-{
-    uint64_t sum = 0;
-    for (size_t i = 0; i < n; i++)
-        sum += bytes[i] < 128 ? bytes[i] : 256U - bytes[i];
-    return sum;
-}
-
-/* Filters the row into png->best. */
-static void choose_filter(struct png *png)
-{
-    uint64_t least = UINT64_MAX;
-    for (int filter = 0; filter < FILTERS; filter++) {
-        filter_row(png, filter, png->tried);
-        const uint64_t size = filtered_size(png->tried + 1, png->row_bytes);
-        if (size < least) {
-            unsigned char *better = png->tried;
-            png->tried = png->best;
-            png->best = better;
-            least = size;
+    uint64_t size[FILTERS] = {0};
+    int best = 0;
+    for (size_t i = 0; i < png->row_bytes; i++) {
+        const int predicted[FILTERS] = {[FILTER_SUB] = left[i],
+                                        [FILTER_UP] = above[i],
+                                        [FILTER_AVERAGE] = (left[i] + above[i]) / 2,
+                                        [FILTER_PAETH] = paeth(left[i], above[i], corner[i])};
+        for (int filter = 0; filter < FILTERS; filter++) {
+            const unsigned char byte = (unsigned char)(row[i] - predicted[filter]);
+            png->filtered[filter][1 + i] = byte;
+            size[filter] += byte < 128 ? byte : 256U - byte;
         }
     }
+    for (int filter = 1; filter < FILTERS; filter++)
+        if (size[filter] < size[best])
+            best = filter;
+    return png->filtered[best];
 }
 
 /* ---- pixels ---- */
@@ -237,9 +209,9 @@ bool png_write(struct png *png, const void *samples, int rows, struct error *err
     const unsigned char *from = samples;
     for (int y = 0; y < rows; y++, from += png->row_bytes) {
         store_row(png, from);
-        choose_filter(png);
+        const unsigned char *filtered = filter_row(png);
         for (size_t at = 0, n = png->row_bytes + 1; at < n; at += most)
-            if (!pack(png, png->best + at, n - at < most ? n - at : most, Z_NO_FLUSH, err))
+            if (!pack(png, filtered + at, n - at < most ? n - at : most, Z_NO_FLUSH, err))
                 return false;
         unsigned char *row = png->row;
         png->row = png->above;
@@ -250,16 +222,18 @@ bool png_write(struct png *png, const void *samples, int rows, struct error *err
 
 /* ---- the file ---- */
 
-/* One allocation has all rows: two of samples with zeros before them, and two filtered ones. */
+/* One allocation has all rows: two of samples with zeros before them, and the filtered ones. */
 static bool allocate_rows(struct png *png, struct error *err)
 {
     const size_t n = png->row_bytes, pixel = png->pixel_bytes;
-    if (!MAKE_ARRAY(png->rows, 4 * n + 2 * pixel + 2, err, "rows of a PNG file"))
+    if (!MAKE_ARRAY(png->rows, 2 * (n + pixel) + FILTERS * (n + 1), err, "rows of a PNG file"))
         return false;
     png->row = png->rows + pixel;
     png->above = png->row + n + pixel;
-    png->best = png->above + n;
-    png->tried = png->best + n + 1;
+    for (int filter = 0; filter < FILTERS; filter++) {
+        png->filtered[filter] = png->above + n + (size_t)filter * (n + 1);
+        png->filtered[filter][0] = (unsigned char)filter;
+    }
     return true;
 }
 

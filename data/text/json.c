@@ -187,7 +187,10 @@ void json_strings(struct json *json, const char *key, const char *const *values,
 char *json_take(struct json *json, struct error *err)
 {
     print_text(&json->printed, "}\n");
-    return printed_take(&json->printed, err);
+    if (err->status == EXIT_AGREED)
+        return printed_take(&json->printed, err);
+    free(printed_end(&json->printed));
+    return NULL;
 }
 
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)

@@ -105,15 +105,15 @@ bool check_map_write(struct check_map *map, const struct check *check, struct er
     uint8_t *colours = (uint8_t *)map->samples; /* 3 of its 4 bytes a pixel */
     bool done = true;
     for (int page = 0; done && page < (coloured ? MAP_RATIO : MAP_PAGES); page++) {
-        const struct page_rectangle to = {page, at.x, at.y, at.width, at.height};
-        const struct picture_rectangle half = {at.x + page * plan->scene->width, at.y, at.width,
-                                               at.height};
+        const struct page_rectangle to = {coloured ? 0 : page,
+                                          at.x + (coloured ? page * plan->scene->width : 0), at.y,
+                                          at.width, at.height};
         for (size_t i = 0; i < (size_t)at.width * (size_t)at.height; i++)
             if (coloured)
                 colour_pixel(check, page, i, colours + 3 * i);
             else
                 map->samples[i] = sample_of(check, page, i);
-        done = coloured ? picture_put(&map->picture, &half, colours, err)
+        done = coloured ? picture_put(&map->picture, &to, colours, err)
                         : pages_write(&map->picture.pages, &to, map->samples, err);
     }
     return done;

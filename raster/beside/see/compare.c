@@ -16,6 +16,7 @@ bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *e
     const size_t width = (size_t)rows->cube.image.width, height = (size_t)rows->cube.image.height;
     const size_t fitting = most_samples / (n_pages * width);
     const size_t n = fitting < 1 ? 1 : fitting < height ? fitting : height;
+    rows->end = rows->cube.image.height;
     rows->most = (int)n;
     rows->stride = n * width;
     return MAKE_ARRAY(rows->samples, n_pages * rows->stride, err, "rows of %s",
@@ -24,7 +25,7 @@ bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *e
 
 bool rows_read(struct stack_rows *rows, int first, struct error *err)
 {
-    const int left = rows->cube.image.height - first;
+    const int left = rows->end - first;
     rows->first = first;
     rows->n = left < rows->most ? left : rows->most;
     for (int page = 0; page < rows->cube.image.n_pages; page++)
@@ -182,9 +183,10 @@ static void map_pixel(struct comparison *of, size_t at, double largest)
 {
     const double *measures = of->measures[at];
     if (of->shown == MAP_NUMBERS) {
-        of->samples[at][0] = (float)largest;
-        of->samples[at][1] = (float)measures[SPECTRAL_ANGLE];
-        of->samples[at][2] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
+        const size_t n = (size_t)of->a.n * (size_t)of->a.cube.image.width;
+        of->samples[at] = (float)largest;
+        of->samples[n + at] = (float)measures[SPECTRAL_ANGLE];
+        of->samples[2 * n + at] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
     } else
         scale_colour(of->shown == MAP_CIEDE2000 ? measures[CIEDE2000] : largest,
                      map_scales[of->shown].least, (uint8_t *)of->samples + 3 * at);
@@ -328,7 +330,7 @@ static bool allocate(struct comparison *of, struct error *err)
            MAKE_ARRAY(of->row_bands, n * rows, err, "sums of rows") &&
            MAKE_ARRAY(of->largest_a, rows, err, "sums of rows") &&
            MAKE_ARRAY(of->measures, of->a.stride, err, "differences of rows") &&
-           MAKE_ARRAY(of->samples, of->a.stride, err, "rows of the map");
+           MAKE_ARRAY(of->samples, 3 * of->a.stride, err, "rows of the map");
 }
 
 static bool prepare(struct comparison *of, struct error *err)

@@ -29,7 +29,8 @@ static bool prepare_chunk(struct development *of, struct error *err)
     of->rows = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->n_pixels = (size_t)of->rows * (size_t)image->width;
     of->threads = threads_count(of->threads);
-    return MAKE_ARRAY(of->radiance, BATCH * of->n_pixels, err, "rows of %s", image->path) &&
+    return (of->lit ||
+            MAKE_ARRAY(of->radiance, BATCH * of->n_pixels, err, "rows of %s", image->path)) &&
            MAKE_ARRAY(of->sums, 3 * of->n_pixels, err, "rows of the picture") &&
            (memory_make(&of->samples, 3 * of->n_pixels, sample_bytes(of)) ||
             memory_lacks(err, 12 * (double)of->n_pixels, "rows of the picture"));
@@ -62,44 +63,62 @@ static void add_pixels(void *context, size_t first, size_t end)
 }
 
 /* Pages missing in the last batch have weight 0. */
-static void add_batch(struct development *of, int first, size_t n)
+static void add_batch(struct development *of, int first)
 {
     const int n_pages = of->cube.image.n_pages;
     struct batch batch = {.of = of};
     for (int channel = 0; channel < 3; channel++)
         for (int page = 0; page < BATCH && first + page < n_pages; page++)
             batch.weights[channel][page] = of->weights[channel * n_pages + first + page];
-    threads_blocks(of->threads, n, BLOCK_PIXELS, add_pixels, &batch);
+    threads_blocks(of->threads, of->n, BLOCK_PIXELS, add_pixels, &batch);
 }
 
-/* Returns the number of rows of the chunk that begins with row y. */
-static int rows_at(const struct development *of, int y)
+/* Adds a band of some rows of a scene. */
+static void add_band(void *context, const struct drawn_band *drawn)
 {
-    const int left = of->cube.image.height - y;
-    return left < of->rows ? left : of->rows;
+    const struct development *of = context;
+    const struct rectangle *at = &drawn->pixels;
+    const int n_pages = of->cube.image.n_pages, width = of->cube.image.width;
+    const float *radiance = drawn->radiance;
+    for (int y = 0; y < at->height; y++, radiance += at->width)
+        for (int channel = 0; channel < 3; channel++) {
+            const double weight = of->weights[channel * n_pages + drawn->band];
+            double *sums = of->sums + (size_t)channel * of->n_pixels +
+                           (size_t)(at->y + y - of->first) * (size_t)width + at->x;
+            for (int x = 0; x < at->width; x++)
+                sums[x] += weight * (double)radiance[x];
+        }
 }
 
-static bool sum_chunk(struct development *of, int y, int rows, struct error *err)
+/* Sums the rows from y on. */
+static bool sum_chunk(struct development *of, int y, struct error *err)
 {
     struct image *image = &of->cube.image;
+    const struct rectangle at = {0, y, image->width,
+                                 of->rows < image->height - y ? of->rows : image->height - y};
+    struct radiances scene = {of->threads, add_band, of};
     memset(of->sums, 0, 3 * of->n_pixels * sizeof *of->sums);
+    of->first = y;
+    of->n = (size_t)at.width * (size_t)at.height;
+    if (of->lit)
+        return radiances_each(of->lit, &at, &scene, err);
     for (int page = 0; page < image->n_pages; page++) {
-        if (!image_read(image, page, y, rows, of->radiance + (size_t)(page % BATCH) * of->n_pixels,
-                        err))
+        if (!image_read(image, page, y, at.height,
+                        of->radiance + (size_t)(page % BATCH) * of->n_pixels, err))
             return false;
         if (page % BATCH == BATCH - 1 || page == image->n_pages - 1)
-            add_batch(of, page / BATCH * BATCH, (size_t)rows * (size_t)image->width);
+            add_batch(of, page / BATCH * BATCH);
     }
     return true;
 }
 
 /* ---- exposure ---- */
 
-static double largest_sum(const struct development *of, int channel, size_t n)
+static double largest_sum(const struct development *of, int channel)
 {
     const double *sums = of->sums + (size_t)channel * of->n_pixels;
     double largest = 0;
-    for (size_t i = 0; i < n; i++)
+    for (size_t i = 0; i < of->n; i++)
         largest = sums[i] > largest ? sums[i] : largest;
     return largest;
 }
@@ -108,17 +127,14 @@ static double largest_sum(const struct development *of, int channel, size_t n)
  * displayed (or 100). A black picture has exposure 1. */
 static bool find_exposure(struct development *of, struct error *err)
 {
-    const struct image *image = &of->cube.image;
     const bool rgb = of->values == DEVELOP_RGB;
     double brightest = 0; /* in parts of the largest */
-    for (int y = 0; y < image->height; y += rows_at(of, y)) {
-        const int rows = rows_at(of, y);
-        if (!sum_chunk(of, y, rows, err))
+    for (int y = 0; y < of->cube.image.height; y += of->rows) {
+        if (!sum_chunk(of, y, err))
             return false;
         for (int channel = rgb ? 0 : 1; channel < (rgb ? 3 : 2); channel++)
-            brightest =
-                fmax(brightest, largest_sum(of, channel, (size_t)rows * (size_t)image->width) /
-                                    (rgb ? display_largest(of->display, channel) : 100));
+            brightest = fmax(brightest, largest_sum(of, channel) /
+                                            (rgb ? display_largest(of->display, channel) : 100));
     }
     of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
     return true;
@@ -139,7 +155,7 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
     if (of->values == DEVELOP_LAB)
         cielab(values, of->adapted_white, lab);
     for (int channel = 0; channel < 3; channel++)
-        samples[3 * pixel + (size_t)channel] =
+        samples[(size_t)channel * of->n + pixel] =
             stored(of->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 
@@ -202,8 +218,16 @@ static bool open_picture(const struct development *of, const char *path, struct 
     const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
     unsigned char profile[LARGEST_PROFILE];
     struct printed printed = {.text = NULL};
-    print(&printed, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
-    develop_print_settings(of, &printed);
+    if (of->lit)
+        print(&printed,
+              "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
+              "adaptation        none\ndisplay           %s\nexposure          1\n",
+              of->cube.image.path, of->detector_name, display_names[of->display]);
+    else {
+        print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
+              of->cube.image.path);
+        develop_print_settings(of, &printed);
+    }
     char *text = picture_text(printed_take(&printed, err));
     const struct picture_options options = {
         .width = of->cube.image.width,
@@ -221,17 +245,15 @@ static bool open_picture(const struct development *of, const char *path, struct 
 
 static bool write_picture(struct development *of, const char *path, struct error *err)
 {
-    const struct image *image = &of->cube.image;
+    const int width = of->cube.image.width, height = of->cube.image.height;
     struct picture_writer writer;
     bool done = open_picture(of, path, &writer, err);
     if (!done)
         return false;
-    for (int y = 0; done && y < image->height; y += rows_at(of, y)) {
-        const int rows = rows_at(of, y);
-        done = sum_chunk(of, y, rows, err);
-        threads_blocks(of->threads, (size_t)rows * (size_t)image->width, BLOCK_PIXELS, store_pixels,
-                       of);
-        done = done && picture_write(&writer, of->samples, rows, err);
+    for (int y = 0; done && y < height; y += of->rows) {
+        done = sum_chunk(of, y, err);
+        threads_blocks(of->threads, of->n, BLOCK_PIXELS, store_pixels, of);
+        done = done && picture_write(&writer, of->samples, (int)of->n / width, err);
     }
     done = done && picture_commit(&writer, of->outputs, err);
     picture_discard(&writer);
@@ -243,6 +265,35 @@ bool develop(struct development *of, const char *stack, const char *output, stru
     of->out_of_gamut = (struct counter)COUNTER;
     return cube_open(stack, &of->cube, err) && develop_weights(of, err) && prepare_chunk(of, err) &&
            (!of->automatic || find_exposure(of, err)) && write_picture(of, output, err);
+}
+
+struct cube scene_cube(const struct scene *scene)
+{
+    return (struct cube){.image = {.path = scene->path,
+                                   .width = scene->width,
+                                   .height = scene->height,
+                                   .n_pages = scene->n_wavelengths,
+                                   .wavelengths_nm = scene->wavelengths_nm}};
+}
+
+bool develop_scene(const struct lit_scene *lit, const char *output, struct outputs *outputs,
+                   uint64_t *out_of_gamut, struct error *err)
+{
+    struct development of = {.detector_name = "cie1931",
+                             .display = DISPLAY_SRGB,
+                             .bits = 8,
+                             .threads = lit->plan->options.threads,
+                             .exposure = 1,
+                             .outputs = outputs,
+                             .lit = lit,
+                             .cube = scene_cube(lit->plan->scene),
+                             .out_of_gamut = COUNTER};
+    const bool done =
+        develop_weights(&of, err) && prepare_chunk(&of, err) && write_picture(&of, output, err);
+    *out_of_gamut = of.out_of_gamut.n;
+    of.cube = (struct cube){.components = false}; /* the scene owns it */
+    develop_free(&of);
+    return done;
 }
 
 void develop_free(struct development *of)

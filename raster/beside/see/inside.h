@@ -10,7 +10,12 @@
 #include "data/spectra/spectra.h"
 #include "raster/beside/colour/colour.h"
 #include "raster/beside/see/see.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/counts/counts.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "raster/renderers/renderers.h"
 
 /* ---- chart.c ---- */
 
@@ -23,6 +28,25 @@ void chart_exponent(struct printed *to, int exponent);
 struct axis axis_linear(double low, double high, int steps);
 /* Makes a linear axis that contains 0 and ends at whole steps. */
 struct axis axis_from_zero(double low, double high, int steps);
+
+/* ---- radiances.c ---- */
+
+/* A band of some rows of a tile. */
+struct drawn_band {
+    const struct picture *picture; /* its positions */
+    struct rectangle pixels;       /* whose means the radiances are */
+    int band;
+    const float *radiance; /* row by row without gaps */
+};
+struct radiances {
+    int threads; /* 1: rows are used from the top */
+    void (*use)(void *context, const struct drawn_band *band);
+    void *context;
+};
+/* Draws a region of the picture of a scene, whose plan has samples of floats, and gives `use` the
+ * bands of each part of it in their order. Refuses a radiance that is not finite. */
+bool radiances_each(const struct lit_scene *lit, const struct rectangle *pixels,
+                    struct radiances *of, struct error *err);
 
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
 /* A stack that is being developed. */
@@ -43,6 +67,7 @@ struct development {
                                                stacks that were sampled, and for basis, rgb and
                                                xyz, which need lights and reflectances apart */
     struct outputs *outputs;                /* get the picture; NULL: it appears at once */
+    const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
     /* The findings. */
     struct cube cube;
     struct detector detector;
@@ -58,8 +83,9 @@ struct development {
     struct counter
         out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
     /* The rows at hand. */
-    int rows;        /* of a chunk */
+    int first, rows; /* of a chunk */
     size_t n_pixels; /* of a chunk */
+    size_t n;        /* of the rows at hand */
     float *radiance; /* [page of the batch][pixel]; owned */
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them; owned */
@@ -76,7 +102,7 @@ void develop_print_settings(const struct development *of, struct printed *to);
 void develop_free(struct development *of);
 /* weights.c: finds the weights that take the pages of the cube to linear display channels, or to
  * XYZ (also for CIELAB), at exposure 1. Fills in all that is found but what pixels decide. Refuses
- * a detector that sees none of the wavelengths. */
+ * a detector that sees none of the wavelengths of a stack. */
 bool develop_weights(struct development *of, struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
@@ -119,7 +145,7 @@ struct comparison {
     struct band_difference *row_bands;  /* [row][band]; rms: sum of squares so far */
     double *largest_a;                  /* [row] */
     double (*measures)[PIXEL_MEASURES]; /* [row][x] */
-    float (*samples)[3]; /* [row][x]: of the map; room for floats, also where it has bytes */
+    float *samples; /* of the map: [channel][row][x]; or its bytes: [row][x][channel] */
     struct picture_writer picture;
 };
 /* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
@@ -157,6 +183,11 @@ struct probe {
     double xyz[3], of_white[3]; /* of the mean, and of the white */
     struct probe_column columns[MAX_PROBE_COLUMNS];
     int n_columns;
+    struct moments *moments; /* of each band, while samples come; owned */
+    struct region_object {
+        int number; /* of the object, or surface, at the pixel that came last */
+        bool begun, several;
+    } shown;
 };
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
  * frees *probe, here and below, also after a failure. */

@@ -7,63 +7,8 @@
 #include <string.h>
 
 #include "raster/beside/see/inside.h"
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
-#include "raster/counts/counts.h"
-#include "raster/reference/reference.h"
-#include "raster/renderers/renderers.h"
 
 /* ---- any probe ---- */
-
-/* Adds a column of zeros. Returns it; NULL: no memory. */
-static struct probe_column *add_column(struct probe *probe, const char *name, struct error *err)
-{
-    struct probe_column *out = &probe->columns[probe->n_columns];
-    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a spectrum of %d bands", probe->n))
-        return NULL;
-    snprintf(out->name, sizeof out->name, "%s", name);
-    probe->n_columns++;
-    return out;
-}
-
-/* Begins a probe of a stack or scene, whose path is `source`: copies the wavelengths, and makes
- * room for means and deviations. The image gives these and the size. Refuses a region that is not
- * within it. */
-static bool probe_begin(struct probe *probe, const char *source, const struct image *image,
-                        struct error *err)
-{
-    probe->n = image->n_pages;
-    if (!string_copy(source, &probe->source, err))
-        return false;
-    if (probe->x > image->width - probe->width || probe->y > image->height - probe->height)
-        return error_usage(
-            err,
-            "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
-            "reaches beyond it",
-            source, image->width, image->height, probe->width, probe->height, probe->x, probe->y);
-    if (!add_column(probe, "wavelength", err) || !add_column(probe, "radiance", err) ||
-        !add_column(probe, "standard deviation of radiance", err))
-        return false;
-    memcpy(probe->columns[WAVELENGTH].values, image->wavelengths_nm,
-           (size_t)probe->n * sizeof(double));
-    return true;
-}
-
-/* Computes XYZ of the mean and of the white. has_white is false if neither the probe names a white
- * nor the cube records one. Refuses a white that the probe names if it cannot be used. */
-static bool probe_colour(struct probe *probe, const struct cube *cube, struct error *err)
-{
-    const struct white_request white = {probe->white, false};
-    struct sight sight = {.weights = NULL};
-    const bool done = sight_make(cube, probe->observer, &white, &sight, err);
-    if (done) {
-        detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
-        memcpy(probe->of_white, sight.white, sizeof probe->of_white);
-        probe->has_white = sight.has_white;
-    }
-    sight_free(&sight);
-    return done;
-}
 
 /* Mean and standard deviation of samples that come in runs. Zero it before use. The sums are of
  * differences from the first sample, so that the mean of equal samples is exact and their deviation
@@ -85,82 +30,126 @@ static void moments_add(struct moments *moments, const float *values, size_t n)
     moments->n += n;
 }
 
-static void moments_end(const struct moments *moments, struct probe *probe, int band)
+/* Adds a column of zeros. Returns it; NULL: no memory. */
+static struct probe_column *add_column(struct probe *probe, const char *name, struct error *err)
 {
-    const double n = (double)moments->n, off = moments->sum / n;
-    probe->columns[MEAN].values[band] = moments->first + off;
-    probe->columns[SPREAD].values[band] = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
+    struct probe_column *out = &probe->columns[probe->n_columns];
+    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a spectrum of %d bands", probe->n))
+        return NULL;
+    snprintf(out->name, sizeof out->name, "%s", name);
+    probe->n_columns++;
+    return out;
+}
+
+static void note_shown(struct probe *probe, int number)
+{
+    struct region_object *shown = &probe->shown;
+    shown->several = shown->several || (shown->begun && number != shown->number);
+    shown->number = number;
+    shown->begun = true;
+}
+
+/* Begins a probe of a stack or scene: copies the wavelengths, and makes room for means and
+ * deviations. The image gives these and the size. Refuses a region that is not within it. */
+static bool probe_begin(struct probe *probe, const struct image *image, struct error *err)
+{
+    probe->n = image->n_pages;
+    if (!string_copy(image->path, &probe->source, err))
+        return false;
+    if (probe->x > image->width - probe->width || probe->y > image->height - probe->height)
+        return error_usage(
+            err,
+            "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
+            "reaches beyond it",
+            image->path, image->width, image->height, probe->width, probe->height, probe->x,
+            probe->y);
+    if (!add_column(probe, "wavelength", err) || !add_column(probe, "radiance", err) ||
+        !add_column(probe, "standard deviation of radiance", err) ||
+        !MAKE_ARRAY(probe->moments, (size_t)probe->n, err, "the means of the region"))
+        return false;
+    memcpy(probe->columns[WAVELENGTH].values, image->wavelengths_nm,
+           (size_t)probe->n * sizeof(double));
+    return true;
+}
+
+/* Ends the means and deviations. Computes XYZ of the mean and of the white. has_white is false if
+ * neither the probe names a white nor the cube records one. Refuses a white that the probe names if
+ * it cannot be used. */
+static bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
+{
+    const struct white_request white = {probe->white, false};
+    struct sight sight = {.weights = NULL};
+    for (int band = 0; band < probe->n; band++) {
+        const struct moments *moments = &probe->moments[band];
+        const double n = (double)moments->n, off = moments->sum / n;
+        probe->columns[MEAN].values[band] = moments->first + off;
+        probe->columns[SPREAD].values[band] =
+            sqrt(fmax(0, moments->sum_of_squares / n - off * off));
+    }
+    const bool done = sight_make(cube, probe->observer, &white, &sight, err);
+    if (done) {
+        detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
+        memcpy(probe->of_white, sight.white, sizeof probe->of_white);
+        probe->has_white = sight.has_white;
+    }
+    sight_free(&sight);
+    return done;
 }
 
 /* ---- a stack ---- */
 
-/* Rows are read in chunks of so many samples, at least a row. Large chunks are better because a
- * compressed page is unpacked as a whole. */
-enum { CHUNK_SAMPLES = 1 << 22 };
+/* Rows are read in chunks of so many samples, 64 MiB, or of the region's. Large chunks are better
+ * because a compressed page is unpacked as a whole. */
+static const size_t chunk_samples = (size_t)1 << 24;
 
-static bool read_band(struct cube *cube, int page, int rows, float *samples, struct probe *probe,
-                      struct error *err)
+static bool read_bands(struct stack_rows *rows, struct probe *probe, struct error *err)
 {
-    const int width = cube->image.width, end = probe->y + probe->height;
-    struct moments moments = {0};
-    for (int y = probe->y; y < end; y += rows) {
-        const int n = end - y < rows ? end - y : rows;
-        if (!image_read(&cube->image, page, y, n, samples, err))
+    const size_t width = (size_t)rows->cube.image.width,
+                 n = (size_t)probe->height * width * (size_t)probe->n;
+    if (!rows_allocate(rows, n < chunk_samples ? n : chunk_samples, err))
+        return false;
+    rows->end = probe->y + probe->height;
+    for (int y = probe->y; y < rows->end; y += rows->n) {
+        if (!rows_read(rows, y, err))
             return false;
-        for (int row = 0; row < n; row++)
-            moments_add(&moments, samples + (size_t)row * (size_t)width + probe->x,
-                        (size_t)probe->width);
-    }
-    moments_end(&moments, probe, page);
-    return true;
-}
-
-static bool read_bands(struct cube *cube, struct probe *probe, struct error *err)
-{
-    const int width = cube->image.width, fitting = CHUNK_SAMPLES / width;
-    const int rows = fitting < 1 ? 1 : fitting < probe->height ? fitting : probe->height;
-    float *samples;
-    bool done = MAKE_ARRAY(samples, (size_t)rows * (size_t)width, err, "rows of %s", probe->source);
-    for (int page = 0; done && page < probe->n; page++)
-        done = read_band(cube, page, rows, samples, probe, err);
-    free(samples);
-    return done;
-}
-
-/* Finds the number of the object that all pixels of the region show; -1: they show several, or the
- * stack has no map of objects. `row` is room for one row of the region. */
-static bool find_number(const struct cube *cube, const struct probe *probe, int *row, int *number,
-                        struct error *err)
-{
-    for (int y = 0; y < probe->height && (y == 0 || *number >= 0); y++) {
-        if (!cube_objects(cube, probe->x, probe->y + y, probe->width, row, err))
-            return false;
-        *number = y == 0 ? row[0] : *number;
-        for (int x = 0; x < probe->width; x++)
-            *number = row[x] == *number ? *number : -1;
+        for (int page = 0; page < probe->n; page++)
+            for (int row = 0; row < rows->n; row++)
+                moments_add(&probe->moments[page],
+                            rows->samples + (size_t)page * rows->stride + (size_t)row * width +
+                                probe->x,
+                            (size_t)probe->width);
     }
     return true;
 }
 
+/* Finds the object that all pixels of the region show, if the stack has a map of objects. */
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
-    int number = -1, *row;
-    bool done = MAKE_ARRAY(row, probe->width, err, "a row of %s", probe->source) &&
-                find_number(cube, probe, row, &number, err);
+    const struct region_object *shown = &probe->shown;
+    int *row;
+    bool done = MAKE_ARRAY(row, probe->width, err, "a row of %s", probe->source);
+    for (int y = 0; done && y < probe->height && !shown->several; y++) {
+        done = cube_objects(cube, probe->x, probe->y + y, probe->width, row, err);
+        for (int x = 0; done && x < probe->width; x++)
+            note_shown(probe, row[x]);
+    }
     free(row);
-    if (!done || number < 0)
+    if (!done || shown->several || shown->number < 0)
         return done;
-    return string_copy(number > 0 ? cube->record.objects.text[number - 1] : "background",
+    return string_copy(shown->number > 0 ? cube->record.objects.text[shown->number - 1]
+                                         : "background",
                        &probe->object, err);
 }
 
 bool probe_stack(struct probe *probe, const char *path, struct error *err)
 {
-    struct cube cube;
-    const bool done = cube_open(path, &cube, err) && cube_needs_radiance(&cube, "a probe", err) &&
-                      probe_begin(probe, path, &cube.image, err) && read_bands(&cube, probe, err) &&
-                      find_object(&cube, probe, err) && probe_colour(probe, &cube, err);
-    cube_close(&cube);
+    struct stack_rows rows = {.samples = NULL};
+    const struct cube *cube = &rows.cube;
+    const bool done = cube_open(path, &rows.cube, err) &&
+                      cube_needs_radiance(cube, "a probe", err) &&
+                      probe_begin(probe, &cube->image, err) && read_bands(&rows, probe, err) &&
+                      find_object(cube, probe, err) && probe_end(probe, cube, err);
+    rows_close(&rows);
     return done;
 }
 
@@ -169,66 +158,17 @@ bool probe_stack(struct probe *probe, const char *path, struct error *err)
 struct region {
     struct plan plan; /* a copy of the caller's; samples are radiances */
     struct lit_scene lit;
-    float *samples;          /* of a chunk */
-    struct moments *moments; /* of each band */
     struct probe *probe;
-    int surface; /* of the first pixel; -1: the background */
-    bool begun, several;
 };
 
-/* ---- pixels of a scene ---- */
-
-static void note_surfaces(struct region *region, const struct tile *tile)
-{
-    for (int i = 0; i < tile->n_chunks; i++) {
-        const struct picture *picture = &tile->chunks[i].picture;
-        for (int pixel = 0; pixel < picture->at.width * picture->at.height; pixel++) {
-            if (!region->begun)
-                region->surface = picture->surface[pixel];
-            region->begun = true;
-            region->several = region->several || picture->surface[pixel] != region->surface;
-        }
-    }
-}
-
-static bool add_band(struct region *region, const struct tile *tile, int band, struct error *err)
-{
-    for (int i = 0; i < tile->n_chunks; i++) {
-        const struct picture *picture = &tile->chunks[i].picture;
-        const struct rectangle pixels = plan_pixels(&region->plan, &picture->at);
-        const size_t n = (size_t)pixels.width * (size_t)pixels.height;
-        const struct stored_band stored = {&region->lit, band, region->samples};
-        const struct odd_samples odd = store_reference(&stored, 1, picture);
-        if (odd.undefined > 0)
-            return error_usage(err, "%s: a radiance in the region is not finite",
-                               region->probe->source);
-        moments_add(&region->moments[band], region->samples, n);
-    }
-    return true;
-}
-
-static bool inspect_tile(void *context, const struct tile *tile, struct error *err)
+static void add_band(void *context, const struct drawn_band *drawn)
 {
     struct region *region = context;
-    note_surfaces(region, tile);
-    for (int band = 0; band < region->plan.n_bands; band++)
-        if ((band % BANDS_PER_PASS == 0 && !plan_load_textures(&region->plan, band, err)) ||
-            !add_band(region, tile, band, err))
-            return false;
-    return true;
-}
-
-static bool inspect_pixels(struct region *region, struct error *err)
-{
-    struct probe *probe = region->probe;
-    const int side = region->plan.scene->positions;
-    const struct rectangle whole = {side * probe->x, side * probe->y, side * probe->width,
-                                    side * probe->height};
-    if (!tiles_each(&region->lit, &whole, inspect_tile, region, err))
-        return false;
-    for (int band = 0; band < probe->n; band++)
-        moments_end(&region->moments[band], probe, band);
-    return true;
+    const struct picture *picture = drawn->picture;
+    const size_t n = (size_t)drawn->pixels.width * (size_t)drawn->pixels.height;
+    moments_add(&region->probe->moments[drawn->band], drawn->radiance, n);
+    for (int i = 0; drawn->band == 0 && i < picture->at.width * picture->at.height; i++)
+        note_shown(region->probe, picture->surface[i]);
 }
 
 /* ---- curves of a scene ---- */
@@ -297,14 +237,12 @@ static bool add_material(struct probe *probe, const struct material *material, s
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
-    if (!region->several) {
-        if (!string_copy(object_name(&region->plan, region->surface), &probe->object, err))
-            return false;
-        if (region->surface >= 0 &&
-            !add_material(probe, region->lit.bounds[region->surface].shaded->material, err))
-            return false;
-    }
-    return add_lights(probe, region->plan.scene, err);
+    const int surface = probe->shown.number; /* -1: the background */
+    return (probe->shown.several ||
+            (string_copy(object_name(&region->plan, surface), &probe->object, err) &&
+             (surface < 0 ||
+              add_material(probe, region->lit.bounds[surface].shaded->material, err)))) &&
+           add_lights(probe, region->plan.scene, err);
 }
 
 /* ---- a whole scene ---- */
@@ -319,38 +257,32 @@ static bool add_colour(struct probe *probe, const struct scene *scene, struct cu
         return false;
     cube->record.white =
         (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
-    bool done = probe_colour(probe, cube, err);
+    bool done = probe_end(probe, cube, err);
     free(white);
     return done;
 }
 
 static bool inspect(struct region *region, struct error *err)
 {
+    const struct probe *probe = region->probe;
     const struct plan *plan = &region->plan;
-    const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
+    const struct rectangle pixels = {probe->x, probe->y, probe->width, probe->height};
+    struct radiances radiances = {1, add_band, region}; /* sums have the order of pixels */
     region->plan.options.bits = 32;
     if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
         region->plan.options.full_scale = 1;
-    return MAKE_ARRAY(region->samples, largest_chunk, err, "rows of the region") &&
-           MAKE_ARRAY(region->moments, (size_t)plan->n_bands, err, "the means of the region") &&
-           lit_make(plan, driver_of(NULL), &region->lit, err) &&
-           find_full_scale(&region->lit, err) && inspect_pixels(region, err) &&
-           add_curves(region, err);
+    return lit_make(plan, driver_of(NULL), &region->lit, err) &&
+           find_full_scale(&region->lit, err) &&
+           radiances_each(&region->lit, &pixels, &radiances, err) && add_curves(region, err);
 }
 
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)
 {
-    const struct scene *scene = plan->scene;
     struct region region = {.plan = *plan, .probe = probe};
-    struct cube cube = {.image = {.path = scene->path,
-                                  .width = scene->width,
-                                  .height = scene->height,
-                                  .n_pages = scene->n_wavelengths,
-                                  .wavelengths_nm = scene->wavelengths_nm}};
-    bool done = probe_begin(probe, scene->path, &cube.image, err) && inspect(&region, err) &&
-                add_colour(probe, scene, &cube, err);
+    struct cube cube = scene_cube(plan->scene);
+    bool done = probe_begin(probe, &cube.image, err) && inspect(&region, err) &&
+                add_colour(probe, plan->scene, &cube, err);
     lit_free(&region.lit);
-    FREE_ALL(region.samples, region.moments);
     return done;
 }
 
@@ -358,5 +290,5 @@ void probe_free(struct probe *probe)
 {
     for (int column = 0; column < probe->n_columns; column++)
         free(probe->columns[column].values);
-    FREE_ALL(probe->source, probe->object);
+    FREE_ALL(probe->source, probe->object, probe->moments);
 }

@@ -83,6 +83,16 @@ void chart_axes(const struct chart_area *area, const char *const labels[3], int 
 /* Writes the picture of a stack that a detector sees. */
 extern const struct command develop_command;
 
+/* Draws a scene by the reference, as cie1931 sees it without adaptation on an sRGB display at
+ * exposure 1, and writes it as PNG. Samples of the scene's plan are floats. outputs as output_pass
+ * takes them. Counts the pixels with a clipped channel. Memory does not grow with the picture's
+ * height. */
+struct lit_scene;
+bool develop_scene(const struct lit_scene *lit, const char *output, struct outputs *outputs,
+                   uint64_t *out_of_gamut, struct error *err);
+/* Returns a scene as if it were a stack without a record. Nothing of it is owned. */
+struct cube scene_cube(const struct scene *scene);
+
 /* ---- sight.c: how a detector sees a stack ---- */
 
 /* Finds the weights of the pages in each channel: out[channel * n_pages + page]. They follow from
@@ -142,6 +152,7 @@ bool tolerance_read(const char *option, const char *text, struct tolerance *out,
 
 struct stack_rows {
     struct cube cube;
+    int end;        /* of the rows that are wanted; rows_allocate takes all of the picture */
     int most;       /* rows in a chunk */
     int first, n;   /* the rows of the current chunk */
     size_t stride;  /* samples from one page to the next */

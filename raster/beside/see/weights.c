@@ -141,8 +141,8 @@ static bool check_detector(const struct development *of, struct error *err)
 {
     const struct image *image = &of->cube.image;
     const struct detector *detector = &of->detector;
-    /* Rendering checked a recorded response; that of a black scene is 0. */
-    bool sees = of->cube.record.response.n > 0;
+    /* Rendering checked a recorded response; that of a black scene is 0. A scene may be black. */
+    bool sees = of->lit || of->cube.record.response.n > 0;
     for (int i = 0; i < 3 * image->n_pages; i++)
         sees = sees || of->weights[i] != 0;
     if (!sees)

@@ -28,67 +28,70 @@ static bool write_scene_page(struct viewing *view, struct error *err)
 static bool (*const writers[])(struct viewing *view, struct error *err) = {
     write_scene_page, write_scene_page, still_write, weights_write, description_write};
 
-static void print_page(const struct options *options, size_t bytes, struct printed *to)
+/* The facts of what a command has written, as JSON and in words. */
+struct telling {
+    struct json json;
+    struct printed words;
+};
+
+static void tell_page(const struct options *options, size_t bytes, struct telling *to)
 {
-    print(to, "page              %s, %.2f MB\n", options->output, (double)bytes / 1e6);
+    json_count(&to->json, "bytes", bytes);
+    print(&to->words, "page              %s, %.2f MB\n", options->output, (double)bytes / 1e6);
 }
 
-static void print_view(const struct viewing *view, enum output_kind kind, struct printed *to)
+static void tell_picture(const struct viewing *view, struct telling *to)
+{
+    const struct scene *scene = view->plan->scene;
+    const uint64_t n_pixels = (uint64_t)scene->width * (uint64_t)scene->height;
+    json_count(&to->json, "out_of_gamut_pixels", view->out_of_gamut);
+    print(&to->words,
+          "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
+          "picture           %s\n",
+          view->out_of_gamut, n_pixels, 100 * (double)view->out_of_gamut / (double)n_pixels,
+          view->options->output);
+}
+
+static void tell_scene(const struct viewing *view, enum output_kind kind, struct telling *to)
 {
     const struct view_options *own = view->options->own;
     const struct plan *plan = view->plan;
-    const uint64_t n_pixels = (uint64_t)plan->scene->width * (uint64_t)plan->scene->height;
-    print(to, "objects           %d\nlights            %d\n", plan->n_instances, plan->n_lights);
+    json_string(&to->json, "scene", options_scene(view->options));
+    json_count(&to->json, "objects", (uint64_t)plan->n_instances);
+    json_count(&to->json, "lights", (uint64_t)plan->n_lights);
+    print(&to->words, "objects           %d\nlights            %d\n", plan->n_instances,
+          plan->n_lights);
     if (kind == PICTURE)
-        print(to,
-              "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
-              "picture           %s\n",
-              view->out_of_gamut, n_pixels, 100 * (double)view->out_of_gamut / (double)n_pixels,
-              view->options->output);
+        tell_picture(view, to);
     else
-        print_page(view->options, view->bytes, to);
-    if (kind != PICTURE && is_still(view->options) && !own->still)
-        print_text(to, "kind              still: lights and eye can be changed; ./build.sh live "
-                       "makes a program whose pages can change all of the scene\n");
-    notes_print_shading(view->notes, to);
-    notes_print(view->notes, to);
-}
-
-static bool write_json(const struct viewing *view, enum output_kind kind, struct error *err)
-{
-    struct options *options = view->options;
-    struct json json;
-    json_begin(&json);
-    json_string(&json, "scene", options_scene(options));
-    json_count(&json, "objects", (uint64_t)view->plan->n_instances);
-    json_count(&json, "lights", (uint64_t)view->plan->n_lights);
-    if (kind == PICTURE)
-        json_count(&json, "out_of_gamut_pixels", view->out_of_gamut);
-    else
-        json_count(&json, "bytes", view->bytes);
+        tell_page(view->options, view->bytes, to);
     if (view->n_illuminants > 0) { /* a live page finds them later */
-        json_count(&json, "illuminants", (uint64_t)view->n_illuminants);
-        json_count(&json, "detectors", (uint64_t)view->n_detectors);
+        json_count(&to->json, "illuminants", (uint64_t)view->n_illuminants);
+        json_count(&to->json, "detectors", (uint64_t)view->n_detectors);
     }
-    notes_put(view->notes, &json);
-    json_string(&json, "output", options->output);
-    return json_write(&json, options->json, &options->outputs, err);
+    if (kind != PICTURE && is_still(view->options) && !own->still)
+        print_text(&to->words,
+                   "kind              still: lights and eye can be changed; ./build.sh live "
+                   "makes a program whose pages can change all of the scene\n");
+    notes_put(view->notes, &to->json);
+    notes_print_shading(view->notes, &to->words);
+    notes_print(view->notes, &to->words);
 }
 
-static bool view_scene(struct options *options, enum output_kind kind, struct error *err)
+static bool view_scene(struct options *options, enum output_kind kind, struct telling *to,
+                       struct error *err)
 {
     struct render_job job = {.options = {.store_raster = true,
                                          .exchangeable = kind != PICTURE,
                                          .threads = options->threads}};
     struct viewing view = {.options = options, .plan = &job.plan, .notes = &job.notes};
-    struct printed table = {.text = NULL};
     const bool done = scene_read_options(options, &job.scene, err) &&
                       output_can_open(options->json, err) && job_plan(options, &job, err) &&
-                      writers[kind](&view, err) && (!options->json || write_json(&view, kind, err));
-    if (done && !options->quiet && kind < PLANES)
-        print_view(&view, kind, &table);
+                      writers[kind](&view, err);
+    if (done)
+        tell_scene(&view, kind, to);
     job_free(&job);
-    return printed_show(&table, options_table(options, options->output), err) && done;
+    return done;
 }
 
 /* ---- stacks ---- */
@@ -112,63 +115,54 @@ static bool refuse_for_stack(const struct options *options, enum output_kind kin
     return true;
 }
 
-static void print_stack(const struct options *options, const struct stack_page *page,
-                        struct printed *to)
+static void tell_stack(const struct options *options, const struct stack_page *page,
+                       struct telling *to)
 {
     const struct image *image = &page->rows.cube.image;
-    print(to, "stack             %d x %d pixels, %d bands\n", image->width, image->height,
+    json_string(&to->json, "stack", options->operand);
+    json_count(&to->json, "width", (uint64_t)image->width);
+    json_count(&to->json, "height", (uint64_t)image->height);
+    json_count(&to->json, "bands", (uint64_t)image->n_pages);
+    json_count(&to->json, "factor", (uint64_t)page->factor);
+    print(&to->words, "stack             %d x %d pixels, %d bands\n", image->width, image->height,
           image->n_pages);
     if (page->factor > 1)
-        print(to, "reduced           means of %d x %d pixels, to keep to %g MB (--budget)%s\n",
+        print(&to->words,
+              "reduced           means of %d x %d pixels, to keep to %g MB (--budget)%s\n",
               page->factor, page->factor, page->budget_bytes / 1e6,
               has_live_pages() ? "; drop the stack onto the page to see all of it" : "");
-    print_page(options, page->bytes, to);
-}
-
-static bool write_stack_json(struct options *options, const struct stack_page *page,
-                             struct error *err)
-{
-    const struct image *image = &page->rows.cube.image;
-    struct json json;
-    json_begin(&json);
-    json_string(&json, "stack", options->operand);
-    json_count(&json, "width", (uint64_t)image->width);
-    json_count(&json, "height", (uint64_t)image->height);
-    json_count(&json, "bands", (uint64_t)image->n_pages);
-    json_count(&json, "factor", (uint64_t)page->factor);
-    json_count(&json, "bytes", page->bytes);
-    json_string(&json, "output", options->output);
-    return json_write(&json, options->json, &options->outputs, err);
+    tell_page(options, page->bytes, to);
 }
 
 /* Writes the page of a stack, or its data alone. */
-static bool view_stack(struct options *options, bool alone, struct error *err)
+static bool view_stack(struct options *options, enum output_kind kind, struct telling *to,
+                       struct error *err)
 {
     const struct view_options *own = options->own;
     const double usual_mb = 40;
     double budget_mb = usual_mb;
-    struct printed table = {.text = NULL};
-    if (own->budget && !option_number("--budget", own->budget, 1, 1e6, &budget_mb, err))
+    if (!refuse_for_stack(options, kind, err) ||
+        (own->budget && !option_number("--budget", own->budget, 1, 1e6, &budget_mb, err)))
         return false;
     struct stack_page page = {.budget_bytes = 1e6 * budget_mb};
     const bool done = output_can_open(options->json, err) &&
-                      stack_page_write(&page, options, alone, err) &&
-                      (!options->json || write_stack_json(options, &page, err));
-    if (done && !options->quiet && !alone)
-        print_stack(options, &page, &table);
+                      stack_page_write(&page, options, kind == PLANES, err);
+    if (done)
+        tell_stack(options, &page, to);
     stack_page_free(&page);
-    return printed_show(&table, options_table(options, options->output), err) && done;
+    return done;
 }
 
 /* ---- the command ---- */
 
 /* Reads the scene under its marked name. */
-static bool view_marked(struct options *options, enum output_kind kind, struct error *err)
+static bool view_marked(struct options *options, enum output_kind kind, struct telling *to,
+                        struct error *err)
 {
     const char *operand = options->operand;
     char *marked = operand ? marked_name(operand, err) : NULL;
     options->operand = marked;
-    const bool done = (!operand || marked) && view_scene(options, kind, err);
+    const bool done = (!operand || marked) && view_scene(options, kind, to, err);
     options->operand = operand;
     free(marked);
     return done;
@@ -179,6 +173,7 @@ static bool run_view(struct options *options, struct error *err)
     const struct view_options *own = options->own;
     const char *operand = options->operand;
     const char *subject = own->gallery ? "gallery" : options_scene(options);
+    struct telling to = {.words = {.text = NULL}};
     bool is_stack = false;
     int ending;
     if (!options_name_output(options, subject, ".html", err) ||
@@ -193,12 +188,18 @@ static bool run_view(struct options *options, struct error *err)
                                 "./build.sh live makes one that writes both");
     if (operand && !output_is_standard(operand) && !image_is(operand, &is_stack, err))
         return false;
-    if (is_stack)
-        return refuse_for_stack(options, kind, err) && view_stack(options, kind == PLANES, err);
-    if (own->budget)
+    if (own->budget && !is_stack)
         return error_usage(err, "--budget is for pages of stacks; %s is a scene",
                            options_scene(options));
-    return view_marked(options, kind, err);
+    json_begin(&to.json);
+    bool done = (is_stack ? view_stack : view_marked)(options, kind, &to, err);
+    json_string(&to.json, "output", options->output);
+    if (done && options->json)
+        done = json_write(&to.json, options->json, &options->outputs, err);
+    if (done && !options->quiet && kind < PLANES)
+        done = printed_show(&to.words, options_table(options, options->output), err);
+    FREE_ALL(to.json.printed.text, to.words.text);
+    return done;
 }
 
 static const struct option view_rows[] = {

@@ -18,12 +18,15 @@
 
 /* ---- spectra and rows of numbers as JSON ---- */
 
+/* A description is put to its end, also after a failure, which *err keeps: json_take then returns
+ * no text. */
 struct describer {
-    struct viewing *view;
+    const struct plan *plan;
     struct json json;
     struct spectrum *illuminants; /* that the page offers; the first n_owned are owned */
     int n_illuminants, n_owned;
     double *row; /* room for a number a band; owned */
+    struct error *err;
 };
 
 /* Puts three rows of n numbers each. */
@@ -39,7 +42,7 @@ static void json_rows(struct json *json, const char *key, const double *rows, in
 static void put_spectrum(struct describer *describer, const char *key,
                          const struct spectrum *spectrum, enum spectrum_ends ends)
 {
-    const struct plan *plan = describer->view->plan;
+    const struct plan *plan = describer->plan;
     if (spectrum->kind == SPECTRUM_NONE)
         return;
     for (int i = 0; i < plan->n_bands; i++)
@@ -71,30 +74,26 @@ static bool same_illuminant(const struct spectrum *a, const struct spectrum *b)
 }
 
 /* Returns the number of an illuminant. Adds it if it is new. Returns -1 after an error. */
-static int find_illuminant(struct describer *describer, const struct spectrum *spectrum,
-                           struct error *err)
+static int find_illuminant(struct describer *describer, const struct spectrum *spectrum)
 {
     for (int i = 0; i < describer->n_illuminants; i++)
         if (same_illuminant(&describer->illuminants[i], spectrum))
             return i;
     return array_add(&describer->illuminants, &describer->n_illuminants, spectrum, sizeof *spectrum,
-                     err)
+                     describer->err)
                ? describer->n_illuminants - 1
                : -1;
 }
 
-static bool add_builtin(struct describer *describer, const char *name, struct error *err)
+static void add_builtin(struct describer *describer, const char *name)
 {
     struct word word = {.start = name, .length = strlen(name)};
     struct spectrum spectrum;
-    if (!spectrum_read(&word, 0, HUGE_VAL, &spectrum, err))
-        return false;
-    if (find_illuminant(describer, &spectrum, err) < 0) {
+    if (!spectrum_read(&word, 0, HUGE_VAL, &spectrum, describer->err))
+        return;
+    if (find_illuminant(describer, &spectrum) < 0)
         spectrum_free(&spectrum);
-        return false;
-    }
     describer->n_owned = describer->n_illuminants;
-    return true;
 }
 
 /* Finds the next built-in table, of a detector or an illuminant, from file *at on. Returns false
@@ -109,109 +108,83 @@ static bool next_table(size_t *at, bool detector, char name[BUILTIN_NAME])
 }
 
 /* Adds equal energy and the built-in illuminants. */
-static bool add_builtins(struct describer *describer, struct error *err)
+static void add_builtins(struct describer *describer)
 {
     char name[BUILTIN_NAME];
-    bool done = add_builtin(describer, "1", err);
-    for (size_t i = 0; done && next_table(&i, false, name); i++)
-        done = add_builtin(describer, name, err);
-    return done;
+    add_builtin(describer, "1");
+    for (size_t i = 0; next_table(&i, false, name); i++)
+        add_builtin(describer, name);
 }
 
 /* Puts the word by which a command line names the spectrum. The path of a scene's file is relative
  * to the working folder. */
-static bool put_word(struct describer *describer, const struct spectrum *spectrum,
-                     struct error *err)
+static void put_word(struct describer *describer, const struct spectrum *spectrum)
 {
     char *word = spectrum->path ? file_relative(spectrum->place.path, spectrum->name) : NULL;
     if (spectrum->path && !word)
-        return memory_lacks(err, (double)strlen(spectrum->name), "the name of a file");
+        memory_lacks(describer->err, (double)strlen(spectrum->name), "the name of a file");
     json_string(&describer->json, "word", word ? word : spectrum->name);
     free(word);
-    return true;
 }
 
-static bool put_illuminants(struct describer *describer, struct error *err)
-{
-    bool done = true;
-    json_open(&describer->json, "illuminants", '[');
-    for (int i = 0; done && i < describer->n_illuminants; i++) {
-        json_open(&describer->json, NULL, '{');
-        json_string(&describer->json, "name", describer->illuminants[i].name);
-        done = put_word(describer, &describer->illuminants[i], err);
-        put_spectrum(describer, "radiance", &describer->illuminants[i], SPECTRUM_ZERO);
-        json_close(&describer->json, '}');
-    }
-    json_close(&describer->json, ']');
-    return done;
-}
-
-/* Puts a light: its place in the scene's text, if it has one, and its direction or position. Adds
- * its illuminant if that is new. */
-static bool put_light(struct describer *describer, const struct light *light, bool ambient,
-                      struct error *err)
+static void put_illuminants(struct describer *describer)
 {
     struct json *json = &describer->json;
-    const int illuminant = find_illuminant(describer, &light->spectrum, err);
-    if (illuminant < 0)
-        return false;
-    json_open(json, NULL, '{');
-    json_count(json, "illuminant", (uint64_t)illuminant);
-    json_number(json, "intensity", light->intensity);
-    if (light->place.path)
-        put_place(json, &light->place);
-    if (!ambient)
-        put_vector(json, light->directional ? "direction" : "position", light->position);
-    json_close(json, '}');
-    return true;
+    json_open(json, "illuminants", '[');
+    for (int i = 0; i < describer->n_illuminants; i++) {
+        json_open(json, NULL, '{');
+        json_string(json, "name", describer->illuminants[i].name);
+        put_word(describer, &describer->illuminants[i]);
+        put_spectrum(describer, "radiance", &describer->illuminants[i], SPECTRUM_ZERO);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
 }
 
-/* Puts the lights of the scene. A scene without ambient light gets one of intensity 0. */
-static bool put_lights(struct describer *describer, struct error *err)
+/* Puts n lights: the place of each in the scene's text, if it has one, and its direction or
+ * position. Adds its illuminant if that is new. */
+static void put_lights(struct describer *describer, const char *key, const struct light *lights,
+                       int n, bool ambient)
 {
-    const struct scene *scene = describer->view->plan->scene;
-    const struct light none = {.spectrum = describer->illuminants[0]};
-    bool done = true;
-    json_open(&describer->json, "ambients", '[');
-    for (int i = 0; done && i < scene->n_ambients; i++)
-        done = put_light(describer, &scene->ambients[i], true, err);
-    if (scene->n_ambients == 0)
-        done = put_light(describer, &none, true, err);
-    json_close(&describer->json, ']');
-    json_open(&describer->json, "lights", '[');
-    for (int i = 0; done && i < scene->n_lights; i++)
-        done = put_light(describer, &scene->lights[i], false, err);
-    json_close(&describer->json, ']');
-    return done;
+    struct json *json = &describer->json;
+    json_open(json, key, '[');
+    for (int i = 0; i < n; i++) {
+        const struct light *light = &lights[i];
+        json_open(json, NULL, '{');
+        json_number(json, "illuminant", find_illuminant(describer, &light->spectrum));
+        json_number(json, "intensity", light->intensity);
+        if (light->place.path)
+            put_place(json, &light->place);
+        if (!ambient)
+            put_vector(json, light->directional ? "direction" : "position", light->position);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
 }
 
 /* ---- surfaces ---- */
 
 /* Puts the luminescence of a material under each illuminant. */
-static bool put_luminescence(struct describer *describer, const struct material *material,
-                             struct error *err)
+static void put_luminescence(struct describer *describer, const struct material *material)
 {
+    const struct plan *plan = describer->plan;
     json_open(&describer->json, "luminescence", '[');
-    for (int i = 0; i < describer->n_illuminants; i++) {
-        if (!material_luminescence(&describer->view->plan->illumination.pages, material,
-                                   &describer->illuminants[i], describer->row, err))
-            return false;
-        json_numbers(&describer->json, NULL, describer->row, describer->view->plan->n_bands);
-    }
+    for (int i = 0; i < describer->n_illuminants; i++)
+        if (material_luminescence(&plan->illumination.pages, material, &describer->illuminants[i],
+                                  describer->row, describer->err))
+            json_numbers(&describer->json, NULL, describer->row, plan->n_bands);
     json_close(&describer->json, ']');
-    return true;
 }
 
 /* Puts the part that each page of a spectral texture has in each band. */
-static bool put_texture(struct describer *describer, const struct texture *texture,
-                        struct error *err)
+static void put_texture(struct describer *describer, const struct texture *texture)
 {
     struct spectrum part = {.kind = SPECTRUM_SAMPLED,
                             .factor = 1,
                             .count = texture->image.n_pages,
                             .wavelength_nm = texture->image.wavelengths_nm};
-    if (!MAKE_ARRAY(part.value, (size_t)part.count, err, "the spectra of a page"))
-        return false;
+    if (!MAKE_ARRAY(part.value, (size_t)part.count, describer->err, "the spectra of a page"))
+        return;
     json_open(&describer->json, "texture", '[');
     for (int i = 0; i < part.count; i++) {
         part.value[i] = 1;
@@ -220,18 +193,14 @@ static bool put_texture(struct describer *describer, const struct texture *textu
     }
     json_close(&describer->json, ']');
     free(part.value);
-    return true;
 }
 
 /* Puts the spectra of a shaded material. Specular light has the light's own colour by default. */
-static bool put_material(struct describer *describer, const struct shaded_material *shaded,
-                         struct error *err)
+static void put_material(struct describer *describer, const struct shaded_material *shaded)
 {
     static const struct spectrum plastic = {
         .kind = SPECTRUM_CONSTANT, .parameter = {1, 0}, .factor = 1};
     const struct material *material = shaded->material;
-    const bool spectral = shaded->texture && shaded->texture->spectral;
-    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE || material->donaldson;
     json_open(&describer->json, NULL, '{');
     put_spectrum(describer, "diffuse", &material->diffuse, SPECTRUM_HOLD);
     if (material->gloss > 0)
@@ -241,26 +210,21 @@ static bool put_material(struct describer *describer, const struct shaded_materi
     put_spectrum(describer, "glow", &material->glow, SPECTRUM_ZERO);
     put_spectrum(describer, "excitation", &material->excitation, SPECTRUM_ZERO);
     put_spectrum(describer, "emission", &material->emission, SPECTRUM_ZERO);
-    bool done = (!spectral || put_texture(describer, shaded->texture, err)) &&
-                (!fluoresces || put_luminescence(describer, material, err));
+    if (shaded->texture && shaded->texture->spectral)
+        put_texture(describer, shaded->texture);
+    if (material->excitation.kind != SPECTRUM_NONE || material->donaldson)
+        put_luminescence(describer, material);
     json_close(&describer->json, '}');
-    return done;
 }
 
-/* Returns the place of an object's own origin in the scene. */
-static struct vector origin_of(const struct object *object)
+static void put_surfaces(struct describer *describer)
 {
-    return matrix_point(&object->transform, (struct vector){0, 0, 0});
-}
-
-static bool put_surfaces(struct describer *describer, struct error *err)
-{
-    const struct plan *plan = describer->view->plan;
+    const struct plan *plan = describer->plan;
+    const struct vector own_origin = {0, 0, 0};
     struct json *json = &describer->json;
     json_open(json, "shaded_materials", '[');
     for (int i = 0; i < plan->n_materials; i++)
-        if (!put_material(describer, &plan->materials[i], err))
-            return false;
+        put_material(describer, &plan->materials[i]);
     json_close(json, ']');
     json_open(json, "objects", '[');
     for (int i = 0; i < plan->n_instances; i++) {
@@ -273,11 +237,10 @@ static bool put_surfaces(struct describer *describer, struct error *err)
         json_string(json, "material_file",
                     plan->materials[plan->instances[i].shaded].material->path);
         put_place(json, &object->place);
-        put_vector(json, "origin", origin_of(object));
+        put_vector(json, "origin", matrix_point(&object->transform, own_origin));
         json_close(json, '}');
     }
     json_close(json, ']');
-    return true;
 }
 
 /* ---- detectors, adaptations and displays ---- */
@@ -372,27 +335,25 @@ static void put_displays(struct json *json)
     json_close(json, ']');
 }
 
-bool put_eyes(const struct cube *cube, bool is_stack, struct json *json, int *n, struct error *err)
+int put_eyes(const struct cube *cube, bool is_stack, struct json *json, struct error *err)
 {
     char name[BUILTIN_NAME];
     double *row;
-    bool done = MAKE_ARRAY(row, 3 * (size_t)cube->image.n_pages, err, "the weights of a detector");
-    *n = 0;
+    int n = 0;
+    if (!MAKE_ARRAY(row, 3 * (size_t)cube->image.n_pages, err, "the weights of a detector"))
+        return 0;
     json_open(json, "detectors", '[');
-    for (size_t i = 0; done && next_table(&i, true, name); i++) {
+    for (size_t i = 0; next_table(&i, true, name); i++) {
         struct error refused = {.status = EXIT_AGREED};
-        if (put_detector(cube, is_stack, name, row, json, &refused))
-            ++*n;
-        else if (refused.status == EXIT_SYSTEM) {
+        n += put_detector(cube, is_stack, name, row, json, &refused);
+        if (refused.status == EXIT_SYSTEM)
             *err = refused;
-            done = false;
-        }
     }
     json_close(json, ']');
     free(row);
     put_adaptations(json);
     put_displays(json);
-    return done;
+    return n;
 }
 
 /* ---- all of it ---- */
@@ -410,34 +371,33 @@ static void put_camera(struct json *json, const struct camera *camera)
     json_close(json, '}');
 }
 
-static bool put_all(struct describer *describer, struct error *err)
+char *description_make(struct viewing *view, struct error *err)
 {
-    const struct scene *scene = describer->view->plan->scene;
-    const struct cube cube = {.image = {.path = scene->path,
-                                        .n_pages = scene->n_wavelengths,
-                                        .wavelengths_nm = scene->wavelengths_nm}};
-    struct json *json = &describer->json;
+    struct describer describer = {.plan = view->plan, .err = err};
+    const struct scene *scene = view->plan->scene;
+    const struct cube cube = scene_cube(scene);
+    struct json *json = &describer.json;
     json_begin(json);
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
     put_camera(json, &scene->camera);
-    return add_builtins(describer, err) && put_lights(describer, err) &&
-           put_illuminants(describer, err) && put_surfaces(describer, err) &&
-           put_eyes(&cube, false, json, &describer->view->n_detectors, err);
-}
-
-char *description_make(struct viewing *view, struct error *err)
-{
-    struct describer describer = {.view = view};
-    char *text = NULL;
+    add_builtins(&describer);
     if (MAKE_ARRAY(describer.row, (size_t)view->plan->n_bands, err, "the spectra of a page") &&
-        put_all(&describer, err))
-        text = json_take(&describer.json, err);
-    free(printed_end(&describer.json.printed));
+        describer.n_illuminants > 0) {
+        /* A scene without ambient light gets one of intensity 0. */
+        const struct light none = {.spectrum = describer.illuminants[0]};
+        const bool dark = scene->n_ambients == 0;
+        put_lights(&describer, "ambients", dark ? &none : scene->ambients,
+                   dark ? 1 : scene->n_ambients, true);
+        put_lights(&describer, "lights", scene->lights, scene->n_lights, false);
+        put_illuminants(&describer);
+        put_surfaces(&describer);
+        view->n_detectors = put_eyes(&cube, false, json, err);
+    }
     view->n_illuminants = describer.n_illuminants;
     for (int i = 0; i < describer.n_owned; i++)
         spectrum_free(&describer.illuminants[i]);
     FREE_ALL(describer.illuminants, describer.row);
-    return text;
+    return json_take(json, err);
 }

@@ -20,14 +20,12 @@ struct planes {
     uint16_t *surface;      /* from 1; 0: background */
     float *values;          /* [plane][position] */
     double *place[2]; /* of each position in its spectral texture, in texels; NULL: there is none */
-    double *scale;    /* the value of count 1 in each plane */
-    char *shape;      /* of the planes, as JSON; this and all arrays are owned */
+    double *scale;    /* the value of count 1 in each plane; this and all arrays are owned */
 };
 
 static void planes_free(struct planes *planes)
 {
-    FREE_ALL(planes->surface, planes->values, planes->place[0], planes->place[1], planes->scale,
-             planes->shape);
+    FREE_ALL(planes->surface, planes->values, planes->place[0], planes->place[1], planes->scale);
 }
 
 static bool planes_allocate(const struct plan *plan, struct planes *out, struct error *err)
@@ -43,7 +41,9 @@ static bool planes_allocate(const struct plan *plan, struct planes *out, struct 
                          err, "a page of %dx%d pixels", plan->view.width, plan->view.height))
         return false;
     if (!MAKE_ARRAY(out->surface, out->n_positions, err, "the pixels of a page") ||
-        !MAKE_ARRAY(out->values, out->n_positions * (size_t)n_values, err, "the pixels of a page"))
+        !MAKE_ARRAY(out->values, out->n_positions * (size_t)n_values, err,
+                    "the pixels of a page") ||
+        !MAKE_ARRAY(out->scale, (size_t)n_values, err, "the scales of a page"))
         return false;
     for (int i = 0; i < 2 && out->n_pages > 0; i++)
         if (!MAKE_ARRAY(out->place[i], out->n_positions, err, "the pixels of a page"))
@@ -138,50 +138,31 @@ bool page_allows(const struct plan *plan, struct error *err)
     return true;
 }
 
-/* ---- planes as counts ---- */
+/* ---- planes in a page, and in files ---- */
 
-/* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
-static double plane_scale(const struct planes *planes, int plane)
+/* Returns the shape of the planes as JSON, allocated; NULL: see err. */
+static char *shape_of(const struct planes *planes, const struct scene *scene, struct error *err)
 {
-    const float *values = planes->values + (size_t)plane * planes->n_positions;
-    double largest = 0;
-    for (size_t i = 0; i < planes->n_positions; i++)
-        if ((double)values[i] > largest)
-            largest = (double)values[i];
-    return largest / LARGEST_SAMPLE;
-}
-
-/* Finds the scales, and describes the shape. */
-static bool describe(const struct scene *scene, bool counts, struct planes *of, struct error *err)
-{
-    const int n = of->n_weights + of->n_pages;
     struct json json;
-    if (!MAKE_ARRAY(of->scale, (size_t)n, err, "the scales of a page"))
-        return false;
-    for (int i = 0; i < n; i++)
-        of->scale[i] = counts ? plane_scale(of, i) : 1;
     json_begin(&json);
     json_count(&json, "width", (uint64_t)scene->width);
     json_count(&json, "height", (uint64_t)scene->height);
     json_count(&json, "positions", (uint64_t)scene->positions); /* a side of each pixel */
-    json_numbers(&json, "weight_scales", of->scale, of->n_weights);
-    json_numbers(&json, "texture_scales", of->scale + of->n_weights, of->n_pages);
-    return (of->shape = json_take(&json, err)) != NULL;
+    json_numbers(&json, "weight_scales", planes->scale, planes->n_weights);
+    json_numbers(&json, "texture_scales", planes->scale + planes->n_weights, planes->n_pages);
+    return json_take(&json, err);
 }
 
-/* Draws the planes by the reference. counts: each plane has a scale by which its largest value is
- * LARGEST_SAMPLE; otherwise all scales are 1. notes NULL: makes none. Refuses what page_allows
- * refuses. The caller frees *out and *notes, also after a failure. */
-static bool planes_make(const struct plan *plan, bool counts, struct planes *out,
-                        struct notes *notes, struct error *err)
+/* Draws the planes by the reference. notes NULL: makes none. Refuses what page_allows refuses. The
+ * caller frees *out and *notes, also after a failure. */
+static bool planes_make(const struct plan *plan, struct planes *out, struct notes *notes,
+                        struct error *err)
 {
     struct lit_scene lit = {.plan = plan};
-    if (!page_allows(plan, err))
-        return false;
-    const bool done = planes_allocate(plan, out, err) &&
+    const bool done = page_allows(plan, err) && planes_allocate(plan, out, err) &&
                       lit_make(plan, driver_of(NULL), &lit, err) &&
                       (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
-                      put_picture(&lit, out, err) && describe(plan->scene, counts, out, err);
+                      put_picture(&lit, out, err);
     lit_free(&lit);
     return done;
 }
@@ -195,52 +176,53 @@ void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
     }
 }
 
-/* ---- in a page ---- */
+/* Stores the samples of a plane in units of its scale, by which its largest value is
+ * LARGEST_SAMPLE. */
+static void count_plane(struct planes *planes, size_t plane, uint16_t *samples)
+{
+    const float *values = planes->values + plane * planes->n_positions;
+    double largest = 0;
+    for (size_t i = 0; i < planes->n_positions; i++)
+        if ((double)values[i] > largest)
+            largest = (double)values[i];
+    const double scale = planes->scale[plane] = largest / LARGEST_SAMPLE;
+    for (size_t i = 0; i < planes->n_positions; i++)
+        samples[i] = (uint16_t)(scale > 0 ? fmax(0, floor((double)values[i] / scale + 0.5)) : 0);
+}
 
 /* Puts the shape, and then the surfaces and all planes in units of their scales, as 16-bit samples:
  * see put_differences. */
-static bool put_planes(const struct planes *planes, struct printed *to, struct error *err)
+static void put_planes(struct planes *planes, const struct scene *scene, struct printed *to,
+                       struct error *err)
 {
     const size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages),
                  length = 2 * n * (1 + n_values);
     unsigned char *bytes;
     uint16_t *samples = NULL;
-    bool done = MAKE_ARRAY(bytes, length, err, "the pixels of a page") &&
-                MAKE_ARRAY(samples, n, err, "the pixels of a page");
-    if (done)
+    if (MAKE_ARRAY(bytes, length, err, "the pixels of a page") &&
+        MAKE_ARRAY(samples, n, err, "the pixels of a page")) {
         put_differences(planes->surface, n, bytes);
-    for (size_t plane = 0; done && plane < n_values; plane++) {
-        const float *values = planes->values + plane * n;
-        const double scale = planes->scale[plane];
-        for (size_t i = 0; i < n; i++)
-            samples[i] =
-                (uint16_t)(scale > 0 ? fmax(0, floor((double)values[i] / scale + 0.5)) : 0);
-        put_differences(samples, n, bytes + 2 * n * (1 + plane));
+        for (size_t plane = 0; plane < n_values; plane++) {
+            count_plane(planes, plane, samples);
+            put_differences(samples, n, bytes + 2 * n * (1 + plane));
+        }
+        put_json(to, "shape", shape_of(planes, scene, err));
+        put_packed(to, "planes", bytes, length, err);
     }
-    put_json(to, "shape", planes->shape);
-    done = done && put_packed(to, "planes", bytes, length, err);
     FREE_ALL(bytes, samples);
-    return done;
 }
 
 bool viewer_write(struct viewing *view, struct error *err)
 {
-    struct planes planes = {.shape = NULL};
+    struct planes planes = {.surface = NULL};
     struct printed data = {.text = NULL};
-    char *scene = planes_make(view->plan, true, &planes, view->notes, err)
-                      ? description_make(view, err)
-                      : NULL;
-    if (scene)
-        put_json(&data, "scene", scene);
-    const bool done = scene && put_planes(&planes, &data, err) &&
-                      page_write(PAGE_STILL, &data, view->options, &view->bytes, err);
-    free(scene);
-    free(printed_end(&data));
+    if (planes_make(view->plan, &planes, view->notes, err)) {
+        put_json(&data, "scene", description_make(view, err));
+        put_planes(&planes, view->plan->scene, &data, err);
+    }
     planes_free(&planes);
-    return done;
+    return page_write(PAGE_STILL, &data, view->options, &view->bytes, err);
 }
-
-/* ---- in files, for a live page ---- */
 
 bool description_write(struct viewing *view, struct error *err)
 {
@@ -251,38 +233,58 @@ bool description_write(struct viewing *view, struct error *err)
     return done;
 }
 
-void put_head(struct printed *to, const char *json)
+void put_head(struct printed *to, char *json)
 {
-    const size_t length = strlen(json), filled = (length + 3) / 4 * 4;
-    print(to, "%11zu\n%s", filled, json);
+    const size_t length = json ? strlen(json) : 0, filled = (length + 3) / 4 * 4;
+    print(to, "%11zu\n%s", filled, json ? json : "");
     print_bytes(to, "   ", filled - length);
+    free(json);
 }
 
-static bool write_parts(const struct planes *planes, const struct output *out, struct error *err)
+static bool write_parts(const struct planes *planes, const struct scene *scene,
+                        const struct output *out, struct error *err)
 {
     const size_t n_values = (size_t)(planes->n_weights + planes->n_pages) * planes->n_positions;
     struct printed printed = {.text = NULL};
-    put_head(&printed, planes->shape);
+    put_head(&printed, shape_of(planes, scene, err));
     char *head = printed_take(&printed, err);
     const bool done =
-        head && ((write_all(out->descriptor, head, printed.length) &&
-                  write_all(out->descriptor, planes->values, n_values * sizeof *planes->values) &&
-                  write_all(out->descriptor, planes->surface,
-                            planes->n_positions * sizeof *planes->surface)) ||
-                 error_system(err, "cannot write %s", out->path));
+        err->status == EXIT_AGREED &&
+        ((write_all(out->descriptor, head, printed.length) &&
+          write_all(out->descriptor, planes->values, n_values * sizeof *planes->values) &&
+          write_all(out->descriptor, planes->surface,
+                    planes->n_positions * sizeof *planes->surface)) ||
+         error_system(err, "cannot write %s", out->path));
     free(head);
     return done;
 }
 
 bool weights_write(struct viewing *view, struct error *err)
 {
-    struct planes planes = {.shape = NULL};
+    struct planes planes = {.surface = NULL};
     struct output out = {.path = NULL};
-    const bool done = planes_make(view->plan, false, &planes, NULL, err) &&
-                      output_open(&out, view->options->output, err) &&
-                      write_parts(&planes, &out, err) && output_sync(&out, err) &&
-                      output_pass(&out, &view->options->outputs, err);
+    bool done = planes_make(view->plan, &planes, NULL, err);
+    for (int i = 0; done && i < planes.n_weights + planes.n_pages; i++)
+        planes.scale[i] = 1; /* floats are values */
+    done = done && output_open(&out, view->options->output, err) &&
+           write_parts(&planes, view->plan->scene, &out, err) && output_sync(&out, err) &&
+           output_pass(&out, &view->options->outputs, err);
     planes_free(&planes);
     output_discard(&out);
+    return done;
+}
+
+/* ---- the picture that a page shows first ---- */
+
+bool still_write(struct viewing *view, struct error *err)
+{
+    struct plan plan = *view->plan;
+    struct lit_scene lit = {.plan = &plan};
+    plan.options.bits = 32; /* samples are radiances */
+    const bool done = lit_make(&plan, driver_of(NULL), &lit, err) &&
+                      notes_make(&lit, SOME_PIXELS, view->notes, err) &&
+                      develop_scene(&lit, view->options->output, &view->options->outputs,
+                                    &view->out_of_gamut, err);
+    lit_free(&lit);
     return done;
 }

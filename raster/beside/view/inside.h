@@ -59,11 +59,7 @@ bool viewer_write(struct viewing *view, struct error *err);
 bool description_write(struct viewing *view, struct error *err);
 bool weights_write(struct viewing *view, struct error *err);
 
-/* ---- still.c: the picture that the page shows first ---- */
-
-/* Draws the plan's picture by the reference, as cie1931 sees it without adaptation on an sRGB
- * display at exposure 1, and writes it as PNG. Makes the notes on the scene. Memory does not grow
- * with the picture's height. */
+/* Writes the picture that the page shows first: see develop_scene. Makes the notes on the scene. */
 bool still_write(struct viewing *view, struct error *err);
 
 /* ---- stack_page.c: a stack in a page ---- */
@@ -76,10 +72,10 @@ struct stack_page {
     int factor, width, height;
     bool counts; /* samples are 16-bit counts; otherwise floats */
     size_t n_pixels;
-    unsigned char *samples; /* owned: [page][pixel], counts as differences: see put_differences */
-    size_t n_bytes;         /* of the samples */
-    uint16_t *objects;      /* the object of each pixel, from 1; owned; NULL: none is recorded */
-    size_t bytes;           /* of the page */
+    void *samples;     /* [page][pixel]: uint16_t or float; owned */
+    size_t n_bytes;    /* of the samples */
+    uint16_t *objects; /* the object of each pixel, from 1; owned; NULL: none is recorded */
+    size_t bytes;      /* of the page */
 };
 /* Writes the page of a stack, the operand, or of any cube that cube_open reads, to the options'
  * output. Samples of TIFF files of whole numbers stay counts, all others floats. alone: writes the
@@ -103,28 +99,30 @@ void put_differences(const uint16_t *samples, size_t n, unsigned char *out);
 /* Describes a scene as JSON, allocated: its spectra, lights, objects, detectors, ... Counts the
  * view's illuminants and detectors. NULL: see err. */
 char *description_make(struct viewing *view, struct error *err);
-/* Puts all detectors that can see the pages of a cube, and counts them in *n; for a stack also
- * their responses to the white and to a radiance of 1. Then come all adaptations and all displays.
- */
-bool put_eyes(const struct cube *cube, bool is_stack, struct json *json, int *n, struct error *err);
+/* Puts all detectors that can see the pages of a cube; for a stack also their responses to the
+ * white and to a radiance of 1. Then come all adaptations and all displays. Returns the number of
+ * detectors. Fails, see *err, where memory runs out. */
+int put_eyes(const struct cube *cube, bool is_stack, struct json *json, struct error *err);
 
 /* drawing.c. Puts the head of data: the length of a description in 11 digits, a line's end, and the
- * description, filled up with blanks so that numbers can follow. */
-void put_head(struct printed *to, const char *json);
+ * description, filled up with blanks so that numbers can follow. Frees the description. */
+void put_head(struct printed *to, char *json);
 
 /* ---- viewer.c: a page from its parts ---- */
 
 /* Returns whether this program holds itself for browsers: ./build.sh live makes such a one. Only it
  * writes live pages. */
 bool has_live_pages(void);
-/* Put an element of a page's data: a text in JSON; bytes, deflated (RFC 1950), in base64 (RFC
- * 4648).
+/* Put an element of a page's data: a text in JSON, which it frees; bytes, deflated (RFC 1950), in
+ * base64 (RFC 4648). A text that is NULL, or a failure to pack, leaves *err: then no page is
+ * written.
  */
-void put_json(struct printed *to, const char *id, const char *json);
-bool put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
+void put_json(struct printed *to, const char *id, char *json);
+void put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
                 struct error *err);
 enum page_kind { PAGE_STILL, PAGE_STACK, PAGE_LIVE };
-/* Writes a page with these data, which it ends, to the options' output. */
+/* Writes a page with these data, which it ends, to the options' output, unless *err has a failure
+ * already. */
 bool page_write(enum page_kind kind, struct printed *data, struct options *options, size_t *bytes,
                 struct error *err);
 

@@ -2,7 +2,6 @@
 /* A live page: it holds this program, compiled for browsers, and the files of the scene. */
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "raster/beside/view/inside.h"
@@ -17,35 +16,9 @@ struct page_file {
 struct page_files {
     struct page_file *list; /* the first one is the scene's; owned */
     int n;
-    struct index places;  /* in the list, by name */
     struct inputs inputs; /* own the paths of files that are no texts of the scene */
     char *above;          /* how the paths of files in that folder begin: "" or "scenes/"; owned */
 };
-
-/* Removes "." and "FOLDER/.." from a relative path, in place. Returns false if it leaves its
- * folder, or is not relative. */
-static bool simplify(char *path)
-{
-    char *to = path;
-    for (const char *at = path; *at != '\0';) {
-        const size_t length = strcspn(at, "/"), step = length + (at[length] == '/');
-        const bool up = length == 2 && memcmp(at, "..", 2) == 0;
-        if (length == 0 && at == path)
-            return false;
-        if (up && to == path)
-            return false;
-        if (up)
-            for (to--; to > path && to[-1] != '/'; to--)
-                ;
-        else if (length > 0 && !(length == 1 && *at == '.')) {
-            memmove(to, at, step);
-            to += step;
-        }
-        at += step;
-    }
-    *to = '\0';
-    return true;
-}
 
 /* Finds the name of a file below the scene's folder; allocated. */
 static char *name_below(const struct page_files *files, const char *path, struct error *err)
@@ -53,7 +26,7 @@ static char *name_below(const struct page_files *files, const char *path, struct
     const size_t above = strlen(files->above);
     const bool below = strncmp(path, files->above, above) == 0;
     char *name;
-    if (string_copy(below ? path + above : path, &name, err) && !(below && simplify(name))) {
+    if (string_copy(below ? path + above : path, &name, err) && !(below && path_fold(name))) {
         error_usage(err,
                     "%s is not below the folder of the scene, and would not be found elsewhere; "
                     "copy it there, and name it by a relative path",
@@ -81,12 +54,13 @@ static bool add(struct page_files *files, const char *path, struct error *err)
     struct page_file file = {name_below(files, path, err), path};
     if (!file.name)
         return false;
-    const size_t length = strlen(file.name);
-    const int place = index_find(&files->places, file.name, length);
-    if (place < 0 && array_add(&files->list, &files->n, &file, sizeof file, err))
-        return index_add(&files->places, file.name, length, files->n - 1, err);
+    int place = 0;
+    while (place < files->n && strcmp(files->list[place].name, file.name) != 0)
+        place++;
+    if (place == files->n && array_add(&files->list, &files->n, &file, sizeof file, err))
+        return true;
     free(file.name);
-    return place >= 0 && is_same_file(files->list[place].path, path, err);
+    return place < files->n && is_same_file(files->list[place].path, path, err);
 }
 
 static void page_files_free(struct page_files *files)
@@ -95,7 +69,6 @@ static void page_files_free(struct page_files *files)
         free(files->list[i].name);
     free(files->list);
     free(files->above);
-    index_free(&files->places);
     inputs_free(&files->inputs);
     *files = (struct page_files){.list = NULL};
 }
@@ -131,32 +104,26 @@ static bool page_files_make(const struct scene *scene, struct page_files *out, s
 static bool add_content(struct printed *to, const struct scene *scene, const char *path,
                         struct error *err)
 {
-    const struct builtin_file *builtin;
-    struct stat status;
+    const struct builtin_file *builtin; /* none of these is in the list */
+    char block[1 << 16];
     int descriptor;
-    char *bytes = NULL;
+    ssize_t got = 1;
     if (scene_is_input(path)) {
         print_bytes(to, scene->files[0].bytes, scene->files[0].length);
         return true;
     }
     if (!file_open(path, NOWHERE, &descriptor, &builtin, err))
         return false;
-    bool done = fstat(descriptor, &status) == 0 || error_system(err, "cannot read %s", path);
-    const size_t length = done ? (size_t)status.st_size : 0;
-    done = done &&
-           memory_suffices(3 * (double)length, (struct place){path, 0, 0}, err, "a page with %s",
-                           path) &&
-           MAKE_ARRAY(bytes, length + 1, err, "%s", path);
-    const ssize_t got = done ? read_at(descriptor, bytes, length, 0) : 0;
-    if (done && got < 0)
-        done = error_system(err, "cannot read %s", path);
-    else if (done && (size_t)got < length)
-        done = error_system(err, "%s has become shorter", path);
-    if (done)
-        print_bytes(to, bytes, length);
-    free(bytes);
+    for (uint64_t at = 0; got > 0 && !to->failed; at += (uint64_t)got) {
+        got = read_at(descriptor, block, sizeof block, at);
+        print_bytes(to, block, got > 0 ? (size_t)got : 0);
+    }
+    if (got < 0)
+        error_system(err, "cannot read %s", path);
+    else if (to->failed)
+        memory_lacks(err, 2 * (double)to->length, "a page with %s", path);
     close(descriptor);
-    return done;
+    return err->status == EXIT_AGREED;
 }
 
 /* Returns the name of a file in the page, where the scene's folder is the working folder. */
@@ -208,35 +175,26 @@ static char *start_json(const struct options *options, const struct scene *scene
         done = add_file(options, scene, &files.list[i], &json, bytes, err);
     page_files_free(&files);
     json_close(&json, ']');
-    char *text = done ? json_take(&json, err) : NULL;
-    free(printed_end(&json.printed));
-    return text;
-}
-
-static bool put_files(const struct options *options, const struct scene *scene,
-                      struct printed *data, struct error *err)
-{
-    struct printed bytes = {.text = NULL};
-    char *start = start_json(options, scene, &bytes, err);
-    char *all = start ? printed_take(&bytes, err) : printed_end(&bytes);
-    if (start)
-        put_json(data, "start", start);
-    const bool done = start && all && put_packed(data, "files", all, bytes.length, err);
-    free(all);
-    free(start);
-    return done;
+    return json_take(&json, err);
 }
 
 /* ---- the page ---- */
 
+static void put_files(const struct options *options, const struct scene *scene,
+                      struct printed *data, struct error *err)
+{
+    struct printed bytes = {.text = NULL};
+    put_json(data, "start", start_json(options, scene, &bytes, err));
+    char *all = printed_take(&bytes, err);
+    if (all)
+        put_packed(data, "files", all, bytes.length, err);
+    free(all);
+}
+
 bool live_write(struct viewing *view, struct error *err)
 {
-    struct options *options = view->options;
     struct printed data = {.text = NULL};
-    const bool done = page_allows(view->plan, err) &&
-                      notes_of_plan(view->plan, SOME_PIXELS, view->notes, err) &&
-                      put_files(options, view->plan->scene, &data, err) &&
-                      page_write(PAGE_LIVE, &data, options, &view->bytes, err);
-    free(printed_end(&data));
-    return done;
+    if (page_allows(view->plan, err) && notes_of_plan(view->plan, SOME_PIXELS, view->notes, err))
+        put_files(view->options, view->plan->scene, &data, err);
+    return page_write(PAGE_LIVE, &data, view->options, &view->bytes, err);
 }

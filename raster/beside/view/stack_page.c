@@ -26,8 +26,20 @@ static void find_size(struct stack_page *out)
     out->n_bytes = out->n_pixels * (size_t)image->n_pages * (out->counts ? 2 : 4);
 }
 
-/* Stores the means of the current rows of a page of the stack. `sums` is room for a row. */
-static void store_row(const struct stack_page *of, int page, double *sums, float *out)
+/* Stores a mean as a float, or as a count of scale / LARGEST_SAMPLE. */
+static void store_sample(const struct stack_page *of, float mean, size_t at)
+{
+    const double value = (double)mean / of->rows.cube.image.scale;
+    if (of->counts)
+        ((uint16_t *)of->samples)[at] =
+            (uint16_t)fmin(LARGEST_SAMPLE, floor(value * LARGEST_SAMPLE + 0.5));
+    else
+        ((float *)of->samples)[at] = mean;
+}
+
+/* Stores the means of the current rows of a page of the stack from sample `at` on. `sums` is room
+ * for a row. */
+static void store_row(const struct stack_page *of, int page, double *sums, size_t at)
 {
     const int width = of->rows.cube.image.width;
     const float *row = of->rows.samples + (size_t)page * of->rows.stride;
@@ -37,62 +49,29 @@ static void store_row(const struct stack_page *of, int page, double *sums, float
             sums[x / of->factor] += (double)row[x];
     for (int x = 0; x < of->width; x++) {
         const int left = width - x * of->factor, columns = left < of->factor ? left : of->factor;
-        out[x] = (float)(sums[x] / ((double)columns * of->rows.n));
+        store_sample(of, (float)(sums[x] / ((double)columns * of->rows.n)), at + (size_t)x);
     }
-}
-
-static bool read_pages(struct stack_page *of, float *out, struct error *err)
-{
-    const int n_pages = of->rows.cube.image.n_pages;
-    const size_t width = (size_t)of->width,
-                 most = (size_t)of->factor * (size_t)of->rows.cube.image.width * (size_t)n_pages;
-    double *sums;
-    bool done =
-        MAKE_ARRAY(sums, width, err, "a row of a page") && rows_allocate(&of->rows, most, err);
-    for (int y = 0; done && y < of->height; y++) {
-        done = rows_read(&of->rows, y * of->factor, err);
-        for (int page = 0; done && page < n_pages; page++)
-            store_row(of, page, sums, out + (size_t)page * of->n_pixels + (size_t)y * width);
-    }
-    free(sums);
-    return done;
-}
-
-/* Turns floats into counts of scale / LARGEST_SAMPLE, page by page. */
-static bool store_counts(struct stack_page *of, const float *values, struct error *err)
-{
-    uint16_t *counts;
-    const bool done = MAKE_ARRAY(counts, of->n_pixels, err, "the pixels of a page") &&
-                      MAKE_ARRAY(of->samples, of->n_bytes, err, "the pixels of a page");
-    for (int page = 0; done && page < of->rows.cube.image.n_pages; page++) {
-        const float *from = values + (size_t)page * of->n_pixels;
-        for (size_t i = 0; i < of->n_pixels; i++)
-            counts[i] = (uint16_t)fmin(
-                LARGEST_SAMPLE,
-                floor((double)from[i] / of->rows.cube.image.scale * LARGEST_SAMPLE + 0.5));
-        put_differences(counts, of->n_pixels, of->samples + (size_t)page * 2 * of->n_pixels);
-    }
-    free(counts);
-    return done;
 }
 
 static bool read_samples(struct stack_page *of, struct error *err)
 {
     const struct image *image = &of->rows.cube.image;
-    const size_t n = of->n_pixels * (size_t)image->n_pages;
-    float *values;
-    if (!memory_suffices((double)n * 4 + 2.0 * (double)of->n_bytes, (struct place){NULL, 0, 0}, err,
-                         "a page of %d bands of %dx%d pixels", image->n_pages, of->width,
-                         of->height) ||
-        !MAKE_ARRAY(values, n, err, "the pixels of a page"))
-        return false;
-    bool done = read_pages(of, values, err);
-    if (done && !of->counts) {
-        of->samples = (unsigned char *)values;
-        return true;
+    const size_t width = (size_t)of->width, n_pages = (size_t)image->n_pages,
+                 most = (size_t)of->factor * (size_t)image->width * n_pages;
+    double *sums = NULL;
+    bool done = memory_suffices(3.0 * (double)of->n_bytes, (struct place){NULL, 0, 0}, err,
+                                "a page of %d bands of %dx%d pixels", image->n_pages, of->width,
+                                of->height) &&
+                MAKE_ARRAY(sums, width, err, "a row of a page") &&
+                rows_allocate(&of->rows, most, err) &&
+                (memory_make(&of->samples, of->n_bytes, 1) ||
+                 memory_lacks(err, (double)of->n_bytes, "the pixels of a page"));
+    for (int y = 0; done && y < of->height; y++) {
+        done = rows_read(&of->rows, y * of->factor, err);
+        for (size_t page = 0; done && page < n_pages; page++)
+            store_row(of, (int)page, sums, page * of->n_pixels + (size_t)y * width);
     }
-    done = done && store_counts(of, values, err);
-    free(values);
+    free(sums);
     return done;
 }
 
@@ -123,18 +102,16 @@ static bool read_objects(struct stack_page *of, struct error *err)
 /* ---- the description ---- */
 
 /* Puts the white at each page's wavelength; none if the stack records none. */
-static bool put_white(const struct cube *cube, struct json *json, struct error *err)
+static void put_white(const struct cube *cube, struct json *json, struct error *err)
 {
     struct error refused = {.status = EXIT_AGREED};
     double *white;
-    if (!MAKE_ARRAY(white, (size_t)cube->image.n_pages, err, "the white of a page"))
-        return false;
-    if (!cube->components && cube_white(cube, NULL, white, &refused))
+    if (MAKE_ARRAY(white, (size_t)cube->image.n_pages, err, "the white of a page") &&
+        !cube->components && cube_white(cube, NULL, white, &refused))
         json_numbers(json, "white", white, cube->image.n_pages);
     if (cube->record.illumination.n > 0)
         json_number(json, "illumination", cube->record.illumination.value[0]);
     free(white);
-    return true;
 }
 
 static void put_size(const struct stack_page *stack, struct json *json)
@@ -159,62 +136,60 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     const struct cube *cube = &stack->rows.cube;
     const struct texts *objects = &cube->record.objects;
     struct json json;
-    int n_detectors;
     json_begin(&json);
     json_string(&json, "program", PROGRAM);
     json_string(&json, "stack", path_name(name));
     json_string(&json, "scene", cube->record.scene);
     put_size(stack, &json);
     json_strings(&json, "objects", objects->text, objects->n);
-    const bool done = put_white(cube, &json, err) && put_eyes(cube, true, &json, &n_detectors, err);
-    char *text = done ? json_take(&json, err) : NULL;
-    free(printed_end(&json.printed));
-    return text;
+    put_white(cube, &json, err);
+    put_eyes(cube, true, &json, err);
+    return json_take(&json, err);
 }
 
 /* ---- a page, or its data alone ---- */
 
-/* Puts the data: the head, the samples, the objects. */
-static bool put_stack(const struct stack_page *stack, const char *name, struct printed *to,
+/* Puts the data: the head, the samples, page by page, counts as differences, and the objects. */
+static void put_stack(const struct stack_page *stack, const char *name, struct printed *to,
                       struct error *err)
 {
-    char *json = describe(stack, name, err);
-    if (!json)
-        return false;
-    put_head(to, json);
-    free(json);
-    print_bytes(to, stack->samples, stack->n_bytes);
+    const size_t n = stack->n_pixels;
+    unsigned char *differences;
+    put_head(to, describe(stack, name, err));
+    if (!stack->counts)
+        print_bytes(to, stack->samples, stack->n_bytes);
+    else if (MAKE_ARRAY(differences, 2 * n, err, "the pixels of a page")) {
+        for (int page = 0; page < stack->rows.cube.image.n_pages; page++) {
+            put_differences((const uint16_t *)stack->samples + (size_t)page * n, n, differences);
+            print_bytes(to, differences, 2 * n);
+        }
+        free(differences);
+    }
     if (stack->objects)
         print_bytes(to, stack->objects, stack->n_pixels * sizeof *stack->objects);
-    return true;
-}
-
-static bool write_page(struct stack_page *of, struct printed *stack, struct options *options,
-                       struct error *err)
-{
-    struct printed data = {.text = NULL};
-    char *bytes = printed_take(stack, err);
-    const bool packed = bytes && put_packed(&data, "stack", bytes, stack->length, err);
-    free(bytes);
-    const bool done = packed && page_write(has_live_pages() ? PAGE_LIVE : PAGE_STACK, &data,
-                                           options, &of->bytes, err);
-    free(printed_end(&data));
-    return done;
 }
 
 bool stack_page_write(struct stack_page *of, struct options *options, bool alone, struct error *err)
 {
     const char *stack = options->operand;
-    struct printed bytes = {.text = NULL};
+    struct printed data = {.text = NULL}, bytes = {.text = NULL};
     if (!cube_open(stack, &of->rows.cube, err))
         return false;
     find_size(of);
-    const bool done = read_samples(of, err) && read_objects(of, err) &&
-                      put_stack(of, stack, &bytes, err) &&
-                      (alone ? printed_write(&bytes, options->output, &options->outputs, err)
-                             : write_page(of, &bytes, options, err));
-    of->bytes = alone ? bytes.length : of->bytes;
-    free(printed_end(&bytes));
+    if (!read_samples(of, err) || !read_objects(of, err))
+        return false;
+    put_stack(of, stack, &bytes, err);
+    char *text = printed_take(&bytes, err);
+    of->bytes = bytes.length;
+    bool done = err->status == EXIT_AGREED;
+    if (done && alone)
+        done = file_write(options->output, text, bytes.length, &options->outputs, err);
+    else if (done) {
+        put_packed(&data, "stack", text, bytes.length, err);
+        done =
+            page_write(has_live_pages() ? PAGE_LIVE : PAGE_STACK, &data, options, &of->bytes, err);
+    }
+    free(text);
     return done;
 }
 

@@ -10,26 +10,22 @@
 
 /* ---- data in HTML ---- */
 
-/* Writes JSON into HTML. A "<" might end the script element around it, so it is escaped; only
- * strings contain one. */
-static void write_json(const char *text, struct printed *to)
-{
-    while (*text) {
-        const size_t plain = strcspn(text, "<");
-        print_bytes(to, text, plain);
-        text += plain;
-        if (*text == '<') {
-            print_text(to, "\\u003c");
-            text++;
-        }
-    }
-}
-
-void put_json(struct printed *to, const char *id, const char *json)
+/* A "<" might end the script element around the JSON, so it is escaped; only strings contain one.
+ */
+void put_json(struct printed *to, const char *id, char *json)
 {
     print(to, "<script id=\"%s\" type=\"application/json\">", id);
-    write_json(json, to);
+    for (const char *at = json ? json : ""; *at != '\0';) {
+        const size_t plain = strcspn(at, "<");
+        print_bytes(to, at, plain);
+        at += plain;
+        if (*at == '<') {
+            print_text(to, "\\u003c");
+            at++;
+        }
+    }
     print_text(to, "</script>\n");
+    free(json);
 }
 
 /* Encodes bytes as RFC 4648 does. */
@@ -56,19 +52,16 @@ static void put_base64(struct printed *to, const char *id, const unsigned char *
     print_text(to, "</script>\n");
 }
 
-bool put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
+void put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
                 struct error *err)
 {
     uLongf packed_length = compressBound((uLong)length);
     unsigned char *packed;
-    bool done = MAKE_ARRAY(packed, packed_length, err, "the data of a page");
-    if (done &&
-        compress2(packed, &packed_length, bytes, (uLong)length, Z_DEFAULT_COMPRESSION) != Z_OK)
-        done = memory_lacks(err, 0, "the data of a page");
-    if (done)
+    if (MAKE_ARRAY(packed, packed_length, err, "the data of a page") &&
+        (compress2(packed, &packed_length, bytes, (uLong)length, Z_DEFAULT_COMPRESSION) == Z_OK ||
+         memory_lacks(err, 0, "the data of a page")))
         put_base64(to, id, packed, packed_length);
     free(packed);
-    return done;
 }
 
 /* ---- the program, which a live page holds ---- */
@@ -108,9 +101,10 @@ struct page {
     const char *data;
     size_t n_data;
     struct printed text;
+    struct error *err;
 };
 
-static bool put_file(struct page *page, const char *name, struct error *err);
+static void put_file(struct page *page, const char *name);
 
 /* Returns whether a file is for pages of other kinds. */
 static bool is_left_out(const struct page *page, const char *name)
@@ -120,7 +114,7 @@ static bool is_left_out(const struct page *page, const char *name)
 }
 
 /* Puts what a mark stands for. */
-static bool put_marked(struct page *page, const char *name, struct error *err)
+static void put_marked(struct page *page, const char *name)
 {
     const bool live = page->kind == PAGE_LIVE;
     if (strcmp(name, "data") == 0)
@@ -128,40 +122,27 @@ static bool put_marked(struct page *page, const char *name, struct error *err)
     else if (strcmp(name, "policy") == 0)
         print(&page->text, policy, live ? " 'wasm-unsafe-eval'" : "",
               live ? "; worker-src blob:" : "");
-    else
-        return is_left_out(page, name) || put_file(page, name, err);
-    return true;
+    else if (!is_left_out(page, name))
+        put_file(page, name);
 }
 
-/* Puts a line, or what it stands for. Returns false after an error. */
-static bool put_line(struct page *page, const char *line, size_t length, struct error *err)
+/* Puts each line of a file, or what it stands for. */
+static void put_file(struct page *page, const char *name)
 {
-    static const char mark[] = "<!-- ";
-    char name[64];
-    int end = 0;
-    if (strncmp(line, mark, strlen(mark)) == 0 &&
-        sscanf(line, "<!-- %63[^ \n] -->%n", name, &end) == 1 && (size_t)end + 1 == length)
-        return put_marked(page, name, err);
-    print_bytes(&page->text, line, length);
-    return true;
-}
-
-static bool put_file(struct page *page, const char *name, struct error *err)
-{
-    char path[128], *source;
+    char path[128], mark[64];
     snprintf(path, sizeof path, "builtin:viewer/%s", name);
-    source = file_read(path, NOWHERE, err);
-    if (!source)
-        return false;
-    bool done = true;
-    for (const char *at = source; done && *at != '\0';) {
-        const char *end = strchr(at, '\n');
-        const size_t n = end ? (size_t)(end - at) + 1 : strlen(at);
-        done = put_line(page, at, n, err);
+    char *source = file_read(path, NOWHERE, page->err);
+    for (const char *at = source ? source : ""; *at != '\0';) {
+        const size_t length = strcspn(at, "\n"), n = length + (at[length] == '\n');
+        int end = 0;
+        if (strncmp(at, "<!-- ", 5) == 0 && sscanf(at, "<!-- %63[^ \n] -->%n", mark, &end) == 1 &&
+            (size_t)end == length)
+            put_marked(page, mark);
+        else
+            print_bytes(&page->text, at, n);
         at += n;
     }
     free(source);
-    return done;
 }
 
 bool page_write(enum page_kind kind, struct printed *data, struct options *options, size_t *bytes,
@@ -170,13 +151,13 @@ bool page_write(enum page_kind kind, struct printed *data, struct options *optio
     if (kind == PAGE_LIVE)
         put_module(data);
     char *owned = printed_take(data, err);
-    struct page page = {.kind = kind, .data = owned, .n_data = data->length};
-    bool done = owned && put_file(&page, "page.html", err);
-    *bytes = page.text.length;
-    if (done)
-        done = printed_write(&page.text, options->output, &options->outputs, err);
-    else
-        free(printed_end(&page.text));
+    struct page page = {
+        .kind = kind, .data = owned, .n_data = owned ? data->length : 0, .err = err};
+    put_file(&page, "page.html");
     free(owned);
-    return done;
+    *bytes = page.text.length;
+    if (err->status == EXIT_AGREED)
+        return printed_write(&page.text, options->output, &options->outputs, err);
+    free(printed_end(&page.text));
+    return false;
 }

@@ -105,6 +105,10 @@ int main(void)
     struct json json;
     json_begin(&json);
     json_string(&json, "key", "\xc2\x9b\x9b\xc3\xa9\x7f");
+    CHECK(!json_take(&json, &err), "JSON is not taken after a failure");
+    err = (struct error){.status = EXIT_AGREED};
+    json_begin(&json);
+    json_string(&json, "key", "\xc2\x9b\x9b\xc3\xa9\x7f");
     char *value = json_take(&json, &err);
     CHECK_TEXT(value, "{\"key\": \"\\u009b\xef\xbf\xbd\xc3\xa9\\u007f\"}\n", "JSON is valid UTF-8");
     free(value);

@@ -29,16 +29,19 @@ static unsigned sample_at(int width, int x, int y, int channel)
     return (3 * pixel + (unsigned)channel) * 7 % 65521;
 }
 
-static void fill_row(const struct picture_options *options, int y, void *row)
+/* Fills row i of n rows, which is row y of the picture. */
+static void fill_row(const struct picture_options *options, int y, int i, int n, void *rows)
 {
-    for (int i = 0; i < 3 * options->width; i++) {
-        const unsigned sample = sample_at(options->width, i / 3, y, i % 3);
+    const int width = options->width;
+    for (int k = 0; k < 3 * width; k++) {
+        const int x = k / 3, channel = k % 3, at = 3 * i * width + k;
+        const unsigned sample = sample_at(width, x, y, channel);
         if (options->bits == 8)
-            ((uint8_t *)row)[i] = (uint8_t)sample;
+            ((uint8_t *)rows)[at] = (uint8_t)sample;
         else if (options->bits == 16)
-            ((uint16_t *)row)[i] = (uint16_t)sample;
+            ((uint16_t *)rows)[at] = (uint16_t)sample;
         else
-            ((float *)row)[i] = (float)sample / -7;
+            ((float *)rows)[(channel * n + i) * width + x] = (float)sample / -7;
     }
 }
 
@@ -53,7 +56,7 @@ static bool write_rows(struct picture_writer *writer, int step, struct error *er
     while (done && writer->row < options->height) {
         const int left = options->height - writer->row, n = left < step ? left : step;
         for (int i = 0; i < n; i++)
-            fill_row(options, writer->row + i, rows + (size_t)i * pitch);
+            fill_row(options, writer->row + i, i, n, rows);
         done = picture_write(writer, rows, n, err);
     }
     free(rows);
@@ -218,7 +221,7 @@ static void test_png_rows(void)
 }
 
 /* Copies a rectangle of a picture of 8 bits and this width. */
-static void copy_rectangle(const uint8_t *picture, int width, const struct picture_rectangle *at,
+static void copy_rectangle(const uint8_t *picture, int width, const struct page_rectangle *at,
                            uint8_t *out)
 {
     const size_t n = 3 * (size_t)at->width;
@@ -235,8 +238,8 @@ static bool put_tiles(struct picture_writer *writer, const uint8_t *picture, str
         for (int x = 0; x < width; x += 30)
             for (int row = y; row < y + 20 && row < height; row += 8) {
                 const int end = y + 20 < height ? y + 20 : height;
-                const struct picture_rectangle at = {x, row, width - x < 30 ? width - x : 30,
-                                                     end - row < 8 ? end - row : 8};
+                const struct page_rectangle at = {0, x, row, width - x < 30 ? width - x : 30,
+                                                  end - row < 8 ? end - row : 8};
                 copy_rectangle(picture, width, &at, part);
                 if (!picture_put(writer, &at, part, err))
                     return false;
@@ -253,7 +256,7 @@ static void test_rectangles(void)
         struct picture_writer writer;
         struct error err = {0};
         for (int y = 0; y < options.height; y++)
-            fill_row(&options, y, picture + 3 * (size_t)y * (size_t)width);
+            fill_row(&options, y, y, options.height, picture);
         const bool done = picture_open(&writer, "tiles.png", &options, &err) &&
                           put_tiles(&writer, picture, &err) && picture_commit(&writer, NULL, &err);
         CHECK(done && write_picture("rows.png", &options, 9, &err) &&
