@@ -531,7 +531,13 @@ def refusals(full, box, rgb, whiteless):
     plain = foreign("plain", [400, 500, 600], np.ones((3, 4, 5)))
     infrared = foreign("infrared", [1000, 1100], np.ones((2, 4, 5)))
     negative = foreign("negative", [400, 500], np.array([np.ones((2, 2)), -np.ones((2, 2))]))
+    twice = write_stack("twice.tif", np.ones((2, 4, 5), np.uint16), (500, 500))
+    wide = write_stack("wide.tif", np.ones((2, 4, 5), np.uint32), (400, 500))
+    coloured = write_stack("coloured.tif", np.ones((2, 4, 5, 3), np.uint8), (400, 500), photometric="rgb")
     for says, source, *options in (
+            ("twice.tif.*its wavelengths repeat: page 2 records 500 nm after 500 nm", twice),
+            ("wide.tif.*its samples are 1 of 32 bits, unsigned", wide),
+            ("coloured.tif.*its pages are RGB", coloured),
             ("--white", plain.path, "--lab"),
             ("--white", plain.path, "--detector", "dcs200-camera"),
             ("channel 3 of transparency-film responds to the white with 0", plain.path, "--detector", "transparency-film",
