@@ -124,12 +124,10 @@ static void check_names(void)
 
 /* ---- displays ---- */
 
-/* IEC 61966-2-1 gives the matrix to XYZ with 4 decimals; W3C's CSS Color Module Level 4 gives the
- * matrix from XYZ in full, for the same chromaticities. */
+/* W3C's CSS Color Module Level 4 gives the matrix from XYZ in full, for the chromaticities of IEC
+ * 61966-2-1. */
 static void check_srgb(void)
 {
-    static const double to_xyz[9] = {0.4124, 0.3576, 0.1805, 0.2126, 0.7152,
-                                     0.0722, 0.0193, 0.1192, 0.9505};
     static const double from_xyz[9] = {
         3.2409699419045226,  -1.537383177570094,   -0.4986107602930034,
         -0.9692436362808796, 1.8759675015077202,   0.04155505740717559,
@@ -141,16 +139,11 @@ static void check_srgb(void)
                                          {0.21404114048223255, 0.5, 1e-15},
                                          {0.002, 0.02584, 1e-16},
                                          {0.0031308, 0.04045, 1e-7}};
-    double matrix[3][3], inverse[3][3], white[3], worst = 0, worst_inverse = 0;
+    double matrix[3][3], white[3], worst = 0;
     display_matrix(DISPLAY_SRGB, matrix);
-    colour_inverse(matrix, inverse);
-    for (int i = 0; i < 9; i++) {
+    for (int i = 0; i < 9; i++)
         worst = fmax(worst, fabs(100 * matrix[i / 3][i % 3] - from_xyz[i]));
-        worst_inverse = fmax(worst_inverse, fabs(inverse[i / 3][i % 3] / 100 - to_xyz[i]));
-    }
     CHECK_NEAR(worst, 0, 1e-12, "sRGB's matrix from XYZ agrees with the published one");
-    CHECK_NEAR(worst_inverse, 0, 0.51e-4,
-               "its inverse agrees with the published one to 4 decimals");
     colour_apply(matrix, display_white, white);
     check_columns(white, (double[]){1, 1, 1}, 1e-14, "D65 has red, green and blue 1");
     for (int i = 0; i < 5; i++)

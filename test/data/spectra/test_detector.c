@@ -49,13 +49,11 @@ static int grid(double first, double last, double step, double out[MOST])
 /* Computes a detector's channels for a radiance of 1. */
 static void channels(const struct detector *detector, const double *nm, int n, double out[3])
 {
-    static double weights[3 * MOST];
+    static double weights[3 * MOST], ones[MOST];
+    for (int i = 0; i < n; i++)
+        ones[i] = 1;
     detector_weights(detector, nm, n, weights);
-    for (int channel = 0; channel < 3; channel++) {
-        out[channel] = 0;
-        for (int i = 0; i < n; i++)
-            out[channel] += weights[channel * n + i];
-    }
+    detector_response(weights, ones, n, out);
 }
 
 /* ---- the CIE's tables ---- */
