@@ -4,11 +4,7 @@
  * form; libtiff writes it here, tifffile writes it in test/data/images/images.py, and the program
  * writes it itself. Files that are broken, cut short or of another kind are refused. */
 #include <fcntl.h>
-#include <float.h>
-#include <stdlib.h>
-#include <sys/stat.h>
 #include <tiffio.h>
-#include <unistd.h>
 
 #include "bytes.h"
 #include "data/base/inside.h"

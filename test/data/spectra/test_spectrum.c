@@ -3,8 +3,6 @@
  * spectra, so the check of pictures would not find their errors. test/cases/bad/tables.cases has
  * the files that are refused. */
 #include <float.h>
-#include <stdlib.h>
-#include <sys/stat.h>
 
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"

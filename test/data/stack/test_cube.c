@@ -14,8 +14,6 @@
 #include "raster/render/inside.h"
 #include "spectral.h"
 
-#include <stdlib.h>
-
 static const char *const path = "cube.tif";
 static struct detector observer; /* cie1931 */
 

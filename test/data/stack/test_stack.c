@@ -2,10 +2,7 @@
 /* Reads stacks back: their tags, and where each page lies, with libtiff, and each sample from the
  * bytes there. */
 #include <fcntl.h>
-#include <stdlib.h>
-#include <sys/stat.h>
 #include <tiffio.h>
-#include <unistd.h>
 
 #include "bytes.h"
 #include "data/base/inside.h"

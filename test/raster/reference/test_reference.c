@@ -6,7 +6,6 @@
  * program's bounds for OpenGL's single precision times 2^-29, which count more roundings of the
  * same formulas. Then it checks edges: signs are right unless rounding can turn them, and exactly
  * one of several triangles that share edges covers each pixel centre. */
-#include <stdlib.h>
 
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
