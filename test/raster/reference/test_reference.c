@@ -180,8 +180,8 @@ static struct expected expect_row(const struct both *picture, const struct slow_
     return out;
 }
 
-/* Bounds the part of a pixel's row that rounding may turn on or off at its vertices, of which flat
- * shading takes one whole. */
+/* Bounds the part of a pixel's row that rounding may turn on or off at its vertices. Flat shading
+ * takes one of them whole. */
 static long double doubt_of(const struct slow_fragment *fragment, int side, int row)
 {
     long double sum = 0;

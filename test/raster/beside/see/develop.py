@@ -334,7 +334,7 @@ SRGB_CHROMATICITIES = 0.3127, 0.329, 0.64, 0.33, 0.3, 0.6, 0.15, 0.06  # ISO/IEC
 
 
 def pngcheck(path, words):
-    """What pngcheck prints; with -vv, the chunks and the filter of each row."""
+    """The output of pngcheck; with -vv, it lists the chunks and the filter of each row."""
     result = subprocess.run(["pngcheck", words, path], capture_output=True, text=True, check=False)
     check(result.returncode == 0, f"pngcheck finds no fault in {os.path.basename(path)}", result.stdout)
     return result.stdout
