@@ -5,10 +5,9 @@
  * usage: yardstick [RAYS] */
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 
-/* A path tracer takes 1.7 s for 512 x 512 pixels and 93 wavelengths; so many rays take as long on one
- * thread of an Intel Xeon of 2.3 GHz (family 6, model 207). */
+/* A path tracer takes 1.7 s for 512 x 512 pixels and 93 wavelengths; so many rays take as long on
+ * one thread of an Intel Xeon of 2.3 GHz (family 6, model 207). */
 enum { RAYS = 42000000, SPHERES = 24 };
 
 /* A linear congruential generator: the same numbers everywhere. */

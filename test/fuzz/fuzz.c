@@ -9,10 +9,18 @@
 #include "test/fuzz/fuzz.h"
 
 static const struct fuzz_target targets[] = {
-    {"scene", fuzz_scene},   {"list", fuzz_list},     {"material", fuzz_material},
-    {"table", fuzz_table},   {"mesh", fuzz_mesh},     {"mtl", fuzz_mtl},
-    {"map", fuzz_map},       {"matrix", fuzz_matrix}, {"texture", fuzz_texture},
-    {"record", fuzz_record}, {"stack", fuzz_stack},   {"line", fuzz_line},
+    {"scene", ".scene", fuzz_scene},
+    {"list", ".list", fuzz_list},
+    {"material", ".txt", fuzz_material},
+    {"table", ".csv", fuzz_table},
+    {"mesh", ".obj", fuzz_mesh},
+    {"mtl", ".mtl", fuzz_mtl},
+    {"map", ".map", fuzz_map},
+    {"matrix", ".csv", fuzz_matrix},
+    {"texture", ".texture.tif", fuzz_texture},
+    {"record", NULL, fuzz_record},
+    {"stack", ".tif", fuzz_stack},
+    {"line", NULL, fuzz_line},
 };
 
 const struct fuzz_target *fuzz_target(const char *name)
@@ -49,11 +57,14 @@ bool fuzz_ends(bool done, const struct error *err)
 void fuzz_run(const struct fuzz_target *target, const unsigned char *bytes, size_t length)
 {
     char *copy = malloc(length + 1);
+    struct fuzz_input input = {copy, length, ""};
     if (copy == NULL)
         return;
     memcpy(copy, bytes, length);
     copy[length] = '\0';
-    target->run(&(struct fuzz_input){copy, length});
+    if (target->ending != NULL)
+        fuzz_write(target->ending, copy, length, input.path);
+    target->run(&input);
     free(copy);
 }
 

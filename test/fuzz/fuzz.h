@@ -10,13 +10,15 @@
 
 #include "spectral.h"
 
-/* Bytes to be read, and the NUL behind them. */
+enum { FUZZ_PATH = 512 };
+/* Bytes to be read, and the NUL behind them; the path of the file that holds them, too. */
 struct fuzz_input {
     const char *bytes;
     size_t length;
+    char path[FUZZ_PATH];
 };
 struct fuzz_target {
-    const char *name;
+    const char *name, *ending; /* of the file; NULL: the bytes are in none */
     void (*run)(const struct fuzz_input *input);
 };
 /* Returns the target of that name; NULL: there is none. */
@@ -25,14 +27,12 @@ const struct fuzz_target *fuzz_target(const char *name);
 void fuzz_run(const struct fuzz_target *target, const unsigned char *bytes, size_t length);
 
 /* Writes bytes to a file of this process in $FUZZ_FOLDER, with this ending, and stores its path. */
-enum { FUZZ_PATH = 512 };
 void fuzz_write(const char *ending, const char *bytes, size_t length, char path[FUZZ_PATH]);
 /* Aborts unless the truth holds. */
 void fuzz_holds(bool truth, const char *what);
 /* Aborts if a success has an error, or if a failure has no message of one line, or none of the
  * statuses 2 and 3. Returns `done`. */
 bool fuzz_ends(bool done, const struct error *err);
-
 
 /* The targets, each in its file. */
 void fuzz_scene(const struct fuzz_input *input);

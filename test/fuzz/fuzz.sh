@@ -38,7 +38,7 @@ build_fuzzer() {
 }
 
 # Prints the names of the targets.
-fuzz_targets() { grep -oE '[{]"[a-z]+", fuzz_' test/fuzz/fuzz.c | cut -d '"' -f 2; }
+fuzz_targets() { grep -oE '[{]"[a-z]+", .*fuzz_' test/fuzz/fuzz.c | cut -d '"' -f 2; }
 
 # fuzz_seeds TARGET prints the files that a target begins with, beside those that are kept.
 fuzz_seeds() {

@@ -40,9 +40,7 @@ void fuzz_material(const struct fuzz_input *input)
 {
     struct error err = {.status = EXIT_AGREED};
     struct material material = {.name = NULL};
-    char path[FUZZ_PATH];
-    fuzz_write(".txt", input->bytes, input->length, path);
-    if (fuzz_ends(material_read(path, nowhere, &material, &err), &err))
+    if (fuzz_ends(material_read(input->path, nowhere, &material, &err), &err))
         check_material(&material);
     material_free(&material);
 }
@@ -53,9 +51,7 @@ void fuzz_mtl(const struct fuzz_input *input)
     static const char *const names[] = {"a", "b c", ""};
     struct error err = {.status = EXIT_AGREED};
     struct mtl mtl = {0};
-    char path[FUZZ_PATH];
-    fuzz_write(".mtl", input->bytes, input->length, path);
-    const bool opened = fuzz_ends(mtl_open(path, nowhere, &mtl, &err), &err);
+    const bool opened = fuzz_ends(mtl_open(input->path, nowhere, &mtl, &err), &err);
     for (size_t i = 0; opened && i < sizeof names / sizeof names[0]; i++) {
         const struct word name = {.start = names[i], .length = strlen(names[i])};
         struct material material = {.name = NULL};
@@ -88,12 +84,10 @@ void fuzz_table(const struct fuzz_input *input)
     struct error err = {.status = EXIT_AGREED};
     struct detector detector = {.name = NULL};
     double lost[3], nm[] = {400, 500, 600}, weights[9];
-    char path[FUZZ_PATH];
-    fuzz_write(".csv", input->bytes, input->length, path);
-    read_column(path, "", 1);
-    read_column(path, "*0.5", HUGE_VAL);
-    read_column(path, ":2", HUGE_VAL);
-    if (fuzz_ends(detector_read(path, &detector, &err), &err)) {
+    read_column(input->path, "", 1);
+    read_column(input->path, "*0.5", HUGE_VAL);
+    read_column(input->path, ":2", HUGE_VAL);
+    if (fuzz_ends(detector_read(input->path, &detector, &err), &err)) {
         for (int i = 0; i < 3; i++)
             check_spectrum(&detector.sensitivity[i], -HUGE_VAL);
         detector_weights(&detector, nm, 3, weights);
@@ -111,9 +105,7 @@ void fuzz_matrix(const struct fuzz_input *input)
     struct error err = {.status = EXIT_AGREED};
     struct donaldson matrix = {.share = NULL};
     struct spectrum emission = {.kind = SPECTRUM_NONE};
-    char path[FUZZ_PATH];
-    fuzz_write(".csv", input->bytes, input->length, path);
-    if (fuzz_ends(donaldson_read(path, nowhere, &black, &matrix, &err), &err) &&
+    if (fuzz_ends(donaldson_read(input->path, nowhere, &black, &matrix, &err), &err) &&
         fuzz_ends(donaldson_emission(&matrix, &light, &emission, &err), &err))
         check_spectrum(&emission, 0);
     spectrum_free(&emission);

@@ -44,13 +44,12 @@ static void cut_mesh(const struct mesh *mesh)
 void fuzz_mesh(const struct fuzz_input *input)
 {
     const struct place nowhere = {0};
-    char path[FUZZ_PATH];
     bool done = true;
-    fuzz_write(".obj", input->bytes, input->length, path);
     for (int unitize = 0; unitize < 2 && done; unitize++) {
         struct error err = {.status = EXIT_AGREED};
         struct mesh mesh = {.vertices = NULL};
-        done = fuzz_ends(mesh_read(path, nowhere, unitize, unitize ? 30 : 90, &mesh, &err), &err);
+        done = fuzz_ends(mesh_read(input->path, nowhere, unitize, unitize ? 30 : 90, &mesh, &err),
+                         &err);
         if (done) {
             check_mesh(&mesh);
             cut_mesh(&mesh);

@@ -83,9 +83,7 @@ static void read_scene(const char *path)
 
 void fuzz_scene(const struct fuzz_input *input)
 {
-    char path[FUZZ_PATH];
-    fuzz_write(".scene", input->bytes, input->length, path);
-    read_scene(path);
+    read_scene(input->path);
 }
 
 /* A map gives the parts of a mesh their materials. */
@@ -94,9 +92,8 @@ void fuzz_map(const struct fuzz_input *input)
     static const char format[] =
         "material a { diffuse 0.5 }\nmaterial b bricks.txt\nlight d65 1 direction 0 0 1\n"
         "object mesh chair materials %s\nobject mesh meshes/two.obj materials %s\n";
-    char map[FUZZ_PATH], path[FUZZ_PATH], scene[sizeof format + 2 * FUZZ_PATH];
-    fuzz_write(".map", input->bytes, input->length, map);
-    snprintf(scene, sizeof scene, format, map, map);
+    char path[FUZZ_PATH], scene[sizeof format + 2 * FUZZ_PATH];
+    snprintf(scene, sizeof scene, format, input->path, input->path);
     fuzz_write(".scene", scene, strlen(scene), path);
     read_scene(path);
 }
@@ -104,9 +101,8 @@ void fuzz_map(const struct fuzz_input *input)
 void fuzz_list(const struct fuzz_input *input)
 {
     static const char format[] = "light d65 1 direction 0 0 1\nchecker %s plane 5 5\n";
-    char list[FUZZ_PATH], path[FUZZ_PATH], scene[sizeof format + FUZZ_PATH];
-    fuzz_write(".list", input->bytes, input->length, list);
-    snprintf(scene, sizeof scene, format, list);
+    char path[FUZZ_PATH], scene[sizeof format + FUZZ_PATH];
+    snprintf(scene, sizeof scene, format, input->path);
     fuzz_write(".scene", scene, strlen(scene), path);
     read_scene(path);
 }

@@ -115,7 +115,7 @@ static void develop_sampled(const char *path)
 
 /* Reads everything, and then does what one of the commands does, which the last byte chooses: all
  * of them would take five times as long. */
-static void read_stack(const char *path, const struct fuzz_input *input)
+void fuzz_stack(const struct fuzz_input *input)
 {
     void (*const readers[])(const char *) = {develop_colour, develop_sampled, probe_pixel,
                                              compare_with_itself, join_part};
@@ -123,18 +123,12 @@ static void read_stack(const char *path, const struct fuzz_input *input)
         (unsigned char)input->bytes[input->length > 0 ? input->length - 1 : 0];
     struct error err = {.status = EXIT_AGREED};
     struct cube cube = {.components = false};
-    const bool opened = cube_open(path, &cube, &err), small = opened && is_small(&cube.image);
+    const bool opened = cube_open(input->path, &cube, &err),
+               small = opened && is_small(&cube.image);
     fuzz_ends(opened && (!small || read_rows(&cube, &err)), &err);
     cube_close(&cube);
     if (small)
-        readers[last % 5](path);
-}
-
-void fuzz_stack(const struct fuzz_input *input)
-{
-    char path[FUZZ_PATH];
-    fuzz_write(".tif", input->bytes, input->length, path);
-    read_stack(path, input);
+        readers[last % 5](input->path);
 }
 
 static void read_texture(const char *path, bool spectral)
@@ -154,8 +148,6 @@ static void read_texture(const char *path, bool spectral)
 
 void fuzz_texture(const struct fuzz_input *input)
 {
-    char path[FUZZ_PATH];
-    fuzz_write(".texture.tif", input->bytes, input->length, path);
-    read_texture(path, false);
-    read_texture(path, true);
+    read_texture(input->path, false);
+    read_texture(input->path, true);
 }

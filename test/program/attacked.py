@@ -9,15 +9,13 @@ import shutil
 import signal
 import struct
 import subprocess
-import sys
 
 import numpy as np
 import tifffile
 
-SPECTRAL = os.path.abspath(os.environ.get("SPECTRAL", "build/spectral"))
-LIBRARY = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
-TMP = os.path.abspath(os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
-                                   os.path.splitext(os.path.basename(sys.argv[0]))[0]))
+import rendered
+
+SPECTRAL, TMP = map(os.path.abspath, (rendered.SPECTRAL, rendered.TMP))
 KINDS, PROCESSES, NAME = 64, 64, 16  # of struct report in fail.c
 REPORT_BYTES = KINDS * NAME + 8 + PROCESSES * 8 * (KINDS + 1)
 OLDER = b"This file was here before.\n"
@@ -197,7 +195,7 @@ class Place:
         """The variables that load the library; attack None: it only counts."""
         with open(self.report, "wb") as out:
             out.truncate(REPORT_BYTES)
-        more = {"LD_PRELOAD": LIBRARY, "FAIL_REPORT": self.report}
+        more = {"LD_PRELOAD": rendered.FAIL, "FAIL_REPORT": self.report}
         if attack:
             more["FAIL"] = attack
         if depth is not None:

@@ -9,10 +9,8 @@ import shutil
 import subprocess
 import sys
 
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import FAULTS, SPECTRAL, SPOIL, TMP, check, done, write
 
-FAULTS = os.path.abspath(os.environ.get("FAULTS", "build/test/fault.so"))
-SPOIL = os.path.abspath(os.environ.get("SPOIL_LIBRARY", "build/test/spoil.so"))
 SCRIPT = os.path.abspath("data/samples/reduce.py")
 SMALL = ("--size", "150x100", "--wavelengths", "400:700:20")
 

@@ -68,6 +68,7 @@ refuses 'a page shows at most 65535 objects and parts; this scene has 65537' "vi
 } >"$tmp/wide.scene"
 run "$SPECTRAL" plan "$tmp/wide.scene"
 prints '^  tiles +2$' "a pixel with many terms has narrower tiles"
+refuses 'at most 64 MB' "a line of 65 MB" sh -c 'head -c 68157440 /dev/zero | tr "\0" "#" | "$SPECTRAL" plan -'
 refuses 'the file has 257 MB; a text file has at most 256 MB' "a pipe that gives too long a text" \
     sh -c 'yes "# a comment" | head -c 268435457 | "$SPECTRAL" plan -'
 printf '%s\n' 'material m { diffuse 0.5 }' 'material black { diffuse 0 }' 'object plane 2 2 material m' \

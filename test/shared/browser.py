@@ -235,9 +235,6 @@ class Browser(Page):
         for kind in ("dragEnter", "dragOver", "drop"):
             self.send("Input.dispatchDragEvent", type=kind, x=300, y=300, data=data)
 
-    def picture(self):
-        return base64.b64decode(self.send("Page.captureScreenshot", format="png")["data"])
-
     KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Enter": 13,
             "Tab": 9, " ": 32}
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* A hash table, compared with a list: keys of all lengths, with bytes of all values. */
-#include <stdlib.h>
 
 #include "data/base/base.h"
 #include "test.h"

@@ -2,8 +2,6 @@
 /* No byte of a stranger's file drives the terminal: messages, tables and JSON hold printable
  * characters of valid UTF-8 only; XML has its own characters only, and a shell reads a printed word
  * back. */
-#include <stdlib.h>
-#include <string.h>
 
 #include "data/base/base.h"
 #include "data/text/text.h"

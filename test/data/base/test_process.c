@@ -3,11 +3,8 @@
  * the user gets an exit status that the command itself gave, or 3 and one line, and no file is left
  * that the guard knows. */
 #include <signal.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <time.h>
-#include <unistd.h>
 
 #include "data/base/inside.h"
 #include "test.h"

@@ -5,7 +5,6 @@
 #include "data/base/inside.h"
 #include "test.h"
 
-#include <stdlib.h>
 #include <time.h>
 
 /* ---- loops ---- */

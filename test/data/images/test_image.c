@@ -4,11 +4,7 @@
  * form; libtiff writes it here, tifffile writes it in test/data/images/images.py, and the program
  * writes it itself. Files that are broken, cut short or of another kind are refused. */
 #include <fcntl.h>
-#include <float.h>
-#include <stdlib.h>
-#include <sys/stat.h>
 #include <tiffio.h>
-#include <unistd.h>
 
 #include "bytes.h"
 #include "data/base/inside.h"
@@ -626,6 +622,25 @@ static void test_cuts(void)
         check_cuts(bands[i], bands[i]);
 }
 
+/* A texture's file is cut short while it is open: its planes fail, and the message says where. */
+static void test_cut_texture(void)
+{
+    const double nm[PAGES] = {400, 500, 600};
+    struct texture texture = {.spectral = true};
+    struct error err = {0};
+    struct stat status;
+    write_stack();
+    CHECK(texture_read(path, from, tags_read, &texture, &err) && stat(path, &status) == 0 &&
+              truncate(path, status.st_size - 1) == 0,
+          "a stack is read as a texture, then cut %s", err.text);
+    CHECK_NEAR(texture.largest, 0, 0, "the largest value of a black texture is 0");
+    CHECK(texture_load(&texture, nm, 2, &err), "a remaining page can be loaded %s", err.text);
+    CHECK(!texture_load(&texture, nm, 3, &err) && strstr(err.text, "page 3 (600 nm)") != NULL,
+          "a lost page cannot be loaded: %s", err.text);
+    texture_free(&texture);
+    texture_free(&texture);
+}
+
 int main(void)
 {
     char command[512], folder[200];
@@ -645,6 +660,7 @@ int main(void)
     test_short_jpeg();
     test_swapped_strips();
     test_cuts();
+    test_cut_texture();
     unlink(path);
     return test_end();
 }

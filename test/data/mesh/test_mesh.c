@@ -2,7 +2,6 @@
 /* Compares the OBJ reader and mesh builder with closed forms. Both renderers share them, so no
  * other test would find their errors. test/cases/bad/meshes.cases has refused ones. */
 #include <float.h>
-#include <sys/stat.h>
 #include <time.h>
 
 #include "data/maths/maths.h"

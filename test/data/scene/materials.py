@@ -1,4 +1,4 @@
-#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+#!/usr/bin/env -S PYTHONPATH=test/shared:test/make /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
 """Checks the sample materials: metals, metamers and fluorescent pairs. Their files equal the output of their
@@ -6,14 +6,12 @@ makers, and their claims are recomputed from the digits in the files and from da
 are compared by CIEDE2000, which compare.py finds equal to the program's, and test_colour.c that to published pairs. Prints TAP."""
 import os
 import subprocess
-import sys
 
 import numpy as np
 
 from colours import cielab, ciede2000
-from rendered import SPECTRAL, TMP, check, done
+from rendered import SPECTRAL, TMP, built_in, check, done
 
-sys.path.append("test/make")
 from material_files import thesis_observer
 
 FOLDER = "data/builtin/materials"
@@ -22,8 +20,7 @@ VISIBLE_DIFFERENCE = 5 # CIEDE2000
 
 
 def table(name):
-    rows = [line.split(",") for line in open(f"data/builtin/tables/{name}.csv") if line[0].isdigit()]
-    nm, *columns = np.array(rows, float).T
+    nm, *columns = built_in(name)
     return np.array([np.interp(NM, nm, column, left=0, right=0) for column in columns])
 
 

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Material files of the thesis's format, and materials in a scene, are accepted and mean what their
  * authors expect. test/cases/bad has those that are refused. */
-#include <stdlib.h>
-#include <sys/stat.h>
 
 #include "data/scene/inside.h"
 #include "data/spectra/spectra.h"

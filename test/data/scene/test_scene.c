@@ -3,8 +3,6 @@
  * out by hand, and checks the command line's overrides. test/cases/bad has the scenes and options
  * that are refused; test/raster/reference/effects.py draws lights of all kinds, and shading.py each
  * shading. */
-#include <stdlib.h>
-#include <sys/stat.h>
 
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"

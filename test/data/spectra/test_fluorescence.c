@@ -3,13 +3,10 @@
  * in closed form, and with the balance of energy. test/cases/bad/matrices.cases has refused ones.
  */
 #include <float.h>
-#include <stdlib.h>
-#include <sys/stat.h>
 
 #include "spectral.h"
 #include "spectra.h"
 
-enum { PATH_SIZE = 512 };
 static const double half_epsilon = DBL_EPSILON / 2; /* of a rounding */
 
 /* Returns a spectrum that owns nothing. */

@@ -10,10 +10,9 @@ import shutil
 import subprocess
 import time
 
-from rendered import SPECTRAL, TMP, bytes_of, check, done, remove, run, write
+from rendered import FAULTS, SPECTRAL, TMP, bytes_of, check, done, remove, run, write
 
 FULL = "FULL" in os.environ
-FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 SEED = int(os.environ.get("SEED", time.time()))
 WHOLE, JOINED = os.path.join(TMP, "whole.tif"), os.path.join(TMP, "joined.tif")
 PATCHES = ("patches", "--size", "1600x1300", "--wavelengths", "450:650:100")  # three rows of tiles

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # level: release; packages: python3-numpy python3-tifffile imagej default-jdk-headless
 # Readers of other programs read stacks correctly: tifffile and ImageJ each print one line a page, its label and a checksum of
-# its samples. Both must agree. ImageJ is skipped if it is not installed. test_stack.c finds each sample by a small walker
-# that knows only TIFF 6.0; recipes.py compares every sample, wavelength and scale that GDAL reads with those of tifffile.
+# its samples. Both must agree. ImageJ is skipped if it is not installed. test_stack.c finds each sample
+# where libtiff says; recipes.py compares every sample, wavelength and scale that GDAL reads with those of tifffile.
 . test/shared/tap.sh
 python=${PYTHON:-/usr/bin/python3} # the Python that finds the system's modules
 imagej=${IMAGEJ_JAR:-/usr/share/java/ij.jar}

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* A stack's record of its scene, that is the lights, their white, and the object at each pixel, is
  * compared with the scene, which was written by hand. A stack whose record is forged, damaged or
- * missing is read like a stack of another program; a file that is no spectral stack is refused. */
+ * missing is read like a stack of another program. develop.py and probe.py have stacks of others.
+ */
 #include "bytes.h"
 #include "data/base/inside.h"
 #include "data/images/images.h"
@@ -13,9 +14,6 @@
 #include "raster/plan/plan.h"
 #include "raster/render/inside.h"
 #include "spectral.h"
-
-#include <stdlib.h>
-#include <tiffio.h>
 
 static const char *const path = "cube.tif";
 static struct detector observer; /* cie1931 */
@@ -306,39 +304,6 @@ static void test_stray(void)
     free(bytes);
 }
 
-/* Two pages that libtiff writes, and how the file is refused. */
-struct foreign {
-    const char *name, *what, *names[2];
-    int bits;
-    bool rgb;
-};
-
-/* Writes two pages of 4x3 pixels; zeros are defaults. */
-static bool write_pages(const struct foreign *of)
-{
-    static const unsigned char pixels[4 * 3 * 4 * 3];
-    const int bits = of->bits > 0 ? of->bits : 16, n_samples = of->rgb ? 3 : 1;
-    TIFF *tiff = TIFFOpen(path, "w");
-    bool good = tiff != NULL;
-    for (int page = 0; good && page < 2; page++) {
-        TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 4);
-        TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 3);
-        TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
-        TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, n_samples);
-        TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
-                     bits == 32 ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT);
-        TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, of->rgb ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
-        if (of->names[page] != NULL)
-            TIFFSetField(tiff, TIFFTAG_PAGENAME, of->names[page]);
-        good = TIFFWriteEncodedStrip(tiff, 0, (void *)(uintptr_t)pixels,
-                                     4 * 3 * bits / 8 * n_samples) > 0 &&
-               TIFFWriteDirectory(tiff);
-    }
-    if (tiff != NULL)
-        TIFFClose(tiff);
-    return good;
-}
-
 /* Checks that the file is refused in one line that names it and contains `what`. */
 static void check_refusal(const char *name, const char *what)
 {
@@ -349,29 +314,6 @@ static void check_refusal(const char *name, const char *what)
               strchr(err.text, '\n') == NULL,
           "%s: refused with '%s': %s", name, what, err.text);
     cube_close(&cube);
-}
-
-static void test_foreign(void)
-{
-    static const struct foreign good = {.names = {"400 nm", "500 nm"}};
-    static const struct foreign refused[] = {
-        {"a wavelength twice", "its wavelengths repeat: page 2 records 500 nm after 500 nm",
-         .names = {"500 nm", "500 nm"}},
-        {"RGB", "its pages are RGB", .names = {"400 nm", "500 nm"}, .bits = 8, .rgb = true},
-        {"12 bits", "its samples are 1 of 12 bits, unsigned", .names = {"400 nm", "500 nm"},
-         .bits = 12},
-    };
-    struct cube cube;
-    struct error err = {0};
-    CHECK(write_pages(&good) && cube_open(path, &cube, &err), "a stack of another program opens %s",
-          err.text);
-    CHECK(cube.record.text == NULL && object_at(&cube, 0, 0) == -1, "it has no objects");
-    check_no_white(&cube, NULL, "records no white");
-    cube_close(&cube);
-    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
-        CHECK(write_pages(&refused[i]), "%s is written", refused[i].name);
-        check_refusal(refused[i].name, refused[i].what);
-    }
 }
 
 /* A stack of spectral may be cut short in its object map. test_image.c cuts stacks anywhere else.
@@ -577,7 +519,6 @@ int main(void)
     struct error err = {0};
     test_enter();
     test_need(detector_read("cie1931", &observer, &err), err.text);
-    TIFFSetWarningHandler(NULL); /* the writer in this test */
     test_mean();
     test_dark();
     test_squares(REFERENCE);
@@ -586,7 +527,6 @@ int main(void)
     test_many();
     test_forged();
     test_stray();
-    test_foreign();
     test_cuts();
     test_sampled();
     test_boxes();

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A record reads back from the file's XML unchanged, with any bytes in its names. A forged record
  * does no harm. test/fuzz/record.c writes and reads the fields of samplings, too. */
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
 
 #include "data/base/inside.h"
 #include "data/images/images.h"

@@ -3,7 +3,6 @@
  * test/cases/bad has most messages. */
 #include <errno.h>
 #include <limits.h>
-#include <stdlib.h>
 
 #include "data/base/base.h"
 #include "data/text/text.h"

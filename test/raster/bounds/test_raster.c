@@ -2,7 +2,6 @@
 /* Clipping neither loses nor doubles any area; counts, floors and exactness are judged as they
  * should be. The bounds on interpolation hold for Mesa's arithmetic in single precision, and are
  * not far too wide. */
-#include <stdlib.h>
 
 #include "data/maths/maths.h"
 #include "raster/bounds/inside.h"
@@ -140,19 +139,6 @@ static double single_precision(const float x[3], const float y[3], const float w
     return (double)(plane[0] / plane[1]);
 }
 
-static double inverse_w_at(const struct clipped_triangle *o, double px, double py)
-{
-    double sum = 0, area = 0;
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        double e = (o->screen.x[j] - px) * (o->screen.y[k] - py) -
-                   (o->screen.x[k] - px) * (o->screen.y[j] - py);
-        sum += e * o->screen.inverse_w[i];
-        area += e;
-    }
-    return sum / area;
-}
-
 /* Returns NaN outside the triangle, where nothing is drawn. */
 static double exact(const struct clipped_triangle *o, const double values[3], double px, double py)
 {
@@ -183,12 +169,14 @@ static void check_bounds(double size, double depth_range, const char *name)
                                            .reach_y = 1025,
                                            .value_roundings =
                                                driver_of("llvmpipe")->value_roundings};
-        double values[3], cx = test_random(&state, 100, 900), cy = test_random(&state, 100, 900);
+        double values[3], depths[3], cx = test_random(&state, 100, 900),
+                                     cy = test_random(&state, 100, 900);
         float x[3], y[3], w[3], v[3];
         for (int c = 0; c < 3; c++) {
             clipped.screen.x[c] = cx + test_random(&state, -size, size);
             clipped.screen.y[c] = cy + test_random(&state, -size, size);
-            clipped.screen.inverse_w[c] = 1 / test_random(&state, 1, depth_range);
+            depths[c] = test_random(&state, 1, depth_range);
+            clipped.screen.inverse_w[c] = 1 / depths[c];
             values[c] = test_random(&state, 0, 1);
             x[c] = (float)clipped.screen.x[c];
             y[c] = (float)clipped.screen.y[c];
@@ -211,7 +199,7 @@ static void check_bounds(double size, double depth_range, const char *name)
         double error = fabs(single_precision(x, y, w, v, (float)px, (float)py) - expected);
         struct colour_bound bound = bound_colour(&clipped, values);
         struct colour_bound of_d = clipped.inverse_w_bound;
-        double d = inverse_w_at(&clipped, px, py), least = d - (of_d.fixed + of_d.per_d * d);
+        double d = 1 / exact(&clipped, depths, px, py), least = d - (of_d.fixed + of_d.per_d * d);
         worst = fmax(worst, error / clipped.magnification /
                                 (bound.constant + bound.own_constant +
                                  (bound.fixed + bound.own_fixed + bound.per_d * d) / least));

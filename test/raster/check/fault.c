@@ -50,6 +50,8 @@ static const struct parameter_fault {
     GLfloat factor, offset;
 } parameter_faults[] = {
     {25, GL_SHININESS, GL_SHININESS, 1.01F, 0},
+    {85, GL_SHININESS, GL_SHININESS, 0.999999F, 0},
+    {86, GL_SHININESS, GL_SHININESS, 0.999F, 0},
     {30, GL_LINEAR_ATTENUATION, GL_QUADRATIC_ATTENUATION, 1, 0},
     {30, GL_QUADRATIC_ATTENUATION, GL_LINEAR_ATTENUATION, 1, 0},
     {54, GL_SPOT_EXPONENT, GL_SPOT_EXPONENT, 1.01F, 0},
@@ -158,7 +160,8 @@ static const struct projection_fault {
     int fault;
     double factor_x, factor_y, right;
 } projection_faults[] = {
-    {5, 1, 1, 0.5}, {6, 1, 1, 1.0 / 64}, {7, 1, -1, 0}, {8, -1, 1, 0}, {9, -1, -1, 0},
+    {5, 1, 1, 0.5}, {6, 1, 1, 1.0 / 64}, {7, 1, -1, 0},
+    {8, -1, 1, 0},  {9, -1, -1, 0},      {87, 1, 1, 0.1},
 };
 
 static void spoil_projection(GLdouble matrix[16])
@@ -377,10 +380,9 @@ static void draw_part(const struct draw *draw, GLsizei from, GLsizei to)
 {
     if (draw->indexed)
         REAL(glDrawElements)
-        (draw->mode, to - from, draw->type,
-         (const void *)((uintptr_t)draw->indices + (size_t)from * sizeof(GLuint)));
-    else
-        REAL(glDrawArrays)(draw->mode, draw->first + from, to - from);
+    (draw->mode, to - from, draw->type,
+     (const void *)((uintptr_t)draw->indices + (size_t)from * sizeof(GLuint)));
+    else REAL(glDrawArrays)(draw->mode, draw->first + from, to - from);
 }
 
 /* Draws the last triangle moved to the right by 1/256 pixel. */

@@ -22,9 +22,8 @@ import time
 import numpy as np
 import tifffile
 
-from rendered import SPECTRAL, TMP, check, done, path_of
+from rendered import FAULTS, SPECTRAL, TMP, check, done, path_of
 
-FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 KEPT = "test/cases/random"
 FULL = "FULL" in os.environ
 DEFAULT_COUNT = {"llvmpipe": 200, "softpipe": 30}

@@ -2,7 +2,6 @@
 /* One geometry explains all bands: errors that weights, or a place in a texture, have in common in
  * all bands are explained within the bound, whatever each band rounds by itself; and an error of
  * one band alone, of twice the floor, is always found. */
-#include <stdint.h>
 
 #include "data/images/images.h"
 #include "raster/check/inside.h"

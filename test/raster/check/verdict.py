@@ -15,9 +15,8 @@ import numpy as np
 import tifffile
 from PIL import Image
 
-from rendered import SPECTRAL, check, done, output_of, path_of, remove, run, write
+from rendered import FAULTS, SPECTRAL, check, done, output_of, path_of, remove, run, write
 
-FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 ENDLESS, HOLLOW, WHOLE = (os.path.join(os.path.dirname(FAULTS), f"spectral-{name}")
                           for name in ("endless", "hollow", "whole"))
 DRIVERS = "llvmpipe", "softpipe"

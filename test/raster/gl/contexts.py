@@ -1,4 +1,4 @@
-#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+#!/usr/bin/env -S PYTHONPATH=test/shared:test/raster/check /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile libosmesa6
 """Checks --gl: OSMesa, EGL without a window and EGL's device draw the same colours, depths, triangles and fragments to
@@ -8,11 +8,9 @@ import json
 import os
 import re
 import subprocess
-import sys
 
 import numpy as np
 
-sys.path.append("test/raster/check")
 import random_scenes
 from rendered import SCENES, SPECTRAL, TMP, check, done, objects_of, pages_of, refuses, render, run
 

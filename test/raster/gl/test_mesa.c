@@ -4,9 +4,7 @@
  * and the behaviour of both that the program relies on. test/README.md explains each measurement.
  * Facts about Mesa must hold in 22.3.6; if another version behaves otherwise, the test says so and
  * skips the fact. Behaviour that the program relies on must hold in every version. */
-#include <stdint.h>
 #include <sys/wait.h>
-#include <unistd.h>
 
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
@@ -54,16 +52,14 @@ static void needed(const struct canvas *canvas, bool holds, const char *fact)
 
 /* ---- the canvas ---- */
 
-/* Knuth's MMIX constants, so that every machine draws the same numbers. */
-static uint32_t random_bits(struct canvas *canvas)
-{
-    canvas->random = canvas->random * 6364136223846793005u + 1442695040888963407u;
-    return (uint32_t)(canvas->random >> 33);
-}
-
 static double random_in(struct canvas *canvas, double low, double high)
 {
-    return low + (high - low) * random_bits(canvas) / 2147483648.0;
+    return test_random(&canvas->random, low, high);
+}
+
+static int random_below(struct canvas *canvas, int n)
+{
+    return (int)random_in(canvas, 0, n);
 }
 
 static bool open_context(struct canvas *canvas, int format)
@@ -132,9 +128,9 @@ static void draw_triangle(double corner[3][3], int first)
  * moved upwards. */
 static void random_sliver(struct canvas *canvas, double off, double corner[3][3])
 {
-    double back = random_bits(canvas) % 4 + 1, ahead = random_bits(canvas) % 4 + 1;
+    double back = random_below(canvas, 4) + 1, ahead = random_below(canvas, 4) + 1;
     for (int j = 0; j < 2; j++) {
-        double aside = (random_bits(canvas) % 5 - 2.0) / 1024;
+        double aside = (random_below(canvas, 5) - 2.0) / 1024;
         double middle = floor(random_in(canvas, 60, 190)) + 0.5 + aside;
         double step = floor(random_in(canvas, -8, 8) * 1024) / 1024;
         corner[0][j] = middle - back * step;
@@ -258,8 +254,8 @@ static void ties(struct canvas *canvas)
 static void random_far_triangle(struct canvas *canvas, double corner[3][3])
 {
     for (int j = 0; j < 2; j++) {
-        double step = random_bits(canvas) % 3 - 1.0;
-        corner[0][j] = random_bits(canvas) % 20 + 210.5;
+        double step = random_below(canvas, 3) - 1.0;
+        corner[0][j] = random_below(canvas, 20) + 210.5;
         corner[1][j] = corner[0][j] + 12 * step;
         corner[2][j] = corner[0][j] + random_in(canvas, -8, 8);
     }
@@ -462,7 +458,7 @@ static void random_soup(struct canvas *canvas, struct soup *soup)
                 soup->position[i][j] = (float)(middle[j] + random_in(canvas, -size, size));
             soup->name[i][0] = (float)(t + 1);
             soup->name[i][1] = (float)(16777216 - t);
-            soup->name[i][2] = (float)(random_bits(canvas) % 16777217);
+            soup->name[i][2] = (float)(random_below(canvas, 16777217));
         }
     }
 }

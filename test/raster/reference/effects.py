@@ -7,7 +7,8 @@ radiances in closed form. Prints TAP."""
 import numpy as np
 import tifffile
 
-from rendered import D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, check, done, path_of, per_band, write
+from rendered import (D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, check, done, pages_of, path_of, per_band, reference,
+                      write, write_stack)
 
 SINGLE = 2.0 ** -24  # texels are kept in single precision, rounded once
 UV = np.interp(WAVELENGTHS, *built_in("uv"))
@@ -186,17 +187,26 @@ def spectral_textures(renderer):
                      "--wavelengths", "400:700:20")
     pages = source.radiance.astype(np.float32).astype(float)
 
-    def shown(name, mode, wavelengths, expected):
-        scene = (f"{size}ambient 1 1\nmaterial m {{ diffuse 1 spectral-texture source-{renderer}.tif "
-                 f"{mode} }}\nobject plane 24 18 material m")
-        Picture("shown", renderer, scene, "--wavelengths", wavelengths).agrees(
+    def scene_of(texture, mode):
+        return (f"{size}ambient 1 1\nmaterial m {{ diffuse 1 spectral-texture {texture}.tif {mode} }}\n"
+                "object plane 24 18 material m")
+
+    def shown(name, mode, wavelengths, expected, texture=f"source-{renderer}"):
+        Picture("shown", renderer, scene_of(texture, mode), "--wavelengths", wavelengths).agrees(
             expected, f"{renderer}: {name}, {mode}", slack=2 * SINGLE)
 
+    write_stack("single.tif", np.float32(pages[5:6]), [500])
     for mode in ("nearest", "linear"):
         shown("a stack as texture shows its own radiances", mode, "400:700:20", pages)
         shown("between two pages a texture is interpolated linearly", mode, "405:685:20",
               0.75 * pages[:-1] + 0.25 * pages[1:])
         shown("beyond its pages a texture keeps the end pages", mode, "350,399,701,760", pages[[0, 0, -1, -1]])
+        shown("a texture of one page is the same at all wavelengths", mode, "300,500,760", pages[[5, 5, 5]], "single")
+    bright = np.float32([0 * pages[0], 2.0 ** 60 + 0 * pages[0], pages[0]])
+    write_stack("bright.tif", bright, [400, 500, 700])
+    seen = pages_of(reference("seen.tif", write("bright.scene", scene_of("bright", "nearest")), "--wavelengths", "400,700",
+                              "--depth", "32f"))
+    check((seen == bright[[0, 2]]).all(), "not the smallest part of a page, however bright, is in its neighbours")
 
 
 # ---- lights ----

@@ -10,7 +10,7 @@ import numpy as np
 import tifffile
 
 import rendered
-from rendered import SCENES, check, done, output_of, path_of, refuses, write
+from rendered import FAULTS, SCENES, check, done, output_of, path_of, refuses, write
 
 NINE_LIGHTS = "".join(f"light 1 0.1 position {x} 3 8\n" for x in range(-4, 5))
 ONE = "wavelengths 500 500 1\nmaterial matt { diffuse 1 }\nmaterial shiny { specular 1 gloss 40 }\n"
@@ -238,18 +238,17 @@ def buffers():
 
 def faults():
     """Faults planted between the program and OpenGL, by their numbers in test/README.md."""
-    library = os.environ.get("FAULTS", "build/test/fault.so")
     large = ("1 patches", "3 patches", "5 patches", "11 patches", "15 patches", "24 glossy", "38 patches", "42 patches",
              "48 patches", "58 groups", "62 textures", "69 patches", "70 patches")
     small = ("34 patches", "37 patches", "43 patches", "47 patches", "58 groups", "62 textures")
     for bits, planted in (("8", large), ("16", small)):
         for fault in planted:
             number, scene = fault.split()
-            found = run(f"test/cases/faults/{scene}.scene", "--buffer", bits, "-o", "/dev/null", FAULT=number, LD_PRELOAD=library)
+            found = run(f"test/cases/faults/{scene}.scene", "--buffer", bits, "-o", "/dev/null", FAULT=number, LD_PRELOAD=FAULTS)
             check(found.returncode == 1 and "the pictures differ" in found.stderr,
                   f"a buffer of {bits} bits: fault {number} is found in {scene}", found.stderr)
         for scene in ("patches", "glossy", "groups", "textures"):
-            none = run(f"test/cases/faults/{scene}.scene", "--buffer", bits, "-o", "/dev/null", FAULT="0", LD_PRELOAD=library)
+            none = run(f"test/cases/faults/{scene}.scene", "--buffer", bits, "-o", "/dev/null", FAULT="0", LD_PRELOAD=FAULTS)
             check(none.returncode == 0, f"without a fault the same buffer agrees: {scene}", none.stderr)
 
 

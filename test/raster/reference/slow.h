@@ -42,8 +42,9 @@
 #include "raster/reference/reference.h"
 
 static const long double u = 0x1p-53L;
+#define SLOW_LEAST 1e-60L /* far below the range of single precision, which ends bounds */
 
-enum { SLOW_ATTRIBUTES = 20, SLOW_CORNERS = 5 };
+enum { SLOW_ATTRIBUTES = 60, SLOW_CORNERS = 5 };
 
 /* ---- vectors ---- */
 
@@ -107,8 +108,8 @@ static bool slow_mirrored(const struct matrix *m)
 
 struct slow_vertex {
     long double clip[4], e_clip[4];
-    long double value[2][SLOW_ATTRIBUTES],
-        error[2][SLOW_ATTRIBUTES]; /* weights of front and back */
+    long double value[2][SLOW_ATTRIBUTES], error[2][SLOW_ATTRIBUTES],
+        doubt[2][SLOW_ATTRIBUTES]; /* weights of front and back; the part that may be lit or not */
 };
 
 static struct triple slow_normal(const struct matrix *m, struct vector normal)
@@ -197,8 +198,9 @@ static void slow_light(const struct lit_scene *lit, int s, int index, struct tri
                 doubts += doubt;
             }
             out->value[side][t] = sum;
+            out->doubt[side][t] = doubts;
             out->error[side][t] = (long double)lit->bounds[s].errors[at + (size_t)t] * 0x1p-29L +
-                                  2 * u * plan->n_lights * sum + doubts;
+                                  2 * u * plan->n_lights * sum + doubts + SLOW_LEAST;
         }
         out->value[side][shaded->n_terms] = (long double)vertex->s;
         out->value[side][shaded->n_terms + 1] = (long double)vertex->t;

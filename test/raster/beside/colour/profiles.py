@@ -1,15 +1,16 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile liblcms2-utils; makes: test_profile
-"""Little CMS reads the ICC profiles as intended: media-relative XYZ for D50. Prints TAP."""
-import os
+# level: first; packages: python3-numpy python3-tifffile liblcms2-utils
+"""The ICC profiles of pictures are as the specification says (ICC.1:2010), and Little CMS reads them as intended:
+media-relative XYZ for D50. Prints TAP."""
+import struct
 import subprocess
 
 import numpy as np
+import tifffile
 
-from rendered import TMP, check, done
+from rendered import check, done, output_of, path_of, reference
 
-BUILD = os.environ.get("BUILD", "build")
 D50 = np.array([0.9642, 1, 0.8249])
 BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
 # IEC 61966-2-1: linear RGB to XYZ, from the chromaticities of the primaries and of D65
@@ -18,8 +19,11 @@ PRIMARIES = np.array([[0.64, 0.30, 0.15], [0.33, 0.60, 0.06], [0.03, 0.10, 0.79]
 MONITOR = np.array([[0.03426, -0.01633, -0.005365], [-0.01026, 0.01911, 0.0002522],
                     [0.000529, -0.001811, 0.00867]])
 GAIN, EXPONENT = np.array([1.035, 1.053, 1.047]), np.array([1.534, 1.393, 1.435])
-VALUES = np.array([[255, 255, 255], [255, 0, 0], [0, 255, 0], [0, 0, 255], [128, 128, 128], [8, 8, 8],
+CHANNELS = [*np.eye(3, dtype=int), np.ones(3, int)]
+VALUES = np.array([*(value * channel for channel in CHANNELS for value in range(256)),
                    [200, 100, 50], [1, 2, 3], [30, 60, 240], [250, 255, 245]])
+TAGS = {"desc": "mluc", "cprt": "mluc", "wtpt": "XYZ ", "chad": "sf32", **{f"{channel}XYZ": "XYZ " for channel in "rgb"},
+        **{f"{channel}TRC": "para" for channel in "rgb"}}
 
 
 def srgb(values):
@@ -32,10 +36,30 @@ def monitor(values):
     return (GAIN * values) ** EXPONENT @ np.linalg.inv(MONITOR).T
 
 
-def beside_d50(xyz, white):
-    """Adapted by Bradford's linear transform from white to D50"""
-    gain = BRADFORD @ D50 / (BRADFORD @ white)
-    return xyz @ (np.linalg.inv(BRADFORD) * gain @ BRADFORD).T
+def to_d50(white):
+    """Bradford's linear transform from white"""
+    return np.linalg.inv(BRADFORD) * (BRADFORD @ D50 / (BRADFORD @ white)) @ BRADFORD
+
+
+def check_form(name, profile, adaptation):
+    """All data follow the table of tags, at multiples of 4, without gaps."""
+    words = np.frombuffer(profile, ">u4")
+    check(words[0] == len(profile), f"{name}: the profile records its size")
+    check(profile[8:10] == b"\4\x30" and profile[12:24] == b"mntrRGB XYZ " and profile[36:40] == b"acsp",
+          f"{name}: it is a display's profile, from RGB to XYZ, of version 4.3")
+    check(words[17:20].tolist() == [0xF6D6, 0x10000, 0xD32D], f"{name}: its D50 is the specification's")
+    end, n = 132 + 12 * len(TAGS), int(words[32])
+    table = {tag.decode(): place for tag, *place in struct.iter_unpack(">4s2I", profile[132:132 + 12 * n])}
+    check(n == len(table) and set(table) == set(TAGS), f"{name}: it has {len(TAGS)} tags", table)
+    for tag, kind in TAGS.items():
+        at, size = table[tag]
+        check(at == end and profile[at:at + 8] == kind.encode() + bytes(4) and size >= 12 and at + size <= len(profile),
+              f"{name}: {tag} follows, of type '{kind}'", at, size)
+        end = (at + size + 3) // 4 * 4
+    check(end == len(profile), f"{name}: no data follow the last tag")
+    for tag, expected in ("wtpt", D50), ("chad", adaptation.ravel()):
+        numbers = np.frombuffer(profile, ">i4", len(expected), table[tag][0] + 8) / 65536
+        check(np.abs(numbers - expected).max() <= 0.5 / 65536 + 1e-9, f"{name}: {tag} has the numbers of D50", numbers, expected)
 
 
 def read_by_lcms(path):
@@ -45,12 +69,18 @@ def read_by_lcms(path):
     return np.array([line.split() for line in seen.split("\n") if line.strip()], float) / 100
 
 
+stack = reference("stack.tif", "patches", "--size", "4x4")
 for name, to_xyz in (("srgb", srgb), ("monitor", monitor)):
-    path = os.path.join(TMP, f"{name}.icc")
-    with open(path, "wb") as out:
-        subprocess.run([f"{BUILD}/test/test_profile", name], stdout=out, check=True)
-    expected = beside_d50(to_xyz(VALUES / 255), to_xyz(np.ones(3)))
-    difference = abs(read_by_lcms(path) - expected)
+    output_of("develop", stack, "-o", path_of("picture.tif"), "--display", name)
+    with tifffile.TiffFile(path_of("picture.tif")) as tiff:
+        profile = tiff.pages[0].tags[34675].value
+    with open(path_of(f"{name}.icc"), "wb") as out:
+        out.write(profile)
+    white = to_xyz(np.ones(3))
+    adaptation = to_d50(white / white[1])
+    check_form(name, profile, adaptation)
+    expected = to_xyz(VALUES / 255) @ adaptation.T / white[1]
+    difference = abs(read_by_lcms(out.name) - expected)
     # Numbers of the profile are rounded to 1/65536; those of the curves can count up to three times.
     check(difference.max() < 4 / 65536, f"{name}: {len(VALUES)} colours through Little CMS "
           f"(largest difference {difference.max():.6f})")

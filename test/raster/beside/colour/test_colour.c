@@ -159,27 +159,13 @@ static void check_chromaticity(void)
           "the display's white has D65's x and y, and Y = 100");
 }
 
-static void check_matrices(void)
+static void check_product(void)
 {
-    /* Its determinant is 2 (3 - 0) - 1 (0 - 4) = 10; the cofactors as worked by hand. */
-    double m[3][3] = {{2, 1, 0}, {0, 1, 4}, {1, 0, 3}}, inverse[3][3], product[3][3], out[3];
-    const double by_hand[9] = {0.3, -0.3, 0.4, 0.4, 0.6, -0.8, -0.1, 0.1, 0.2};
-    const double column[3] = {1, 2, 3};
-    double worst = 0, worst_product = 0;
-    tristimulus_inverse(m, inverse);
-    tristimulus_product(inverse, m, product);
-    for (int i = 0; i < 9; i++) {
-        worst = fmax(worst, fabs(inverse[i / 3][i % 3] - by_hand[i]));
-        worst_product = fmax(worst_product, fabs(product[i / 3][i % 3] - (i % 4 == 0)));
-    }
-    CHECK_NEAR(worst, 0, 1e-15, "the inverse agrees with the cofactors");
-    CHECK_NEAR(worst_product, 0, 1e-15, "the inverse times the matrix is the identity");
-    tristimulus_apply(m, column, out);
-    CHECK(out[0] == 4 && out[1] == 14 && out[2] == 10, "a matrix acts on columns");
-    double swapped[3][3] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
-    tristimulus_product(swapped, m, product);
+    double m[3][3] = {{2, 1, 0}, {0, 1, 4}, {1, 0, 3}}, swap[3][3] = {{0, 1}, {1}, {0, 0, 1}};
+    double product[3][3];
+    tristimulus_product(swap, m, product);
     CHECK(product[0][2] == 4 && product[1][0] == 2 && product[2][2] == 3,
-          "the second factor of a product acts first");
+          "the second factor of a product of matrices acts first");
 }
 
 int main(void)
@@ -190,6 +176,6 @@ int main(void)
     check_older();
     check_conversions();
     check_chromaticity();
-    check_matrices();
+    check_product();
     return test_end();
 }

@@ -7,9 +7,6 @@
 #include "spectral.h"
 #include "test.h"
 
-#include <signal.h>
-#include <unistd.h>
-
 /* ---- the frontier ---- */
 
 static struct cost_entry entry(double fastest, double seconds, double slowest, double error)

@@ -7,13 +7,9 @@
  *     coarse    depths have 16 bits
  *     filter    linear filtering has weights of 8 bits, cut off
  *     passes    triangles that are drawn by numbers lie a step of depth further back
- *     gloss     shininess is off by 1/1000000
- *     dull      shininess is off by 1/1000
- *     shift     pixels' centres are off by 1/10 pixel
  *
  * Other lies are faults of fault.c, which is then loaded behind this library. */
 #define _GNU_SOURCE
-#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -38,18 +34,6 @@ const GLubyte *glGetString(GLenum name)
 }
 
 /* ---- where things are drawn ---- */
-
-void glLoadMatrixd(const GLdouble *matrix)
-{
-    GLdouble spoiled[16];
-    GLint mode, viewport[4];
-    memcpy(spoiled, matrix, sizeof spoiled);
-    glGetIntegerv(GL_MATRIX_MODE, &mode);
-    glGetIntegerv(GL_VIEWPORT, viewport);
-    for (int i = 0; i < 16 && mode == GL_PROJECTION && lies("shift"); i += 4)
-        spoiled[i] += 0.2 / viewport[2] * spoiled[i + 3];
-    REAL(glLoadMatrixd)(spoiled);
-}
 
 void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
                   void *pixels)
@@ -114,13 +98,6 @@ void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLs
     }
     REAL(glTexImage2D)(target, level, internal, across, up, border, format, type, large);
     free(large);
-}
-
-void glMaterialf(GLenum face, GLenum name, GLfloat value)
-{
-    if (name == GL_SHININESS && (lies("gloss") || lies("dull")))
-        value *= lies("dull") ? 0.999F : 0.999999F;
-    REAL(glMaterialf)(face, name, value);
 }
 
 void glDrawElements(GLenum mode, GLsizei count, GLenum type, const void *indices)

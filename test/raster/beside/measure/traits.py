@@ -1,4 +1,4 @@
-#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+#!/usr/bin/env -S PYTHONPATH=test/shared:test/raster/check /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults liar
 """Checks the measurements of a driver (raster/beside/measure): of Mesa's two drivers they find what test/README.md says;
@@ -7,19 +7,15 @@ bounds, or is refused with the reason. test_mesa.c measures what the program doe
 import json
 import os
 import re
-import sys
 
 import numpy as np
 import tifffile
 
-sys.path.append("test/raster/check")
 import random_scenes
-from rendered import SCENES, TMP, check, done, run, write
+from rendered import FAULTS, LIAR, SCENES, TMP, check, done, run, write
 
-LIAR = os.path.abspath(os.environ.get("LIAR_LIBRARY", "build/test/liar.so"))
-FAULTS = os.path.abspath(os.environ.get("FAULTS", "build/test/fault.so"))
 FULL = "FULL" in os.environ
-PLANTED = {"fill": "9", "first": "12", "clamp": "36", "diffuse": "49"}  # lies that fault.c has, by their numbers there
+PLANTED = {"fill": "9", "first": "12", "clamp": "36", "diffuse": "49", "gloss": "85", "dull": "86", "shift": "87"}  # lies that fault.c has, by their numbers there
 STEP = 2.0**-9  # half a step of a grid of 8 bits below a pixel
 
 

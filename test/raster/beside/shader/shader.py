@@ -1,4 +1,4 @@
-#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+#!/usr/bin/env -S PYTHONPATH=test/shared:test/raster/check /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile; makes: spoil
 """Checks --renderer gl-shader and es-shader: pictures agree with the reference on both of Mesa's drivers, OpenGL 3.3 core
@@ -7,16 +7,13 @@ that cannot read depths is not said to be checked there. FULL: all scenes at 300
 import json
 import os
 import re
-import sys
 
 import numpy as np
 
-sys.path.append("test/raster/check")
 import random_scenes
-from rendered import EFFECTS, SCENES, TMP, check, done, pages_of, refuses, run, write
+from rendered import EFFECTS, SCENES, SPOIL, TMP, check, done, pages_of, refuses, run, write
 from tap import bail_out
 
-SPOIL = os.path.abspath(os.environ.get("SPOIL_LIBRARY", "build/test/spoil.so"))
 FULL = "FULL" in os.environ
 SMALL = () if FULL else ("--wavelengths", "400:700:20")
 

@@ -16,9 +16,8 @@ import subprocess
 import numpy as np
 import tifffile
 
-from rendered import EFFECTS, SPECTRAL, bail_out, check, done, output_of, pages_of, path_of, refuses, remove, run, write
+from rendered import EFFECTS, FAIL, SPECTRAL, bail_out, check, done, output_of, pages_of, path_of, refuses, remove, run, write
 
-FAIL = os.path.abspath(os.environ.get("FAIL_LIBRARY", "build/test/fail.so"))
 DRAW = path_of("draw")
 DRAWN = path_of("drawn")
 SIZE = (90, 60)

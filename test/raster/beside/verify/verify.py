@@ -15,10 +15,8 @@ import xml.etree.ElementTree
 from junitparser import JUnitXml
 
 import documents
-from rendered import SPECTRAL, TMP, check, done, path_of, refuses, remove, run, write
+from rendered import FAULTS, SPECTRAL, SPOIL, TMP, check, done, path_of, refuses, remove, run, write
 
-SPOIL = os.path.abspath(os.environ.get("SPOIL_LIBRARY", "build/test/spoil.so"))
-FAULTS = os.path.abspath(os.environ.get("FAULTS", "build/test/fault.so"))
 LLVMPIPE = ("--gl", "osmesa", "--renderer", "llvmpipe")
 
 

@@ -3,7 +3,6 @@
 # level: release; packages: python3-numpy python3-tifffile python3-pil chromium firefox-esr; makes: live
 """Tests live pages in headless Chromium and Firefox: the program in the page renders the bytes that the program itself
 renders, and changes by mouse, touch, keys and text stand in the saved scene. Prints TAP."""
-import hashlib
 import json
 import os
 import re
@@ -13,16 +12,15 @@ import time
 import numpy as np
 
 from browser import Browser, Firefox
-from rendered import TMP, check, done, output_of, path_of, run, write
+from rendered import LIVE, TMP, bytes_of, check, done, output_of, path_of, run, write
 
-PROGRAM = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
 SCENES = ("colorchecker", "fluorescence", "metals", "metamers", "pasture", "patches", "room", "spheres", "textures")
 SIZE = "96x64"
 
 
 def live(*words, **options):
     """Returns the output of the program with live pages."""
-    return output_of(*words, program=PROGRAM, **options)
+    return output_of(*words, program=LIVE, **options)
 
 
 def view(scene, *options):
@@ -31,23 +29,18 @@ def view(scene, *options):
     return page
 
 
-def digest(path):
-    with open(path, "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest()
-
-
 def rendered(scene, *options, **more):
-    """The digest of the stack that the command line makes."""
+    """The bytes of the stack that the command line makes."""
     stack = os.path.abspath(path_of("native.tif"))
     live("render", scene, "--renderer", "raster", "--no-check", "--quiet", "-o", stack, *options, **more)
-    return digest(stack)
+    return bytes_of(stack)
 
 
 def stacks(browser, which):
     """The stack that the page saves has the bytes of the program's."""
     for scene in SCENES:
         browser.open(view(scene, "--size", SIZE))
-        saved = digest(browser.download("save-stack", scene + ".tif"))
+        saved = bytes_of(browser.download("save-stack", scene + ".tif"))
         check(saved == rendered(scene, "--size", SIZE), f"{which}, {scene}: the stack that the page saves is that of render")
 
 
@@ -112,7 +105,7 @@ def added(before, after):
 def agrees(browser, name, what):
     """The saved scene, rendered by the command line, gives the stack that the page saves."""
     scene = browser.download("save-scene", name + ".scene")
-    stack = digest(browser.download("save-stack", name + ".tif"))
+    stack = bytes_of(browser.download("save-stack", name + ".tif"))
     check(rendered(name + ".scene", cwd=os.path.dirname(scene)) == stack,
           f"{what}: the saved scene gives the stack that the page saves")
 
@@ -315,7 +308,7 @@ def opening(browser, which):
                               "light d65 1 position 1 2 3\nmaterial red red.txt\nobject sphere 1 material red\n")
     words = "patches", "--size", "60x40", "--light", f"1={path_of('lamp.csv')}*0.5"
     browser.open(view(*words))
-    check(browser.message() == "" and digest(browser.download("save-stack", "patches.tif")) == rendered(*words),
+    check(browser.message() == "" and bytes_of(browser.download("save-stack", "patches.tif")) == rendered(*words),
           f"{which}: a built-in scene under a light from a file", browser.message())
     changes(browser, f"{which}, that scene", lambda: fill(browser, "size-width", "66"), lambda _, after: "size 66 40" in after and
             f"light {path_of('lamp.csv')} 0.5 " in after)
@@ -326,7 +319,7 @@ def opening(browser, which):
     drop(browser, scene, path_of("lamp.csv"), path_of("red.txt"))
     check(browser.evaluate("state.scene") == "my.scene" and browser.message() == "" and browser.evaluate("canvas.width") == 90,
           f"{which}: a scene that is dropped with its files is drawn", browser.message())
-    saved = digest(browser.download("save-stack", "my.tif"))
+    saved = bytes_of(browser.download("save-stack", "my.tif"))
     check(saved == rendered("my.scene", cwd=TMP), f"{which}: its stack is that of render")
     archive = browser.download("save-scene", "my.tar")
     with tarfile.open(archive) as tar:
@@ -463,7 +456,7 @@ def mistakes(browser, which):
         write_text(browser, good.replace(right, wrong))
         shown = browser.evaluate("element('text-error').firstChild?.textContent || ''").strip()
         write("spheres.scene", good.replace(right, wrong))
-        run_error = run("plan", "spheres.scene", program=PROGRAM, cwd=TMP).stderr.strip()
+        run_error = run("plan", "spheres.scene", program=LIVE, cwd=TMP).stderr.strip()
         check(shown == run_error and part in shown and browser.message() == shown,
               f"{which}, {wrong.strip()!r}: the page shows the message of the command line",
               shown, run_error)

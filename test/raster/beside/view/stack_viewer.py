@@ -11,11 +11,10 @@ from osgeo import gdal
 
 from browser import Browser, Firefox
 from colours import srgb
-from rendered import SPECTRAL, check, developed, done, output_of, path_of, reference, run, values_of
+from rendered import LIVE, SPECTRAL, check, developed, done, output_of, path_of, reference, run, values_of
 
 gdal.UseExceptions()
 PROGRAM = os.path.abspath(SPECTRAL)
-LIVE = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
 
 
 def foreign(name="cube", first=400, last=1000, n=200):

@@ -15,12 +15,11 @@ from PIL import Image
 from osgeo import gdal
 
 from browser import Browser
-from rendered import SPECTRAL, TMP, built_in, check, developed, done, objects_of, output_of, pages_of, path_of, reference, write
+from rendered import LIVE, SPECTRAL, TMP, built_in, check, developed, done, objects_of, output_of, pages_of, path_of, reference, write
 
 gdal.UseExceptions()
 SIZE = "120x80"
 PROGRAM = os.path.abspath(SPECTRAL)
-LIVE = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))
 browser = Browser(path_of("browser"))
 
 STRANGE = 'a </script><b>&amp; \\ <!-- <script>'  # a name with characters that HTML, JSON and JavaScript interpret
