@@ -8,7 +8,7 @@
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
  * copies of a frame, of its triangles and depths (36), of the next frame (16) and of those that
- * hold pilots (48), samples of three bands, of floats (12), surface, triangle, depth and its bound
+ * hold pilots (48), samples of three bands, twice (12), surface, triangle, depth and its bound
  * (20), fragments and steepness (8), floors and the mean bound (12), flags (2), and room for
  * ambiguous pixels (18). A row has a weight (8), its errors (8) and an estimate (4); a sum of
  * passes is a colour, and Mesa keeps a copy (32). Checked steps of 16 bits have a colour and depth

@@ -6,18 +6,24 @@
 
 #include "raster/render/inside.h"
 
+/* Counts on their way to the stack, of pages of a tile that follow one another. */
+struct counted {
+    struct rectangle at; /* in pixels of the picture */
+    int first_page, n_pages;
+    unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
+};
+
 struct state {
     struct rendering *of;
     const struct plan *plan;
     /* of the numbers that OpenGL draws, by tiles; of frames, by frame_number, in its buffers */
     struct places numbers, frames;
-    /* counts on their way to the stack; each has room for one page of a tile; owned */
-    unsigned char *samples[BANDS_PER_PASS];
-    struct check *checks;       /* one for each chunk of the current tile; NULL: none */
-    struct check_totals totals; /* of that tile */
-    int tile;                   /* how many are judged */
-    int frame, place;           /* the current frame, and where it is; DARK: none */
-    float *black;               /* a row of a frame that is not drawn; owned */
+    struct counted counted, written; /* by this pass; by the one before, to be written beside it */
+    struct check *checks;            /* one for each chunk of the current tile; NULL: none */
+    struct check_totals totals;      /* of that tile */
+    int tile;                        /* how many are judged */
+    int frame, place;                /* the current frame, and where it is; DARK: none */
+    float *black;                    /* a row of a frame that is not drawn; owned */
     long steps, all_steps;
     double since; /* clock_seconds when the reference began to draw */
 };
@@ -131,24 +137,23 @@ struct tile_pass {
     struct state *state;
     const struct tile *tile;
     int pass;
-    const float *pixels;      /* OpenGL's; NULL: it does not draw */
-    size_t stride;            /* of its rows, in pixels */
-    pthread_mutex_t lock;     /* of what follows */
-    double judging, counting; /* seconds of all threads */
+    const float *pixels;     /* OpenGL's; NULL: it does not draw */
+    size_t stride;           /* of its rows, in pixels */
+    pthread_mutex_t lock;    /* of these sums: */
+    double judging, storing; /* seconds of all threads */
     struct odd_samples odd;
-    bool failed;       /* to write */
-    struct error *err; /* of the first thread that failed */
+    bool failed; /* to write */
+    struct error *err;
 };
 
 /* A thread is worth starting for so many pixels of a pass. */
 enum { FEW_PIXELS = 1 << 14 };
 
-/* Calls work(of, i) for each chunk. */
-static void each_chunk(struct tile_pass *of, void (*work)(void *of, int i))
+/* Calls work(of, i) for each i below n, a number for each chunk at least. */
+static void share_work(struct tile_pass *of, int n, void (*work)(void *of, int i))
 {
     const size_t n_pixels = (size_t)of->tile->at.width * (size_t)of->tile->at.height;
-    threads_each(threads_for(of->state->plan->options.threads, n_pixels, FEW_PIXELS),
-                 of->tile->n_chunks, work, of);
+    threads_each(threads_for(of->state->plan->options.threads, n_pixels, FEW_PIXELS), n, work, of);
 }
 
 /* OpenGL's pixels of a chunk. */
@@ -170,62 +175,73 @@ static void learn_chunk(void *context, int i)
                true);
 }
 
-/* Writes the samples of a rectangle, in pixels of the picture, to a page of the stack. */
-static bool write_page(const struct state *state, int page, const struct rectangle *at,
-                       const void *samples, struct error *err)
+/* Writes what is counted. One thread writes at a time: threads that write to one file wait for each
+ * other, and spin meanwhile. */
+static bool write_counted(const struct state *state, const struct counted *counted,
+                          struct error *err)
 {
     const struct rendering *of = state->of;
-    const struct page_rectangle to = {page, at->x, at->y - of->result->rows.first, at->width,
-                                      at->height};
-    return pages_write(&of->stack.pages, &to, samples, err);
-}
-
-/* Counts the samples of a chunk in all bands of a pass, and writes them. */
-static bool count_bands(const struct tile_pass *of, int chunk, struct odd_samples *odd,
-                        struct error *err)
-{
-    const struct state *state = of->state;
-    const struct plan *plan = state->plan;
-    const struct picture *picture = &of->tile->chunks[chunk].picture;
-    const struct rectangle at = plan_pixels(plan, &picture->at),
-                           tile = plan_pixels(plan, &of->tile->at);
-    const size_t first = (size_t)at.width * (size_t)(at.y - tile.y);
-    const int n = bands_of_pass(plan, of->pass), first_band = of->pass * BANDS_PER_PASS;
-    struct stored_band stored[BANDS_PER_PASS];
-    for (int i = 0; i < n; i++)
-        stored[i] =
-            (struct stored_band){of->tile->lit, first_band + i,
-                                 state->samples[i] + first * (size_t)plan->options.bits / 8};
-    *odd = plan->options.store_raster
-               ? store_reference(stored, n, picture)
-               : store_gl(stored, n, &picture->at, pixels_of(of, chunk), of->stride);
+    const struct rectangle *at = &counted->at;
     bool done = true;
-    for (int i = 0; i < n && done; i++)
-        done = write_page(state, first_band + i, &at, stored[i].out, err);
+    for (int i = 0; i < counted->n_pages && done; i++) {
+        const struct page_rectangle to = {counted->first_page + i, at->x,
+                                          at->y - of->result->rows.first, at->width, at->height};
+        done = pages_write(&of->stack.pages, &to, counted->samples[i], err);
+    }
     return done;
 }
 
-/* Judges, counts and writes a chunk while its pixels are in the cache. */
-static void treat_chunk(void *context, int i)
+/* Counts the samples of a chunk in all bands of a pass. */
+static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
 {
-    struct tile_pass *of = context;
+    const struct plan *plan = of->state->plan;
+    const struct counted *counted = &of->state->counted;
+    const struct picture *picture = &of->tile->chunks[chunk].picture;
+    const struct rectangle at = plan_pixels(plan, &picture->at);
+    const size_t first = (size_t)at.width * (size_t)(at.y - counted->at.y);
+    struct stored_band stored[BANDS_PER_PASS];
+    for (int i = 0; i < counted->n_pages; i++)
+        stored[i] =
+            (struct stored_band){of->tile->lit, counted->first_page + i,
+                                 counted->samples[i] + first * (size_t)plan->options.bits / 8};
+    return plan->options.store_raster
+               ? store_reference(stored, counted->n_pages, picture)
+               : store_gl(stored, counted->n_pages, &picture->at, pixels_of(of, chunk), of->stride);
+}
+
+/* Judges and counts a chunk while its pixels are in the cache. */
+static void treat_chunk(struct tile_pass *of, int i)
+{
     double since = clock_seconds(), judging = 0, counting = 0;
     struct odd_samples odd = {0, 0};
-    struct error err = {.status = EXIT_AGREED};
     if (of->state->checks)
         check_pass(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride,
                    false);
     clock_in(&since, &judging);
-    const bool done = !of->state->of->output->path || count_bands(of, i, &odd, &err);
+    if (of->state->counted.n_pages > 0)
+        odd = count_bands(of, i);
     clock_in(&since, &counting);
     pthread_mutex_lock(&of->lock);
     of->judging += judging;
-    of->counting += counting;
+    of->storing += counting;
     of->odd.clipped += odd.clipped;
     of->odd.undefined += odd.undefined;
-    if (!done && !of->failed)
-        *of->err = err;
-    of->failed = of->failed || !done;
+    pthread_mutex_unlock(&of->lock);
+}
+
+/* Work 0 writes what the pass before has counted, while other threads treat the chunks. */
+static void write_or_treat(void *context, int i)
+{
+    struct tile_pass *of = context;
+    double since = clock_seconds(), seconds = 0;
+    if (i > 0) {
+        treat_chunk(of, i - 1);
+        return;
+    }
+    of->failed = !write_counted(of->state, &of->state->written, of->err);
+    clock_in(&since, &seconds);
+    pthread_mutex_lock(&of->lock);
+    of->storing += seconds;
     pthread_mutex_unlock(&of->lock);
 }
 
@@ -245,7 +261,7 @@ static bool open_checks(struct state *state, const struct tile *tile, struct err
     if (places_wait(&state->numbers, state->tile + 1) < 0)
         return false;
     since = clock_seconds();
-    each_chunk(&of, identify_chunk);
+    share_work(&of, tile->n_chunks, identify_chunk);
     clock_in(&since, &state->of->result->seconds.check);
     return true;
 }
@@ -325,7 +341,7 @@ static bool learn_pilots(struct state *state, const struct tile *tile, struct er
         if (!plan_load_textures(state->plan, of.pass * BANDS_PER_PASS, err))
             return false;
         clock_in(&since, &state->of->result->seconds.read);
-        each_chunk(&of, learn_chunk);
+        share_work(&of, tile->n_chunks, learn_chunk);
         clock_in(&since, &state->of->result->seconds.check);
     }
     return true;
@@ -337,9 +353,20 @@ static bool learn_pilots(struct state *state, const struct tile *tile, struct er
 static void share_seconds(const struct tile_pass *of, double seconds)
 {
     struct part_seconds *to = &of->state->of->result->seconds;
-    const double all = of->judging + of->counting;
+    const double all = of->judging + of->storing;
     to->check += all > 0 ? seconds * of->judging / all : 0;
-    to->write += all > 0 ? seconds * of->counting / all : 0;
+    to->write += all > 0 ? seconds * of->storing / all : 0;
+}
+
+/* What was counted is written next, and a pass is counted in its place. */
+static void count_next(struct state *state, const struct tile *tile, int pass)
+{
+    const struct counted last = state->counted;
+    state->counted = state->written;
+    state->counted.at = plan_pixels(state->plan, &tile->at);
+    state->counted.first_page = pass * BANDS_PER_PASS;
+    state->counted.n_pages = state->of->output->path ? bands_of_pass(state->plan, pass) : 0;
+    state->written = last;
 }
 
 static bool treat_pass(struct state *state, const struct tile *tile, int pass, struct error *err)
@@ -353,7 +380,8 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
     if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
         return false;
     clock_in(&since, &result->seconds.read);
-    each_chunk(&of, treat_chunk);
+    count_next(state, tile, pass);
+    share_work(&of, 1 + tile->n_chunks, write_or_treat);
     clock_in(&since, &seconds);
     share_seconds(&of, seconds);
     result->odd.clipped += of.odd.clipped;
@@ -411,11 +439,14 @@ static void map_objects(const struct rendering *of, const struct tile *tile,
 /* Writes the object map of a tile: the page after the last one. */
 static bool add_object_map(struct state *state, const struct tile *tile, struct error *err)
 {
-    const struct rectangle at = plan_pixels(state->plan, &tile->at);
+    struct counted *map = &state->written; /* free: the last pass of the tile before is counted */
     if (state->plan->map_bytes == 0 || !state->of->output->path)
         return true;
-    map_objects(state->of, tile, &at, state->samples[0]);
-    return write_page(state, state->plan->n_bands, &at, state->samples[0], err);
+    map->at = plan_pixels(state->plan, &tile->at);
+    map->first_page = state->plan->n_bands;
+    map->n_pages = 1;
+    map_objects(state->of, tile, &map->at, map->samples[0]);
+    return write_counted(state, map, err);
 }
 
 /* ---- judging ---- */
@@ -458,7 +489,8 @@ static bool treat_tiles(void *context, struct error *err)
     const struct rendering *of = state->of;
     state->all_steps = (long)plan_tiles(of->plan, &of->region) * of->plan->n_passes;
     state->since = clock_seconds();
-    return tiles_each(&of->lit, &of->region, treat_tile, state, err);
+    return tiles_each(&of->lit, &of->region, treat_tile, state, err) &&
+           write_counted(state, &state->counted, err);
 }
 
 /* ---- all of it ---- */
@@ -467,13 +499,14 @@ static bool allocate(struct state *state, struct error *err)
 {
     const struct plan *plan = state->plan;
     const size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height,
-                 size = (size_t)plan->options.bits / 8, map = (size_t)plan->map_bytes;
+                 size = (size_t)plan->options.bits / 8, map = (size_t)plan->map_bytes,
+                 most = size > map ? size : map;
     if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture") ||
         (plan->options.check && !totals_open(&state->of->check_scene, &state->totals, err)))
         return false;
     for (int i = 0; i < BANDS_PER_PASS && state->of->output->path; i++)
-        if (!MAKE_ARRAY(state->samples[i], n_samples * (size > map ? size : map), err,
-                        "a page of a tile"))
+        if (!MAKE_ARRAY(state->counted.samples[i], n_samples * most, err, "a page of a tile") ||
+            !MAKE_ARRAY(state->written.samples[i], n_samples * most, err, "a page of a tile"))
             return false;
     return true;
 }
@@ -483,7 +516,7 @@ static void release(struct state *state)
     free(state->black);
     totals_free(&state->totals);
     for (int i = 0; i < BANDS_PER_PASS; i++)
-        free(state->samples[i]);
+        FREE_ALL(state->counted.samples[i], state->written.samples[i]);
 }
 
 bool stages_run(struct rendering *of, struct error *err)
