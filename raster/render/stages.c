@@ -358,7 +358,7 @@ static void share_seconds(const struct tile_pass *of, double seconds)
     to->write += all > 0 ? seconds * of->storing / all : 0;
 }
 
-/* What was counted is written next, and a pass is counted in its place. */
+/* The pass that was counted is written next, and this one is counted. */
 static void count_next(struct state *state, const struct tile *tile, int pass)
 {
     const struct counted last = state->counted;
