@@ -175,7 +175,7 @@ static void learn_chunk(void *context, int i)
                true);
 }
 
-/* Writes what is counted. One thread writes at a time: threads that write to one file wait for each
+/* Writes counted pages. One thread writes at a time: threads that write to one file wait for each
  * other, and spin meanwhile. */
 static bool write_counted(const struct state *state, const struct counted *counted,
                           struct error *err)
