@@ -92,12 +92,13 @@ static enum presence clipped_presence(const struct clipped_triangle *triangle, d
 }
 
 /* The room is a power of two. It suffices if the last element that is there and the last one that
- * comes have the same highest bit. */
+ * comes have the same highest bit. An array without elements has room for one: pointers into it are
+ * not null. */
 bool array_grow(void *array, size_t n, size_t more, size_t size)
 {
     const size_t needed = n + more;
     size_t room = 1;
-    if (needed == 0 || (n > 1 && ((n - 1) ^ (needed - 1)) < n - 1))
+    if (n > 1 && ((n - 1) ^ (needed - 1)) < n - 1)
         return true;
     while (room < needed)
         room *= 2;
