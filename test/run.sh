@@ -11,8 +11,8 @@ pixel=raster/candidates/pixel.c
 mutation='s/(float)(common + alone)/(float)(1000 * (common + alone))/; s/(float)alone/(float)(1000 * alone)/'
 endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->tile->lit->surfaces ? HUGE_VALF : (float)(common + alone)/'
 instances=raster/plan/instances.c
-hollow='s/(whole->shape.kind == SHAPE_MESH || .*, err)) &&/(added.solid = true) \&\&/'
-whole='s/(whole->shape.kind == SHAPE_MESH || .*, err)) &&/true \&\&/'
+hollow='s/[.]solid = cutting.*,/.solid = true,/'
+whole='s/[.]solid = cutting.*,/.solid = false,/'
 . raster/gl/static.sh
 
 needs_gl() {

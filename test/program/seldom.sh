@@ -38,7 +38,7 @@ printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'light 
     'camera ortho 2' 'size 1 1' >"$tmp/near.scene"
 refuses 'a radiance is not finite' "view of an infinite radiance" \
     "$SPECTRAL" view "$tmp/near.scene" --shading phong -o "$tmp/near.png"
-refuses 'a radiance in the region is not finite' "probe of an infinite radiance" \
+refuses 'a radiance is not finite' "probe of an infinite radiance" \
     "$SPECTRAL" probe "$tmp/near.scene" 0 0 --shading phong
 printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'ambient d65 0' 'camera ortho 2' >"$tmp/it's dark.scene"
 run "$SPECTRAL" cost "$tmp/it's dark.scene" --size 4x4 --runs 5 -j 1 --tolerance 1dE00
