@@ -66,7 +66,8 @@ sanitize_commands() {
         clean $program render $large --part $part/2 -o "$out/part$part.tif"
     done
     clean $program join -o "$out/joined.tif" "$out/part1.tif" "$out/part2.tif"
-    clean $program cost patches --size 24x16 --tolerance 1dE00 --csv "$out/cost.csv" --svg "$out/cost.svg" -q
+    # cost also draws by EGL, whose drivers keep 112 bytes: they are closed by then, and have no name to pass over.
+    ASAN_OPTIONS=$ASAN_OPTIONS:detect_leaks=0 clean $program cost patches --size 24x16 --tolerance 1dE00 --csv "$out/cost.csv" --svg "$out/cost.svg" -q
 }
 
 # Makes the static program with one change: the C library is shared, since valgrind can only watch the
