@@ -7,8 +7,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "spectral.h"
-
 /* Unit roundoffs: rounding to the nearest number changes a value by at most this part of it, unless
  * it underflows. Single precision holds all whole numbers up to 1 / SINGLE_ROUNDOFF. */
 #define SINGLE_ROUNDOFF 0x1p-24

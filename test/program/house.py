@@ -280,8 +280,8 @@ def quoted_fault(tree, path, included):
         return f"\"{included}\" is not the header of a room; include {right}"
     if included not in tree.sources:
         return f"\"{included}\" does not exist; include a header that does"
-    if room == CORE and target not in CORE_MAY_INCLUDE:
-        return (f"the core includes \"{included}\"; {CORE} may include only "
+    if room in CORE_MAY_INCLUDE and target not in CORE_MAY_INCLUDE:
+        return (f"the core includes \"{included}\"; {room} may include only "
                 f"{' and '.join(sorted(CORE_MAY_INCLUDE))} and the C library")
     if height(room) is not None and height(target) > height(room):
         return (f"the include of \"{included}\" runs upward; {room} may include only rooms that "
@@ -294,8 +294,8 @@ def system_fault(path, included):
     room = room_of(path)
     if room_of(included) in ROOMS or included == "spectral.h":
         return f"<{included}> is a header of this project; include \"{included}\""
-    if room == CORE and included not in C_LIBRARY:
-        return f"the core includes <{included}>; {CORE} may include headers of C99 only"
+    if room in CORE_MAY_INCLUDE and included not in C_LIBRARY:
+        return f"the core includes <{included}>; {room} may include headers of C99 only"
     for pattern, rooms, name in SYSTEM_HEADERS:
         if re.match(pattern, included) and room not in rooms:
             return f"<{included}> belongs to {name}; only {', '.join(sorted(rooms))} may include it"
@@ -547,6 +547,8 @@ def plants(tree):
              at_core + f'the core includes "{header}"; {CORE} may include only data/maths and '),
             ("spectral.h in the core", {core: '#include "spectral.h"'},
              at_core + f'the core includes "spectral.h"; {CORE} may include only data/maths and '),
+            ("spectral.h in the vectors of the core", {"data/maths/planted.c": '#include "spectral.h"'},
+             'data/maths/planted.c:1: the core includes "spectral.h"; data/maths may include only data/maths and '),
             ("a system header in the core", {core: "#include <unistd.h>"},
              at_core + f"the core includes <unistd.h>; {CORE} may include headers of C99 only"),
             ("a third header", {f"{low}/planted.h": ""},
