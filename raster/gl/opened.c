@@ -220,7 +220,7 @@ bool texture_upload_bands(const struct drawing *of, int index, int first_band, s
 /* ---- a library as it describes itself ---- */
 
 #ifdef OSMESA_VERSION /* built in; asking a context of softpipe would take tens of milliseconds */
-static const char built_in[] = "OSMesa " OSMESA_VERSION " (softpipe), built in";
+static const char *const built_in = "OSMesa " OSMESA_VERSION " (softpipe), built in";
 #else
 static const char *const built_in = NULL;
 #endif

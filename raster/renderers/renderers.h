@@ -7,6 +7,7 @@
 #define RASTER_RENDERERS_RENDERERS_H
 
 #include "raster/reference/reference.h"
+#include "spectral.h"
 
 struct contexts;
 struct lit_scene;
