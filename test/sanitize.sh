@@ -66,7 +66,7 @@ sanitize_commands() {
         clean $program render $large --part $part/2 -o "$out/part$part.tif"
     done
     clean $program join -o "$out/joined.tif" "$out/part1.tif" "$out/part2.tif"
-    # cost also draws by EGL, whose drivers keep 112 bytes: they are closed by then, and have no name to pass over.
+    # cost draws by EGL, too, whose drivers leak 112 bytes. They are closed then: sanitize.leaks cannot name them.
     ASAN_OPTIONS=$ASAN_OPTIONS:detect_leaks=0 clean $program cost patches --size 24x16 --tolerance 1dE00 --csv "$out/cost.csv" --svg "$out/cost.svg" -q
 }
 
@@ -101,7 +101,7 @@ sanitize() {
     program=$BUILD/sanitize/spectral
     mkdir -p "$out"
     # Tests ask for more memory than there is, and let the program crash: its own handler then ends it. The
-    # search for leaks would take variables of threads, of a library that is closed, for memory that is there.
+    # search for leaks would crash: it reads variables of threads in a library that is closed.
     export ASAN_OPTIONS=detect_stack_use_after_return=1:allocator_may_return_null=1:handle_segv=0:use_sigaltstack=0:intercept_tls_get_addr=0 \
         LSAN_OPTIONS=suppressions=$PWD/test/sanitize.leaks:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1
     BUILD=$BUILD/sanitize CC=clang CFLAGS=$sanitizers CPPFLAGS=$sanitizers ./build.sh test \

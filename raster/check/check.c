@@ -352,7 +352,7 @@ static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row
 static void find_stretches(const struct chunk *chunk, uint16_t *out)
 {
     const size_t width = (size_t)chunk->picture.at.width, n_pixels = chunk_pixels(chunk);
-    for (size_t first = 0; first<n_pixels; first += out[first]> 0 ? out[first] : 1)
+    for (size_t first = 0; first < n_pixels; first += out[first] ? out[first] : 1)
         out[first] = (uint16_t)settled_pixels(chunk, first, (first / width + 1) * width);
 }
 
@@ -399,7 +399,7 @@ static void treat_settled(struct check *check, int first_band, int n_channels, c
     const size_t width = (size_t)check->chunk->picture.at.width;
     float seen[BANDS_PER_PASS][BLOCK];
     struct block block;
-    for (size_t first = 0; first<chunk_pixels(check->chunk); first += block.n> 0 ? block.n : 1) {
+    for (size_t first = 0; first < chunk_pixels(check->chunk); first += block.n ? block.n : 1) {
         const float *from = pixels + (first / width * stride + first % width) * 4;
         block.n = check->stretches[first];
         for (size_t i = 0; i < block.n; i++)

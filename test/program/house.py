@@ -6,8 +6,8 @@
 A room is a folder with one public header, named like the folder: data/text/text.h. What only its own
 files share is in its inside.h. ROOMS lists the rooms from low to high. A file includes spectral.h, both
 headers of its own room, and public headers of rooms listed before it: so the core includes nothing of
-raster/beside/. The trusted core, raster/reference, includes data/maths and the C library only, so that
-it can be read and compiled alone. Sizes have budgets.
+raster/beside/. The trusted core, raster/reference, includes data/maths and the C library only, and data/maths
+the C library only, so that the two can be read and compiled alone. Sizes have budgets.
 
 The last part of the test shows that the test can fail: it plants one fault at a time into the texts of the
 sources, and expects one finding that names the place.
