@@ -105,9 +105,15 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
     ambiguous->background =
         pixel->limit == HUGE_VAL && !(is_closed(&pixel->seam) && pixel->seam.n_covered > 0 &&
                                       bounding->fragments.tile->lit->driver->watertight);
-    for (int32_t f = pixel->head; f >= 0; f = bounding->fragments.fragments[f].next)
-        if (!add_candidates(bounding, &bounding->fragments.fragments[f], x, y))
-            return false;
+    /* slivers first: a bounded candidate that explains the pixel as well is taken instead */
+    for (int slivers = 1; slivers >= 0; slivers--)
+        for (int32_t f = pixel->head; f >= 0; f = bounding->fragments.fragments[f].next) {
+            struct fragment fragment = bounding->fragments.fragments[f];
+            fragment.loose = fragment.loose || slivers;
+            fragment.depth_error = slivers ? HUGE_VAL : fragment.depth_error;
+            if ((fragment.sliver || !slivers) && !add_candidates(bounding, &fragment, x, y))
+                return false;
+        }
     ambiguous->count = (int32_t)out->n_candidates - ambiguous->first;
     return true;
 }
@@ -198,17 +204,17 @@ static bool find_candidates(const struct tile *tile, struct chunk *chunk)
     return done;
 }
 
-/* Draws chunk `index` of a tile: CHUNK_ROWS rows, fewer in the last chunk. Finds its candidates if
- * the plan asks for a check. A plan that neither checks nor stores the reference's pixels gets no
- * picture: only picture.at is set. Results do not depend on how a picture is cut into chunks.
- * False: no memory. chunk_free accepts what a failure left. */
+/* Draws chunk `index` of a tile: chunk_rows of the plan, fewer in the last chunk. Finds its
+ * candidates if the plan asks for a check. A plan that neither checks nor stores the reference's
+ * pixels gets no picture: only picture.at is set. Results do not depend on how a picture is cut
+ * into chunks. False: no memory. chunk_free accepts what a failure left. */
 static bool chunk_draw(const struct tile *tile, int index)
 {
     const struct lit_scene *lit = tile->lit;
     const struct plan *plan = lit->plan;
-    const int above = index * CHUNK_ROWS, left = tile->at.height - above;
+    const int n = plan->chunk_rows, above = index * n, left = tile->at.height - above;
     const struct rectangle rows = {tile->at.x, tile->at.y + above, tile->at.width,
-                                   left < CHUNK_ROWS ? left : CHUNK_ROWS};
+                                   left < n ? left : n};
     struct chunk *out = &tile->chunks[index];
     *out = (struct chunk){.picture = {.at = rows}};
     if (!plan->options.check && !plan->options.store_raster)
@@ -247,7 +253,7 @@ static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct 
 {
     const struct plan *plan = tile->lit->plan;
     struct drawn_tile drawn = {tile, COUNTER};
-    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+    tile->n_chunks = (tile->at.height + plan->chunk_rows - 1) / plan->chunk_rows;
     if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
         return false;
     threads_each(plan->options.threads, tile->n_chunks, draw_chunk, &drawn);

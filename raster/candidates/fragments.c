@@ -14,16 +14,26 @@
  * x b by at most e |b|_1 + f |a|_1 + 2 e f: the slack. */
 enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
 
-/* Bounds OpenGL's errors in the edge functions at a point, where corners are off by `errors`. */
-static void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
+/* Bounds OpenGL's errors in the edge functions at a point, where corners are off in x and y. */
+static void edge_slack(const struct edge_functions *edges, double errors[3][2], double slack[3])
 {
-    double reach[3];
-    for (int i = 0; i < 3; i++)
-        reach[i] = fabs(edges->dx[i]) + fabs(edges->dy[i]);
     for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        slack[i] = errors[j] * reach[k] + errors[k] * reach[j] + 2 * errors[j] * errors[k];
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const double *e = errors[j], *f = errors[k];
+        slack[i] = e[0] * fabs(edges->dy[k]) + e[1] * fabs(edges->dx[k]) +
+                   f[0] * fabs(edges->dy[j]) + f[1] * fabs(edges->dx[j]) + e[0] * f[1] +
+                   e[1] * f[0];
     }
+}
+
+/* Does the same at a point of a triangle in the tile, whose corners are off in x and y alike. */
+static void own_edge_slack(const struct bounded_triangle *triangle,
+                           const struct edge_functions *edges, double slack[3])
+{
+    double errors[3][2];
+    for (int i = 0; i < 3; i++)
+        errors[i][0] = errors[i][1] = triangle->edge_px[i];
+    edge_slack(edges, errors, slack);
 }
 
 /* The largest slack at any pixel that scan_triangle visits. scan_triangle visits centres up to the
@@ -42,7 +52,7 @@ static enum presence near_edges(const struct bounded_triangle *triangle,
     const double *errors = triangle->edge_px;
     enum presence presence = DEFINITE;
     double slack[3];
-    edge_slack(edges, errors, slack);
+    own_edge_slack(triangle, edges, slack);
     for (int i = 0; i < 3; i++) {
         bool exact = errors[(i + 1) % 3] <= 0 && errors[(i + 2) % 3] <= 0,
              on_edge = exact && edges->e[i] == 0;
@@ -71,12 +81,13 @@ static enum presence clipped_presence(const struct clipped_triangle *triangle, d
 {
     const double *x = triangle->screen.x, *y = triangle->screen.y;
     struct edge_functions edges;
-    double slack[3], errors[3];
-    for (int i = 0; i < 3; i++)
-        errors[i] = triangle->moved_px[i] + triangle->grid_px;
-    const double error = most_of(errors);
-    if (least_of(x) - error > px || px > most_of(x) + error || least_of(y) - error > py ||
-        py > most_of(y) + error)
+    double slack[3], errors[3][2], most[2] = {0, 0};
+    for (int i = 0; i < 6; i++) {
+        errors[i / 2][i % 2] = triangle->moved_px[i / 2][i % 2] + triangle->grid_px;
+        most[i % 2] = fmax(most[i % 2], errors[i / 2][i % 2]);
+    }
+    if (least_of(x) - most[0] > px || px > most_of(x) + most[0] || least_of(y) - most[1] > py ||
+        py > most_of(y) + most[1])
         return IMPOSSIBLE;
     edges_at(x, y, px, py, &edges);
     edge_slack(&edges, errors, slack);
@@ -187,7 +198,7 @@ static void add_edges(const struct visit *visit)
     uint64_t object =
         (uint64_t)(bounds_of(lit, screen)->placed->object - lit->plan->scene->objects);
     double slack[3];
-    edge_slack(&visit->edges, visited(visit)->edge_px, slack);
+    own_edge_slack(visited(visit), &visit->edges, slack);
     for (int i = 0; i < 3; i++) {
         if (visit->edges.e[i] > slack[i])
             continue;
@@ -235,13 +246,25 @@ static bool add_part(struct fragments *of, const struct triangle_part *part)
     return true;
 }
 
-/* True if the point lies where OpenGL sets two clipped triangles side by side. */
+/* True if the point lies where OpenGL sets two clipped triangles side by side. Where it may cut an
+ * edge anywhere, these meet anywhere. */
 static bool is_on_seam(const struct visit *visit)
 {
     const struct bounded_triangle *triangle = visited(visit);
     const struct clipped_triangle *clipped = &visit->of->clipped[triangle->first_clipped];
     for (int32_t i = 0; i < triangle->n_clipped && triangle->n_clipped > 1; i++)
         if (clipped_presence(&clipped[i], visit->x, visit->y) == POSSIBLE)
+            return true;
+    return triangle->slides;
+}
+
+/* True if OpenGL may set up one of these clipped triangles turned around: it then lies upon its
+ * neighbours, and both have a fragment. */
+static bool may_fold(const struct visit *visit, unsigned clipped)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    for (int32_t i = 0; i < triangle->n_clipped && triangle->n_clipped > 1; i++)
+        if ((clipped >> i & 1) && visit->of->clipped[triangle->first_clipped + i].folds)
             return true;
     return false;
 }
@@ -309,10 +332,16 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
                                 .depth = depth_at(&triangle->screen, &visit->edges)};
     bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
                          (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
-    if (!visit->of->tile->lit->driver->watertight && is_on_seam(visit)) {
+    const bool leaks = !visit->of->tile->lit->driver->watertight && is_on_seam(visit),
+               folds = may_fold(visit, clipped);
+    fragment.sliver = triangle->slivers && presence == POSSIBLE;
+    if (leaks || folds || fragment.sliver) {
         presence = POSSIBLE;
-        if (!triangle->other_side) /* a fragment by each clipped triangle */
-            visit->pixel->n_possible += count_bits(clipped) - 1;
+        visit->pixel->seam.open = visit->pixel->seam.open || folds || fragment.sliver;
+        if (!triangle
+                 ->other_side) /* a fragment by each clipped triangle, and one that is not here */
+            visit->pixel->n_possible +=
+                count_bits(clipped) - 1 + (triangle->slides || fragment.sliver);
     }
     fragment.loose = is_loose(visit, clipped, &thin);
     fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;

@@ -15,17 +15,19 @@ struct colour_bound {
 /* A triangle as OpenGL sets it up for interpolation, after clipping. */
 struct clipped_triangle {
     struct screen_triangle screen; /* its corners and their shares; the rest is of the whole */
-    double slack_px[3];      /* of each corner in x and y, off the plane of interpolated values */
-    double moved_px[3];      /* how far each may be from its place, in this plane, too */
-    int cuts;                /* how many made a corner, at most */
-    double grid_px;          /* by how much OpenGL's edges are off its corners */
-    double value_roundings;  /* of struct driver */
+    double slack_px[3];     /* of each corner in x and y, off the plane of interpolated values */
+    double moved_px[3][2];  /* how far each may be in x and y from its place, in this plane, too */
+    int cuts;               /* how many made a corner, at most */
+    double grid_px;         /* by how much OpenGL's edges are off its corners */
+    double value_roundings; /* of struct driver */
+    double least_part; /* OpenGL may have set up a triangle in its place with so much of its area */
     struct slack slack;      /* of any corner */
     double reach_x, reach_y; /* largest coordinates of a pixel, from OpenGL's origin */
     double magnification;    /* of all bounds, by thinness; HUGE_VAL: too thin for any bound */
     struct colour_bound inverse_w_bound; /* of D; magnified */
+    bool folds; /* OpenGL may set it up turned around, so that it lies upon its neighbours */
 };
-void bound_inverse_w(struct clipped_triangle *triangle); /* sets the last two members */
+void bound_inverse_w(struct clipped_triangle *triangle); /* sets the last three members */
 /* Bounds a value interpolated linearly in the window (depth), with corners off by e_values. */
 double bound_linear(const struct clipped_triangle *triangle, const double values[3],
                     double e_values);
@@ -35,11 +37,13 @@ struct colour_bound bound_colour(const struct clipped_triangle *triangle, const 
 
 /* A part of a triangle in front of the eye, with the bounds that hold for all of it. */
 struct bounded_triangle {
-    struct screen_triangle screen;    /* cut by planes that single precision may reach */
-    bool other_side;                  /* the same place once more, for its other side */
-    bool edge_on;                     /* OpenGL may see it turned the other way */
-    bool cut;                         /* by the near or the far plane */
-    bool straddles;                   /* OpenGL cuts it at the tile's border */
+    struct screen_triangle screen; /* cut by planes that single precision may reach */
+    bool other_side;               /* the same place once more, for its other side */
+    bool edge_on;                  /* OpenGL may see it turned the other way */
+    bool cut;                      /* by the near or the far plane */
+    bool straddles;                /* OpenGL cuts it at the tile's border */
+    bool slides;                   /* there OpenGL may cut one of its edges anywhere */
+    bool slivers; /* there it may draw triangles, along edges, that are too thin for a bound */
     int32_t first_clipped, n_clipped; /* what OpenGL sets up for it, in the list of a chunk */
     int32_t n_slivers;  /* behind these: what it sets up besides if it cuts a corner in doubt */
     struct slack slack; /* of any corner, as OpenGL interpolates */
@@ -64,7 +68,8 @@ int triangle_parts(const struct tile *tile, int surface, int triangle, const str
 /* A fragment that may be seen at a pixel: a link in the pixel's list. */
 struct fragment {
     int32_t triangle, next;
-    bool loose; /* its colour has no bound */
+    bool loose;  /* its colour has no bound */
+    bool sliver; /* or may have none: see keep_doubtful */
     double depth, depth_error;
 };
 /* Edges that run by within their slack. */

@@ -17,7 +17,7 @@
 /* Edge vectors and what follows from them. Edge i runs from corner i to corner i + 1. */
 struct edges {
     double dx[3], dy[3];
-    double twice_area;    /* not negative */
+    double twice_area;    /* not negative; the least that OpenGL may have */
     double width, height; /* of the bounding box, a pixel added for extrapolation */
     double e_area;        /* relative rounding error of the area in single precision */
     double thinness;      /* relative change of the area when each corner is off by its slack */
@@ -32,6 +32,21 @@ static double largest(const double q[3])
     return fmax(fabs(q[0]), fmax(fabs(q[1]), fabs(q[2])));
 }
 
+/* Bounds the change of twice the area when each corner moves as far as it may, and in x and in y by
+ * `more`. A corner moves the area by the length of the edge opposite. */
+static double area_change(const struct clipped_triangle *triangle, const struct edges *edges,
+                          double more)
+{
+    double change = 0;
+    for (int i = 0; i < 3; i++) {
+        const double *moved = triangle->moved_px[(i + 2) % 3], *other = triangle->moved_px[i],
+                     x = moved[0] + more, y = moved[1] + more;
+        change += x * fabs(edges->dy[i]) + y * fabs(edges->dx[i]) + x * (other[1] + more) +
+                  y * (other[0] + more);
+    }
+    return change;
+}
+
 static struct edges edges_of(const struct clipped_triangle *triangle)
 {
     struct edges edges = {.slack_per_d = 0};
@@ -41,18 +56,14 @@ static struct edges edges_of(const struct clipped_triangle *triangle)
         edges.dy[i] = triangle->screen.y[next] - triangle->screen.y[i];
     }
     double e = edges.dx[0] * edges.dy[1], f = edges.dx[1] * edges.dy[0];
-    edges.twice_area = fabs(e - f);
+    edges.twice_area = fabs(e - f) * triangle->least_part;
     edges.width = most_of(triangle->screen.x) - least_of(triangle->screen.x) + 1;
     edges.height = most_of(triangle->screen.y) - least_of(triangle->screen.y) + 1;
     edges.e_area = roundings(3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
-    double change = 0, perimeter = 0;
-    for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
-        double length = fabs(edges.dx[i]) + fabs(edges.dy[i]),
-               moved = triangle->moved_px[(i + 2) % 3], other = triangle->moved_px[i];
-        change += moved * length + 2 * moved * other;
-        perimeter += length;
-    }
-    edges.thinness = change / edges.twice_area;
+    double perimeter = 0;
+    for (int i = 0; i < 3; i++)
+        perimeter += fabs(edges.dx[i]) + fabs(edges.dy[i]);
+    edges.thinness = area_change(triangle, &edges, 0) / edges.twice_area;
     edges.spread = 1 + 2 * triangle->grid_px * perimeter / edges.twice_area;
     edges.slack = least_of(triangle->slack_px);
     for (int i = 0; i < 3; i++)
@@ -164,6 +175,7 @@ void bound_inverse_w(struct clipped_triangle *triangle)
     if (edges.thinness <= 0.75 && edges.e_area <= 0.25)
         magnification = 1.001 / ((1 - edges.thinness) * (1 - edges.e_area));
     triangle->magnification = magnification;
+    triangle->folds = area_change(triangle, &edges, triangle->grid_px) >= edges.twice_area;
     triangle->inverse_w_bound =
         (struct colour_bound){.fixed = fixed * magnification, .per_d = per_d * magnification};
 }

@@ -43,6 +43,8 @@ struct polygon {
     const struct tile *tile;
     const struct screen_triangle *screen; /* it is what is left of this one */
     int n;
+    double least_part; /* the least part of its area that a triangle of OpenGL's fan has */
+    bool slivers;      /* OpenGL may draw others, which are too thin for any bound */
     struct corner corner[CLIP_CORNERS];
     struct cut_corner cut[CLIP_CORNERS];
 };
@@ -112,10 +114,125 @@ static struct cut_corner cut_edge(const struct clip_plane *plane, const struct p
     return out;
 }
 
+/* ---- bounds of corners ---- */
+
+/* The slack of a corner whose clip coordinates have these errors. A tile's clip space is shifted
+ * against the picture's by at most w. */
+static struct slack corner_slack(const struct plan *plan, const double clip[4], const double e[4])
+{
+    struct bounded bounded[4];
+    for (int i = 0; i < 4; i++)
+        bounded[i] = (struct bounded){clip[i], e[i] + (i < CLIP_Z && plan->tiled ? e[CLIP_W] : 0)};
+    return window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
+}
+
+/* The bounds of any corner, off the plane of its triangle. */
+static struct slack polygon_slack(const struct polygon *polygon, int i)
+{
+    const struct cut_corner *cut = &polygon->cut[i];
+    const struct lit_scene *lit = polygon->tile->lit;
+    return cut->whole >= 0 ? whole_slack(lit, polygon->screen, cut->whole)
+                           : corner_slack(lit->plan, polygon->corner[i].clip, cut->e);
+}
+
+/* Bounds how far a corner slides in the window, in x and in y; HUGE_VAL: anywhere. */
+static void slide_px(const struct view *view, const double clip[4], const struct cut_corner *cut,
+                     double out[2])
+{
+    const double half[2] = {0.5 * view->width, 0.5 * view->height};
+    double sums[2] = {0, 0}, of_w = 0;
+    for (int v = 0; v < cut->n_slides && v < SLIDES; v++) {
+        const double *slide = cut->slides[v];
+        for (int i = 0; i < 2; i++)
+            sums[i] += fabs(slide[i] - clip[i] / clip[3] * slide[3]);
+        of_w += fabs(slide[3]);
+    }
+    const bool bounded = cut->n_slides <= SLIDES && of_w < clip[3];
+    for (int i = 0; i < 2; i++)
+        out[i] = bounded ? half[i] * sums[i] / (clip[3] - of_w) : HUGE_VAL;
+}
+
+/* How far a corner may be from its place in the window, in the plane of its triangle, too: in x and
+ * in y. A corner on the left or right side of the tile is fixed in x, one on the top or the bottom
+ * in y, however far the triangle's corners are off. */
+static void moved_px(const struct polygon *polygon, int i, double out[2])
+{
+    const struct view *view = &polygon->tile->lit->plan->view;
+    const struct cut_corner *cut = &polygon->cut[i];
+    const double *clip = polygon->corner[i].clip, slack = polygon_slack(polygon, i).px,
+                 size[2] = {view->width, view->height};
+    slide_px(view, clip, cut, out);
+    for (int axis = 0; axis < 2; axis++)
+        if (cut->whole < 0 && (cut->planes >> 2 * axis & 3) != 0)
+            out[axis] = 0.5 * size[axis] * (cut->off / clip[3] + roundings(8));
+        else
+            out[axis] += slack;
+}
+
+/* ---- clipping ---- */
+
+/* True if OpenGL moves every place within the error of a corner to the same point of its grid, so
+ * that a triangle with two such corners has no area, and is not drawn. */
+static bool is_one_point(const struct polygon *polygon, int i)
+{
+    enum { GRID = 256 };
+    const struct lit_scene *lit = polygon->tile->lit;
+    const double slack = polygon_slack(polygon, i).px * GRID;
+    struct screen_triangle at;
+    screen_corner(&lit->plan->view, &polygon->corner[i], 0, &at);
+    return lit->driver->fill_rule != FILL_ANY &&
+           fabs(at.x[0] * GRID - nearbyint(at.x[0] * GRID)) < 0.5 - slack &&
+           fabs(at.y[0] * GRID - nearbyint(at.y[0] * GRID)) < 0.5 - slack;
+}
+
+/* True if two corners lie at the same distance from a side of the tile in the same depth. */
+static bool same_distance(const struct clip_plane *side, const double a[4], const double b[4])
+{
+    const int axis = side->normal[CLIP_X] != 0 ? CLIP_X : CLIP_Y;
+    return a[axis] == b[axis] && a[CLIP_W] == b[CLIP_W];
+}
+
+/* A corner that lies on a side of the tile, within its error, may be cut off by OpenGL or not. What
+ * is cut off is smaller than a rounding, and planes stay what they are; so it is kept, and the side
+ * moved outwards by the largest such error. But the polygon's fan may then have other triangles.
+ * One has two corners where this one was, and hardly any area: see is_one_point. If both ends of an
+ * edge are in doubt, it may be cut anywhere: between its ends' distances d < 0 <= e from the side,
+ * at d / (d - e) of its length. Distances are differences of two numbers about as large as w, and
+ * so multiples of half a rounding of w: the cut leaves no smaller part of the edge than that over
+ * the sum of the errors, or none. Ends at one distance, made of the same numbers, are cut off both
+ * or neither. An error beyond half a pixel is none of rounding at the side: the corner slides. */
+static void keep_doubtful(struct polygon *polygon, struct clip_plane *side)
+{
+    const struct rectangle *at = &polygon->tile->at;
+    const struct view *view = &polygon->tile->lit->plan->view;
+    const double unit =
+        roundings(0.5) * fmin(1.0 * at->width / view->width, 1.0 * at->height / view->height);
+    const double half_pixel = 1.0 / (view->width > view->height ? view->width : view->height);
+    double deepest = 0, rounding;
+    const double *before = NULL; /* the corner before, where it is in doubt */
+    for (int i = 0; i <= polygon->n && polygon->n > 0; i++) {
+        const int c = i % polygon->n;
+        const double *clip = polygon->corner[c].clip;
+        const struct bounded away = corner_distance(side, clip, &polygon->cut[c], &rounding);
+        const bool doubtful = away.value <= away.error && away.error <= half_pixel * clip[CLIP_W];
+        if (doubtful) {
+            deepest = fmax(deepest, away.error);
+            polygon->slivers = polygon->slivers || !is_one_point(polygon, c);
+        }
+        if (doubtful && before && !same_distance(side, clip, before))
+            polygon->least_part = fmin(polygon->least_part, unit * clip[CLIP_W] / (2 * deepest));
+        before = doubtful ? clip : NULL;
+    }
+    side->offset += deepest;
+}
+
 /* Cuts by plane number p. */
-static void clip(struct polygon *polygon, const struct clip_plane *plane, int p)
+static void clip(struct polygon *polygon, const struct clip_plane *by, int p)
 {
     const struct polygon from = *polygon;
+    struct clip_plane moved = *by, *plane = &moved;
+    if (p < 4)
+        keep_doubtful(polygon, &moved);
     polygon->n = clip_polygon(plane, from.corner, from.n, polygon->corner);
     for (int i = 0; i < polygon->n; i++) {
         int inner = polygon->corner[i].inner, outer = polygon->corner[i].outer;
@@ -156,7 +273,7 @@ static struct polygon clip_whole(const struct tile *tile, const struct screen_tr
                                  const struct clip_plane planes[CLIP_PLANES])
 {
     struct corner whole[3];
-    struct polygon out = {.tile = tile, .screen = screen, .n = 3};
+    struct polygon out = {.tile = tile, .screen = screen, .n = 3, .least_part = 1};
     whole_corners(screen->surface, screen->vertex, whole);
     for (int i = 0; i < 3; i++) {
         int corner = screen->clockwise ? i : (3 - i) % 3;
@@ -193,56 +310,6 @@ static struct polygon doubtful_polygon_of(const struct tile *tile,
         any = any || deepest > 0;
     }
     return any ? clip_whole(tile, screen, planes) : (struct polygon){.n = 0};
-}
-
-/* ---- bounds of corners ---- */
-
-/* The slack of a corner whose clip coordinates have these errors. A tile's clip space is shifted
- * against the picture's by at most w. */
-static struct slack corner_slack(const struct plan *plan, const double clip[4], const double e[4])
-{
-    struct bounded bounded[4];
-    for (int i = 0; i < 4; i++)
-        bounded[i] = (struct bounded){clip[i], e[i] + (i < CLIP_Z && plan->tiled ? e[CLIP_W] : 0)};
-    return window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
-}
-
-/* The bounds of any corner, off the plane of its triangle. */
-static struct slack polygon_slack(const struct polygon *polygon, int i)
-{
-    const struct cut_corner *cut = &polygon->cut[i];
-    const struct lit_scene *lit = polygon->tile->lit;
-    return cut->whole >= 0 ? whole_slack(lit, polygon->screen, cut->whole)
-                           : corner_slack(lit->plan, polygon->corner[i].clip, cut->e);
-}
-
-/* Bounds how far a corner slides in the window; HUGE_VAL: anywhere. */
-static double slide_px(const struct view *view, const double clip[4], const struct cut_corner *cut)
-{
-    const double half[2] = {0.5 * view->width, 0.5 * view->height};
-    double sums[2] = {0, 0}, of_w = 0;
-    for (int v = 0; v < cut->n_slides && v < SLIDES; v++) {
-        const double *slide = cut->slides[v];
-        for (int i = 0; i < 2; i++)
-            sums[i] += fabs(slide[i] - clip[i] / clip[3] * slide[3]);
-        of_w += fabs(slide[3]);
-    }
-    return cut->n_slides <= SLIDES && of_w < clip[3]
-               ? fmax(half[0] * sums[0], half[1] * sums[1]) / (clip[3] - of_w)
-               : HUGE_VAL;
-}
-
-/* How far a corner may be from its place in the window, in the plane of its triangle, too. A corner
- * of the tile, made by a side and by the top or the bottom, is fixed by both, however far the
- * triangle's corners are off. */
-static double moved_px(const struct polygon *polygon, int i)
-{
-    const struct plan *plan = polygon->tile->lit->plan;
-    const struct cut_corner *cut = &polygon->cut[i];
-    const double *clip = polygon->corner[i].clip, off[4] = {cut->off, cut->off, 0, 0};
-    if (cut->whole < 0 && (cut->planes & 3) != 0 && (cut->planes & 12) != 0)
-        return corner_slack(plan, clip, off).px;
-    return polygon_slack(polygon, i).px + slide_px(&plan->view, clip, cut);
 }
 
 /* ---- triangles in a tile ---- */
@@ -287,16 +354,19 @@ static double tile_edge_error(const struct tile *tile)
 }
 
 static struct clipped_triangle clipped(const struct tile *tile, const struct bounded_triangle *from,
-                                       const double slack_px[3], const double moved[3])
+                                       const double slack_px[3], double moved[3][2],
+                                       double least_part)
 {
     const struct driver *driver = tile->lit->driver;
     struct clipped_triangle out = {.screen = from->screen,
                                    .grid_px = tile_edge_error(tile),
                                    .value_roundings = driver->value_roundings,
-                                   .slack = from->slack};
+                                   .slack = from->slack,
+                                   .least_part = least_part};
     for (int i = 0; i < 3; i++) {
         out.slack_px[i] = slack_px[i] + driver->corner_px;
-        out.moved_px[i] = moved[i] + driver->corner_px;
+        for (int axis = 0; axis < 2; axis++)
+            out.moved_px[i][axis] = moved[i][axis] + driver->corner_px;
     }
     set_reach(tile, &out);
     bound_inverse_w(&out);
@@ -309,17 +379,18 @@ static struct clipped_triangle fan_triangle(const struct bounded_triangle *of,
 {
     const int corners[3] = {0, i - 1, i};
     struct bounded_triangle part = *of;
-    double slack_px[3], moved[3];
+    double slack_px[3], moved[3][2];
     int cuts = 0;
     for (int c = 0; c < 3; c++) {
         screen_corner(&polygon->tile->lit->plan->view, &polygon->corner[corners[c]], c,
                       &part.screen);
         slack_px[c] = polygon_slack(polygon, corners[c]).px;
-        moved[c] = moved_px(polygon, corners[c]);
+        moved_px(polygon, corners[c], moved[c]);
         if (polygon->cut[corners[c]].cuts > cuts)
             cuts = polygon->cut[corners[c]].cuts;
     }
-    struct clipped_triangle out = clipped(polygon->tile, &part, slack_px, moved);
+    struct clipped_triangle out =
+        clipped(polygon->tile, &part, slack_px, moved, polygon->least_part);
     out.cuts = cuts;
     return out;
 }
@@ -339,7 +410,7 @@ static int set_up_slivers(const struct tile *tile, const struct bounded_triangle
 }
 
 /* Sets up the triangles that clipping at the tile's border and in depth makes. Returns how many. */
-static int clip_to_tile(const struct tile *tile, const struct bounded_triangle *triangle,
+static int clip_to_tile(const struct tile *tile, struct bounded_triangle *triangle,
                         const struct clip_plane planes[CLIP_PLANES], struct clipped_triangle *out)
 {
     const struct polygon polygon = clip_whole(tile, &triangle->screen, planes);
@@ -349,6 +420,8 @@ static int clip_to_tile(const struct tile *tile, const struct bounded_triangle *
         widen(&part.slack, polygon_slack(&polygon, i));
     for (int i = 2; i < polygon.n; i++)
         out[i - 2] = fan_triangle(&part, &polygon, i);
+    triangle->slides = polygon.least_part < 1;
+    triangle->slivers = polygon.slivers;
     return polygon.n < 3 ? 0 : polygon.n - 2;
 }
 
@@ -361,16 +434,16 @@ static double corner_slack_px(const struct tile *tile, const struct bounded_tria
 
 /* Sets up the triangles of a part; returns how many. Where hardly anything of a clipped triangle is
  * in the tile, it has no bound. */
-static int set_up(const struct tile *tile, const struct bounded_triangle *triangle,
+static int set_up(const struct tile *tile, struct bounded_triangle *triangle,
                   const struct clip_plane planes[CLIP_PLANES], struct clipped_triangle *out)
 {
     const int n = triangle->straddles ? clip_to_tile(tile, triangle, planes, out) : 0;
-    double slack_px[3];
+    double slack_px[3], moved[3][2];
     if (n > 0)
         return n;
     for (int i = 0; i < 3; i++)
-        slack_px[i] = corner_slack_px(tile, triangle, i);
-    out[0] = clipped(tile, triangle, slack_px, slack_px);
+        slack_px[i] = moved[i][0] = moved[i][1] = corner_slack_px(tile, triangle, i);
+    out[0] = clipped(tile, triangle, slack_px, moved, 1);
     if (triangle->straddles)
         out[0].magnification = HUGE_VAL;
     return 1;

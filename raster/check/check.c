@@ -196,8 +196,10 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     hypothesis->band_floor = fmax(hypothesis->band_floor, (double)band_floor(&single, 0));
     if (!hypothesis->alive)
         is_outside(&single, 0, band, &hypothesis->failure);
-    if (candidate && candidate->loose)
+    if (candidate && candidate->loose && !hypothesis->alive) { /* any other explains better */
         hypothesis->alive = true;
+        hypothesis->samples.worst_ratio = HUGE_VAL;
+    }
 }
 
 static void judge_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,

@@ -114,7 +114,7 @@ bool samples_compare(struct check_samples *samples, struct block *block)
         block->expected[all] = 0;
     }
     const float worst = fminf((float)samples->largest, 0.499F),
-                ratio = (float)samples->worst_ratio, /* at most 1 */
+                ratio = (float)samples->worst_ratio, /* beyond 1: of a candidate without a bound */
         fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1;
     samples->n += block->n;
     differ(samples, block->seen, block->expected, block->difference, all);

@@ -168,7 +168,8 @@ static void check_bounds(double size, double depth_range, const char *name)
         struct clipped_triangle clipped = {.reach_x = 1025,
                                            .reach_y = 1025,
                                            .value_roundings =
-                                               driver_of("llvmpipe")->value_roundings};
+                                               driver_of("llvmpipe")->value_roundings,
+                                           .least_part = 1};
         double values[3], depths[3], cx = test_random(&state, 100, 900),
                                      cy = test_random(&state, 100, 900);
         float x[3], y[3], w[3], v[3];
@@ -185,7 +186,7 @@ static void check_bounds(double size, double depth_range, const char *name)
         }
         /* corners, w and values are rounded once: 2^-24 relative */
         for (int c = 0; c < 3; c++)
-            clipped.slack_px[c] = clipped.moved_px[c] = roundings(1024);
+            clipped.slack_px[c] = clipped.moved_px[c][0] = clipped.moved_px[c][1] = roundings(1024);
         clipped.slack.w = roundings(2);
         bound_inverse_w(&clipped);
         /* the pixel at the centre of gravity */
