@@ -106,8 +106,6 @@ static bool draw_pixel(void *context, int x, int y)
     const struct lattice *lattice = &scan->of->lattice;
     const int column = x - first_column(lattice, y);
     double at[2];
-    if (column < 0 || column >= lattice->columns)
-        return true;
     place_of(lattice, x, y, at);
     const double depth = covered_depth(scan->triangle, at[0], at[1]);
     struct lattice_pixel *pixel = &scan->of->pixels[y * lattice->columns + column];
@@ -121,14 +119,17 @@ static void draw_triangle(const struct estimating *of, int surface,
 {
     struct lattice_scan scan = {of, surface, triangle};
     const struct lattice *lattice = &of->lattice;
-    const int leftmost = first_column(lattice, lattice->rows);
-    const struct rectangle at = {leftmost, 0, lattice->columns - leftmost, lattice->rows};
     struct screen_triangle sheared = *triangle;
     for (int i = 0; i < 3; i++) {
         sheared.y[i] = triangle->y[i] / lattice->step;
         sheared.x[i] = (triangle->x[i] - lattice->shear * sheared.y[i]) / lattice->step;
     }
-    scan_triangle(&sheared, &at, 0, draw_pixel, &scan);
+    const double end = fmin(lattice->rows, most_of(sheared.y) + 1);
+    /* by rows: a rectangle around several, sheared, is mostly beside the picture */
+    for (int row = (int)fmax(0, least_of(sheared.y) - 1); row < end; row++) {
+        const struct rectangle at = {first_column(lattice, row), row, lattice->columns, 1};
+        scan_triangle(&sheared, &at, 0, draw_pixel, &scan);
+    }
 }
 
 static void draw_surface(const struct estimating *of, int index)
