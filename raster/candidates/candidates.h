@@ -20,6 +20,7 @@ enum bound_cause {
     CAUSE_TEXTURE,
     CAUSE_THIN,
     CAUSE_FAR,
+    CAUSE_DEPTH,
     BOUND_CAUSES
 };
 /* A bound in the mean of all bands, in parts of shaded_brightest: the part that follows from the
@@ -57,6 +58,9 @@ struct ambiguous_pixel {
     int32_t pixel;        /* within the chunk, row by row */
     int32_t first, count; /* candidates */
     bool background;      /* OpenGL may also show the background */
+    /* OpenGL may lose the triangle that the reference shows: its depth cannot be told from that of
+     * the near or the far plane */
+    bool may_vanish;
 };
 /* Some rows of a tile, which one thread draws: the reference's picture, and for a check the rest:
  */

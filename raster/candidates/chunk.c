@@ -79,6 +79,16 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
     return true;
 }
 
+/* Returns whether the reference shows this fragment. */
+static bool is_shown(const struct bounding *bounding, const struct fragment *fragment, size_t index)
+{
+    const struct picture *picture = &bounding->chunk->picture;
+    const struct screen_triangle *screen =
+        &bounding->fragments.triangles[fragment->triangle].screen;
+    return picture->surface[index] == screen->surface - bounding->fragments.tile->lit->surfaces &&
+           picture->triangle[index] == screen->triangle;
+}
+
 /* Returns whether the reference shows a triangle that should be hidden. OpenGL does not draw it:
  * then nothing explains the pixel. */
 static bool shows_hidden(const struct bounding *bounding, size_t index)
@@ -111,6 +121,8 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
             struct fragment fragment = bounding->fragments.fragments[f];
             fragment.loose = fragment.loose || slivers;
             fragment.depth_error = slivers ? HUGE_VAL : fragment.depth_error;
+            ambiguous->may_vanish = ambiguous->may_vanish ||
+                                    (fragment.vanishes && is_shown(bounding, &fragment, index));
             if ((fragment.sliver || !slivers) && !add_candidates(bounding, &fragment, x, y))
                 return false;
         }
@@ -129,10 +141,8 @@ static bool is_settled(const struct bounding *bounding, size_t index)
     if (pixel->head < 0)
         return picture->surface[index] < 0;
     const struct fragment *only = &bounding->fragments.fragments[pixel->head];
-    const struct screen_triangle *screen = &bounding->fragments.triangles[only->triangle].screen;
     return only->next < 0 && pixel->limit < HUGE_VAL && !only->loose &&
-           picture->surface[index] == screen->surface - bounding->fragments.tile->lit->surfaces &&
-           picture->triangle[index] == screen->triangle;
+           is_shown(bounding, only, index);
 }
 
 /* Stores the bounds of a settled pixel. Returns whether OpenGL may light its triangle in several

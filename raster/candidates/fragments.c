@@ -347,6 +347,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
     fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;
     /* the near or the far plane may cut it off */
     if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
+        fragment.vanishes = true;
         presence = POSSIBLE;
         visit->pixel->seam.open = true;
     }

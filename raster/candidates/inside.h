@@ -68,8 +68,9 @@ int triangle_parts(const struct tile *tile, int surface, int triangle, const str
 /* A fragment that may be seen at a pixel: a link in the pixel's list. */
 struct fragment {
     int32_t triangle, next;
-    bool loose;  /* its colour has no bound */
-    bool sliver; /* or may have none: see keep_doubtful */
+    bool loose;    /* its colour has no bound */
+    bool sliver;   /* or may have none: see keep_doubtful */
+    bool vanishes; /* perhaps, by depth alone: see struct ambiguous_pixel */
     double depth, depth_error;
 };
 /* Edges that run by within their slack. */

@@ -238,6 +238,17 @@ static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
     return a->band >= b->band ? a : b;
 }
 
+/* Returns whether OpenGL shows a candidate behind the triangle that it should show, or NULL, the
+ * background, and only for want of depth. */
+static bool is_lost(const struct chunk *chunk, const struct ambiguous_pixel *ambiguous,
+                    const struct candidate *candidate)
+{
+    const size_t pixel = (size_t)ambiguous->pixel;
+    return ambiguous->may_vanish &&
+           (!candidate || (candidate->triangle != chunk->picture.triangle[pixel] &&
+                           (double)candidate->depth > chunk->picture.depth[pixel]));
+}
+
 /* Keeps the best hypothesis of an ambiguous pixel. */
 static void settle(struct check *check, size_t index, struct check_totals *totals)
 {
@@ -264,9 +275,15 @@ static void settle(struct check *check, size_t index, struct check_totals *total
         candidate && !candidate->loose ? (float)best->band_floor : check->floor[pixel];
     if (check->ratio)
         check->ratio[pixel] = (float)fmax(samples.worst_ratio, samples.worst_fit_ratio);
-    if (candidate)
+    if (is_lost(chunk, ambiguous, candidate)) {
+        static const struct mean_bound none = {.cause = CAUSE_DEPTH};
+        check->floor[pixel] = check->band_floor[pixel] = HUGE_VALF;
+        totals_note(totals, chunk->picture.surface[pixel], chunk->picture.triangle[pixel], HUGE_VAL,
+                    &none);
+    } else if (candidate) {
         totals_note(totals, candidate->surface, candidate->triangle, (double)check->floor[pixel],
                     &candidate->mean);
+    }
 }
 
 /* ---- floors ---- */
