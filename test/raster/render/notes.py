@@ -119,13 +119,13 @@ def depth():
     """A step of 24 bits of depth is d^2 (1 / n - 1 / f) / 2^24 at a distance d, and (f - n) / 2^24 in a parallel view."""
     for name, camera, box, step in (
             ("a box of 2e8 at 4e8", "perspective 60 near 0.5 far 1e9", "2e8 2e8 2e8 material m translate 0 0 -5e8",
-             f"{4e8**2 * (2 - 1e-9) / 2**24:.3g}, the object's size 2e\\+08"),
+             f"{4e8**2 * (2 - 1e-9) / 2**24:.3g}, the object's size 2e+08"),
             ("the near plane moved away", "perspective 60 near 1e8 far 1e9", "2e8 2e8 2e8 material m translate 0 0 -5e8", None),
             ("in parallel, a box as large as a step", f"ortho 12 near 0 far {8 * 2**24}", "8 8 8 material m translate 0 0 -9", "8, the object's size 8"),
             ("in parallel, a larger box", f"ortho 12 near 0 far {8 * 2**24}", "8.01 8 8 material m translate 0 0 -9", None)):
         scene = HEAD.replace("ortho 12", camera) + "ambient d65 1\n" + GREY + f"object box {box}\n"
         if step:
-            gets(name, scene, "depth", f"at m \\(.*notes.scene:6\\): its step there is {step}; bring", "--no-check")
+            gets(name, scene, "depth", f"at m \\(.*notes.scene:6\\): its step there is {re.escape(step)}; bring", "--no-check")
         else:
             gets_none(name, scene)
 
