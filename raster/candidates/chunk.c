@@ -258,6 +258,23 @@ static void draw_chunk(void *context, int i)
         counter_add(&drawn->failures, 1);
 }
 
+/* Memory grows with the triangles that lie upon each other: names the object that has the most. */
+static bool tile_lacks_memory(const struct tile *tile, struct error *err)
+{
+    const struct plan *plan = tile->lit->plan;
+    int most = 0;
+    char object[256] = "none";
+    for (int s = 0; s < plan->n_instances; s++)
+        if (plan->instances[s].in_view && plan->instances[s].instance.n_triangles > most) {
+            most = plan->instances[s].instance.n_triangles;
+            object_text(plan, s, object, sizeof object);
+        }
+    return memory_lacks(err, 0,
+                        "a tile of %d x %d pixels; the object with the most triangles, %d, is %s: "
+                        "render it larger, or with fewer of them",
+                        tile->at.width, tile->at.height, most, object);
+}
+
 /* Draws the chunks of a tile, by the plan's threads, calls `work`, and frees the chunks. */
 static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct error *err)
 {
@@ -267,10 +284,8 @@ static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct 
     if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
         return false;
     threads_each(plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
-    const bool done = (drawn.failures.n == 0 ||
-                       memory_lacks(err, (double)plan->tile_bytes, "a tile of %d x %d pixels",
-                                    tile->at.width, tile->at.height)) &&
-                      work(context, tile, err);
+    const bool done =
+        (drawn.failures.n == 0 || tile_lacks_memory(tile, err)) && work(context, tile, err);
     for (int i = 0; i < tile->n_chunks; i++)
         chunk_free(&tile->chunks[i]);
     free(tile->chunks);

@@ -9,6 +9,22 @@
 
 /* ---- presence ---- */
 
+/* A triangle at a pixel centre. */
+struct visit {
+    struct fragments *of;
+    int32_t triangle;
+    bool any; /* some pixel's list has it */
+    struct fragment_list *pixel;
+    double x, y;
+    struct edge_functions edges;
+    double most; /* most_slack */
+};
+
+static const struct bounded_triangle *visited(const struct visit *visit)
+{
+    return &visit->of->triangles[visit->triangle];
+}
+
 /* OpenGL has a fragment at a point not, perhaps, or for sure. With p the point and a, b
  * two corners minus p, moving a by up to e and b by up to f in x and y changes the edge function a
  * x b by at most e |b|_1 + f |a|_1 + 2 e f: the slack. */
@@ -46,12 +62,23 @@ static double most_slack(const struct bounded_triangle *triangle)
     return 2 * error * (size + 3 + 3 * error);
 }
 
-static enum presence near_edges(const struct bounded_triangle *triangle,
-                                const struct edge_functions *edges)
+/* True if a point lies beside the box around a triangle whose corners are off by up to `most`:
+ * edges no longer than that may run in any direction, and do not exclude it. */
+static bool is_outside(const struct screen_triangle *screen, const double most[2], double px,
+                       double py)
 {
-    const double *errors = triangle->edge_px;
+    return least_of(screen->x) - most[0] > px || px > most_of(screen->x) + most[0] ||
+           least_of(screen->y) - most[1] > py || py > most_of(screen->y) + most[1];
+}
+
+static enum presence near_edges(const struct bounded_triangle *triangle,
+                                const struct edge_functions *edges, double px, double py)
+{
+    const double *errors = triangle->edge_px, most = most_of(errors);
     enum presence presence = DEFINITE;
     double slack[3];
+    if (is_outside(&triangle->screen, (const double[2]){most, most}, px, py))
+        return IMPOSSIBLE;
     own_edge_slack(triangle, edges, slack);
     for (int i = 0; i < 3; i++) {
         bool exact = errors[(i + 1) % 3] <= 0 && errors[(i + 2) % 3] <= 0,
@@ -64,15 +91,15 @@ static enum presence near_edges(const struct bounded_triangle *triangle,
     return presence;
 }
 
-static enum presence triangle_presence(const struct bounded_triangle *triangle,
-                                       const struct edge_functions *edges, double most)
+static enum presence triangle_presence(const struct visit *visit)
 {
-    const double *e = edges->e;
+    const struct bounded_triangle *triangle = visited(visit);
+    const double *e = visit->edges.e, most = visit->most;
     enum presence presence = DEFINITE;
     if (e[0] < -most || e[1] < -most || e[2] < -most)
         return IMPOSSIBLE;
     if (!(e[0] > most && e[1] > most && e[2] > most))
-        presence = near_edges(triangle, edges);
+        presence = near_edges(triangle, &visit->edges, visit->x, visit->y);
     return presence == DEFINITE && !(triangle->screen.twice_area > 0) ? POSSIBLE : presence;
 }
 
@@ -86,8 +113,7 @@ static enum presence clipped_presence(const struct clipped_triangle *triangle, d
         errors[i / 2][i % 2] = triangle->moved_px[i / 2][i % 2] + triangle->grid_px;
         most[i % 2] = fmax(most[i % 2], errors[i / 2][i % 2]);
     }
-    if (least_of(x) - most[0] > px || px > most_of(x) + most[0] || least_of(y) - most[1] > py ||
-        py > most_of(y) + most[1])
+    if (is_outside(&triangle->screen, most, px, py))
         return IMPOSSIBLE;
     edges_at(x, y, px, py, &edges);
     edge_slack(&edges, errors, slack);
@@ -137,9 +163,10 @@ static void drop_hidden(struct fragments *of, struct fragment_list *pixel)
 }
 
 /* Adds a possible or definite fragment to a pixel's list. */
-static bool add_fragment(struct fragments *of, struct fragment_list *pixel,
-                         const struct fragment *fragment, bool definite)
+static bool add_fragment(struct visit *visit, const struct fragment *fragment, bool definite)
 {
+    struct fragments *of = visit->of;
+    struct fragment_list *pixel = visit->pixel;
     if (fragment->depth - fragment->depth_error > pixel->limit)
         return true;
     if (definite)
@@ -160,6 +187,7 @@ static bool add_fragment(struct fragments *of, struct fragment_list *pixel,
     of->fragments[place].next = pixel->head;
     pixel->head = place;
     pixel->n_candidates++;
+    visit->any = true;
     return true;
 }
 
@@ -171,22 +199,6 @@ static uint64_t corner_number(const struct screen_triangle *triangle, int i, uin
     memcpy(&x, &triangle->x[i], sizeof x);
     memcpy(&y, &triangle->y[i], sizeof y);
     return hash_bits(hash_bits(hash_bits(object) + x) + y);
-}
-
-/* A triangle at a pixel centre. */
-struct visit {
-    struct fragments *of;
-    int32_t triangle;
-    bool any; /* OpenGL may have a fragment of it somewhere */
-    struct fragment_list *pixel;
-    double x, y;
-    struct edge_functions edges;
-    double most; /* most_slack */
-};
-
-static const struct bounded_triangle *visited(const struct visit *visit)
-{
-    return &visit->of->triangles[visit->triangle];
 }
 
 /* Adds the edges that OpenGL may put on either side of the centre. Triangles of one object that
@@ -353,7 +365,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
     }
     count_fragment(visit, presence, covered);
     return bounds_of(visit->of->tile->lit, &triangle->screen)->placed->twin ||
-           add_fragment(visit->of, visit->pixel, &fragment, presence == DEFINITE);
+           add_fragment(visit, &fragment, presence == DEFINITE);
 }
 
 static bool visit_pixel(void *context, int x, int y)
@@ -364,10 +376,9 @@ static bool visit_pixel(void *context, int x, int y)
     visit->x = x + 0.5;
     visit->y = y + 0.5;
     edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
-    enum presence presence = triangle_presence(triangle, &visit->edges, visit->most);
+    enum presence presence = triangle_presence(visit);
     if (presence == IMPOSSIBLE)
         return true;
-    visit->any = true;
     unsigned clipped = clipped_at(visit->of, triangle, visit->x, visit->y);
     if (clipped == 0)
         return true;
@@ -376,7 +387,7 @@ static bool visit_pixel(void *context, int x, int y)
     return judge_fragment(visit, presence, clipped);
 }
 
-/* Triangles without a fragment are forgotten at once: there may be thousands to a pixel. */
+/* Triangles that no list has are forgotten at once: there may be a million to a pixel. */
 static bool visit_triangle(struct fragments *of, int surface, int triangle)
 {
     struct triangle_part parts[TRIANGLE_PARTS];

@@ -200,6 +200,14 @@ def fan():
     write("fan.obj", "".join(["v 0 0 0\n", *rim, *faces]))
 
 
+def crowd():
+    """200,000 triangles within four pixels: each is smaller than what single precision does not know of its corners."""
+    side = 317
+    at = [f"{2 * i / (side - 1) - 1:.9f}" for i in range(side)]
+    faces = [f"f {i} {i + 1} {i + side + 1} {i + side}\n" for i in range(1, side * (side - 1)) if i % side]
+    write("crowd.obj", "".join([f"v {x} {y} 0\n" for y in at for x in at] + faces))
+
+
 def pile(name, depth):
     """Triangles behind one another; each covers the whole pixel."""
     rows = [f"v -1 -1 {z!r}\nv 3 -1 {z!r}\nv -1 3 {z!r}\nf -3//1 -2//1 -1//1\n"
@@ -212,6 +220,7 @@ def main():
     for folder in FOLDERS:
         shutil.copytree(folder, TMP, dirs_exist_ok=True)
     fan()
+    crowd()
     pile("pile-apart.obj", lambda i: -1.9 + 1.8 * i / MANY)
     pile("pile-close.obj", lambda i: -1 + 1e-13 * i)
     pile("pile-equal.obj", lambda i: -1.0)
