@@ -58,8 +58,8 @@ struct ambiguous_pixel {
     int32_t pixel;        /* within the chunk, row by row */
     int32_t first, count; /* candidates */
     bool background;      /* OpenGL may also show the background */
-    /* OpenGL may lose the triangle that the reference shows: its depth cannot be told from that of
-     * the near or the far plane */
+    /* OpenGL may lose the triangle that the reference shows: its depth may round to that of the
+     * near or the far plane */
     bool may_vanish;
 };
 /* Some rows of a tile, which one thread draws: the reference's picture, and for a check the rest:

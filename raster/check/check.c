@@ -19,6 +19,7 @@ void check_fail(struct check *check, size_t pixel, const struct check_failure *f
     check->failed[pixel] = true;
     if (check->verdict.first.found)
         return;
+    check->first_failed = pixel;
     check->verdict.first = *failure;
     check->verdict.first.found = true;
     check->verdict.first.x = rows->x + (int)pixel % rows->width;
@@ -138,6 +139,31 @@ static void raise_floors(const struct block *block, float *restrict floor, float
     }
 }
 
+/* Keeps what the fit leaves of the first pixel that failed. */
+static void keep_rest(struct check *check, size_t first, int band, const struct block *block)
+{
+    const size_t i = check->first_failed - first;
+    if (!check->verdict.first.found || i >= block->n || !block->fitted)
+        return;
+    check->rests[band] = block->difference[i] - block->fit.explained[i];
+    check->limits[band] = block->fit.limit[i];
+}
+
+/* Finds the limits of the first pixel that failed in the bands before. */
+static void find_limits(struct check *check)
+{
+    const size_t pixel = check->first_failed;
+    struct block block;
+    block.n = 1;
+    const struct run run = run_of(check, pixel, &block);
+    for (int band = 0; band < check->verdict.first.band; band++) {
+        expect(check, &run, band, &block);
+        if (fit_explain(&check->scene->fit, &run, band, check->estimates + pixel, block.bound,
+                        &block.fit))
+            check->limits[band] = block.fit.limit[0];
+    }
+}
+
 static void judge_stretch(struct check *check, size_t first, int band, struct block *block)
 {
     struct check_failure failure;
@@ -150,6 +176,7 @@ static void judge_stretch(struct check *check, size_t first, int band, struct bl
     for (size_t i = 0; i < block->n && !within; i++)
         if (is_outside(block, i, band, &failure))
             check_fail(check, first + i, &failure);
+    keep_rest(check, first, band, block);
 }
 
 /* ---- ambiguous pixels ---- */
@@ -353,7 +380,8 @@ static void settle_all(struct check *check, struct check_totals *totals)
 void check_free(struct check *check)
 {
     FREE_ALL(check->stretches, check->failed, check->ratio, check->floor, check->band_floor,
-             check->hypotheses, check->estimates, check->candidate_estimates);
+             check->hypotheses, check->estimates, check->candidate_estimates, check->rests,
+             check->limits);
     *check = (struct check){.scene = NULL};
 }
 
@@ -380,6 +408,7 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
     const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan),
                  n_candidates = chunk->n_candidates,
                  n_hypotheses = n_candidates + chunk->n_ambiguous;
+    const int n_bands = out->scene->lit->plan->n_bands;
     return MAKE_ARRAY(out->failed, n, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->floor, n, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->band_floor, n, err, "the check of %zu pixels", n) &&
@@ -387,6 +416,8 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
            MAKE_ARRAY(out->estimates, n * n_rows, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->candidate_estimates, n_candidates * n_rows, err, "%zu candidates",
                       n_candidates) &&
+           MAKE_ARRAY(out->rests, n_bands, err, "the check of %d bands", n_bands) &&
+           MAKE_ARRAY(out->limits, n_bands, err, "the check of %d bands", n_bands) &&
            MAKE_ARRAY(out->stretches, n, err, "the check of %zu pixels", n) &&
            (!out->scene->mapped || MAKE_ARRAY(out->ratio, n, err, "a map of %zu pixels", n));
 }
@@ -450,6 +481,11 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
 
 void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals)
 {
+    const struct check_failure *first = &check->verdict.first;
+    if (first->found && first->kind == FAILURE_BANDS && check->limits[first->band] > 0) {
+        find_limits(check);
+        find_odd_bands(check);
+    }
     settle_all(check, totals);
     note_floors(check, tile);
     check->verdict.pixels = chunk_pixels(check->chunk);

@@ -84,15 +84,24 @@ enum failure_kind {
     FAILURE_DEPTH,
     FAILURE_FRAGMENTS
 };
+/* Bands, one or a whole pass, that alone would explain a pixel if they were wrong; the band that is
+ * off by most, and by how many counts. */
+struct odd_bands {
+    int first, last, worst;
+    double off;
+};
+enum { MOST_ODD = 2 };
 /* The first pixel that no candidate explains. */
 struct check_failure {
     bool found;
     enum failure_kind kind;
     int x, y;
-    int surface;                  /* of the reference; -1: background */
-    struct shown shown;           /* FAILURE_TRIANGLE: by OpenGL */
-    int band;                     /* FAILURE_RADIANCE, FAILURE_BANDS */
-    double seen, expected, bound; /* counts; depths; fragments */
+    int surface;                    /* of the reference; -1: background */
+    struct shown shown;             /* FAILURE_TRIANGLE: by OpenGL */
+    int band;                       /* FAILURE_RADIANCE, FAILURE_BANDS */
+    struct odd_bands odd[MOST_ODD]; /* FAILURE_BANDS: each explains the pixel as well */
+    int n_odd;                      /* 0: none does, or more */
+    double seen, expected, bound;   /* counts; depths; fragments */
 };
 /* A pixel inside a surface is smooth if its radiance changes by no more than this within a pixel's
  * width, in any band: one step of a picture of 8 bits. */
@@ -193,6 +202,8 @@ struct check {
      * infinite: it has no bound; negative: it shows the background */
     float *floor, *band_floor;
     float *ratio;               /* the largest error / bound; NULL: no map is wanted */
+    size_t first_failed;        /* the pixel of verdict.first; what the fit leaves of it there, */
+    float *rests, *limits;      /* and the limit, of each band from that one on; 0: not known */
     float *estimates;           /* [row][pixel]: see fit_rows */
     float *candidate_estimates; /* [candidate][row] */
 };

@@ -334,6 +334,18 @@ static struct influence influence_on(const struct fit *fit, const struct materia
     return out;
 }
 
+double fit_leaves(const struct fit *fit, const struct shaded_material *shaded, int from, int band)
+{
+    const struct material_fit *of = &fit->materials[shaded - fit->plan->materials];
+    const int pass = pilot_pass(fit, from / BANDS_PER_PASS);
+    const double itself = from == band;
+    if (has_places(shaded))
+        return (double)NAN;
+    if (pass < 0)
+        return itself;
+    return itself - influence_on(fit, of, band).h[pass * BANDS_PER_PASS + from % BANDS_PER_PASS];
+}
+
 /* A rest of errors that is not worth a loop over terms. */
 static const float small_share = 0x1p-10F;
 

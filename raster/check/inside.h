@@ -19,6 +19,16 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
 bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
                  const float *bound, struct fit_block *out);
 
+/* Returns by how much an error of 1 in band `from` changes what the fit leaves of `band`; NaN: that
+ * depends on the pixel, as the texture differs from band to band. */
+double fit_leaves(const struct fit *fit, const struct shaded_material *shaded, int from, int band);
+
+/* ---- odd_bands.c ---- */
+
+/* Finds the bands that explain the first pixel that failed, with one candidate and in the test
+ * across bands; its rests and limits are set: see struct odd_bands. */
+void find_odd_bands(struct check *check);
+
 /* ---- statistics.c: sums over many samples ---- */
 
 /* Numbers that the compiler treats together: BLOCK is a multiple. */

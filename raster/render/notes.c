@@ -111,7 +111,7 @@ static void note_depth(const struct lit_scene *lit, struct notes *notes)
             continue;
         object_text(lit->plan, s, object, sizeof object);
         note_add(notes, "depth",
-                 "the depth buffer cannot tell near from far at %s: its step there is %.3g, the "
+                 "near and far have one depth at %s: a step of the depth buffer there is %.3g, the "
                  "object's size %.3g; bring the near and the far plane closer to it",
                  object, range * 0x1p-24, size);
         return;

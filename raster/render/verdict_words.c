@@ -35,9 +35,8 @@ static const char *const causes[BOUND_CAUSES] = {
     [CAUSE_TEXTURE] = "its texture changes too much within a rounding; repeat it less often",
     [CAUSE_THIN] =
         "its triangles are edge-on, too thin or too large to be placed; turn or split it",
-    [CAUSE_DEPTH] =
-        "the depth buffer cannot tell it from the near or the far plane, and OpenGL does "
-        "not show it; move the near plane away, or the far plane near",
+    [CAUSE_DEPTH] = "its depth rounds to that of the near or the far plane, and OpenGL does "
+                    "not show it; move the near plane away, or the far plane near",
     [CAUSE_FAR] = "its triangles reach too far; split them, or move the near plane away",
 };
 
@@ -131,6 +130,40 @@ void report_verdict(const struct plan *plan, const struct check_verdict *verdict
 
 /* ---- disagreement ---- */
 
+/* Describes where bands are wrong, and by how much. */
+static void odd_text(const struct plan *plan, const struct odd_bands *odd, char *out,
+                     size_t capacity)
+{
+    char first[BAND_NAME], last[BAND_NAME], worst[BAND_NAME];
+    band_name(plan, odd->first, first);
+    band_name(plan, odd->last, last);
+    band_name(plan, odd->worst, worst);
+    if (odd->first == odd->last)
+        snprintf(out, capacity, "at %s, by %+.3g counts", first, odd->off);
+    else
+        snprintf(out, capacity, "from %s to %s, by %+.3g counts at %s", first, last, odd->off,
+                 worst);
+}
+
+/* Describes a pixel whose bands do not fit together. */
+static void bands_text(const struct plan *plan, const struct check_failure *failure, char *out,
+                       size_t capacity)
+{
+    char at[MOST_ODD][4 * BAND_NAME], page[BAND_NAME];
+    for (int i = 0; i < failure->n_odd; i++)
+        odd_text(plan, &failure->odd[i], at[i], sizeof at[i]);
+    band_name(plan, failure->band, page);
+    if (failure->n_odd == 0)
+        snprintf(out, capacity,
+                 "at %s OpenGL %.6g, where the other bands call for %.6g, bound %.3g counts", page,
+                 failure->seen, failure->expected, failure->bound);
+    else if (failure->n_odd == 1)
+        snprintf(out, capacity, "OpenGL is wrong %s: the other bands agree with each other", at[0]);
+    else
+        snprintf(out, capacity, "OpenGL is wrong %s, or %s: either explains the pixel", at[0],
+                 at[1]);
+}
+
 /* Describes a failure in words. */
 static void failure_text(const struct plan *plan, const struct check_failure *failure, char *out,
                          size_t capacity)
@@ -143,10 +176,7 @@ static void failure_text(const struct plan *plan, const struct check_failure *fa
                  failure->seen, failure->expected, failure->bound);
         break;
     case FAILURE_BANDS:
-        band_name(plan, failure->band, page);
-        snprintf(out, capacity,
-                 "at %s OpenGL %.6g, where the other bands call for %.6g, bound %.3g counts", page,
-                 failure->seen, failure->expected, failure->bound);
+        bands_text(plan, failure, out, capacity);
         break;
     case FAILURE_TRIANGLE:
         if (failure->shown.surface >= plan->n_instances)
@@ -174,7 +204,7 @@ static bool report_pixel(const struct plan *plan, const struct check_verdict *ve
 {
     const struct check_failure *first = &verdict->first;
     const int side = plan->scene->positions;
-    char where[256], what[256], position[64] = "";
+    char where[256], what[320], position[64] = "";
     object_text(plan, first->surface, where, sizeof where);
     if (side > 1)
         snprintf(position, sizeof position, " (its position %d,%d)", first->x % side,

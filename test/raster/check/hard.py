@@ -201,7 +201,7 @@ def fan():
 
 
 def crowd():
-    """200,000 triangles within four pixels: each is smaller than what single precision does not know of its corners."""
+    """200,000 triangles within four pixels: each is smaller than the error of its corners."""
     side = 317
     at = [f"{2 * i / (side - 1) - 1:.9f}" for i in range(side)]
     faces = [f"f {i} {i + 1} {i + side + 1} {i + side}\n" for i in range(1, side * (side - 1)) if i % side]

@@ -125,7 +125,7 @@ def depth():
             ("in parallel, a larger box", f"ortho 12 near 0 far {8 * 2**24}", "8.01 8 8 material m translate 0 0 -9", None)):
         scene = HEAD.replace("ortho 12", camera) + "ambient d65 1\n" + GREY + f"object box {box}\n"
         if step:
-            gets(name, scene, "depth", f"at m \\(.*notes.scene:6\\): its step there is {re.escape(step)}; bring", "--no-check")
+            gets(name, scene, "depth", f"at m \\(.*notes.scene:6\\): a step of the depth buffer there is {re.escape(step)}; bring", "--no-check")
         else:
             gets_none(name, scene)
 
