@@ -5,8 +5,8 @@
  *
  *     cc -O2 draw.c -o draw -lEGL -lGL -lm
  *     spectral export room --size 300x200 -o room
- *     ./draw room drawn
- *     spectral judge room --size 300x200 drawn */
+ *     ./draw room
+ *     spectral judge room */
 #define EGL_EGLEXT_PROTOTYPES
 #define GL_GLEXT_PROTOTYPES
 #define EGL_NO_X11
@@ -20,6 +20,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 enum { MOST = 65536, LIGHTS = 8 }; /* LIGHTS: of a group */
 
@@ -72,7 +74,7 @@ static void fail(const char *format, ...)
 static FILE *open_file(const char *folder, const char *name, const char *mode)
 {
     char path[4096];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
+    snprintf(path, sizeof path, "%s%s", folder, name);
     FILE *file = fopen(path, mode);
     if (!file)
         fail("cannot open %s", path);
@@ -509,27 +511,50 @@ static void draw_numbers(const char *out)
 static void write_names(const char *out)
 {
     FILE *file = open_file(out, "drawn.txt", "w");
-    fprintf(file, "id %s\nrenderer %s\nversion %s\n", scene.id,
-            (const char *)glGetString(GL_RENDERER), (const char *)glGetString(GL_VERSION));
+    GLint bits = 0;
+    glGetIntegerv(GL_SUBPIXEL_BITS, &bits);
+    fprintf(file, "id %s\nrenderer %s\nversion %s\nsize %d %d\nsubpixel-bits %d\ndepth-bits 24\n",
+            scene.id, (const char *)glGetString(GL_RENDERER),
+            (const char *)glGetString(GL_VERSION), scene.width, scene.height, bits);
     if (fclose(file) != 0)
         fail("cannot write drawn.txt");
 }
 
-int main(int argc, char **argv)
+/* Draws the files whose names begin with `from`, into files whose names begin with `to`. */
+static void draw(const char *from, const char *to)
 {
-    if (argc != 3)
-        fail("usage: draw FOLDER DRAWN");
-    read_scene(argv[1]);
-    mkdir(argv[2], 0777);
+    read_scene(from);
     open_context();
     open_buffer();
     set_state();
     load_matrix(GL_PROJECTION, scene.projection);
     load_textures(-1);
-    draw_passes(argv[2]);
-    draw_numbers(argv[2]);
+    draw_passes(to);
+    draw_numbers(to);
     if (glGetError() != GL_NO_ERROR)
         fail("OpenGL reports an error");
-    write_names(argv[2]);
+    write_names(to);
+}
+
+/* Draws the scene and its targets, by a process each. */
+int main(int argc, char **argv)
+{
+    static const char *const prefixes[] = {"", "targets-"};
+    char from[4096], to[4096];
+    int status = 0;
+    if (argc < 2 || argc > 3)
+        fail("usage: draw FOLDER [DRAWN]");
+    mkdir(argv[argc - 1], 0777);
+    for (int i = 0; i < 2; i++) {
+        snprintf(from, sizeof from, "%.4000s/%s", argv[1], prefixes[i]);
+        snprintf(to, sizeof to, "%.4000s/%s", argv[argc - 1], prefixes[i]);
+        if (fork() == 0) {
+            draw(from, to);
+            return 0;
+        }
+        wait(&status);
+        if (status != 0)
+            return 1;
+    }
     return 0;
 }

@@ -62,8 +62,10 @@ static void print_bounds(const struct driver *driver, struct printed *to)
 {
     char words[DRIVER_WORDS];
     driver_print(driver, words);
-    print(to, "bounds            %s%s\n", driver->is_measured ? "measured: " : "of ",
-          driver->is_measured ? words : driver->name);
+    if (driver->is_measured)
+        print(to, "bounds            %s: %s\n", driver->name, words);
+    else
+        print(to, "bounds            of %s\n", driver->name);
 }
 
 /* Says what is lost above full scale. */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral export and spectral judge. Both plan the scene as spectral render does. Pixels that
- * another program drew, as a renderer: a folder with the colours of each pass and perhaps numbers
- * of triangles and depths, or a TIFF of float pages with colours only. */
+/* Pixels that another program drew, as a renderer: a folder with the colours of each pass and
+ * perhaps numbers of triangles and depths, or a TIFF of float pages with colours only. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,10 +14,12 @@
 struct drawn {
     struct renderer renderer; /* the first member */
     const struct plan *plan;
-    const char *folder;   /* NULL: the pixels are those of the image */
-    char path[4096 + 32]; /* of drawn.txt */
+    const struct foreign_pixels *pixels;
+    bool is_folder;       /* otherwise the pixels are those of the image */
+    char path[4096 + 64]; /* of drawn.txt */
     char id[DIGEST_TEXT]; /* that drawn.txt has, and its place there */
     struct place id_place;
+    double bits[2]; /* of positions below a pixel, and of depth, as drawn.txt has them; 0: not */
     struct image image;
     float *numbers;   /* 4 a pixel; 0, as the background's, where the folder has none; owned */
     uint32_t *depths; /* likewise */
@@ -32,7 +33,7 @@ static size_t count_pixels(const struct plan *plan)
 /* ---- drawn.txt ---- */
 
 /* Copies the rest of a line, as a driver's name has blanks and may have anything else. */
-static void copy_rest(const struct text *text, char *out, size_t capacity)
+bool copy_rest(const struct text *text, char *out, size_t capacity)
 {
     const char *at = text->at;
     size_t length = (size_t)(text->line_end - at);
@@ -41,20 +42,44 @@ static void copy_rest(const struct text *text, char *out, size_t capacity)
         length--;
     }
     snprintf(out, capacity, "%.*s", (int)(length < capacity ? length : capacity - 1), at);
-    hide_unprintable(out, "");
+    return length > 0;
 }
 
-enum drawn_word { DRAWN_ID, DRAWN_RENDERER, DRAWN_VERSION, DRAWN_WORDS };
+enum drawn_word {
+    DRAWN_ID,
+    DRAWN_RENDERER,
+    DRAWN_VERSION,
+    DRAWN_SIZE,
+    DRAWN_SUBPIXEL_BITS,
+    DRAWN_DEPTH_BITS,
+    DRAWN_WORDS
+};
+
+/* Refuses pixels of another size. */
+static bool read_size(struct text *text, const struct word *word, const struct drawn *of,
+                      struct error *err)
+{
+    const struct plan *plan = of->plan;
+    double size[2];
+    for (int i = 0; i < 2; i++)
+        if (!text_number(text, "a number of pixels", 1, 1e9, &size[i], err))
+            return false;
+    return !plan || (size[0] == plan->view.width && size[1] == plan->view.height) ||
+           error_at(err, word->place, "drawn at %.10gx%.10g, exported at %dx%d", size[0], size[1],
+                    plan->view.width, plan->view.height);
+}
 
 static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct drawn *out,
                       struct error *err)
 {
-    static const char *const known[] = {"id", "renderer", "version", NULL};
+    static const char *const known[] = {
+        "id", "renderer", "version", "size", "subpixel-bits", "depth-bits", NULL};
     struct renderer_names *names = &out->renderer.names;
     struct word word;
     if (!text_word(text, &word))
         return true;
-    switch (word_choose_once(&word, known, "line of drawn.txt", given, err)) {
+    const int which = word_choose_once(&word, known, "line of drawn.txt", given, err);
+    switch (which) {
     case DRAWN_ID:
         if (!text_expect(text, &word, "the id of scene.txt", err))
             return false;
@@ -64,10 +89,19 @@ static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct
         return text_end(text, "id", err);
     case DRAWN_RENDERER:
         copy_rest(text, names->renderer, sizeof names->renderer);
+        hide_unprintable(names->renderer, "");
         return true;
     case DRAWN_VERSION:
         copy_rest(text, names->version, sizeof names->version);
+        hide_unprintable(names->version, "");
         return true;
+    case DRAWN_SIZE:
+        return read_size(text, &word, out, err);
+    case DRAWN_SUBPIXEL_BITS:
+    case DRAWN_DEPTH_BITS:
+        return text_number(text, "a number of bits", 4, 32, &out->bits[which - DRAWN_SUBPIXEL_BITS],
+                           err) &&
+               text_end(text, known[which], err);
     default:
         return false;
     }
@@ -76,6 +110,8 @@ static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct
 static bool read_words(struct drawn *of, struct error *err)
 {
     const struct place whole = {of->path, 0, 0};
+    snprintf(of->path, sizeof of->path, "%.4095s/%sdrawn.txt", of->pixels->path,
+             of->pixels->prefix);
     struct place given[DRAWN_WORDS] = {{NULL, 0, 0}};
     struct text text;
     if (!text_open(&text, of->path, whole, false, err))
@@ -97,12 +133,12 @@ static bool read_numbers(const struct drawn *of, const char *name, size_t n, voi
                          struct error *err)
 {
     const size_t length = count_pixels(of->plan) * n * 4;
-    char path[4096 + FILE_NAME];
+    char path[4096 + 2 * FILE_NAME];
     const struct place place = {path, 0, 0};
     const struct builtin_file *builtin;
     struct stat status;
     int descriptor;
-    snprintf(path, sizeof path, "%.4095s/%s", of->folder, name);
+    snprintf(path, sizeof path, "%.4095s/%s%s", of->pixels->path, of->pixels->prefix, name);
     if (found && !(*found = !file_is_missing(path)))
         return true;
     if (!file_open(path, place, &descriptor, &builtin, err))
@@ -124,9 +160,9 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
 {
     const struct drawn *of = (struct drawn *)renderer;
     char id[DIGEST_TEXT];
-    if (!of->folder)
+    if (!of->is_folder)
         return true;
-    return scene_describe(lit, NULL, id, err) &&
+    return scene_describe(lit, NULL, "", id, err) &&
            (strcmp(id, of->id) == 0 ||
             error_at(err, of->id_place,
                      "these pixels were drawn of another scene: expected id %s, found %s (give "
@@ -196,7 +232,7 @@ static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, do
     struct drawn *of = (struct drawn *)renderer;
     float *out = renderer->buffers[buffer];
     char name[FILE_NAME];
-    if (!of->folder)
+    if (!of->is_folder)
         return draw_image(of, out, first_band, full_scale, err);
     snprintf(name, sizeof name, "colours-%d.bin", first_band);
     return read_numbers(of, name, 4, out, NULL, err);
@@ -226,8 +262,9 @@ static void drawn_close(struct renderer *renderer)
 /* ---- opening ---- */
 
 /* Opens a folder, or a TIFF. */
-static bool open_pixels(struct drawn *of, const char *pixels, struct error *err)
+static bool open_pixels(struct drawn *of, struct error *err)
 {
+    const char *pixels = of->pixels->path;
     const size_t n = count_pixels(of->plan);
     struct stat status;
     bool numbers = false, depths = false;
@@ -237,8 +274,7 @@ static bool open_pixels(struct drawn *of, const char *pixels, struct error *err)
     of->renderer.lacks = (struct renderer_lacks){true, true};
     if (stat(pixels, &status) != 0 || !S_ISDIR(status.st_mode))
         return image_open(pixels, NOWHERE, tags_read, &of->image, err) && check_image(of, err);
-    of->folder = pixels;
-    snprintf(of->path, sizeof of->path, "%.4095s/drawn.txt", of->folder);
+    of->is_folder = true;
     const bool done = read_words(of, err) &&
                       read_numbers(of, "numbers.bin", 4, of->numbers, &numbers, err) &&
                       read_numbers(of, "depths.bin", 1, of->depths, &depths, err);
@@ -246,18 +282,34 @@ static bool open_pixels(struct drawn *of, const char *pixels, struct error *err)
     return done;
 }
 
-struct judge_options {
-    struct render_options render; /* the first member */
-    const char *driver;
-};
-
-/* Opens the pixels that the options name as a renderer of the plan: see gl_open. Colours are read
- * pass by pass. */
-static bool drawn_open(void *options, const struct plan *plan, int n_buffers, struct renderer **out,
-                       struct error *err)
+/* Returns the driver of that name; an unknown one as wide as the bits of drawn.txt say. OpenGL may
+ * cut a position off to its grid, and values run through corners that are moved so. Depth of fewer
+ * than 24 bits rounds to a step of its own. */
+static struct driver stated_driver(const struct drawn *of)
 {
-    const char *pixels = ((const struct options *)options)->operands[1];
-    const struct judge_options *own = ((const struct options *)options)->own;
+    struct driver out = *driver_of(of->renderer.names.renderer);
+    if (strcmp(out.name, driver_of(NULL)->name) != 0 || !(of->bits[0] > 0 || of->bits[1] > 0))
+        return out;
+    out.name = "stated by drawn.txt";
+    out.is_measured = true;
+    if (of->bits[0] > 0)
+        out.grid_px = out.corner_px = ldexp(1, -(int)of->bits[0]);
+    if (of->bits[1] > 0)
+        out.depth_roundings = fmax(out.depth_roundings, 1.5 * ldexp(1, 24 - (int)of->bits[1]));
+    return out;
+}
+
+bool drawn_is_known(const struct foreign_pixels *pixels, bool *known, struct error *err)
+{
+    struct drawn of = {.pixels = pixels};
+    const bool done = read_words(&of, err);
+    *known = driver_of(of.renderer.names.renderer) != driver_of(NULL);
+    return done;
+}
+
+bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct renderer **out,
+                struct error *err)
+{
     static const struct renderer_kind kind = {.take_scene = drawn_take_scene,
                                               .aim = drawn_aim,
                                               .draw = drawn_draw,
@@ -271,6 +323,7 @@ static bool drawn_open(void *options, const struct plan *plan, int n_buffers, st
     *out = &of->renderer;
     of->renderer.kind = &kind;
     of->plan = plan;
+    of->pixels = pixels;
     if (plan->tiled)
         return error_usage(err,
                            "the pixels of another program are judged in one piece, of at most "
@@ -278,7 +331,7 @@ static bool drawn_open(void *options, const struct plan *plan, int n_buffers, st
                            plan->tile_width, plan->tile_height);
     if (!renderer_make_buffers(&of->renderer, n_buffers, count_pixels(plan), "the pixels of a pass",
                                err) ||
-        !open_pixels(of, pixels, err))
+        !open_pixels(of, err))
         return false;
     struct renderer_names *by = &of->renderer.names;
     snprintf(by->library, sizeof by->library, "another program");
@@ -286,78 +339,6 @@ static bool drawn_open(void *options, const struct plan *plan, int n_buffers, st
         snprintf(by->renderer, sizeof by->renderer, "an unnamed renderer");
     if (!by->version[0])
         snprintf(by->version, sizeof by->version, "unknown version");
-    of->renderer.driver = *driver_of(own->driver ? own->driver : by->renderer);
+    of->renderer.driver = of->pixels->driver ? *of->pixels->driver : stated_driver(of);
     return true;
 }
-
-/* ---- export ---- */
-
-static bool run_export(struct options *options, struct error *err)
-{
-    struct render_job job = {.limits = {false, 0}};
-    if (!options->output)
-        return error_usage(err, "export needs -o FOLDER");
-    const bool done = job_read(options, true, &job, err) && job_plan(options, &job, err) &&
-                      export_plan(&job.plan, options->output, err);
-    job_free(&job);
-    return done;
-}
-
-/* ---- judge ---- */
-
-static bool run_judge(struct options *options, struct error *err)
-{
-    const struct render_options *own = options->own;
-    if (options->n_operands < 2)
-        return error_usage(err, "judge needs SCENE and PIXELS: a folder, or a TIFF");
-    const struct render_foreign foreign = {.open = drawn_open, .of = options};
-    const struct render_output output = {
-        .check_map = own->check_map, .outputs = &options->outputs, .foreign = &foreign};
-    return render_with_options(options, &output, NULL, err);
-}
-
-/* ---- the commands ---- */
-
-static const struct option export_rows[] = {
-    {"-o, --output FOLDER", "writes the files into this new folder", SHARED(TEXT, output)},
-};
-static const struct option_list export_list = OPTION_LIST(export_rows);
-static const struct option_list *const export_lists[] = {
-    &export_list,      &scene_options,    &shading_options,
-    &accuracy_options, &sampling_options, &scale_option,
-    &threads_option,   &common_options,   NULL};
-const struct command export_command = {
-    .name = "export",
-    .operands = "[SCENE] -o FOLDER",
-    .summary = "write a scene as plain files, for another program to draw",
-    .example = "export room -o room",
-    .run = run_export,
-    .lists = export_lists,
-    .own_size = sizeof(struct render_options),
-    .n_operands = 1,
-};
-
-static const char *const drivers[] = {"llvmpipe", "softpipe", "unknown", NULL};
-static const struct option judge_rows[] = {
-    {"--driver llvmpipe|softpipe|unknown",
-     "judges by the bounds of this driver (default: that of the renderer that drawn.txt names)",
-     OWN(TEXT, judge_options, driver), .choices = drivers},
-};
-static const struct option_list judge_list = OPTION_LIST(judge_rows);
-static const struct option_list *const judge_lists[] = {&judge_list,       &scene_options,
-                                                        &shading_options,  &accuracy_options,
-                                                        &sampling_options, &judged_options,
-                                                        &map_option,       &scale_option,
-                                                        &threads_option,   &json_option,
-                                                        &verbose_option,   &quiet_option,
-                                                        &common_options,   NULL};
-const struct command judge_command = {
-    .name = "judge",
-    .operands = "SCENE PIXELS",
-    .summary = "judge what that program drew: a folder, or a TIFF",
-    .example = "judge room drawn",
-    .run = run_judge,
-    .lists = judge_lists,
-    .own_size = sizeof(struct judge_options),
-    .n_operands = 2,
-};

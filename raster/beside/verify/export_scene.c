@@ -2,6 +2,7 @@
 /* A scene as another program needs it: numbers of single precision as OpenGL gets them, in the byte
  * order of this machine, and lines of words. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
@@ -12,6 +13,7 @@ struct description {
     const struct plan *plan;
     double full_scale;
     const struct folder *folder; /* gets the files; NULL: only their digests are wanted */
+    const char *prefix;          /* of their names there */
     struct printed scene;        /* the lines of scene.txt */
 };
 
@@ -25,7 +27,7 @@ static bool write_file(const struct description *of, const char *name, const voi
         return true;
     if (is_interrupted())
         return error_failed(err, "interrupted; nothing was written");
-    snprintf(path, sizeof path, "%s/%s", of->folder->path, name);
+    snprintf(path, sizeof path, "%s/%s%s", of->folder->path, of->prefix, name);
     return file_write(path, bytes, length, NULL, err);
 }
 
@@ -232,10 +234,10 @@ static bool finish(struct description *of, char id[DIGEST_TEXT], struct error *e
     return done;
 }
 
-bool scene_describe(const struct lit_scene *lit, const struct folder *folder, char id[DIGEST_TEXT],
-                    struct error *err)
+bool scene_describe(const struct lit_scene *lit, const struct folder *folder, const char *prefix,
+                    char id[DIGEST_TEXT], struct error *err)
 {
-    struct description of = {.plan = lit->plan, .folder = folder};
+    struct description of = {.plan = lit->plan, .folder = folder, .prefix = prefix};
     struct lit_scene scaled = *lit;
     if (!find_full_scale(&scaled, err))
         return false;
@@ -248,19 +250,29 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, ch
 
 /* ---- a folder ---- */
 
-bool export_plan(const struct plan *plan, const char *path, struct error *err)
+static bool describe_plan(const struct plan *plan, const struct folder *folder, const char *prefix,
+                          struct error *err)
 {
     struct lit_scene lit = {.plan = NULL};
-    struct folder folder;
     char id[DIGEST_TEXT];
-    bool done = lit_make(plan, driver_of(NULL), &lit, err);
-    if (done) {
-        guard_hold();
-        done = folder_open_beside(path, &folder, err) && scene_describe(&lit, &folder, id, err) &&
-               folder_keep(&folder, path, err);
-        folder_close(&folder);
-        guard_release();
-    }
+    const bool done =
+        lit_make(plan, driver_of(NULL), &lit, err) && scene_describe(&lit, folder, prefix, id, err);
     lit_free(&lit);
+    return done;
+}
+
+bool export_plans(const struct plan *plan, const struct plan *targets, const char *words,
+                  const char *path, struct error *err)
+{
+    struct folder folder;
+    char name[sizeof folder.path + FILE_NAME];
+    guard_hold();
+    bool done = folder_open_beside(path, &folder, err);
+    snprintf(name, sizeof name, "%s/exported.txt", folder.path);
+    done = done && describe_plan(plan, &folder, "", err) &&
+           describe_plan(targets, &folder, targets_prefix, err) &&
+           file_write(name, words, strlen(words), NULL, err) && folder_keep(&folder, path, err);
+    folder_close(&folder);
+    guard_release();
     return done;
 }

@@ -21,13 +21,31 @@
 enum { DIGEST_TEXT = 65, FILE_NAME = 64 };
 /* Finds the full scale, and describes all that is to be drawn of a plan: the files of meshes,
  * triangles, textures and passes, and at last scene.txt, which has the digests of all others. id:
- * the SHA-256 of scene.txt without its line "id". folder: gets the files; NULL: only the id is
- * wanted. */
-bool scene_describe(const struct lit_scene *lit, const struct folder *folder, char id[DIGEST_TEXT],
-                    struct error *err);
-/* Writes the files of a plan into the output folder of the options, which appears whole or not at
- * all. */
-bool export_plan(const struct plan *plan, const char *path, struct error *err);
+ * the SHA-256 of scene.txt without its line "id". folder: gets the files, whose names begin with
+ * the prefix; NULL: only the id is wanted. */
+bool scene_describe(const struct lit_scene *lit, const struct folder *folder, const char *prefix,
+                    char id[DIGEST_TEXT], struct error *err);
+/* Writes the files of a plan, of the targets and exported.txt, which has these words, into a new
+ * folder, which appears whole or not at all. */
+bool export_plans(const struct plan *plan, const struct plan *targets, const char *words,
+                  const char *path, struct error *err);
+
+/* ---- exchange.c: pixels of another program ---- */
+
+/* Where they lie, and the driver by which they are judged. */
+struct foreign_pixels {
+    const char *path;            /* a folder, or a TIFF */
+    const char *prefix;          /* of the names of the files in the folder */
+    const struct driver *driver; /* NULL: the one that drawn.txt names, or a wider one */
+};
+extern const char targets_prefix[]; /* of the files of the targets */
+/* Opens struct foreign_pixels as a renderer: see struct render_foreign. */
+bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct renderer **out,
+                struct error *err);
+/* Returns whether the folder names a driver that is known. */
+bool drawn_is_known(const struct foreign_pixels *pixels, bool *known, struct error *err);
+/* Writes the rest of a line; returns false if there is nothing but blanks. */
+bool copy_rest(const struct text *text, char *out, size_t capacity);
 
 /* ---- command.c ---- */
 

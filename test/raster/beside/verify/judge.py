@@ -76,6 +76,71 @@ def agrees(scene, driver, *options):
     check(all(np.array_equal(a, b) for a, b in zip(pages, drawn)), f"{name}: its colours are those of render --gl egl")
 
 
+# ---- an exported folder ----
+
+def in_place(scene, *options, program=DRAW):
+    """Exports a scene, and lets a program draw it into the same folder, as a renderer that is not known."""
+    folder = path_of("room")
+    shutil.rmtree(folder, ignore_errors=True)
+    output_of("export", scene, *options, "-o", folder)
+    subprocess.run([program, folder], check=True, env={**os.environ, "GALLIUM_DRIVER": "llvmpipe"})
+    for name in ("drawn.txt", "targets-drawn.txt"):
+        with open(os.path.join(folder, name)) as file:
+            text = file.read()
+        with open(os.path.join(folder, name), "w") as file:
+            file.write(text.replace("renderer llvmpipe", "renderer Other"))
+    return folder
+
+
+def folder_alone(scene):
+    folder = in_place(scene, "--size", "90x60", *SHORT)
+    result = run("judge", folder)
+    check(result.returncode == 0 and " 90 x 60 pixels, 7 wavelengths" in result.stdout, "judge needs the folder alone", result.stdout, result.stderr)
+    for option, pattern in (("--size=600x400", r"--size=600x400: .* was exported with --size=90x60"),
+                            ("--shading=flat", r"--shading=flat: .* was exported without this option")):
+        refuses(f"{option} is not an option of export", pattern, "judge", folder, option)
+    check(run("judge", folder, "--size", "90x60", "--strict").returncode == 0, "the options of export, and those of judge, are taken")
+    drawn = os.path.join(folder, "drawn.txt")
+    with open(drawn) as file:
+        lines = file.read()
+    with open(drawn, "w") as file:
+        file.write(lines.replace("size 90 60", "size 91 60"))
+    refuses("another size", r"drawn.txt:4:1: error: drawn at 91x60, exported at 90x60", "judge", folder)
+
+
+def measured(scene):
+    """A driver that moves all corners by up to 1/32 pixel is a legal one of 4 bits: its targets say so. One of 1/8 pixel is not."""
+    source = open("data/samples/draw.c").read()
+    bounds = {}
+    for steps in (0, 1, 4):
+        moved = write(f"moved-{steps}.c", source.replace("    load_matrix(GL_PROJECTION, scene.projection);", f"""
+            scene.projection[3] += {steps} / 16.0 / scene.width;
+            scene.projection[7] -= {steps} / 16.0 / scene.height;
+            load_matrix(GL_PROJECTION, scene.projection);"""))
+        program = path_of(f"moved-{steps}")
+        subprocess.run([os.environ.get("CC", "cc"), "-D_POSIX_C_SOURCE=200809L", moved, "-o", program, "-lEGL", "-lGL", "-lm"], check=True)
+        folder = in_place(scene, "--size", "90x60", *SHORT, program=program)
+        result = run("judge", folder, "--unchecked", "1")
+        if steps == 4:
+            check(result.returncode == 3 and "the driver cannot be checked: its targets differ by more than OpenGL leaves free: " in result.stderr,
+                  "corners moved by 1/8 pixel: refused", result.stdout, result.stderr)
+            continue
+        found = re.search(r"^bounds +measured by its targets: edges to (\S+) pixel", result.stdout, re.MULTILINE)
+        bounds[steps] = float(found.group(1)) if found else 0
+        check(result.returncode == 0, f"corners moved by {steps}/32 pixel: agreed", result.stdout, result.stderr)
+        with open(os.path.join(folder, "colours-3.bin"), "r+b") as file:
+            pixels = np.memmap(file, "<f4", "r+").reshape(60, 90, 4)
+            pixels[30, 45, 1] *= 1.1
+            pixels.flush()
+        broken = run("judge", folder, "--unchecked", "1")
+        check(broken.returncode == 1 and "first at 45,30 " in broken.stderr, f"corners moved by {steps}/32 pixel: a wrong colour is found", broken.stderr)
+        os.remove(os.path.join(folder, "targets-drawn.txt"))
+        stated = run("judge", folder, "--unchecked", "1").stdout
+        check("bounds            stated by drawn.txt: edges to 0.00391 pixel, values to 0.00391, depth to 1.5 step" in stated,
+              "without targets, the bits of drawn.txt are taken", stated)
+    check(bounds[0] <= 1 / 512 and 1 / 32 <= bounds[1] <= 1 / 16, "edges are measured to be where they are", bounds)
+
+
 # ---- changes ----
 
 def differs(what, pattern, *options, scene):
@@ -196,8 +261,9 @@ def refusals(scene):
     write("drawn/drawn.txt", "renderer llvmpipe\n")
     refuses("no id", 'expected a line "id"', *words)
     write("drawn/drawn.txt", text + "colour 3\n")
-    refuses("an unknown line", r"drawn.txt:4:1: error: .*colour", *words)
-    write("drawn/drawn.txt", re.sub("renderer .*", "renderer Foo 9000", text))
+    refuses("an unknown line", r"drawn.txt:7:1: error: .*colour", *words)
+    write("drawn/drawn.txt", re.sub("renderer .*", "renderer Foo 9000", re.sub(".*-bits .*\n", "", text)))
+    os.remove(os.path.join(DRAWN, "targets-drawn.txt"))
     result = run(*words)
     check(result.returncode == 0 and "bounds            of unknown" in result.stdout and "drawn by          Foo 9000, " in result.stdout,
           "an unknown renderer gets the bounds of any", result.stdout)
@@ -253,6 +319,8 @@ def whole_or_not():
 
 
 compile_sample()
+folder_alone("room")
+measured("colorchecker")
 own = write("own.scene", EFFECTS.replace("700 10\n", "700 50\nshading flat\n"))
 for each in ("llvmpipe", "softpipe"):
     agrees(own, each)

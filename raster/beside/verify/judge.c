@@ -1,0 +1,325 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral export and spectral judge. Both plan the scene as spectral render does; judge reads its
+ * name and the options from the exported folder. A driver that is not known is measured by its
+ * pixels of the targets: the narrowest bounds that these keep. */
+#include <limits.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "raster/beside/verify/inside.h"
+
+/* ---- the targets ---- */
+
+const char targets_prefix[] = "targets-";
+
+/* Reads and plans the scene of the targets. The caller frees the job, also after a failure. */
+static bool plan_targets(struct render_job *job, struct error *err)
+{
+    struct options options = {.operand = NULL};
+    bool done = options_read(&export_command, true, NULL, 0, &options, err);
+    options.operand = BUILTIN_PREFIX "targets/targets.scene";
+    done = done && job_read(&options, true, job, err) && job_plan(&options, job, err);
+    options_free(&options);
+    return done;
+}
+
+/* Pixels of the targets, and how they were judged last. */
+struct targets {
+    struct render_job job;
+    struct foreign_pixels pixels;
+    struct render_result result;
+};
+
+/* Finds whether the targets are what this driver may draw. */
+static bool try_driver(struct targets *of, const struct driver *driver, bool *agrees,
+                       struct error *err)
+{
+    const struct render_foreign foreign = {.open = drawn_open, .of = &of->pixels};
+    const struct render_output output = {.foreign = &foreign, .limits = &of->job.limits};
+    of->pixels.driver = driver;
+    if (!render(&of->job.plan, &output, NULL, &of->result, err))
+        return false;
+    *agrees = check_outcome(&of->result.check) != OUTCOME_DIFFERS;
+    return true;
+}
+
+/* Traits of a driver, from the narrowest value to the widest that OpenGL 2.1 allows, or, of
+ * filters, that bounds can cover: see raster/beside/measure. */
+enum { TRAITS = 5, VALUES = 6 };
+static const struct {
+    size_t place;
+    double values[VALUES];
+} traits[TRAITS] = {
+    {offsetof(struct driver, grid_px), {0x1p-9, 0x1p-8, 0x1p-7, 0x1p-6, 0x1p-5, 0x1p-4}},
+    {offsetof(struct driver, corner_px), {0, 0x1p-8, 0x1p-7, 0x1p-6, 0x1p-5, 0x1p-4}},
+    {offsetof(struct driver, depth_roundings), {1, 1.5, 2, 2, 2, 2}},
+    {offsetof(struct driver, filter_texels), {0, 0x1p-8, 0x1p-7, 0x1p-6, 0x1p-5, 0x1p-4}},
+    {offsetof(struct driver, lighting), {1, 2, 4, 8, 16, 16}},
+};
+
+static void set_trait(struct driver *driver, int trait, int value)
+{
+    memcpy((char *)driver + traits[trait].place, &traits[trait].values[value],
+           sizeof traits[trait].values[value]);
+}
+
+/* Narrows each trait, all others as they are, as far as the targets agree. */
+static bool narrow(struct targets *of, struct driver *driver, struct error *err)
+{
+    for (int t = 0; t < TRAITS; t++) {
+        bool agrees = false;
+        for (int v = 0; v < VALUES && !agrees; v++) {
+            set_trait(driver, t, v);
+            if (!try_driver(of, driver, &agrees, err))
+                return false;
+        }
+    }
+    /* the largest error that the targets show is not the largest there is */
+    driver->lighting = driver->lighting > 1 ? 2 * driver->lighting : 1;
+    driver->watertight = true;
+    return try_driver(of, driver, &driver->watertight, err);
+}
+
+/* Measures the driver of pixels that lie beside those of the targets. */
+static bool measure(const struct foreign_pixels *pixels, struct driver *out, struct error *err)
+{
+    struct targets of = {.pixels = {pixels->path, targets_prefix, NULL}};
+    struct error words = {.status = EXIT_AGREED};
+    bool agrees = false;
+    *out = *driver_of(NULL);
+    out->name = "measured by its targets";
+    out->is_measured = true;
+    for (int t = 0; t < TRAITS; t++)
+        set_trait(out, t, VALUES - 1);
+    bool done = plan_targets(&of.job, err) && try_driver(&of, out, &agrees, err);
+    if (done && !agrees) {
+        report_disagreement(&of.job.plan, &of.result.check, NULL, &words);
+        done = error_failed(err,
+                            "the driver cannot be checked: its targets differ by more than OpenGL "
+                            "leaves free: %.600s",
+                            error_words(&words));
+    }
+    done = done && narrow(&of, out, err);
+    job_free(&of.job);
+    return done;
+}
+
+/* ---- the options of export ---- */
+
+/* The contents of exported.txt. */
+struct exported {
+    char scene[PATH_MAX];
+    char *options[MAX_RECORDED]; /* "NAME=VALUE", as options_read takes them; owned */
+    int n;
+};
+
+static void print_exported(const struct options *options, struct printed *to)
+{
+    const char *scene = options_scene(options);
+    char path[PATH_MAX];
+    const bool is_file = !scene_is_input(scene) && realpath(scene, path);
+    print(to, "scene %s\n", is_file ? path : scene);
+    for (int i = 0; i < options->n_recorded; i++)
+        print(to, "option %s\n", options->recorded[i]);
+}
+
+static bool read_line(struct text *text, struct exported *out, struct error *err)
+{
+    struct word word;
+    char rest[PATH_MAX];
+    if (!text_word(text, &word))
+        return true;
+    const bool is_scene = word_is(&word, "scene");
+    if (!copy_rest(text, rest, sizeof rest) || out->n == MAX_RECORDED ||
+        !(is_scene || word_is(&word, "option")))
+        return error_at(err, word.place, "expected 'scene' or 'option', and a word");
+    if (!is_scene)
+        return string_copy(rest, &out->options[out->n++], err);
+    memcpy(out->scene, rest, sizeof rest);
+    return true;
+}
+
+static bool read_exported(const char *path, struct exported *out, struct error *err)
+{
+    struct text text;
+    bool done = text_open(&text, path, NOWHERE, false, err);
+    while (done && text_next_line(&text))
+        done = read_line(&text, out, err);
+    text_free(&text);
+    return done;
+}
+
+static void exported_free(struct exported *of)
+{
+    for (int i = 0; i < of->n; i++)
+        free(of->options[i]);
+}
+
+/* Refuses an option that decides the picture, and that export did not have. */
+static bool fits_exported(const char *option, const char *folder, const struct exported *exported,
+                          struct error *err)
+{
+    const size_t name = strcspn(option, "=");
+    const char *other = NULL;
+    if (strncmp(option, "--strict", name) == 0 || strncmp(option, "--unchecked", name) == 0)
+        return true;
+    for (int i = 0; i < exported->n; i++) {
+        if (strcmp(option, exported->options[i]) == 0)
+            return true;
+        if (strncmp(option, exported->options[i], name + 1) == 0)
+            other = exported->options[i];
+    }
+    return other ? error_usage(err, "%s: %s was exported with %s", option, folder, other)
+                 : error_usage(err, "%s: %s was exported without this option", option, folder);
+}
+
+/* Takes from the folder all that decides the picture, and how to judge it from the command line. */
+static bool take_exported(const struct options *options, const char *folder,
+                          struct exported *exported, struct options *out, struct error *err)
+{
+    const struct render_options *own = options->own;
+    for (int i = 0; i < options->n_recorded; i++)
+        if (!fits_exported(options->recorded[i], folder, exported, err))
+            return false;
+    if (scene_is_input(exported->scene))
+        return error_usage(err,
+                           "%s was exported from standard input, and does not name its scene; "
+                           "give judge SCENE, the options of export, and PIXELS",
+                           folder);
+    if (!options_read(&judge_command, true, (const char *const *)exported->options, exported->n,
+                      out, err))
+        return false;
+    struct render_options *made = out->own;
+    made->strict = own->strict;
+    made->unchecked = own->unchecked;
+    made->check_map = own->check_map;
+    out->operand = exported->scene;
+    out->json = options->json;
+    out->threads = options->threads;
+    out->quiet = options->quiet;
+    out->verbose = options->verbose;
+    return true;
+}
+
+/* ---- spectral export ---- */
+
+static bool run_export(struct options *options, struct error *err)
+{
+    struct render_job job = {.limits = {false, 0}}, targets = {.limits = {false, 0}};
+    struct printed lines = {.text = NULL};
+    if (!options->output)
+        return error_usage(err, "export needs -o FOLDER");
+    print_exported(options, &lines);
+    char *words = printed_take(&lines, err);
+    const bool done = words && job_read(options, true, &job, err) && job_plan(options, &job, err) &&
+                      plan_targets(&targets, err) &&
+                      export_plans(&job.plan, &targets.plan, words, options->output, err);
+    free(words);
+    job_free(&targets);
+    job_free(&job);
+    return done;
+}
+
+/* ---- spectral judge ---- */
+
+struct judge_options {
+    struct render_options render; /* the first member */
+    const char *driver;
+};
+
+/* Judges the pixels of the scene that `made` names, as the command line asks. */
+static bool judge_pixels(struct options *options, const struct options *made,
+                         struct foreign_pixels *pixels, struct error *err)
+{
+    const struct judge_options *own = options->own;
+    const struct render_foreign foreign = {.open = drawn_open, .of = pixels};
+    const struct render_output output = {
+        .check_map = own->render.check_map, .outputs = &options->outputs, .foreign = &foreign};
+    struct driver measured;
+    struct stat status;
+    char targets[PATH_MAX];
+    bool known = true;
+    snprintf(targets, sizeof targets, "%.4000s/%sdrawn.txt", pixels->path, targets_prefix);
+    if (own->driver)
+        pixels->driver = driver_of(own->driver);
+    else if (stat(targets, &status) == 0 && !drawn_is_known(pixels, &known, err))
+        return false;
+    if (!known) {
+        if (!measure(pixels, &measured, err))
+            return false;
+        pixels->driver = &measured;
+    }
+    return render_with_options(made, &output, NULL, err);
+}
+
+static bool run_judge(struct options *options, struct error *err)
+{
+    const int n = options->n_operands;
+    struct foreign_pixels pixels = {.path = n > 0 ? options->operands[n - 1] : NULL, .prefix = ""};
+    struct exported exported = {.n = 0};
+    struct options made = {.operand = NULL};
+    struct stat status;
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%.4000s/exported.txt", n > 0 ? options->operands[0] : ".");
+    const bool is_exported = n > 0 && stat(path, &status) == 0;
+    if (n < (is_exported ? 1 : 2))
+        return error_usage(err, "judge needs FOLDER, which export wrote and another program drew "
+                                "into, or SCENE and PIXELS: a folder, or a TIFF");
+    if (!is_exported)
+        return judge_pixels(options, options, &pixels, err);
+    const bool done = read_exported(path, &exported, err) &&
+                      take_exported(options, options->operands[0], &exported, &made, err) &&
+                      judge_pixels(options, &made, &pixels, err);
+    options_free(&made);
+    exported_free(&exported);
+    return done;
+}
+
+/* ---- the commands ---- */
+
+static const struct option export_rows[] = {
+    {"-o, --output FOLDER", "writes the files into this new folder", SHARED(TEXT, output)},
+};
+static const struct option_list export_list = OPTION_LIST(export_rows);
+static const struct option_list *const export_lists[] = {
+    &export_list,      &scene_options,    &shading_options,
+    &accuracy_options, &sampling_options, &scale_option,
+    &threads_option,   &common_options,   NULL};
+const struct command export_command = {
+    .name = "export",
+    .operands = "[SCENE] -o FOLDER",
+    .summary = "write a scene as plain files, for another program to draw",
+    .example = "export room -o room",
+    .run = run_export,
+    .lists = export_lists,
+    .own_size = sizeof(struct render_options),
+    .n_operands = 1,
+};
+
+static const char *const drivers[] = {"llvmpipe", "softpipe", "unknown", NULL};
+static const struct option judge_rows[] = {
+    {"--driver llvmpipe|softpipe|unknown",
+     "judges by the bounds of this driver (default: the one that drawn.txt names; an unknown one "
+     "is measured by its targets)",
+     OWN(TEXT, judge_options, driver), .choices = drivers},
+};
+static const struct option_list judge_list = OPTION_LIST(judge_rows);
+static const struct option_list *const judge_lists[] = {&judge_list,       &scene_options,
+                                                        &shading_options,  &accuracy_options,
+                                                        &sampling_options, &judged_options,
+                                                        &map_option,       &scale_option,
+                                                        &threads_option,   &json_option,
+                                                        &verbose_option,   &quiet_option,
+                                                        &common_options,   NULL};
+const struct command judge_command = {
+    .name = "judge",
+    .operands = "FOLDER|SCENE [PIXELS]",
+    .summary = "judge what that program drew: a folder, or a TIFF",
+    .example = "judge room",
+    .run = run_judge,
+    .lists = judge_lists,
+    .own_size = sizeof(struct judge_options),
+    .n_operands = 2,
+};
