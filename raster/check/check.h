@@ -84,10 +84,10 @@ enum failure_kind {
     FAILURE_DEPTH,
     FAILURE_FRAGMENTS
 };
-/* Bands, one or a whole pass, that alone would explain a pixel if they were wrong; the band that is
- * off by most, and by how many counts. */
+/* Bands, one or a whole pass, that alone would explain a pixel if they were wrong; and by how many
+ * counts the first one is. */
 struct odd_bands {
-    int first, last, worst;
+    int first, last;
     double off;
 };
 enum { MOST_ODD = 2 };

@@ -69,12 +69,7 @@ static bool explain(const struct check *check, int first, int n, struct odd_band
         if (!(fabs(rest) <= (band < check->verdict.first.band ? 2 : 1)))
             return false;
     }
-    *out = (struct odd_bands){.first = first, .last = first + n - 1, .worst = first, .off = x[0]};
-    for (int i = 1; i < n; i++)
-        if (fabs(x[i]) > fabs(out->off)) {
-            out->worst = first + i;
-            out->off = x[i];
-        }
+    *out = (struct odd_bands){first, first + n - 1, x[0]};
     return true;
 }
 

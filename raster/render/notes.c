@@ -77,43 +77,23 @@ static void note_dark(const struct lit_scene *lit, struct notes *notes)
 
 /* ---- depth ---- */
 
-/* Finds the distance of the nearest vertex in front of the near plane, and the extent of a surface
- * in eye space: both in the scene's units. A parallel view has no distance. */
-static double extent_of(const struct lit_scene *lit, int index, double *nearest)
-{
-    enum { X, Y, W };
-    const struct plan *plan = lit->plan;
-    const struct surface *surface = &lit->surfaces[index];
-    const double to_eye[3] = {plan->unit / plan->view.projection.row[0][0],
-                              plan->unit / plan->view.projection.row[1][1], plan->unit};
-    double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-    for (int v = 0; v < surface->instance->n_vertices; v++)
-        for (int i = X; i <= W; i++) {
-            const double at = surface->vertices[v].clip[i < W ? i : CLIP_W] * to_eye[i];
-            least[i] = fmin(least[i], at);
-            most[i] = fmax(most[i], at);
-        }
-    *nearest = fmax(least[W], plan->scene->camera.near);
-    return fmax(most[X] - least[X], fmax(most[Y] - least[Y], most[W] - least[W]));
-}
-
-/* Adds a note on the first object that is no larger than a step of the depth buffer where it lies.
- * Depth has 24 bits; in perspective it is (1 / n - 1 / d) / (1 / n - 1 / f) at a distance d. */
+/* Adds a note on the first object whose depth, of 24 bits, lies within a few steps of that of the
+ * far plane. In perspective its steps are then about as long as its distance. */
 static void note_depth(const struct lit_scene *lit, struct notes *notes)
 {
-    const struct camera *camera = &lit->plan->scene->camera;
-    for (int s = 0; s < lit->plan->n_instances; s++) {
-        double d, size = extent_of(lit, s, &d),
-                  range = camera->perspective ? d * d * (1 / camera->near - 1 / camera->far)
-                                              : camera->far - camera->near;
-        char object[256];
-        if (!lit->plan->instances[s].in_view || size > range * 0x1p-24)
+    char object[256];
+    for (int s = 0; s < lit->plan->n_instances && lit->plan->options.check; s++) {
+        double nearest = 1;
+        for (int v = 0; v < lit->surfaces[s].instance->n_vertices; v++)
+            nearest = fmin(nearest, lit->surfaces[s].vertices[v].z);
+        if (!lit->plan->instances[s].in_view || nearest < 1 - 4 * 0x1p-24)
             continue;
         object_text(lit->plan, s, object, sizeof object);
-        note_add(notes, "depth",
-                 "near and far have one depth at %s: a step of the depth buffer there is %.3g, the "
-                 "object's size %.3g; bring the near and the far plane closer to it",
-                 object, range * 0x1p-24, size);
+        note_add(
+            notes, "depth",
+            "the depth of %s rounds to that of the far plane, so that OpenGL may lose it; move "
+            "the near plane away, or the far plane near",
+            object);
         return;
     }
 }

@@ -191,11 +191,9 @@ static void json_failure(struct json *json, const struct plan *plan,
     }
     json_open(json, "wrong_bands", '[');
     for (int i = 0; i < first->n_odd; i++) {
-        band_name(plan, first->odd[i].worst, page);
         json_open(json, NULL, '{');
         json_count(json, "first_page", (uint64_t)first->odd[i].first);
         json_count(json, "last_page", (uint64_t)first->odd[i].last);
-        json_string(json, "page", page);
         json_number(json, "counts", first->odd[i].off);
         json_close(json, '}');
     }

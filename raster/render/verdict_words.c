@@ -130,38 +130,27 @@ void report_verdict(const struct plan *plan, const struct check_verdict *verdict
 
 /* ---- disagreement ---- */
 
-/* Describes where bands are wrong, and by how much. */
-static void odd_text(const struct plan *plan, const struct odd_bands *odd, char *out,
-                     size_t capacity)
-{
-    char first[BAND_NAME], last[BAND_NAME], worst[BAND_NAME];
-    band_name(plan, odd->first, first);
-    band_name(plan, odd->last, last);
-    band_name(plan, odd->worst, worst);
-    if (odd->first == odd->last)
-        snprintf(out, capacity, "at %s, by %+.3g counts", first, odd->off);
-    else
-        snprintf(out, capacity, "from %s to %s, by %+.3g counts at %s", first, last, odd->off,
-                 worst);
-}
-
 /* Describes a pixel whose bands do not fit together. */
 static void bands_text(const struct plan *plan, const struct check_failure *failure, char *out,
                        size_t capacity)
 {
-    char at[MOST_ODD][4 * BAND_NAME], page[BAND_NAME];
-    for (int i = 0; i < failure->n_odd; i++)
-        odd_text(plan, &failure->odd[i], at[i], sizeof at[i]);
-    band_name(plan, failure->band, page);
+    char at[MOST_ODD][3 * BAND_NAME] = {"", ""}, first[BAND_NAME], last[BAND_NAME];
+    for (int i = 0; i < failure->n_odd; i++) {
+        const struct odd_bands *odd = &failure->odd[i];
+        band_name(plan, odd->first, first);
+        band_name(plan, odd->last, last);
+        snprintf(at[i], sizeof at[i], "at %s%s%s by %+.3g counts", first,
+                 odd->last > odd->first ? " to " : "", odd->last > odd->first ? last : "",
+                 odd->off);
+    }
+    band_name(plan, failure->band, first);
     if (failure->n_odd == 0)
         snprintf(out, capacity,
-                 "at %s OpenGL %.6g, where the other bands call for %.6g, bound %.3g counts", page,
+                 "at %s OpenGL %.6g, where the other bands call for %.6g, bound %.3g counts", first,
                  failure->seen, failure->expected, failure->bound);
-    else if (failure->n_odd == 1)
-        snprintf(out, capacity, "OpenGL is wrong %s: the other bands agree with each other", at[0]);
     else
-        snprintf(out, capacity, "OpenGL is wrong %s, or %s: either explains the pixel", at[0],
-                 at[1]);
+        snprintf(out, capacity, "OpenGL is off %s%s%s; all other bands fit together", at[0],
+                 failure->n_odd > 1 ? ", or " : "", at[1]);
 }
 
 /* Describes a failure in words. */

@@ -88,6 +88,7 @@ def make_inputs(folder):
         # the scene's path stays true when the program makes the stack again
         subprocess.run([SPECTRAL, "render", *("in/" + words).split(), "-q", "-o", "in/" + name],
                        cwd=os.path.dirname(folder), check=True)
+    subprocess.run([SPECTRAL, "export", "in/plain.scene", "--full-scale", "4", "-o", "in/room"], cwd=os.path.dirname(folder), check=True)
 
 
 # ---- commands ----
@@ -119,7 +120,7 @@ FORMS = [
     form("render --again", "render --again in/stack.tif -o out/again.tif", "again.tif"),
     form("render, shaders", "render in/plain.scene --renderer gl-shader -o out/a.tif", "a.tif", uses_gl=True, uses_egl=True),
     form("join", "join in/part.tif -o out/a.tif", "a.tif"),
-    form("judge", "judge in/plain.scene in/drawn.tif --full-scale 4 --json out/a.json --check-map out/map.tif", "a.json",
+    form("judge", "judge in/room in/drawn.tif --json out/a.json --check-map out/map.tif", "a.json",
          "map.tif"),
     form("plan", "plan in/mesh.scene"),
     form("plan --json", "plan in/glow.scene --json out/plan.json", "plan.json"),

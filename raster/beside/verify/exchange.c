@@ -33,7 +33,7 @@ static size_t count_pixels(const struct plan *plan)
 /* ---- drawn.txt ---- */
 
 /* Copies the rest of a line, as a driver's name has blanks and may have anything else. */
-bool copy_rest(const struct text *text, char *out, size_t capacity)
+static void copy_rest(const struct text *text, char *out, size_t capacity)
 {
     const char *at = text->at;
     size_t length = (size_t)(text->line_end - at);
@@ -42,7 +42,7 @@ bool copy_rest(const struct text *text, char *out, size_t capacity)
         length--;
     }
     snprintf(out, capacity, "%.*s", (int)(length < capacity ? length : capacity - 1), at);
-    return length > 0;
+    hide_unprintable(out, "");
 }
 
 enum drawn_word {
@@ -89,11 +89,9 @@ static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct
         return text_end(text, "id", err);
     case DRAWN_RENDERER:
         copy_rest(text, names->renderer, sizeof names->renderer);
-        hide_unprintable(names->renderer, "");
         return true;
     case DRAWN_VERSION:
         copy_rest(text, names->version, sizeof names->version);
-        hide_unprintable(names->version, "");
         return true;
     case DRAWN_SIZE:
         return read_size(text, &word, out, err);
@@ -165,9 +163,8 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
     return scene_describe(lit, NULL, "", id, err) &&
            (strcmp(id, of->id) == 0 ||
             error_at(err, of->id_place,
-                     "these pixels were drawn of another scene: expected id %s, found %s (give "
-                     "judge the scene and the options of export)",
-                     id, of->id));
+                     "these pixels were drawn of another scene: expected id %s, found %s", id,
+                     of->id));
 }
 
 /* ---- a TIFF ---- */

@@ -44,8 +44,6 @@ bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct ren
                 struct error *err);
 /* Returns whether the folder names a driver that is known. */
 bool drawn_is_known(const struct foreign_pixels *pixels, bool *known, struct error *err);
-/* Writes the rest of a line; returns false if there is nothing but blanks. */
-bool copy_rest(const struct text *text, char *out, size_t capacity);
 
 /* ---- command.c ---- */
 

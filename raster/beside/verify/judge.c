@@ -108,99 +108,36 @@ static bool measure(const struct foreign_pixels *pixels, struct driver *out, str
 
 /* ---- the options of export ---- */
 
-/* The contents of exported.txt. */
-struct exported {
-    char scene[PATH_MAX];
-    char *options[MAX_RECORDED]; /* "NAME=VALUE", as options_read takes them; owned */
-    int n;
-};
-
+/* Prints the scene, and each option as options_read takes it, in lines. */
 static void print_exported(const struct options *options, struct printed *to)
 {
     const char *scene = options_scene(options);
     char path[PATH_MAX];
     const bool is_file = !scene_is_input(scene) && realpath(scene, path);
-    print(to, "scene %s\n", is_file ? path : scene);
+    print(to, "%s\n", is_file ? path : scene);
     for (int i = 0; i < options->n_recorded; i++)
-        print(to, "option %s\n", options->recorded[i]);
+        print(to, "%s\n", options->recorded[i]);
 }
 
-static bool read_line(struct text *text, struct exported *out, struct error *err)
+/* Reads these lines; the words point into the text, which is returned. */
+static char *read_exported(const char *folder, const char *words[MAX_RECORDED], int *n,
+                           struct error *err)
 {
-    struct word word;
-    char rest[PATH_MAX];
-    if (!text_word(text, &word))
-        return true;
-    const bool is_scene = word_is(&word, "scene");
-    if (!copy_rest(text, rest, sizeof rest) || out->n == MAX_RECORDED ||
-        !(is_scene || word_is(&word, "option")))
-        return error_at(err, word.place, "expected 'scene' or 'option', and a word");
-    if (!is_scene)
-        return string_copy(rest, &out->options[out->n++], err);
-    memcpy(out->scene, rest, sizeof rest);
-    return true;
-}
-
-static bool read_exported(const char *path, struct exported *out, struct error *err)
-{
-    struct text text;
-    bool done = text_open(&text, path, NOWHERE, false, err);
-    while (done && text_next_line(&text))
-        done = read_line(&text, out, err);
-    text_free(&text);
-    return done;
-}
-
-static void exported_free(struct exported *of)
-{
-    for (int i = 0; i < of->n; i++)
-        free(of->options[i]);
-}
-
-/* Refuses an option that decides the picture, and that export did not have. */
-static bool fits_exported(const char *option, const char *folder, const struct exported *exported,
-                          struct error *err)
-{
-    const size_t name = strcspn(option, "=");
-    const char *other = NULL;
-    if (strncmp(option, "--strict", name) == 0 || strncmp(option, "--unchecked", name) == 0)
-        return true;
-    for (int i = 0; i < exported->n; i++) {
-        if (strcmp(option, exported->options[i]) == 0)
-            return true;
-        if (strncmp(option, exported->options[i], name + 1) == 0)
-            other = exported->options[i];
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%.4000s/exported.txt", folder);
+    char *text = file_read(path, NOWHERE, err), *at = text;
+    for (*n = 0; at && *at && *n < MAX_RECORDED; (*n)++) {
+        words[*n] = at;
+        at += strcspn(at, "\n");
+        if (*at)
+            *at++ = '\0';
     }
-    return other ? error_usage(err, "%s: %s was exported with %s", option, folder, other)
-                 : error_usage(err, "%s: %s was exported without this option", option, folder);
-}
-
-/* Takes from the folder all that decides the picture, and how to judge it from the command line. */
-static bool take_exported(const struct options *options, const char *folder,
-                          struct exported *exported, struct options *out, struct error *err)
-{
-    const struct render_options *own = options->own;
-    for (int i = 0; i < options->n_recorded; i++)
-        if (!fits_exported(options->recorded[i], folder, exported, err))
-            return false;
-    if (scene_is_input(exported->scene))
-        return error_usage(err,
-                           "%s was exported from standard input, and does not name its scene; "
-                           "give judge SCENE, the options of export, and PIXELS",
-                           folder);
-    if (!options_read(&judge_command, true, (const char *const *)exported->options, exported->n,
-                      out, err))
-        return false;
-    struct render_options *made = out->own;
-    made->strict = own->strict;
-    made->unchecked = own->unchecked;
-    made->check_map = own->check_map;
-    out->operand = exported->scene;
-    out->json = options->json;
-    out->threads = options->threads;
-    out->quiet = options->quiet;
-    out->verbose = options->verbose;
-    return true;
+    if (text && (*n == 0 || scene_is_input(words[0])))
+        error_usage(err, "%s names no scene; export one from a file", path);
+    else if (text)
+        return text;
+    free(text);
+    return NULL;
 }
 
 /* ---- spectral export ---- */
@@ -229,51 +166,61 @@ struct judge_options {
     const char *driver;
 };
 
-/* Judges the pixels of the scene that `made` names, as the command line asks. */
-static bool judge_pixels(struct options *options, const struct options *made,
+/* Finds the driver by which the pixels are judged; NULL: the one of drawn.txt. */
+static bool find_driver(const struct judge_options *own, struct foreign_pixels *pixels,
+                        struct driver *measured, struct error *err)
+{
+    char targets[PATH_MAX];
+    bool known;
+    struct stat status;
+    snprintf(targets, sizeof targets, "%.4000s/%sdrawn.txt", pixels->path, targets_prefix);
+    if (own->driver) {
+        pixels->driver = driver_of(own->driver);
+        return true;
+    }
+    if (stat(targets, &status) != 0)
+        return true;
+    if (!drawn_is_known(pixels, &known, err) || (!known && !measure(pixels, measured, err)))
+        return false;
+    pixels->driver = known ? NULL : measured;
+    return true;
+}
+
+/* Takes all that decides the picture from the folder, and how to judge it from the command line. */
+static bool judge_pixels(struct options *options, struct options *exported,
                          struct foreign_pixels *pixels, struct error *err)
 {
-    const struct judge_options *own = options->own;
     const struct render_foreign foreign = {.open = drawn_open, .of = pixels};
+    struct render_options *own = options->own;
     const struct render_output output = {
-        .check_map = own->render.check_map, .outputs = &options->outputs, .foreign = &foreign};
-    struct driver measured;
-    struct stat status;
-    char targets[PATH_MAX];
-    bool known = true;
-    snprintf(targets, sizeof targets, "%.4000s/%sdrawn.txt", pixels->path, targets_prefix);
-    if (own->driver)
-        pixels->driver = driver_of(own->driver);
-    else if (stat(targets, &status) == 0 && !drawn_is_known(pixels, &known, err))
-        return false;
-    if (!known) {
-        if (!measure(pixels, &measured, err))
-            return false;
-        pixels->driver = &measured;
-    }
-    return render_with_options(made, &output, NULL, err);
+        .check_map = own->check_map, .outputs = &options->outputs, .foreign = &foreign};
+    own->full_scale = ((const struct render_options *)exported->own)->full_scale;
+    memcpy(exported->own, own, sizeof *own);
+    exported->json = options->json;
+    exported->threads = options->threads;
+    exported->quiet = options->quiet;
+    exported->verbose = options->verbose;
+    return render_with_options(exported, &output, NULL, err);
 }
 
 static bool run_judge(struct options *options, struct error *err)
 {
     const int n = options->n_operands;
     struct foreign_pixels pixels = {.path = n > 0 ? options->operands[n - 1] : NULL, .prefix = ""};
-    struct exported exported = {.n = 0};
     struct options made = {.operand = NULL};
-    struct stat status;
-    char path[PATH_MAX];
-    snprintf(path, sizeof path, "%.4000s/exported.txt", n > 0 ? options->operands[0] : ".");
-    const bool is_exported = n > 0 && stat(path, &status) == 0;
-    if (n < (is_exported ? 1 : 2))
+    struct driver measured;
+    const char *words[MAX_RECORDED];
+    int n_words;
+    if (n == 0)
         return error_usage(err, "judge needs FOLDER, which export wrote and another program drew "
-                                "into, or SCENE and PIXELS: a folder, or a TIFF");
-    if (!is_exported)
-        return judge_pixels(options, options, &pixels, err);
-    const bool done = read_exported(path, &exported, err) &&
-                      take_exported(options, options->operands[0], &exported, &made, err) &&
-                      judge_pixels(options, &made, &pixels, err);
+                                "into; PIXELS may lie elsewhere: a folder, or a TIFF");
+    char *text = read_exported(options->operands[0], words, &n_words, err);
+    bool done = text && options_read(&export_command, true, words + 1, n_words - 1, &made, err) &&
+                find_driver(options->own, &pixels, &measured, err);
+    made.operand = done ? words[0] : NULL;
+    done = done && judge_pixels(options, &made, &pixels, err);
     options_free(&made);
-    exported_free(&exported);
+    free(text);
     return done;
 }
 
@@ -306,16 +253,12 @@ static const struct option judge_rows[] = {
      OWN(TEXT, judge_options, driver), .choices = drivers},
 };
 static const struct option_list judge_list = OPTION_LIST(judge_rows);
-static const struct option_list *const judge_lists[] = {&judge_list,       &scene_options,
-                                                        &shading_options,  &accuracy_options,
-                                                        &sampling_options, &judged_options,
-                                                        &map_option,       &scale_option,
-                                                        &threads_option,   &json_option,
-                                                        &verbose_option,   &quiet_option,
-                                                        &common_options,   NULL};
+static const struct option_list *const judge_lists[] = {
+    &judge_list,   &judged_options, &map_option, &threads_option, &json_option, &verbose_option,
+    &quiet_option, &common_options, NULL};
 const struct command judge_command = {
     .name = "judge",
-    .operands = "FOLDER|SCENE [PIXELS]",
+    .operands = "FOLDER [PIXELS]",
     .summary = "judge what that program drew: a folder, or a TIFF",
     .example = "judge room",
     .run = run_judge,

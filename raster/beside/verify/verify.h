@@ -9,7 +9,7 @@
 #include "data/text/text.h"
 #include "spectral.h"
 
-/* ---- command.c: spectral export, spectral judge ---- */
+/* ---- judge.c: spectral export, spectral judge ---- */
 
 /* Writes all that another program needs to draw a scene into a new folder. */
 extern const struct command export_command;

@@ -35,7 +35,7 @@ READ = ("a.scene", "more.scene", "lamp.csv", "cloth.csv", "roof.obj", "grey.tif"
 COMMANDS = {
     "render": (["a.scene"], READ), "plan": (["a.scene"], READ), "cost": (["a.scene"], READ), "view": (["a.scene"], READ),
     "verify": (["a.scene"], READ), "export": (["a.scene"], READ),
-    "judge": (["a.scene", "drawn.tif", "--full-scale", "4"], (*READ, "drawn.tif")),
+    "judge": ([".", "drawn.tif"], (*READ, "drawn.tif", "exported.txt")),
     "probe": (["stack.tif", "1", "1", "--white", "white.csv", "--detector", "eye.csv"], ("stack.tif", "white.csv", "eye.csv")),
     "develop": (["stack.tif", "--white", "white.csv", "--detector", "eye.csv"], ("stack.tif", "white.csv", "eye.csv")),
     "compare": (["stack.tif", "other.tif", "--white", "white.csv"], ("stack.tif", "other.tif", "white.csv")),
@@ -71,6 +71,8 @@ def make(folder):
     for words in ("-o stack.tif", "-o other.tif --light 1=a", "-o part.tif --part 1/1",
                   "-o drawn.tif --depth 32f --full-scale 4"):
         subprocess.run([SPECTRAL, "render", "a.scene", "--no-check", "-q", *words.split()], cwd=folder, check=True)
+    with open(os.path.join(folder, "exported.txt"), "w") as out:
+        out.write("a.scene\n--full-scale=4\n")
 
 
 def commands():

@@ -116,18 +116,13 @@ def black():
 
 
 def depth():
-    """A step of 24 bits of depth is d^2 (1 / n - 1 / f) / 2^24 at a distance d, and (f - n) / 2^24 in a parallel view."""
-    for name, camera, box, step in (
-            ("a box of 2e8 at 4e8", "perspective 60 near 0.5 far 1e9", "2e8 2e8 2e8 material m translate 0 0 -5e8",
-             f"{4e8**2 * (2 - 1e-9) / 2**24:.3g}, the object's size 2e+08"),
-            ("the near plane moved away", "perspective 60 near 1e8 far 1e9", "2e8 2e8 2e8 material m translate 0 0 -5e8", None),
-            ("in parallel, a box as large as a step", f"ortho 12 near 0 far {8 * 2**24}", "8 8 8 material m translate 0 0 -9", "8, the object's size 8"),
-            ("in parallel, a larger box", f"ortho 12 near 0 far {8 * 2**24}", "8.01 8 8 material m translate 0 0 -9", None)):
-        scene = HEAD.replace("ortho 12", camera) + "ambient d65 1\n" + GREY + f"object box {box}\n"
-        if step:
-            gets(name, scene, "depth", f"at m \\(.*notes.scene:6\\): a step of the depth buffer there is {re.escape(step)}; bring", "--no-check")
-        else:
-            gets_none(name, scene)
+    """At a distance d depth is 1 - (1 / d - 1 / f) / (1 / n - 1 / f): within 4 steps of 24 bits of 1, an object may be lost."""
+    scene = HEAD.replace("ortho 12", "perspective 60 near {} far 1e9") + "ambient d65 1\n" + GREY + "object box 2e8 2e8 2e8 material m translate 0 0 -5e8\n"
+    limit = 4 / 2**24 / (1 / 4e8 - 1 / 1e9)
+    gets("a box 4 steps before the far plane", scene.format(limit * 0.999), "depth",
+         r"^the depth of m \(.*notes.scene:6\) rounds to that of the far plane, so that OpenGL may lose it; move the near plane away", "--unchecked", "1")
+    gets_none("a box further before it", scene.format(limit * 1.001))
+    gets_none("a box that no check will see", scene.format(limit * 0.999), "--no-check")
 
 
 def extrapolated():

@@ -20,6 +20,7 @@ from rendered import EFFECTS, FAIL, SPECTRAL, bail_out, check, done, output_of, 
 
 DRAW = path_of("draw")
 DRAWN = path_of("drawn")
+EXPORTED = path_of("exported")
 SIZE = (90, 60)
 COMMON = ("--size", f"{SIZE[0]}x{SIZE[1]}", "--full-scale", "4")  # a power of two rounds nothing
 SHORT = ("--wavelengths", "400:700:50")
@@ -34,24 +35,27 @@ def compile_sample():
           result.stdout)
 
 
+def export(scene, *options):
+    shutil.rmtree(EXPORTED, ignore_errors=True)
+    return output_of("export", scene, *COMMON, *options, "-o", EXPORTED)
+
+
 def draw(scene, driver, *options):
     """Exports a scene and draws it into DRAWN."""
-    folder = path_of("exported")
-    shutil.rmtree(folder, ignore_errors=True)
     shutil.rmtree(DRAWN, ignore_errors=True)
-    said = output_of("export", scene, *COMMON, *options, "-o", folder)
-    result = subprocess.run([DRAW, folder, DRAWN], check=False, stderr=subprocess.PIPE, text=True,
+    said = export(scene, *options)
+    result = subprocess.run([DRAW, EXPORTED, DRAWN], check=False, stderr=subprocess.PIPE, text=True,
                             env={**os.environ, "GALLIUM_DRIVER": driver})
     if result.returncode != 0 or said:
         bail_out("draw", scene, said, result.stderr)
 
 
-def judge(scene, *options, pixels=DRAWN):
-    return run("judge", scene, pixels, *COMMON, *options)
+def judge(*options, pixels=DRAWN):
+    return run("judge", EXPORTED, pixels, *options)
 
 
-def figures(scene, *options):
-    return json.loads(judge(scene, *options, "--json", "-").stdout)["check"]
+def figures():
+    return json.loads(judge("--json", "-").stdout)["check"]
 
 
 def colours(first_band):
@@ -61,11 +65,11 @@ def colours(first_band):
 def agrees(scene, driver, *options):
     draw(scene, driver, *options)
     name = f"{os.path.basename(scene)} by {driver} {' '.join(options)}"
-    result = judge(scene, *options)
+    result = judge()
     check(result.returncode == 0 and result.stderr == "" and re.search(rf"^drawn by +{driver}.*, by another program$", result.stdout, re.MULTILINE) and
           "agreed: every pixel is what" in result.stdout and "\nnot checked " not in result.stdout, f"{name}: agreed",
           result.stdout, result.stderr)
-    seen = figures(scene, *options)
+    seen = figures()
     check(seen["triangles_checked"] and seen["depths_checked"] and seen["worst_depth_error_over_bound"] > 0, f"{name}: all is checked")
     stack = path_of("render.tif")
     output_of("render", scene, *COMMON, *options, "--gl", "egl", "--renderer", driver, "--depth", "32f", "-o", stack)
@@ -96,10 +100,8 @@ def folder_alone(scene):
     folder = in_place(scene, "--size", "90x60", *SHORT)
     result = run("judge", folder)
     check(result.returncode == 0 and " 90 x 60 pixels, 7 wavelengths" in result.stdout, "judge needs the folder alone", result.stdout, result.stderr)
-    for option, pattern in (("--size=600x400", r"--size=600x400: .* was exported with --size=90x60"),
-                            ("--shading=flat", r"--shading=flat: .* was exported without this option")):
-        refuses(f"{option} is not an option of export", pattern, "judge", folder, option)
-    check(run("judge", folder, "--size", "90x60", "--strict").returncode == 0, "the options of export, and those of judge, are taken")
+    refuses("options of the scene", r"judge has no option '--size'", "judge", folder, "--size", "600x400")
+    check(run("judge", folder, "--strict").returncode == 0, "a strict judgement needs no more")
     drawn = os.path.join(folder, "drawn.txt")
     with open(drawn) as file:
         lines = file.read()
@@ -143,8 +145,8 @@ def measured(scene):
 
 # ---- changes ----
 
-def differs(what, pattern, *options, scene):
-    result = judge(scene, *options)
+def differs(what, pattern):
+    result = judge()
     check(result.returncode == 1 and re.search(pattern, result.stderr) and result.stderr.count("\n") == 1, what, result.stderr,
           result.stdout)
 
@@ -169,11 +171,11 @@ def changes(scene):
             ("one depth", "depths.bin", "<u4", 0, lambda old: old + (1 << 14), ".*depth"),
             ("one number of fragments", "depths.bin", "<u4", 0, lambda old: old + 1, ".*fragments")):
         with changed(name, kind, channel, new):
-            differs(f"{what} is found where it was changed", "first at 45,30 " + pattern, *SHORT, scene=scene)
-    check(judge(scene, *SHORT).returncode == 0, "without these changes it agrees")
+            differs(f"{what} is found where it was changed", "first at 45,30 " + pattern)
+    check(judge().returncode == 0, "without these changes it agrees")
     os.rename(colours(0), path_of("kept"))
     shutil.copy(colours(3), colours(0))
-    differs("two passes exchanged are found", r"pixels differ at|at pixel|differ", *SHORT, scene=scene)
+    differs("two passes exchanged are found", r"pixels differ at|at pixel|differ")
     os.rename(path_of("kept"), colours(0))
 
 
@@ -183,7 +185,7 @@ def names_the_band():
     options = ("--wavelengths", "400:700:10")
     draw("spheres", "llvmpipe", *options)
     table = path_of("map.tif")
-    judge("spheres", *options, "--check-map", table)
+    judge("--check-map", table)
     floor, classes = pages_of(table)[0], pages_of(table)[3]
     steep = np.flatnonzero((classes == 0) & (floor < 100))
     y, x = divmod(int(steep[np.argmax(floor.ravel()[steep])]), SIZE[0])
@@ -193,7 +195,7 @@ def names_the_band():
             pixel = np.memmap(colours(first), "<f4", "r+").reshape(SIZE[1], SIZE[0], 4)[y, x]
             old = pixel.copy()
             pixel[channels] *= np.float32(1.004)
-            failure = figures("spheres", *options)["first_unexplained"]
+            failure = figures()["first_unexplained"]
             pixel[:] = old
             named = [(bands["first_page"], bands["last_page"]) for bands in failure["wrong_bands"]] or \
                 [((failure["wavelength_nm"] - 400) / 10,) * 2]
@@ -206,18 +208,18 @@ def names_the_band():
 def only_colours(scene):
     draw(scene, "llvmpipe", *SHORT)
     os.remove(os.path.join(DRAWN, "numbers.bin"))
-    result = judge(scene, *SHORT)
+    result = judge()
     check(result.returncode == 0 and "\nnot checked       triangles: there are none\n" in result.stdout and
           "agreed: every colour is what" in result.stdout, "without numbers triangles are not checked, and the report says so",
           result.stdout)
     with changed("depths.bin", "<u4", 0, lambda old: old + (1 << 14)):
-        differs("a wrong depth is found without numbers", r"first at 45,30 .*depth", *SHORT, scene=scene)
+        differs("a wrong depth is found without numbers", r"first at 45,30 .*depth")
     os.remove(os.path.join(DRAWN, "depths.bin"))
-    result, seen = judge(scene, *SHORT), figures(scene, *SHORT)
+    result, seen = judge(), figures()
     check(result.returncode == 0 and "\nnot checked       triangles, depths and fragments: there are none\n" in result.stdout and
           not seen["triangles_checked"] and not seen["depths_checked"], "colours alone agree, too", result.stdout)
     with changed("colours-3.bin", "<f4", 1, lambda old: old + 0.01):
-        differs("a wrong colour is found in colours alone", r"first at 45,30 .*nm OpenGL", *SHORT, scene=scene)
+        differs("a wrong colour is found in colours alone", r"first at 45,30 .*nm OpenGL")
 
 
 # ---- a TIFF ----
@@ -225,16 +227,17 @@ def only_colours(scene):
 def tiff(scene):
     stack, changed, counts = path_of("stack.tif"), path_of("changed.tif"), path_of("counts.tif")
     run("render", scene, *COMMON, *SHORT, "--gl", "egl", "--renderer", "llvmpipe", "--depth", "32f", "-o", stack)
-    result = judge(scene, *SHORT, "--driver", "llvmpipe", pixels=stack)
+    export(scene, *SHORT)
+    result = judge("--driver", "llvmpipe", pixels=stack)
     check(result.returncode == 0 and "agreed: every colour is what" in result.stdout and "\nbounds " not in
           result.stdout and "drawn by          an unnamed renderer, unknown version, by another program" in result.stdout,
           "float pages agree", result.stdout, result.stderr)
-    result = judge(scene, *SHORT, pixels=stack)
+    result = judge(pixels=stack)
     check(result.returncode == 0 and "bounds            of unknown" in result.stdout, "without --driver bounds are those of any driver")
     pages = tifffile.imread(stack)
     pages[4, 30, 45] += np.float32(0.04)
     tifffile.imwrite(changed, pages, photometric="minisblack")
-    result = judge(scene, *SHORT, "--driver", "llvmpipe", pixels=changed)
+    result = judge("--driver", "llvmpipe", pixels=changed)
     check(result.returncode == 1 and re.search(r"first at 45,30 .*nm OpenGL", result.stderr), "a changed page is found", result.stderr)
     run("render", scene, *COMMON, *SHORT, "--gl", "egl", "-o", counts)
     for what, words, pixels, pattern in (
@@ -245,17 +248,20 @@ def tiff(scene):
             ("too few pages", ("--wavelengths", "400:700:20"), stack, "expected 16 pages, found 7"),
             ("other wavelengths", ("--wavelengths", "410:710:50"), stack, "page 1: expected 410 nm, found 400 nm"),
             ("positions within pixels", ("--samples", "2"), stack, "judge --samples from a folder")):
-        refuses(what, pattern, "judge", scene, pixels, *COMMON, *SHORT, *words)
+        export(scene, *SHORT, *words)
+        refuses(what, pattern, "judge", EXPORTED, pixels)
 
 
 # ---- refusals ----
 
 def refusals(scene):
     draw(scene, "llvmpipe", *SHORT)
-    words, drawn = ("judge", scene, DRAWN, *COMMON, *SHORT), os.path.join(DRAWN, "drawn.txt")
+    words, drawn = ("judge", EXPORTED, DRAWN), os.path.join(DRAWN, "drawn.txt")
     text = open(drawn).read()
-    refuses("another light", r"drawn.txt:1:4: error: .*another scene", *words, "--light", "1=a")
-    refuses("another scene", "another scene", "judge", "spheres", DRAWN, *COMMON, *SHORT)
+    for what, other, options in (("another light", scene, ("--light", "1=a")), ("another scene", "spheres", ())):
+        export(other, *SHORT, *options)
+        refuses(what, r"drawn.txt:1:4: error: .*another scene", *words)
+    export(scene, *SHORT)
     write("drawn/drawn.txt", "id 12\n")
     refuses("another id", "another scene: expected id [0-9a-f]{64}, found 12", *words)
     write("drawn/drawn.txt", "renderer llvmpipe\n")
