@@ -117,12 +117,12 @@ def black():
 
 def depth():
     """At a distance d depth is 1 - (1 / d - 1 / f) / (1 / n - 1 / f): within 4 steps of 24 bits of 1, an object may be lost."""
-    scene = HEAD.replace("ortho 12", "perspective 60 near {} far 1e9") + "ambient d65 1\n" + GREY + "object box 2e8 2e8 2e8 material m translate 0 0 -5e8\n"
+    scene = HEAD.replace("ortho 12", "perspective 60 near NEAR far 1e9") + "ambient d65 1\n" + GREY + "object box 2e8 2e8 2e8 material m translate 0 0 -5e8\n"
     limit = 4 / 2**24 / (1 / 4e8 - 1 / 1e9)
-    gets("a box 4 steps before the far plane", scene.format(limit * 0.999), "depth",
+    gets("a box 4 steps before the far plane", scene.replace("NEAR", repr(limit * 0.999)), "depth",
          r"^the depth of m \(.*notes.scene:6\) rounds to that of the far plane, so that OpenGL may lose it; move the near plane away", "--unchecked", "1")
-    gets_none("a box further before it", scene.format(limit * 1.001))
-    gets_none("a box that no check will see", scene.format(limit * 0.999), "--no-check")
+    gets_none("a box further before it", scene.replace("NEAR", repr(limit * 1.001)), "--unchecked", "1")
+    gets_none("a box that no check will see", scene.replace("NEAR", repr(limit * 0.999)), "--no-check")
 
 
 def extrapolated():
