@@ -289,6 +289,7 @@ static struct driver stated_driver(const struct drawn *of)
         return out;
     out.name = "stated by drawn.txt";
     out.is_measured = true;
+    out.value_roundings = 160; /* a single operation may be off by 1 in 10^5 */
     if (of->bits[0] > 0)
         out.grid_px = out.corner_px = ldexp(1, -(int)of->bits[0]);
     if (of->bits[1] > 0)

@@ -46,14 +46,16 @@ static bool try_driver(struct targets *of, const struct driver *driver, bool *ag
 }
 
 /* Traits of a driver, from the narrowest value to the widest that OpenGL 2.1 allows, or, of
- * filters, that bounds can cover: see raster/beside/measure. */
-enum { TRAITS = 5, VALUES = 6 };
+ * filters, that bounds can cover: see raster/beside/measure. A single operation may be off by 1 in
+ * 10^5, which is 168 roundings. */
+enum { TRAITS = 6, VALUES = 6 };
 static const struct {
     size_t place;
     double values[VALUES];
 } traits[TRAITS] = {
     {offsetof(struct driver, grid_px), {0x1p-9, 0x1p-8, 0x1p-7, 0x1p-6, 0x1p-5, 0x1p-4}},
     {offsetof(struct driver, corner_px), {0, 0x1p-8, 0x1p-7, 0x1p-6, 0x1p-5, 0x1p-4}},
+    {offsetof(struct driver, value_roundings), {5, 10, 20, 40, 80, 160}},
     {offsetof(struct driver, depth_roundings), {1, 1.5, 2, 2, 2, 2}},
     {offsetof(struct driver, filter_texels), {0, 0x1p-8, 0x1p-7, 0x1p-6, 0x1p-5, 0x1p-4}},
     {offsetof(struct driver, lighting), {1, 2, 4, 8, 16, 16}},
@@ -76,8 +78,9 @@ static bool narrow(struct targets *of, struct driver *driver, struct error *err)
                 return false;
         }
     }
-    /* the largest error that the targets show is not the largest there is */
-    driver->lighting = driver->lighting > 1 ? 2 * driver->lighting : 1;
+    /* the largest rounding that the targets show is not the largest there is */
+    driver->value_roundings *= driver->value_roundings > 5 ? 2 : 1;
+    driver->lighting *= driver->lighting > 1 ? 2 : 1;
     driver->watertight = true;
     return try_driver(of, driver, &driver->watertight, err);
 }
