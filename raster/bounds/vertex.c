@@ -205,6 +205,7 @@ static bool check_near(const struct plan *plan, const struct surface *surface,
                        const struct surface_bounds *bounds, int triangle, struct error *err)
 {
     const int32_t *vertex = surface->instance->triangles[triangle];
+    const struct camera *camera = &plan->scene->camera;
     double error = 0;
     for (int i = 0; i < 3; i++)
         error = fmax(error, (double)bounds->vertices[vertex[i]].e_clip[CLIP_Z]);
@@ -212,9 +213,10 @@ static bool check_near(const struct plan *plan, const struct surface *surface,
            error_at(
                err, bounds->placed->object->place,
                "triangle %d of this object reaches the eye, and single precision does not know "
-               "depths there better than %.3g; the camera's near plane, at %.6g, must lie "
-               "farther away",
-               triangle + 1, error * plan->unit, plan->scene->camera.near);
+               "depths there better than %.3g; the camera's near plane, at %.10g, must lie "
+               "farther away%s",
+               triangle + 1, error * plan->unit, camera->near,
+               camera->far < 1.25 * camera->near ? " from the far plane" : "");
 }
 
 /* ---- surfaces ---- */

@@ -48,8 +48,16 @@ static bool open_library(struct contexts *contexts, const char *wanted, struct e
     const bool egl = any || !osmesa;
     if (osmesa && shaders)
         return error_unsupported(err, "OSMesa draws without shaders here; add --gl egl");
-    if ((osmesa && !open_kind(contexts, &osmesa_kind, -1, err)) ||
-        (egl && !contexts->kind && !open_kind(contexts, &egl_kind, driver_device(wanted), err)))
+    if (osmesa && !open_kind(contexts, &osmesa_kind, -1, err))
+        return false;
+    const char *driver = contexts->kind ? getenv("GALLIUM_DRIVER") : NULL;
+    if (driver && *driver && strcmp(driver, "llvmpipe") != 0 && strcmp(driver, "softpipe") != 0)
+        return error_unsupported(
+            err,
+            "OSMesa draws by llvmpipe and softpipe, not by GALLIUM_DRIVER=%.60s "
+            "of the environment; unset that, or add --renderer llvmpipe",
+            driver); /* Mesa would crash */
+    if (egl && !contexts->kind && !open_kind(contexts, &egl_kind, driver_device(wanted), err))
         return false;
     return contexts->kind || refuse_missing(osmesa, egl, err);
 }

@@ -182,7 +182,14 @@ static bool find_display(struct egl *egl, int device, struct error *err)
     else if (!find_device(egl, device < 0 ? 0 : device, err))
         return false;
     if (egl->display == EGL_NO_DISPLAY || !egl->initialize(egl->display, &major, &minor)) {
+        const char *driver = getenv("GALLIUM_DRIVER");
         egl->display = EGL_NO_DISPLAY;
+        if (driver && *driver)
+            return error_unsupported(
+                err,
+                "EGL gives no display without a window by GALLIUM_DRIVER=%.60s "
+                "of the environment; unset that, or add --renderer llvmpipe",
+                driver);
         return error_unsupported(err,
                                  "EGL gives no display without a window; Mesa's drivers are in "
                                  "libgl1-mesa-dri (Debian), mesa-dri-drivers (Fedora), "

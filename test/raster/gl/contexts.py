@@ -91,6 +91,18 @@ def missing():
     check(not re.search("OSMesa|EGL|libGL|LLVM", libraries), "no library of OpenGL is linked", libraries)
 
 
+def environment():
+    """GALLIUM_DRIVER of a driver that cannot draw without a window: the message names it. Mesa alone would crash."""
+    for library, words in (("egl", "EGL gives no display without a window by GALLIUM_DRIVER=zink of the environment"),
+                           ("osmesa", "OSMesa draws by llvmpipe and softpipe, not by GALLIUM_DRIVER=zink of the environment")):
+        line = [SPECTRAL, "render", "patches", "--gl", library, "-o", "/dev/null"]
+        zink = {**{name: value for name, value in os.environ.items() if name != "DISPLAY"}, "GALLIUM_DRIVER": "zink"}
+        result = subprocess.run(line, env=zink, capture_output=True, text=True)
+        check(result.returncode == 3 and f"error: {words}; unset that, or add --renderer llvmpipe\n" in result.stderr, f"zink by {library}: refused by name",
+              result.returncode, result.stderr)
+        check(subprocess.run([*line, "--renderer", "llvmpipe"], env=zink, capture_output=True).returncode == 0, f"{library}: --renderer llvmpipe helps")
+
+
 def drivers():
     """Each that is listed draws, by the options that are printed, and is what was listed."""
     listed = json.loads(run("drivers", "--json", "-").stdout)["drivers"]
@@ -121,6 +133,7 @@ scenes()
 forms()
 random_ones()
 missing()
+environment()
 drivers()
 refuses("a device that is missing", "there is no egl:63", "render", "patches", "-o", "/dev/null", "--gl", "egl:63", status=3)
 done()
