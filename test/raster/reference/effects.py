@@ -316,6 +316,13 @@ def many_lights(renderer):
           f"{renderer}: twelve lights equal the sum of each alone", f"error {error} of {tolerance}")
 
 
+def lights_alike(renderer):
+    """Lights of one spectrum share their terms, each with its factor and its direction."""
+    lights = FACING + "light d65*0.25 1 direction 0 0 1\nlight d65 0.5 direction 1.7320508075688772 0 1\n"
+    Picture("alike", renderer, square("diffuse RED", lights)).agrees(
+        per_band((1 + 0.25 + 0.5 * 0.5) * D65 * RED), f"{renderer}: lights of one spectrum and several factors add up")
+
+
 # ---- surfaces ----
 
 def emission(renderer):
@@ -520,7 +527,7 @@ def thesis_list(renderer):
 
 for each in ("raster", "gl"):
     for effect in (fluorescence, bispectral, textures, texel_borders, dark_texture, spectral_textures,
-                   spots, highlights, many_lights, emission, sides, flat_shading, halves,
+                   spots, highlights, many_lights, lights_alike, emission, sides, flat_shading, halves,
                    halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, thesis_list):
         effect(each)
 done()
