@@ -261,18 +261,18 @@ static void draw_chunk(void *context, int i)
 /* Memory grows with the triangles that lie upon each other: names the object that has the most. */
 static bool tile_lacks_memory(const struct tile *tile, struct error *err)
 {
-    const struct plan *plan = tile->lit->plan;
+    const struct placed_instance *of = tile->lit->plan->instances;
     int most = 0;
-    char object[256] = "none";
-    for (int s = 0; s < plan->n_instances; s++)
-        if (plan->instances[s].in_view && plan->instances[s].instance.n_triangles > most) {
-            most = plan->instances[s].instance.n_triangles;
-            object_text(plan, s, object, sizeof object);
-        }
+    char object[256];
+    for (int s = 1; s < tile->lit->plan->n_instances; s++)
+        if (of[s].in_view && of[s].instance.n_triangles > of[most].instance.n_triangles)
+            most = s;
+    object_text(tile->lit->plan, tile->lit->plan->n_instances > 0 ? most : -1, object,
+                sizeof object);
     return memory_lacks(err, 0,
-                        "a tile of %d x %d pixels; the object with the most triangles, %d, is %s: "
+                        "a tile of %d x %d pixels; the object with the most triangles is %s: "
                         "render it larger, or with fewer of them",
-                        tile->at.width, tile->at.height, most, object);
+                        tile->at.width, tile->at.height, object);
 }
 
 /* Draws the chunks of a tile, by the plan's threads, calls `work`, and frees the chunks. */

@@ -14,6 +14,7 @@ import numpy as np
 import tifffile
 
 import rendered
+from foreign import draw_from
 
 SPECTRAL, TMP = map(os.path.abspath, (rendered.SPECTRAL, rendered.TMP))
 KINDS, PROCESSES, NAME = 64, 64, 16  # of struct report in fail.c
@@ -84,11 +85,12 @@ def make_inputs(folder):
                       tile=(16, 16), extratags=[(285, "s", 0, f"{nm} nm", True)])
     for name, words in (("stack.tif", "plain.scene --renderer raster"), ("other.tif", "glow.scene --no-check --renderer raster"),
                         ("basis.tif", "plain.scene --no-check --renderer raster --sampling basis:3"),
-                        ("drawn.tif", "plain.scene --depth 32f --full-scale 4"), ("part.tif", "plain.scene --part 1/1")):
+                        ("exact.tif", "plain.scene --depth 32f --full-scale 4"), ("part.tif", "plain.scene --part 1/1")):
         # the scene's path stays true when the program makes the stack again
         subprocess.run([SPECTRAL, "render", *("in/" + words).split(), "-q", "-o", "in/" + name],
                        cwd=os.path.dirname(folder), check=True)
     subprocess.run([SPECTRAL, "export", "in/plain.scene", "--full-scale", "4", "-o", "in/room"], cwd=os.path.dirname(folder), check=True)
+    draw_from(*(os.path.join(folder, name) for name in ("room", "exact.tif", "room")))
 
 
 # ---- commands ----
@@ -120,7 +122,7 @@ FORMS = [
     form("render --again", "render --again in/stack.tif -o out/again.tif", "again.tif"),
     form("render, shaders", "render in/plain.scene --renderer gl-shader -o out/a.tif", "a.tif", uses_gl=True, uses_egl=True),
     form("join", "join in/part.tif -o out/a.tif", "a.tif"),
-    form("judge", "judge in/room in/drawn.tif --json out/a.json --check-map out/map.tif", "a.json",
+    form("judge", "judge in/room --json out/a.json --check-map out/map.tif", "a.json",
          "map.tif"),
     form("plan", "plan in/mesh.scene"),
     form("plan --json", "plan in/glow.scene --json out/plan.json", "plan.json"),

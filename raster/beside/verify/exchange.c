@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Pixels that another program drew, as a renderer: a folder with the colours of each pass and
- * perhaps numbers of triangles and depths, or a TIFF of float pages with colours only. */
+/* Pixels that another program drew, as a renderer: a folder with the colours of each pass, and
+ * perhaps numbers of triangles and depths. */
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,12 +15,10 @@ struct drawn {
     struct renderer renderer; /* the first member */
     const struct plan *plan;
     const struct foreign_pixels *pixels;
-    bool is_folder;       /* otherwise the pixels are those of the image */
     char path[4096 + 64]; /* of drawn.txt */
     char id[DIGEST_TEXT]; /* that drawn.txt has, and its place there */
     struct place id_place;
-    double bits[2]; /* of positions below a pixel, and of depth, as drawn.txt has them; 0: not */
-    struct image image;
+    double bits[2];   /* of positions below a pixel, and of depth, as drawn.txt has them; 0: not */
     float *numbers;   /* 4 a pixel; 0, as the background's, where the folder has none; owned */
     uint32_t *depths; /* likewise */
 };
@@ -158,62 +156,11 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
 {
     const struct drawn *of = (struct drawn *)renderer;
     char id[DIGEST_TEXT];
-    if (!of->is_folder)
-        return true;
     return scene_describe(lit, NULL, "", id, err) &&
            (strcmp(id, of->id) == 0 ||
             error_at(err, of->id_place,
                      "these pixels were drawn of another scene: expected id %s, found %s", id,
                      of->id));
-}
-
-/* ---- a TIFF ---- */
-
-/* Refuses a picture of another size, other bands, or counts. */
-static bool check_image(const struct drawn *of, struct error *err)
-{
-    const struct image *image = &of->image;
-    const struct plan *plan = of->plan;
-    const struct place place = {image->path, 0, 0};
-    if (plan->scene->positions > 1)
-        return error_at(err, place,
-                        "a TIFF has no positions within pixels; judge --samples from a "
-                        "folder");
-    if (image->width != plan->view.width || image->height != plan->view.height)
-        return error_at(err, place, "expected %d x %d pixels, found %d x %d", plan->view.width,
-                        plan->view.height, image->width, image->height);
-    if (!image_is_float(image))
-        return error_at(err, place, "expected pages of 32-bit floats, found counts");
-    if (image->n_pages != plan->n_bands)
-        return error_at(err, place, "expected %d pages, found %d", plan->n_bands, image->n_pages);
-    for (int i = 0; i < plan->n_bands && image->wavelengths_nm && !has_components(plan); i++)
-        if (image->wavelengths_nm[i] != plan->scene->wavelengths_nm[i])
-            return error_at(err, place, "page %d: expected %.10g nm, found %.10g nm", i + 1,
-                            plan->scene->wavelengths_nm[i], image->wavelengths_nm[i]);
-    return true;
-}
-
-/* Radiances become parts of full scale. A power of two makes this exact. */
-static bool draw_image(struct drawn *of, float *out, int first_band, double full_scale,
-                       struct error *err)
-{
-    const size_t n = count_pixels(of->plan);
-    int exponent;
-    float *page;
-    bool done = MAKE_ARRAY(page, n, err, "a page of %s", of->image.path);
-    if (done && frexp(full_scale, &exponent) != 0.5)
-        done = error_usage(err,
-                           "the radiances of a TIFF need a full scale that is a power of two, "
-                           "by which they are divided without rounding; add --full-scale %g",
-                           ldexp(1, exponent));
-    memset(out, 0, n * 4 * sizeof *out);
-    for (int c = 0; c < BANDS_PER_PASS && first_band + c < of->plan->n_bands && done; c++) {
-        done = image_read(&of->image, first_band + c, 0, of->plan->view.height, page, err);
-        for (size_t i = 0; i < n && done; i++)
-            out[4 * i + (size_t)c] = (float)((double)page[i] / full_scale);
-    }
-    free(page);
-    return done;
 }
 
 /* ---- the renderer ---- */
@@ -226,13 +173,10 @@ static void drawn_aim(struct renderer *renderer, const struct rectangle *tile)
 static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
                        struct error *err)
 {
-    struct drawn *of = (struct drawn *)renderer;
-    float *out = renderer->buffers[buffer];
     char name[FILE_NAME];
-    if (!of->is_folder)
-        return draw_image(of, out, first_band, full_scale, err);
+    (void)full_scale; /* colours are parts of it */
     snprintf(name, sizeof name, "colours-%d.bin", first_band);
-    return read_numbers(of, name, 4, out, NULL, err);
+    return read_numbers((struct drawn *)renderer, name, 4, renderer->buffers[buffer], NULL, err);
 }
 
 static bool drawn_identify(struct renderer *renderer, struct error *err)
@@ -252,57 +196,48 @@ static void drawn_close(struct renderer *renderer)
 {
     struct drawn *of = (struct drawn *)renderer;
     FREE_ALL(of->numbers, of->depths);
-    image_close(&of->image);
     renderer_free(renderer);
 }
 
 /* ---- opening ---- */
 
-/* Opens a folder, or a TIFF. */
-static bool open_pixels(struct drawn *of, struct error *err)
+static bool read_folder(struct drawn *of, struct error *err)
 {
-    const char *pixels = of->pixels->path;
     const size_t n = count_pixels(of->plan);
-    struct stat status;
     bool numbers = false, depths = false;
-    if (!MAKE_ARRAY(of->numbers, 4 * n, err, "numbers.bin") ||
-        !MAKE_ARRAY(of->depths, n, err, "depths.bin"))
-        return false;
-    of->renderer.lacks = (struct renderer_lacks){true, true};
-    if (stat(pixels, &status) != 0 || !S_ISDIR(status.st_mode))
-        return image_open(pixels, NOWHERE, tags_read, &of->image, err) && check_image(of, err);
-    of->is_folder = true;
-    const bool done = read_words(of, err) &&
+    const bool done = MAKE_ARRAY(of->numbers, 4 * n, err, "numbers.bin") &&
+                      MAKE_ARRAY(of->depths, n, err, "depths.bin") && read_words(of, err) &&
                       read_numbers(of, "numbers.bin", 4, of->numbers, &numbers, err) &&
                       read_numbers(of, "depths.bin", 1, of->depths, &depths, err);
     of->renderer.lacks = (struct renderer_lacks){!numbers, !depths};
     return done;
 }
 
-/* Returns the driver of that name; an unknown one as wide as the bits of drawn.txt say. OpenGL may
+/* Finds the driver by which the pixels are judged: the one that is given; a known one of that name;
+ * one that is measured by its targets; one as wide as the bits of drawn.txt say, since OpenGL may
  * cut a position off to its grid, and values run through corners that are moved so. Depth of fewer
  * than 24 bits rounds to a step of its own. */
-static struct driver stated_driver(const struct drawn *of)
+static bool find_driver(const struct drawn *of, struct driver *out, struct error *err)
 {
-    struct driver out = *driver_of(of->renderer.names.renderer);
-    if (strcmp(out.name, driver_of(NULL)->name) != 0 || !(of->bits[0] > 0 || of->bits[1] > 0))
-        return out;
-    out.name = "stated by drawn.txt";
-    out.is_measured = true;
-    out.value_roundings = 160; /* a single operation may be off by 1 in 10^5 */
+    const char *name = of->renderer.names.renderer;
+    char targets[sizeof of->path];
+    struct stat status;
+    *out = of->pixels->driver ? *of->pixels->driver : *driver_of(name);
+    snprintf(targets, sizeof targets, "%.4095s/%sdrawn.txt", of->pixels->path, targets_prefix);
+    if (of->pixels->driver || driver_of(name) != driver_of(NULL))
+        return true;
+    if (stat(targets, &status) == 0)
+        return targets_measure(of->pixels->path, out, err);
     if (of->bits[0] > 0)
-        out.grid_px = out.corner_px = ldexp(1, -(int)of->bits[0]);
+        out->grid_px = out->corner_px = ldexp(1, -(int)of->bits[0]);
     if (of->bits[1] > 0)
-        out.depth_roundings = fmax(out.depth_roundings, 1.5 * ldexp(1, 24 - (int)of->bits[1]));
-    return out;
-}
-
-bool drawn_is_known(const struct foreign_pixels *pixels, bool *known, struct error *err)
-{
-    struct drawn of = {.pixels = pixels};
-    const bool done = read_words(&of, err);
-    *known = driver_of(of.renderer.names.renderer) != driver_of(NULL);
-    return done;
+        out->depth_roundings = fmax(out->depth_roundings, 1.5 * ldexp(1, 24 - (int)of->bits[1]));
+    if (of->bits[0] > 0 || of->bits[1] > 0) {
+        out->name = "stated by drawn.txt";
+        out->is_measured = true;
+        out->value_roundings = 160; /* a single operation may be off by 1 in 10^5 */
+    }
+    return true;
 }
 
 bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct renderer **out,
@@ -329,7 +264,7 @@ bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct ren
                            plan->tile_width, plan->tile_height);
     if (!renderer_make_buffers(&of->renderer, n_buffers, count_pixels(plan), "the pixels of a pass",
                                err) ||
-        !open_pixels(of, err))
+        !read_folder(of, err))
         return false;
     struct renderer_names *by = &of->renderer.names;
     snprintf(by->library, sizeof by->library, "another program");
@@ -337,6 +272,5 @@ bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct ren
         snprintf(by->renderer, sizeof by->renderer, "an unnamed renderer");
     if (!by->version[0])
         snprintf(by->version, sizeof by->version, "unknown version");
-    of->renderer.driver = of->pixels->driver ? *of->pixels->driver : stated_driver(of);
-    return true;
+    return find_driver(of, &of->renderer.driver, err);
 }

@@ -34,16 +34,19 @@ bool export_plans(const struct plan *plan, const struct plan *targets, const cha
 
 /* Where they lie, and the driver by which they are judged. */
 struct foreign_pixels {
-    const char *path;            /* a folder, or a TIFF */
-    const char *prefix;          /* of the names of the files in the folder */
+    const char *path;            /* the folder */
+    const char *prefix;          /* of the names of the files there */
     const struct driver *driver; /* NULL: the one that drawn.txt names, or a wider one */
 };
-extern const char targets_prefix[]; /* of the files of the targets */
 /* Opens struct foreign_pixels as a renderer: see struct render_foreign. */
 bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct renderer **out,
                 struct error *err);
-/* Returns whether the folder names a driver that is known. */
-bool drawn_is_known(const struct foreign_pixels *pixels, bool *known, struct error *err);
+/* ---- judge.c: the targets ---- */
+
+extern const char targets_prefix[]; /* of the files of the targets */
+/* Measures the driver that drew the targets of a folder. Fails with EXIT_SYSTEM where they differ
+ * by more than OpenGL leaves free. */
+bool targets_measure(const char *folder, struct driver *out, struct error *err);
 
 /* ---- command.c ---- */
 

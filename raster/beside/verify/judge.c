@@ -6,7 +6,6 @@
 #include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "raster/beside/verify/inside.h"
 
@@ -85,10 +84,9 @@ static bool narrow(struct targets *of, struct driver *driver, struct error *err)
     return try_driver(of, driver, &driver->watertight, err);
 }
 
-/* Measures the driver of pixels that lie beside those of the targets. */
-static bool measure(const struct foreign_pixels *pixels, struct driver *out, struct error *err)
+bool targets_measure(const char *folder, struct driver *out, struct error *err)
 {
-    struct targets of = {.pixels = {pixels->path, targets_prefix, NULL}};
+    struct targets of = {.pixels = {folder, targets_prefix, NULL}};
     struct error words = {.status = EXIT_AGREED};
     bool agrees = false;
     *out = *driver_of(NULL);
@@ -169,36 +167,19 @@ struct judge_options {
     const char *driver;
 };
 
-/* Finds the driver by which the pixels are judged; NULL: the one of drawn.txt. */
-static bool find_driver(const struct judge_options *own, struct foreign_pixels *pixels,
-                        struct driver *measured, struct error *err)
+/* Takes all that decides the picture from export's options, and how to judge it from judge's. */
+static bool judge_pixels(struct options *options, struct options *exported, const char *pixels,
+                         struct error *err)
 {
-    char targets[PATH_MAX];
-    bool known;
-    struct stat status;
-    snprintf(targets, sizeof targets, "%.4000s/%sdrawn.txt", pixels->path, targets_prefix);
-    if (own->driver) {
-        pixels->driver = driver_of(own->driver);
-        return true;
-    }
-    if (stat(targets, &status) != 0)
-        return true;
-    if (!drawn_is_known(pixels, &known, err) || (!known && !measure(pixels, measured, err)))
-        return false;
-    pixels->driver = known ? NULL : measured;
-    return true;
-}
-
-/* Takes all that decides the picture from the folder, and how to judge it from the command line. */
-static bool judge_pixels(struct options *options, struct options *exported,
-                         struct foreign_pixels *pixels, struct error *err)
-{
-    const struct render_foreign foreign = {.open = drawn_open, .of = pixels};
-    struct render_options *own = options->own;
+    const struct judge_options *own = options->own;
+    struct foreign_pixels drawn = {pixels, "", own->driver ? driver_of(own->driver) : NULL};
+    const struct render_foreign foreign = {.open = drawn_open, .of = &drawn};
     const struct render_output output = {
-        .check_map = own->check_map, .outputs = &options->outputs, .foreign = &foreign};
-    own->full_scale = ((const struct render_options *)exported->own)->full_scale;
-    memcpy(exported->own, own, sizeof *own);
+        .check_map = own->render.check_map, .outputs = &options->outputs, .foreign = &foreign};
+    struct render_options *made = exported->own;
+    const double full_scale = made->full_scale;
+    *made = own->render;
+    made->full_scale = full_scale;
     exported->json = options->json;
     exported->threads = options->threads;
     exported->quiet = options->quiet;
@@ -209,20 +190,17 @@ static bool judge_pixels(struct options *options, struct options *exported,
 static bool run_judge(struct options *options, struct error *err)
 {
     const int n = options->n_operands;
-    struct foreign_pixels pixels = {.path = n > 0 ? options->operands[n - 1] : NULL, .prefix = ""};
-    struct options made = {.operand = NULL};
-    struct driver measured;
+    struct options exported = {.operand = NULL};
     const char *words[MAX_RECORDED];
     int n_words;
     if (n == 0)
         return error_usage(err, "judge needs FOLDER, which export wrote and another program drew "
-                                "into; PIXELS may lie elsewhere: a folder, or a TIFF");
+                                "into; PIXELS may lie in another folder");
     char *text = read_exported(options->operands[0], words, &n_words, err);
-    bool done = text && options_read(&export_command, true, words + 1, n_words - 1, &made, err) &&
-                find_driver(options->own, &pixels, &measured, err);
-    made.operand = done ? words[0] : NULL;
-    done = done && judge_pixels(options, &made, &pixels, err);
-    options_free(&made);
+    bool done = text && options_read(&export_command, true, words + 1, n_words - 1, &exported, err);
+    exported.operand = done ? words[0] : NULL;
+    done = done && judge_pixels(options, &exported, options->operands[n - 1], err);
+    options_free(&exported);
     free(text);
     return done;
 }
@@ -262,7 +240,7 @@ static const struct option_list *const judge_lists[] = {
 const struct command judge_command = {
     .name = "judge",
     .operands = "FOLDER [PIXELS]",
-    .summary = "judge what that program drew: a folder, or a TIFF",
+    .summary = "judge what that program drew",
     .example = "judge room",
     .run = run_judge,
     .lists = judge_lists,

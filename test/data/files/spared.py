@@ -35,7 +35,7 @@ READ = ("a.scene", "more.scene", "lamp.csv", "cloth.csv", "roof.obj", "grey.tif"
 COMMANDS = {
     "render": (["a.scene"], READ), "plan": (["a.scene"], READ), "cost": (["a.scene"], READ), "view": (["a.scene"], READ),
     "verify": (["a.scene"], READ), "export": (["a.scene"], READ),
-    "judge": ([".", "drawn.tif"], (*READ, "drawn.tif", "exported.txt")),
+    "judge": (["."], (*READ, "exported.txt", "drawn.txt", "colours-0.bin")),
     "probe": (["stack.tif", "1", "1", "--white", "white.csv", "--detector", "eye.csv"], ("stack.tif", "white.csv", "eye.csv")),
     "develop": (["stack.tif", "--white", "white.csv", "--detector", "eye.csv"], ("stack.tif", "white.csv", "eye.csv")),
     "compare": (["stack.tif", "other.tif", "--white", "white.csv"], ("stack.tif", "other.tif", "white.csv")),
@@ -68,11 +68,15 @@ def make(folder):
         with open(os.path.join(folder, name), "w") as out:
             out.write(text)
     shutil.copyfile("data/builtin/textures/dots.tif", os.path.join(folder, "grey.tif"))
-    for words in ("-o stack.tif", "-o other.tif --light 1=a", "-o part.tif --part 1/1",
-                  "-o drawn.tif --depth 32f --full-scale 4"):
+    for words in ("-o stack.tif", "-o other.tif --light 1=a", "-o part.tif --part 1/1"):
         subprocess.run([SPECTRAL, "render", "a.scene", "--no-check", "-q", *words.split()], cwd=folder, check=True)
-    with open(os.path.join(folder, "exported.txt"), "w") as out:
-        out.write("a.scene\n--full-scale=4\n")
+    subprocess.run([SPECTRAL, "export", "a.scene", "-o", "exported"], cwd=folder, check=True)
+    with open(os.path.join(folder, "exported", "scene.txt")) as exported, open(os.path.join(folder, "drawn.txt"), "w") as out:
+        out.write(re.search("^id .*\n", exported.read(), re.MULTILINE).group())
+    shutil.rmtree(os.path.join(folder, "exported"))
+    for name, contents in (("exported.txt", b"a.scene\n"), ("colours-0.bin", bytes(8 * 6 * 16))):  # a black picture
+        with open(os.path.join(folder, name), "wb") as out:
+            out.write(contents)
 
 
 def commands():
