@@ -323,6 +323,16 @@ def lights_alike(renderer):
         per_band((1 + 0.25 + 0.5 * 0.5) * D65 * RED), f"{renderer}: lights of one spectrum and several factors add up")
 
 
+def full_scale(renderer):
+    """A sample of full scale is not clipped, in 8 bits or in 16; one beyond half a count more is."""
+    for bits, counts in ("8", 255), ("16", 65535):
+        for over, clipped in ((0, 0), (0.4, 0), (0.6, 96)):
+            picture = Picture("full", renderer, square("diffuse 1", "light 1 1 direction 0 0 1\n"), "--depth", bits, "--wavelengths", "500",
+                              "--full-scale", repr(1 / (1 + over / counts)))
+            check(picture.report["clipped_samples"] == clipped, f"{renderer}: {over} counts above full scale, {bits} bits: {clipped} samples are clipped",
+                  picture.report["clipped_samples"])
+
+
 # ---- surfaces ----
 
 def emission(renderer):
@@ -527,7 +537,7 @@ def thesis_list(renderer):
 
 for each in ("raster", "gl"):
     for effect in (fluorescence, bispectral, textures, texel_borders, dark_texture, spectral_textures,
-                   spots, highlights, many_lights, lights_alike, emission, sides, flat_shading, halves,
+                   spots, highlights, many_lights, lights_alike, full_scale, emission, sides, flat_shading, halves,
                    halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, thesis_list):
         effect(each)
 done()
