@@ -220,6 +220,8 @@ def test_foreign():
                                  ("white.tif", "page 1 stores white as 0", {"photometric": "miniswhite"})):
         stack = write_stack(name, COUNTS.astype(np.uint16), NM, **options)
         refuses(f"{name}: {words}", words, "envi", stack, absent=stack + ".hdr")
+    last = write_stack("last.tif", COUNTS[:2].astype(np.uint16), NM[:2])
+    refuses("a gap before the last page", "page 2 begins at byte", "envi", last, absent=last + ".hdr")
     refuses("a scene", "is a scene, not a stack", "envi", "patches")
     for interleave in ("BAND", "PIXEL"):
         stack = path("bands.tif")
