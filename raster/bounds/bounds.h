@@ -79,7 +79,12 @@ bool may_turn(const struct screen_triangle *triangle, const double e[3]);
 struct texel_point { /* in texels, with bounds */
     double place[2];
     float e_place[2];
+    float e_weights; /* texel_weights_error */
 };
+/* Bounds the errors of the weights of four texels, in all. They are products of two weights, and
+ * round to the same steps as these. Errors that add up to 0 move a mix by half of this times the
+ * range of the texels. */
+float texel_weights_error(const struct texels *texels, const struct driver *driver);
 struct texel_point texel_point(const struct texels *texels, const struct driver *driver,
                                const double s_t[2],
                                const float e_s_t[2]); /* from texture coordinates */

@@ -13,6 +13,11 @@ enum { MIX_ROUNDINGS = 9 };
  * texels, one for either end, and a neighbour; one more if an end is rounded. */
 enum { WIDEST_BOUND = 3, MOST_TEXELS = 2 * WIDEST_BOUND + 4 };
 
+float texel_weights_error(const struct texels *texels, const struct driver *driver)
+{
+    return texels->linear ? (float)(4 * driver->filter_texels) : 0;
+}
+
 /* Extrapolated far outside a thin triangle, a place may be anywhere. A place whose texel the
  * reference does not know has no bound. */
 struct texel_point texel_point(const struct texels *texels, const struct driver *driver,
@@ -20,7 +25,7 @@ struct texel_point texel_point(const struct texels *texels, const struct driver 
 {
     const double size[2] = {texels->width, texels->height},
                  filter = texels->linear ? driver->filter_texels : 0;
-    struct texel_point at;
+    struct texel_point at = {.e_weights = texel_weights_error(texels, driver)};
     texel_place(texels, s_t, at.place);
     for (int i = 0; i < 2; i++)
         at.e_place[i] = fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
@@ -54,7 +59,7 @@ int texel_choices(const struct texels *texels, const struct texel_point *at,
     for (int j = 0; j < up.n; j++)
         for (int i = 0; i < across.n; i++)
             out[j * across.n + i] =
-                (struct texel_point){{across.first + i + 0.5, up.first + j + 0.5}, {0, 0}};
+                (struct texel_point){.place = {across.first + i + 0.5, up.first + j + 0.5}};
     return up.n * across.n;
 }
 
@@ -109,7 +114,8 @@ static double error_in_patch(const struct texels *texels, const struct texel_poi
     up.n += texels->linear;
     struct spread spread = spread_of(texels, &across, &up);
     return texels->linear
-               ? e_u * spread.across + e_v * spread.up + roundings(MIX_ROUNDINGS) * spread.largest
+               ? e_u * spread.across + e_v * spread.up + roundings(MIX_ROUNDINGS) * spread.largest +
+                     (double)at->e_weights * (spread.across + spread.up) / 2
                : (across.n - 1) * spread.across + (up.n - 1) * spread.up;
 }
 
@@ -126,10 +132,12 @@ static void find_slope(const struct texels *texels, const struct texel_point *at
                 *high = texels->values + width * texel_wrapped(y + 1, texels->height);
     const double a = (double)low[left], b = (double)low[right] - a, c = (double)high[left] - a,
                  d = (double)high[right] - (double)high[left] - b,
-                 largest = larger(larger(a, a + b), larger(a + c, (double)high[right]));
+                 largest = larger(larger(a, a + b), larger(a + c, (double)high[right])),
+                 least = -larger(larger(-a, -a - b), larger(-a - c, -(double)high[right]));
     out->across = b + d * u_v[1];
     out->up = c + d * u_v[0];
-    out->rest = fabs(d) * e_u * e_v + roundings(MIX_ROUNDINGS) * largest;
+    out->rest = fabs(d) * e_u * e_v + roundings(MIX_ROUNDINGS) * largest +
+                (double)at->e_weights * (largest - least) / 2;
     out->error = fabs(out->across) * e_u + fabs(out->up) * e_v + out->rest;
 }
 

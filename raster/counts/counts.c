@@ -33,12 +33,12 @@ double buffer_rounding(const struct plan *plan)
 /* ---- expected samples ---- */
 
 /* Multiplies sample i of a run with errors by its texture. */
-static void texture_sample(const struct run *run, const struct texels *texels, size_t i,
-                           double *expected, float *bound)
+static void texture_sample(const struct run *run, const struct texels *texels, float e_weights,
+                           size_t i, double *expected, float *bound)
 {
     const size_t across = (size_t)run->shaded->n_terms * run->stride + i, up = across + run->stride;
-    const struct texel_point at = {{run->rows[across], run->rows[up]},
-                                   {run->errors[across], run->errors[up]}};
+    const struct texel_point at = {
+        {run->rows[across], run->rows[up]}, {run->errors[across], run->errors[up]}, e_weights};
     struct textured_sample *sample = &run->textured[i];
     texel_value(texels, &at, run->shaded->texture->largest, &sample->texel);
     sample->radiance = *expected;
@@ -49,12 +49,14 @@ static void texture_sample(const struct run *run, const struct texels *texels, s
 }
 
 /* Multiplies the samples of a run by the values of its spectral texture in this band. */
-static void apply_texture(const struct run *run, int band, double *expected, float *bound)
+static void apply_texture(const struct lit_scene *lit, const struct run *run, int band,
+                          double *expected, float *bound)
 {
     const struct texels texels = plan_texels(run->shaded->texture, band % BANDS_PER_PASS);
     const size_t across = (size_t)run->shaded->n_terms * run->stride, up = across + run->stride;
+    const float e_weights = texel_weights_error(&texels, lit->driver);
     for (size_t i = 0; i < run->n && run->errors; i++)
-        texture_sample(run, &texels, i, &expected[i], &bound[i]);
+        texture_sample(run, &texels, e_weights, i, &expected[i], &bound[i]);
     for (size_t i = 0; i < run->n && !run->errors; i++) {
         const double place[2] = {run->rows[across + i], run->rows[up + i]};
         expected[i] *= texel_at(&texels, place);
@@ -129,7 +131,7 @@ void expect_counts(const struct lit_scene *lit, const struct run *run, int band,
             add_rows(run, run->errors + t * run->stride, factors, n, bound);
     }
     if (shaded->texture && shaded->texture->spectral)
-        apply_texture(run, band, expected, bound);
+        apply_texture(lit, run, band, expected, bound);
     if (!bound)
         return;
     add_flushed(run->n, bound);
