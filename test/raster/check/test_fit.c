@@ -70,7 +70,8 @@ static bool make(struct bench *bench, uint64_t *state, int n_terms, int n_bands,
         for (int i = 0; i < SIDE * SIDE; i++)
             bench->texels[b][i] = (float)test_random(state, 0, 1);
     }
-    bench->lit = (struct lit_scene){.plan = &bench->plan, .full_scale = 1};
+    bench->lit =
+        (struct lit_scene){.plan = &bench->plan, .driver = driver_of(NULL), .full_scale = 1};
     return fit_make(&bench->lit, &bench->fit, &err);
 }
 
