@@ -215,12 +215,23 @@ def pile(name, depth):
     write(name, "vn 0 0 1\n" + "".join(rows))
 
 
+def reach(name, near, aside, first, second):
+    """A triangle from a point near the eye to a million away, and its mirror image behind the eye: the centre of the mesh is the
+    eye, so that the near corner is nearly exact, and the others are off by 0.73 in depth."""
+    corners = [(aside + near * bool(aside), 0, -near), (*first, -1e6), (*second, -1e6)]
+    rows = [f"v {sign * x!r} {sign * y!r} {sign * z!r}\n" for sign in (1, -1) for x, y, z in corners]
+    write(name, "".join(rows) + "f 1 2 3\nf 4 5 6\n")
+
+
 def main():
     scenes = [Scene(path) for folder in FOLDERS for path in sorted(glob.glob(folder + "/*.scene"))]
     for folder in FOLDERS:
         shutil.copytree(folder, TMP, dirs_exist_ok=True)
     fan()
     crowd()
+    reach("eye-reached.obj", 2, 0, (-3e5, -3e5), (3e5, -3e5))
+    reach("eye-reached-beside.obj", 2, 0.5, (1e6 + 0.5, -3e5), (1e6 + 0.5, 3e5))
+    reach("eye-cleared.obj", 8, 0, (-3e5, -3e5), (3e5, -3e5))
     pile("pile-apart.obj", lambda i: -1.9 + 1.8 * i / MANY)
     pile("pile-close.obj", lambda i: -1 + 1e-13 * i)
     pile("pile-equal.obj", lambda i: -1.0)
