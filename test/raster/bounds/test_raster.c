@@ -286,10 +286,14 @@ static void check_agreements(void)
                  beside[] = {0, 65535, 65534, -0.6, 65535.6, 0, 4.2, 3, 131070};
     const double close[] = {0.49, 0.51, 1.5, 65534.49, 65534.51, 300.2},
                  by[] = {0.51, 0.49, 1.49, 65534.51, 65534.49, 300.21};
+    const double white[] = {65535.4, 65536.6, 65535, 3}, whiter[] = {65535.6, 65536.4, 65535.2, 3},
+                 black[] = {-1.6, -0.6, 0, 3}, blacker[] = {-1.4, -0.4, -0.2, 3};
     for (int worst = -1; worst <= 1; worst += 2) {
         check_agreement("ties", ties, near, 8, worst);
         check_agreement("ties, the other way round", near, ties, 8, worst);
         check_agreement("samples that are close", close, by, 6, worst);
+        check_agreement("samples that are close beyond white", white, whiter, 4, worst);
+        check_agreement("samples that are close beyond black", black, blacker, 4, worst);
         check_agreement("samples beyond black and white", outside, beside, 9, worst);
         check_agreement("samples far apart", outside + 6, beside + 6, 2, worst);
     }

@@ -304,6 +304,14 @@ def highlights(renderer):
             values, f"{renderer}: {name}")
 
 
+def grazing(renderer):
+    """A highlight needs a cosine above 0 (OpenGL 2.1, section 2.14.1), also where the half-way direction has one of 0.7. Full scale is
+    given, since noise could decide it."""
+    scene = square("diffuse RED gloss 1", "ambient a 0.3\n", "light d65 1 direction 1 0 0\n")
+    Picture("grazing", renderer, scene, "--full-scale", "1").agrees(
+        per_band(0.3 * LAMP_A * RED), f"{renderer}: a light in the plane of a surface makes no highlight there")
+
+
 def many_lights(renderer):
     lights = [f"light {('d65', 'a', 'uv')[i % 3]} {0.1 + 0.05 * i:g} "
               f"{('position', 'direction')[i % 2]} {i - 6} {i % 5 - 2} {4 + i % 3}\n" for i in range(12)]
@@ -537,7 +545,7 @@ def thesis_list(renderer):
 
 for each in ("raster", "gl"):
     for effect in (fluorescence, bispectral, textures, texel_borders, dark_texture, spectral_textures,
-                   spots, highlights, many_lights, lights_alike, full_scale, emission, sides, flat_shading, halves,
+                   spots, highlights, grazing, many_lights, lights_alike, full_scale, emission, sides, flat_shading, halves,
                    halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, thesis_list):
         effect(each)
 done()
