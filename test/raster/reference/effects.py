@@ -7,7 +7,7 @@ radiances in closed form. Prints TAP."""
 import numpy as np
 import tifffile
 
-from rendered import (D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, check, done, pages_of, path_of, per_band, reference,
+from rendered import (D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, check, done, objects_of, pages_of, path_of, per_band, reference,
                       write, write_stack)
 
 SINGLE = 2.0 ** -24  # texels are kept in single precision, rounded once
@@ -278,6 +278,11 @@ def spots(renderer):
     holds("a spot of cutoff 90 lights no square behind it", f"spot {back} 90 0\nambient d65 0.1", 0.1 + 0 * cosine)
 
 
+    scene = square("diffuse RED", f"light d65 1 position 0 0 3 spot 0 0 -1 {np.degrees(np.arccos(3 / 61 ** 0.5)) + 1e-3:.6f} 0\n")
+    Picture("rim", renderer, scene).agrees(per_band(3 / 61 ** 0.5 * D65 * RED),
+                                           f"{renderer}: a spot whose rim alone reaches the corners of the only square lights it")
+
+
 def highlights(renderer):
     target = Target(-1, 2, -2, 1)
     light = np.array([0, 0, 3.0])
@@ -526,6 +531,18 @@ def perspective(renderer):
           f"{inside.sum()} pixels, corners {low} {high}, error {error}, tolerance {picture.tolerance}")
 
 
+# ---- object maps ----
+
+def many_objects(renderer):
+    """Each pixel shows an object of its own: 255 numbers fit in a byte, 256 do not."""
+    squares = [f"object plane 1 1 material m translate {x - 7.5} {7.5 - y} 0\n" for y in range(16) for x in range(16)]
+    for n, size in ((255, 1), (256, 2)):
+        scene = "size 16 16\ncamera ortho 16\nambient 1 1\nmaterial m { diffuse 0.5 }\n" + "".join(squares[:n])
+        objects = objects_of(Picture("many", renderer, scene, "--wavelengths", "550").stack).ravel()
+        check(objects.itemsize == size and (objects[:n] == np.arange(n) + 1).all() and not objects[n:].any(),
+              f"{renderer}: the map of {n} objects has their numbers in {size} bytes a pixel", objects)
+
+
 # ---- the thesis's own formats ----
 
 def thesis_list(renderer):
@@ -546,6 +563,6 @@ def thesis_list(renderer):
 for each in ("raster", "gl"):
     for effect in (fluorescence, bispectral, textures, texel_borders, dark_texture, spectral_textures,
                    spots, highlights, grazing, many_lights, lights_alike, full_scale, emission, sides, flat_shading, halves,
-                   halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, thesis_list):
+                   halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, many_objects, thesis_list):
         effect(each)
 done()
