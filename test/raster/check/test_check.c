@@ -207,6 +207,21 @@ static void check_mean(const struct bench *bench)
     totals_free(&totals);
 }
 
+/* What bounds are parts of: the largest value of a term, and its mean. */
+static void check_terms(const struct plan *plan)
+{
+    const struct material_terms *made = &plan->materials[0].made;
+    for (int t = 0; t < made->n; t++) {
+        double sum = 0, peak = 0;
+        for (int band = 0; band < BANDS; band++) {
+            sum += made->spectra[t * BANDS + band];
+            peak = fmax(peak, made->spectra[t * BANDS + band]);
+        }
+        CHECK_NEAR(made->terms[t].mean, sum / BANDS, 1e-15, "the mean of term %d", t);
+        CHECK_NEAR(made->terms[t].peak, peak, 0, "its peak");
+    }
+}
+
 int main(void)
 {
     static const char text[] =
@@ -229,6 +244,7 @@ int main(void)
                   tiles_each(&bench.lit, &at, check_tile, &bench, &err),
               err.text);
     check_mean(&bench);
+    check_terms(&bench.plan);
     fit_free(&bench.checked.fit);
     lit_free(&bench.lit);
     plan_free(&bench.plan);

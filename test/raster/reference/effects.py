@@ -162,6 +162,17 @@ def textures(renderer):
                    slack=2 * SINGLE)
 
 
+def two_repeats(renderer):
+    """Two objects of one shape, each with its own repeat: 3 and 1 pixels a texel."""
+    texels = np.random.default_rng(5).integers(0, 256, (2, 3)).astype(np.uint8)
+    tifffile.imwrite(path_of("both.tif"), texels)
+    scene = (f"size 18 6\ncamera ortho 18\n{FACING}material m {{ diffuse RED texture both.tif nearest }}\n"
+             "object plane 9 6 material m translate -4.5 0 0\nobject plane 9 6 material m repeat 3 3 translate 4.5 0 0\n")
+    expected = np.hstack([np.kron(texels, np.ones((3, 3))), np.tile(texels, (3, 3))]) / 255
+    Picture("both", renderer, scene).agrees(per_band(D65 * RED) * expected,
+                                            f"{renderer}: two objects of one shape repeat a texture differently", slack=2 * SINGLE)
+
+
 def texel_borders(renderer):
     """Two texels a pixel: each pixel centre lies on a corner of four texels, and the nearest one is the
     one to its upper right, floor(u), floor(v)."""
@@ -354,6 +365,15 @@ def emission(renderer):
     Picture("glow", renderer, square(words)).agrees(per_band(glow), f"{renderer}: emission needs no light")
     Picture("glow", renderer, square(words + " diffuse RED", "ambient a 0.3\n", FACING)).agrees(
         per_band(glow + 0.3 * LAMP_A * RED + D65 * RED), f"{renderer}: emission adds to the reflected light")
+
+
+def fill_rule(renderer):
+    """Edges run through pixel centres: those on the left and on the lower edge belong to the square, others do not."""
+    scene = FLAT + "ambient 1 1\nmaterial m { diffuse 0.5 }\nobject plane 4 3 material m translate 0.5 0 0\n"
+    expected = np.zeros((8, 12))
+    expected[3:6, 4:8] = 0.5
+    Picture("fill", renderer, scene, "--wavelengths", "550").agrees(
+        expected, f"{renderer}: a square has the pixels on its left and lower edge, not those on its right and upper edge")
 
 
 def sides(renderer):
@@ -561,8 +581,8 @@ def thesis_list(renderer):
 
 
 for each in ("raster", "gl"):
-    for effect in (fluorescence, bispectral, textures, texel_borders, dark_texture, spectral_textures,
-                   spots, highlights, grazing, many_lights, lights_alike, full_scale, emission, sides, flat_shading, halves,
+    for effect in (fluorescence, bispectral, textures, two_repeats, texel_borders, dark_texture, spectral_textures,
+                   spots, highlights, grazing, many_lights, lights_alike, full_scale, emission, fill_rule, sides, flat_shading, halves,
                    halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, many_objects, thesis_list):
         effect(each)
 done()
