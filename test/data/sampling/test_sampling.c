@@ -521,6 +521,11 @@ static void test_refusals(void)
     struct sampling open = made(&dark, "gauss:8,open"), steps = made(&dark, "riemann:10");
     CHECK(open.pages.n == 8 && steps.pages.n == 5,
           "a sampling without a fixed detector accepts one that sees nothing");
+    struct stage short_one = chart("d65", 400, 67);
+    struct sampling fine = made(&short_one, "riemann:1.1"); /* 66 / 1.1 rounds to below 60 */
+    CHECK(fine.pages.n == 61, "60 steps of 1.1 nm end at the last of 66 nm");
+    sampling_free(&fine);
+    clear(&short_one);
     sampling_free(&open);
     sampling_free(&steps);
     clear(&stage);

@@ -229,6 +229,26 @@ static void check_exactness(void)
           "single precision does not hold a rotation by 30 degrees");
 }
 
+static void check_shown(void)
+{
+    static const struct {
+        float number[3];
+        int surface, triangle;
+    } cases[] = {{{0, 0, 0}, -1, -1},       {{5, 2, 3}, 2, 2 * 65536 + 5},
+                 {{65535, 0, 1}, 0, 65535}, {{65536, 0, 1}, 9, -1},
+                 {{0.5F, 0, 1}, 9, -1},     {{1, 32768, 1}, 9, -1},
+                 {{-1, 0, 1}, 9, -1},       {{1, 1, (float)NAN}, 9, -1},
+                 {{0, 0, 0x1p24F}, 9, -1},  {{1, 1, 0x1p24F - 1}, 0xfffffe, 65537}};
+    bool good = true;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct shown seen = shown_of(9, cases[i].number, 0xabcdef12);
+        good = good && seen.surface == cases[i].surface && seen.triangle == cases[i].triangle &&
+               seen.depth == 0xabcdef && seen.fragments == 0x12;
+    }
+    CHECK(good,
+          "a colour names its triangle; one that is no number names an object that is not there");
+}
+
 /* A quotient of numbers that are off is off by most where one is larger and the other smaller. */
 static void check_window_slack(void)
 {
@@ -408,6 +428,7 @@ int main(void)
 {
     check_exactness();
     check_drivers();
+    check_shown();
     check_window_slack();
     check_texels(true, 0.1);
     check_texels(true, 40);

@@ -345,6 +345,10 @@ def lights_alike(renderer):
     lights = FACING + "light d65*0.25 1 direction 0 0 1\nlight d65 0.5 direction 1.7320508075688772 0 1\n"
     Picture("alike", renderer, square("diffuse RED", lights)).agrees(
         per_band((1 + 0.25 + 0.5 * 0.5) * D65 * RED), f"{renderer}: lights of one spectrum and several factors add up")
+    lights = "".join(f"light gaussian:{nm},40 1 direction 0 0 1\n" for nm in (450, 600))
+    Picture("unlike", renderer, square("diffuse RED", lights)).agrees(
+        per_band(sum(np.exp(-4 * np.log(2) * ((WAVELENGTHS - nm) / 40) ** 2) for nm in (450, 600)) * RED),
+        f"{renderer}: lights of one formula and several parameters have spectra of their own")
 
 
 def full_scale(renderer):
@@ -561,6 +565,11 @@ def many_objects(renderer):
         objects = objects_of(Picture("many", renderer, scene, "--wavelengths", "550").stack).ravel()
         check(objects.itemsize == size and (objects[:n] == np.arange(n) + 1).all() and not objects[n:].any(),
               f"{renderer}: the map of {n} objects has their numbers in {size} bytes a pixel", objects)
+    for sides in (-0.25, 0.25), (0.25, -0.25):
+        scene = "size 1 1\ncamera ortho 1\nambient 1 1\nmaterial m { diffuse 0.5 }\n" + "".join(
+            f"object plane 0.5 1 material m translate {x} 0 0\n" for x in sides)
+        objects = objects_of(Picture("two", renderer, scene, "--wavelengths", "550", "--samples", "2").stack)
+        check(objects == sides.index(-0.25) + 1, f"{renderer}: of two objects with as many positions the first position's is shown", objects)
 
 
 # ---- the thesis's own formats ----

@@ -168,6 +168,25 @@ static void check_product(void)
           "the second factor of a product of matrices acts first");
 }
 
+/* IEC 61966-2-1: 12.92 L up to 0.0031308, beyond that 1.055 L^(1/2.4) - 0.055. */
+static void check_srgb(void)
+{
+    static const double linear[] = {0, 0.002, 0.0031, 0.0032, 0.01, 0.5, 1, 2};
+    for (size_t i = 0; i < sizeof linear / sizeof *linear; i++) {
+        const double l = fmin(linear[i], 1),
+                     expected = l <= 0.0031308 ? 12.92 * l : 1.055 * pow(l, 1 / 2.4) - 0.055;
+        CHECK_NEAR(display_encode(DISPLAY_SRGB, 1, linear[i]), expected, 1e-12,
+                   "sRGB shows %g as the standard says", linear[i]);
+    }
+    uint16_t words[3];
+    CHECK(!display_store(DISPLAY_SRGB, 16, (const double[]){-1e-9, 0.5, 1 + 1e-9}, words) &&
+              words[0] == 0 && words[1] == 48192 && words[2] == 65535,
+          "what rounding leaves beyond black and white is not called clipped");
+    CHECK(display_store(DISPLAY_SRGB, 16, (const double[]){-1e-5, 0.5, 1}, words) &&
+              display_store(DISPLAY_SRGB, 16, (const double[]){0, 0.5, 1 + 1e-5}, words),
+          "more than that is");
+}
+
 int main(void)
 {
     check_sharma();
@@ -177,5 +196,6 @@ int main(void)
     check_conversions();
     check_chromaticity();
     check_product();
+    check_srgb();
     return test_end();
 }
