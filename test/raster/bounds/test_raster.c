@@ -316,7 +316,7 @@ static void check_texels(bool linear, double widest)
     int straight = 0, tight = 0;
     for (int i = 0; i < TRIALS; i++) {
         const struct texels texels = {values, SIDE, SIDE, linear};
-        struct texel_point at;
+        struct texel_point at = {.e_weights = 0};
         struct texel_value value;
         for (int t = 0; t < SIDE * SIDE && i % 100 == 0; t++)
             values[t] = (float)test_random(&state, 0, 1);
