@@ -229,113 +229,6 @@ static void check_exactness(void)
           "single precision does not hold a rotation by 30 degrees");
 }
 
-static void check_shown(void)
-{
-    static const struct {
-        float number[3];
-        int surface, triangle;
-    } cases[] = {{{0, 0, 0}, -1, -1},       {{5, 2, 3}, 2, 2 * 65536 + 5},
-                 {{65535, 0, 1}, 0, 65535}, {{65536, 0, 1}, 9, -1},
-                 {{0.5F, 0, 1}, 9, -1},     {{1, 32768, 1}, 9, -1},
-                 {{-1, 0, 1}, 9, -1},       {{1, 1, (float)NAN}, 9, -1},
-                 {{0, 0, 0x1p24F}, 9, -1},  {{1, 1, 0x1p24F - 1}, 0xfffffe, 65537}};
-    bool good = true;
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const struct shown seen = shown_of(9, cases[i].number, 0xabcdef12);
-        good = good && seen.surface == cases[i].surface && seen.triangle == cases[i].triangle &&
-               seen.depth == 0xabcdef && seen.fragments == 0x12;
-    }
-    CHECK(good,
-          "a colour names its triangle; one that is no number names an object that is not there");
-}
-
-/* A quotient of numbers that are off is off by most where one is larger and the other smaller. */
-static void check_window_slack(void)
-{
-    enum { WIDE = 640, HIGH = 480 };
-    uint64_t state = 12;
-    double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {0, 0, 0};
-    for (int i = 0; i < 1000; i++) {
-        const double w = test_random(&state, 1, 9), e = 1e-3 * w;
-        const struct bounded clip[4] = {
-            {test_random(&state, -w, w), test_random(&state, 0.1 * e, e)},
-            {test_random(&state, -w, w), test_random(&state, 0.1 * e, e)},
-            {test_random(&state, -w, w), test_random(&state, 0.1 * e, e)},
-            {w, test_random(&state, 0.1 * e, e)}};
-        const struct slack slack = window_slack(clip, 0.5 * WIDE, 0.5 * HIGH);
-        double off[3]; /* of x, y and z over w */
-        for (int k = 0; k < 3; k++)
-            off[k] = (fabs(clip[k].value) + clip[k].error) / (w - clip[3].error) -
-                     fabs(clip[k].value) / w;
-        const double ratio[3] = {fmax(0.5 * WIDE * off[0], 0.5 * HIGH * off[1]) / slack.px,
-                                 0.5 * off[2] / slack.depth, clip[3].error / w / slack.w};
-        for (int k = 0; k < 3; k++) {
-            least[k] = fmin(least[k], ratio[k]);
-            most[k] = fmax(most[k], ratio[k]);
-        }
-    }
-    for (int k = 0; k < 3; k++)
-        if (!CHECK(least[k] > 0.98 && most[k] < 1.01,
-                   "the slack of %s is what errors of clip coordinates make, to first order",
-                   k == 0   ? "a place"
-                   : k == 1 ? "a depth"
-                            : "w"))
-            printf("# %g to %g\n", least[k], most[k]);
-}
-
-/* ---- textures ---- */
-
-/* Returns the largest difference / bound of a texture's value at places within their error. */
-static double texel_ratio(const struct texels *texels, const struct texel_point *at,
-                          const struct texel_value *value, uint64_t *state)
-{
-    double worst = 0;
-    for (int i = 0; i < 40; i++) {
-        double place[2], off[2];
-        for (int k = 0; k < 2; k++) {
-            off[k] = (double)at->e_place[k] *
-                     (i < 4 ? (i >> k & 1 ? 0.999 : -0.999) : test_random(state, -1, 1));
-            place[k] = at->place[k] + off[k];
-        }
-        const double seen = texel_at(texels, place);
-        worst = fmax(worst, fabs(seen - value->value) / value->error);
-        if (value->is_straight)
-            worst = fmax(worst,
-                         fabs(seen - value->value - value->across * off[0] - value->up * off[1]) /
-                             value->rest);
-    }
-    return worst;
-}
-
-static void check_texels(bool linear, double widest)
-{
-    enum { SIDE = 7, TRIALS = 20000 };
-    uint64_t state = 13;
-    float values[SIDE * SIDE];
-    double worst = 0;
-    int straight = 0, tight = 0;
-    for (int i = 0; i < TRIALS; i++) {
-        const struct texels texels = {values, SIDE, SIDE, linear};
-        struct texel_point at = {.e_weights = 0};
-        struct texel_value value;
-        for (int t = 0; t < SIDE * SIDE && i % 100 == 0; t++)
-            values[t] = (float)test_random(&state, 0, 1);
-        for (int k = 0; k < 2; k++) {
-            at.place[k] = test_random(&state, -SIDE, 2 * SIDE);
-            at.e_place[k] = (float)pow(10, test_random(&state, -3, log10(widest)));
-        }
-        texel_value(&texels, &at, 1, &value);
-        const double ratio = value.error > 0 ? texel_ratio(&texels, &at, &value, &state) : 0;
-        worst = fmax(worst, ratio);
-        straight += value.is_straight;
-        tight += ratio > 0.3;
-    }
-    if (!CHECK(worst <= 1 && tight > TRIALS / 10 && (straight > TRIALS / 10) == linear,
-               "the bound of %s texels holds within %g texels, and is not far too wide",
-               linear ? "linear" : "nearest", widest))
-        printf("# worst difference / bound %g, %d straight, %d tight\n", worst, straight, tight);
-}
-
 static void check_drivers(void)
 {
     const struct driver *llvmpipe = driver_of("llvmpipe (LLVM 15.0.6, 256 bits)"),
@@ -428,11 +321,6 @@ int main(void)
 {
     check_exactness();
     check_drivers();
-    check_shown();
-    check_window_slack();
-    check_texels(true, 0.1);
-    check_texels(true, 40);
-    check_texels(false, 40);
     check_agreements();
     check_floor();
     check_clipping();

@@ -12,7 +12,7 @@ enum { WIDTH = 24, HEIGHT = 16, PIXELS = WIDTH * HEIGHT, BANDS = 7 };
 
 static const double steps = 16777215; /* of a depth */
 
-/* What a pixel shows otherwise than the reference. */
+/* A pixel that shows something else than the reference. */
 struct change {
     size_t pixel;
     int surface, triangle, depth, fragments, band; /* differences */
@@ -207,10 +207,12 @@ static void check_mean(const struct bench *bench)
     totals_free(&totals);
 }
 
-/* What bounds are parts of: the largest value of a term, and its mean. */
+/* Bounds are parts of the largest value of a term, and of its mean. */
 static void check_terms(const struct plan *plan)
 {
     const struct material_terms *made = &plan->materials[0].made;
+    CHECK(plan->materials[0].n_colours == 3,
+          "ambient light and two lights of one spectrum are three colours, each rounded");
     for (int t = 0; t < made->n; t++) {
         double sum = 0, peak = 0;
         for (int band = 0; band < BANDS; band++) {
@@ -226,7 +228,8 @@ int main(void)
 {
     static const char text[] =
         "size 24 16\nwavelengths 400 700 50\ncamera ortho 12\nambient a 0.2\n"
-        "light d65 1 position 2 3 8\nmaterial m { diffuse 0.5 }\n"
+        "light d65 1 position 2 3 8\nlight d65*0.5 0.3 direction 1 0 2\nmaterial m { diffuse 0.5 "
+        "}\n"
         "object plane 13 9 material m translate 0 0 -3\n"
         "object sphere 3.1 12 8 material m rotate 20 1 1 0\n";
     const struct plan_options options = {.check = true, .threads = 1};

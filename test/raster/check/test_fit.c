@@ -207,9 +207,26 @@ static void check_steps(void)
     fit_free(&bench.fit);
 }
 
+/* (r + e)(v + f) - r v, of a radiance r off by e and a texture's value v off by f. */
+static void check_textured(void)
+{
+    uint64_t state = 3;
+    struct bench bench;
+    test_need(make(&bench, &state, 1, 1, false, true), "no memory");
+    draw_pixel(&bench, &state);
+    bench.errors[0] = (float)(0.5 * bench.rows[0]);
+    bench.errors[1] = bench.errors[2] = 0.4F;
+    const double bound = (double)evaluate(&bench, 0), r = bench.textured.radiance,
+                 v = bench.textured.texel.value, f = bench.textured.texel.error;
+    CHECK_NEAR(bound / ((1.5 * r) * (v + f) - r * v), 1, 1e-6,
+               "the bound of a textured sample takes in both errors, and their product");
+    fit_free(&bench.fit);
+}
+
 int main(void)
 {
     check_steps();
+    check_textured();
     check_fit("one term", 1, 31, false, false);
     check_fit("two terms", 2, 31, false, false);
     check_fit("four terms", 4, 31, false, false);

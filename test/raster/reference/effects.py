@@ -217,6 +217,9 @@ def spectral_textures(renderer):
     write_stack("bright.tif", bright, [400, 500, 700])
     seen = pages_of(reference("seen.tif", write("bright.scene", scene_of("bright", "nearest")), "--wavelengths", "400,700",
                               "--depth", "32f"))
+    write_stack("last.tif", np.float32([0.5, 4])[:, None, None] + 0 * np.float32(pages[0]), [400, 700])
+    scale = Picture("last", renderer, scene_of("last", "nearest"), "--wavelengths", "400").report["full_scale"]
+    check(scale == 4, f"{renderer}: the last page of a texture counts for its largest value, on all pages", scale)
     check((seen == bright[[0, 2]]).all(), "not the smallest part of a page, however bright, is in its neighbours")
 
 
