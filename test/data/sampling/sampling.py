@@ -6,11 +6,12 @@ light x reflectance, is computed once more with numpy, at every nm, from the tab
 fall. test_sampling.c has the spectra for which a method must be exact, tolerances, refusals and hard cases. Prints TAP."""
 import glob
 import json
+import re
 
 import numpy as np
 
 from colours import cielab, ciede2000
-from rendered import bail_out, built_in, check, developed, done, pages_of, path_of, run, table, weights, write
+from rendered import bail_out, built_in, check, developed, done, output_of, pages_of, path_of, run, table, weights, write
 
 FIRST, LAST = 380, 730  # of the scene patches
 NM = np.arange(FIRST, LAST + 1.0)
@@ -82,6 +83,14 @@ def error(seen, expected):
 
 def exact(light):
     return np.array([EYE @ (light * r) for r in CHART])
+
+
+def check_ambient():
+    """Ambient light counts as a light does."""
+    surface = "material m { diffuse 0.5 }\nobject plane 9 9 material m\n"
+    said = [re.findall("adaptive.*", output_of("plan", write("lit.scene", f"{SMALL}{light}\n{surface}"), "--sampling", "adaptive:0.01"))
+            for light in ("ambient f11 1", "light f11 1 direction 0 0 1")]
+    check(said[0] == said[1] and "emission peaks" in said[0][0], "adaptive finds the peaks of ambient light", said)
 
 
 def check_riemann():
@@ -263,6 +272,7 @@ def check_components():
     check(Sampled(scene, "basis:9").pages() == 1, "a basis of equal spectra has 1 component")
 
 
+check_ambient()
 check_riemann()
 check_box()
 check_three_numbers()

@@ -526,6 +526,12 @@ static void test_refusals(void)
     CHECK(fine.pages.n == 61, "60 steps of 1.1 nm end at the last of 66 nm");
     sampling_free(&fine);
     clear(&short_one);
+    const char *functions[] = {"gauss:9,xyz", "gauss:10,lms"};
+    for (int i = 0; i < 2; i++) {
+        struct sampling shared = made(&stage, functions[i]);
+        CHECK(shared.pages.n == 9 + i, "%s: three functions share %d nodes", functions[i], 9 + i);
+        sampling_free(&shared);
+    }
     sampling_free(&open);
     sampling_free(&steps);
     clear(&stage);
