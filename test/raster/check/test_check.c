@@ -158,14 +158,37 @@ static void check_settled(struct bench *bench, const struct tile *tile)
         struct change change = {
             .pixel = pixel, .band = band, .counts = 2.001 * (double)floor_counts};
         verdict = judge(bench, tile, change, NULL);
+        const struct check_failure *failure = &verdict.first;
+        bool named = failure->kind == FAILURE_RADIANCE && failure->band == band;
+        for (int i = 0; i < failure->n_odd; i++)
+            named = named || (failure->odd[i].first == band && failure->odd[i].last == band &&
+                              fabs(failure->odd[i].off / change.counts - 1) < 0.5);
         CHECK(verdict.unexplained == 1, "an error of twice the floor differs, in band %d", band);
+        CHECK(named, "the band is named, alone or as one of two");
     }
 }
 
 /* Where triangles of an object meet, a driver that leaks may lose a fragment or double it. */
 static void check_meeting(struct bench *bench, const struct tile *tile)
 {
-    const size_t pixel = find_pixel(tile->chunks, true);
+    const struct chunk *chunk = tile->chunks;
+    const size_t pixel = find_pixel(chunk, true);
+    double last = 0;
+    for (size_t i = 0; i < chunk->n_ambiguous; i++)
+        for (int c = 0; c < chunk->ambiguous[i].count; c++) {
+            const struct candidate *candidate = &chunk->candidates[chunk->ambiguous[i].first + c];
+            if (chunk->ambiguous[i].pixel == (int32_t)pixel &&
+                candidate->triangle == chunk->picture.triangle[pixel])
+                last = floor(((double)candidate->depth + (double)candidate->depth_error) * steps) -
+                       nearbyint(depth_of(chunk, pixel) * steps);
+        }
+    for (int more = 0; more < 2; more++) {
+        const struct check_verdict verdict =
+            judge(bench, tile, (struct change){.pixel = pixel, .depth = (int)last + more}, NULL);
+        CHECK(last > 0 && verdict.unexplained == (uint64_t)more,
+              "a depth %s the bound of a candidate %s", more ? "beyond" : "at",
+              more ? "differs" : "agrees");
+    }
     for (int strict = 0; strict < 2; strict++)
         for (int off = -1; off <= 1; off += 2) {
             bench->limits.strict = strict;
