@@ -262,13 +262,13 @@ static void draw_chunk(void *context, int i)
 static bool tile_lacks_memory(const struct tile *tile, struct error *err)
 {
     const struct placed_instance *of = tile->lit->plan->instances;
-    int most = 0;
+    int most = -1;
     char object[256];
-    for (int s = 1; s < tile->lit->plan->n_instances; s++)
-        if (of[s].in_view && of[s].instance.n_triangles > of[most].instance.n_triangles)
+    for (int s = 0; s < tile->lit->plan->n_instances; s++)
+        if (of[s].in_view &&
+            (most < 0 || of[s].instance.n_triangles > of[most].instance.n_triangles))
             most = s;
-    object_text(tile->lit->plan, tile->lit->plan->n_instances > 0 ? most : -1, object,
-                sizeof object);
+    object_text(tile->lit->plan, most, object, sizeof object);
     return memory_lacks(err, 0,
                         "a tile of %d x %d pixels; the object with the most triangles is %s: "
                         "render it larger, or with fewer of them",

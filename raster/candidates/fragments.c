@@ -26,8 +26,9 @@ static const struct bounded_triangle *visited(const struct visit *visit)
 }
 
 /* OpenGL has a fragment at a point not, perhaps, or for sure. With p the point and a, b
- * two corners minus p, moving a by up to e and b by up to f in x and y changes the edge function a
- * x b by at most e |b|_1 + f |a|_1 + 2 e f: the slack. */
+ * two corners minus p, moving a by up to e and b by up to f, which differ in x and y, changes the
+ * edge function a x b by at most e_x |b_y| + e_y |b_x| + f_x |a_y| + f_y |a_x| + e_x f_y + e_y f_x:
+ * the slack. */
 enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
 
 /* Bounds OpenGL's errors in the edge functions at a point, where corners are off in x and y. */
@@ -64,8 +65,8 @@ static double most_slack(const struct bounded_triangle *triangle)
 
 /* True if a point lies beside the box around a triangle whose corners are off by up to `most`:
  * edges no longer than that may run in any direction, and do not exclude it. */
-static bool is_outside(const struct screen_triangle *screen, const double most[2], double px,
-                       double py)
+static bool is_beside_box(const struct screen_triangle *screen, const double most[2], double px,
+                          double py)
 {
     return least_of(screen->x) - most[0] > px || px > most_of(screen->x) + most[0] ||
            least_of(screen->y) - most[1] > py || py > most_of(screen->y) + most[1];
@@ -77,7 +78,7 @@ static enum presence near_edges(const struct bounded_triangle *triangle,
     const double *errors = triangle->edge_px, most = most_of(errors);
     enum presence presence = DEFINITE;
     double slack[3];
-    if (is_outside(&triangle->screen, (const double[2]){most, most}, px, py))
+    if (is_beside_box(&triangle->screen, (const double[2]){most, most}, px, py))
         return IMPOSSIBLE;
     own_edge_slack(triangle, edges, slack);
     for (int i = 0; i < 3; i++) {
@@ -113,7 +114,7 @@ static enum presence clipped_presence(const struct clipped_triangle *triangle, d
         errors[i / 2][i % 2] = triangle->moved_px[i / 2][i % 2] + triangle->grid_px;
         most[i % 2] = fmax(most[i % 2], errors[i / 2][i % 2]);
     }
-    if (is_outside(&triangle->screen, most, px, py))
+    if (is_beside_box(&triangle->screen, most, px, py))
         return IMPOSSIBLE;
     edges_at(x, y, px, py, &edges);
     edge_slack(&edges, errors, slack);
@@ -350,10 +351,9 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
     if (leaks || folds || fragment.sliver) {
         presence = POSSIBLE;
         visit->pixel->seam.open = visit->pixel->seam.open || folds || fragment.sliver;
-        if (!triangle
-                 ->other_side) /* a fragment by each clipped triangle, and one that is not here */
-            visit->pixel->n_possible +=
-                count_bits(clipped) - 1 + (triangle->slides || fragment.sliver);
+        /* a fragment by each clipped triangle, and one by a triangle that is not among them */
+        const unsigned more = count_bits(clipped) - 1 + (triangle->slides || fragment.sliver);
+        visit->pixel->n_possible += triangle->other_side ? 0 : more;
     }
     fragment.loose = is_loose(visit, clipped, &thin);
     fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;

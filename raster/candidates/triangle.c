@@ -227,19 +227,18 @@ static void keep_doubtful(struct polygon *polygon, struct clip_plane *side)
 }
 
 /* Cuts by plane number p. */
-static void clip(struct polygon *polygon, const struct clip_plane *by, int p)
+static void clip(struct polygon *polygon, struct clip_plane plane, int p)
 {
     const struct polygon from = *polygon;
-    struct clip_plane moved = *by, *plane = &moved;
     if (p < 4)
-        keep_doubtful(polygon, &moved);
-    polygon->n = clip_polygon(plane, from.corner, from.n, polygon->corner);
+        keep_doubtful(polygon, &plane);
+    polygon->n = clip_polygon(&plane, from.corner, from.n, polygon->corner);
     for (int i = 0; i < polygon->n; i++) {
         int inner = polygon->corner[i].inner, outer = polygon->corner[i].outer;
         polygon->cut[i] = from.cut[inner];
         if (inner == outer)
             continue;
-        polygon->cut[i] = cut_edge(plane, &from, inner, outer, polygon->corner[i].clip);
+        polygon->cut[i] = cut_edge(&plane, &from, inner, outer, polygon->corner[i].clip);
         polygon->cut[i].planes |= 1 << p;
     }
 }
@@ -284,7 +283,7 @@ static struct polygon clip_whole(const struct tile *tile, const struct screen_tr
             out.cut[i].e[k] = (double)e_clip[k];
     }
     for (int p = 0; p < CLIP_PLANES && out.n > 0; p++)
-        clip(&out, &planes[p], p);
+        clip(&out, planes[p], p);
     return out;
 }
 

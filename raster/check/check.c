@@ -265,15 +265,17 @@ static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
     return a->band >= b->band ? a : b;
 }
 
-/* Returns whether OpenGL shows a candidate behind the triangle that it should show, or NULL, the
- * background, and only for want of depth. */
+/* Returns whether the depth buffer may have lost the triangle that the reference shows: OpenGL
+ * shows the background (NULL), or a candidate that lies behind it. */
 static bool is_lost(const struct chunk *chunk, const struct ambiguous_pixel *ambiguous,
                     const struct candidate *candidate)
 {
     const size_t pixel = (size_t)ambiguous->pixel;
+    const struct picture *picture = &chunk->picture;
     return ambiguous->may_vanish &&
-           (!candidate || (candidate->triangle != chunk->picture.triangle[pixel] &&
-                           (double)candidate->depth > chunk->picture.depth[pixel]));
+           (!candidate || ((candidate->surface != picture->surface[pixel] ||
+                            candidate->triangle != picture->triangle[pixel]) &&
+                           (double)candidate->depth > picture->depth[pixel]));
 }
 
 /* Keeps the best hypothesis of an ambiguous pixel. */

@@ -9,64 +9,51 @@
 
 #include "raster/check/inside.h"
 
-/* A set of bands that may be wrong, and least squares over all bands. */
-struct suspects {
-    const struct check *check;
-    int first, n;
-    double normal[BANDS_PER_PASS][BANDS_PER_PASS + 1]; /* the last column: the right-hand side */
-};
+enum { COLUMNS = BANDS_PER_PASS + 1 };
 
-/* Finds what errors of 1 in each suspect leave in a band, and the rest there: over its limit. */
-static void leaves(const struct suspects *of, int band, double out[BANDS_PER_PASS + 1])
+/* Finds what errors of 1 in n bands leave in a band, and the rest there: over its limit. Returns
+ * false if that is not known. */
+static bool leaves(const struct check *check, int first, int n, int band, double out[COLUMNS])
 {
-    const struct check *check = of->check;
     const struct lit_scene *lit = check->scene->lit;
     const struct shaded_material *shaded = lit->bounds[check->verdict.first.surface].shaded;
     const double limit = (double)check->limits[band];
-    for (int i = 0; i < of->n; i++)
-        out[i] = fit_leaves(&check->scene->fit, shaded, of->first + i, band) / limit;
-    out[of->n] = (double)check->rests[band] / limit;
+    for (int i = 0; i < n; i++)
+        out[i] = fit_leaves(&check->scene->fit, shaded, first + i, band) / limit;
+    out[n] = (double)check->rests[band] / limit;
+    return limit > 0;
 }
 
-/* Solves the normal equations (Gauss and Jordan). A suspect that leaves nothing anywhere is taken
- * to be right. */
-static void solve(struct suspects *of, double x[BANDS_PER_PASS])
+/* Solves n normal equations (Gauss and Jordan). A band that leaves nothing anywhere is taken to be
+ * right. */
+static void solve(double rows[BANDS_PER_PASS][COLUMNS], int n, double x[BANDS_PER_PASS])
 {
-    for (int i = 0; i < of->n; i++) {
-        const double pivot = of->normal[i][i];
-        for (int k = 0; k < of->n; k++) {
-            const double factor = k == i || !(pivot > 0) ? 0 : of->normal[k][i] / pivot;
-            for (int j = i; j <= of->n; j++)
-                of->normal[k][j] -= factor * of->normal[i][j];
+    for (int i = 0; i < n; i++)
+        for (int k = 0; k < n; k++) {
+            const double factor = k == i || !(rows[i][i] > 0) ? 0 : rows[k][i] / rows[i][i];
+            for (int j = n; j >= i; j--)
+                rows[k][j] -= factor * rows[i][j];
         }
-    }
-    for (int i = 0; i < of->n; i++)
-        x[i] = of->normal[i][i] > 0 ? of->normal[i][of->n] / of->normal[i][i] : 0;
+    for (int i = 0; i < n; i++)
+        x[i] = rows[i][i] > 0 ? rows[i][n] / rows[i][i] : 0;
 }
 
-/* Returns whether errors of these bands alone explain the pixel. */
+/* Returns whether errors of n bands alone explain the pixel. */
 static bool explain(const struct check *check, int first, int n, struct odd_bands *out)
 {
-    struct suspects of = {.check = check, .first = first, .n = n};
     const int n_bands = check->scene->lit->plan->n_bands;
-    double row[BANDS_PER_PASS + 1], x[BANDS_PER_PASS] = {0};
-    for (int band = 0; band < n_bands; band++) {
-        if (!(check->limits[band] > 0))
-            continue;
-        leaves(&of, band, row);
-        for (int i = 0; i < n; i++)
+    double normal[BANDS_PER_PASS][COLUMNS] = {{0}}, row[COLUMNS], x[BANDS_PER_PASS] = {0};
+    for (int band = 0; band < n_bands; band++)
+        for (int i = 0; leaves(check, first, n, band, row) && i < n; i++)
             for (int j = 0; j <= n; j++)
-                of.normal[i][j] += row[i] * row[j];
-    }
-    solve(&of, x);
+                normal[i][j] += row[i] * row[j];
+    solve(normal, n, x);
     for (int band = 0; band < n_bands; band++) {
-        double rest = 0;
-        if (!(check->limits[band] > 0))
+        if (!leaves(check, first, n, band, row))
             continue;
-        leaves(&of, band, row);
-        for (int i = 0; i <= n; i++)
-            rest += i < n ? -row[i] * x[i] : row[i];
-        if (!(fabs(rest) <= (band < check->verdict.first.band ? 2 : 1)))
+        for (int i = 0; i < n; i++)
+            row[n] -= row[i] * x[i];
+        if (!(fabs(row[n]) <= (band < check->verdict.first.band ? 2 : 1)))
             return false;
     }
     *out = (struct odd_bands){first, first + n - 1, x[0]};

@@ -183,17 +183,14 @@ static bool find_display(struct egl *egl, int device, struct error *err)
         return false;
     if (egl->display == EGL_NO_DISPLAY || !egl->initialize(egl->display, &major, &minor)) {
         const char *driver = getenv("GALLIUM_DRIVER");
+        const bool named = driver && *driver;
         egl->display = EGL_NO_DISPLAY;
-        if (driver && *driver)
-            return error_unsupported(
-                err,
-                "EGL gives no display without a window by GALLIUM_DRIVER=%.60s "
-                "of the environment; unset that, or add --renderer llvmpipe",
-                driver);
-        return error_unsupported(err,
-                                 "EGL gives no display without a window; Mesa's drivers are in "
-                                 "libgl1-mesa-dri (Debian), mesa-dri-drivers (Fedora), "
-                                 "mesa-dri-gallium (Alpine) or mesa (Arch)");
+        return error_unsupported(
+            err, "EGL gives no display without a window%s%.60s%s",
+            named ? " by GALLIUM_DRIVER=" : "", named ? driver : "",
+            named ? " of the environment; unset that, or add --renderer llvmpipe"
+                  : "; Mesa's drivers are in libgl1-mesa-dri (Debian), mesa-dri-drivers (Fedora), "
+                    "mesa-dri-gallium (Alpine) or mesa (Arch)");
     }
     return true;
 }

@@ -89,11 +89,10 @@ static void note_depth(const struct lit_scene *lit, struct notes *notes)
         if (!lit->plan->instances[s].in_view || nearest < 1 - 4 * 0x1p-24)
             continue;
         object_text(lit->plan, s, object, sizeof object);
-        note_add(
-            notes, "depth",
-            "the depth of %s rounds to that of the far plane, so that OpenGL may lose it; move "
-            "the near plane away, or the far plane near",
-            object);
+        note_add(notes, "depth",
+                 "the depth of %s rounds to that of the far plane, so that OpenGL may lose it; "
+                 "move the near plane away, or the far plane near",
+                 object);
         return;
     }
 }

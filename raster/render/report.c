@@ -62,10 +62,8 @@ static void print_bounds(const struct driver *driver, struct printed *to)
 {
     char words[DRIVER_WORDS];
     driver_print(driver, words);
-    if (driver->is_measured)
-        print(to, "bounds            %s: %s\n", driver->name, words);
-    else
-        print(to, "bounds            of %s\n", driver->name);
+    print(to, driver->is_measured ? "bounds            %s: %s\n" : "bounds            of %s\n",
+          driver->name, words);
 }
 
 /* Says what is lost above full scale. */

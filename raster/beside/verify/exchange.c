@@ -2,6 +2,7 @@
 /* Pixels that another program drew, as a renderer: a folder with the colours of each pass, and
  * perhaps numbers of triangles and depths. */
 #include <errno.h>
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +19,7 @@ struct drawn {
     char path[4096 + 64]; /* of drawn.txt */
     char id[DIGEST_TEXT]; /* that drawn.txt has, and its place there */
     struct place id_place;
-    double bits[2];   /* of positions below a pixel, and of depth, as drawn.txt has them; 0: not */
+    long bits[2];     /* of positions below a pixel, and of depth, as drawn.txt has them; 0: not */
     float *numbers;   /* 4 a pixel; 0, as the background's, where the folder has none; owned */
     uint32_t *depths; /* likewise */
 };
@@ -57,14 +58,14 @@ enum drawn_word {
 static bool read_size(struct text *text, const struct word *word, const struct drawn *of,
                       struct error *err)
 {
-    const struct plan *plan = of->plan;
-    double size[2];
-    for (int i = 0; i < 2; i++)
-        if (!text_number(text, "a number of pixels", 1, 1e9, &size[i], err))
-            return false;
-    return !plan || (size[0] == plan->view.width && size[1] == plan->view.height) ||
-           error_at(err, word->place, "drawn at %.10gx%.10g, exported at %dx%d", size[0], size[1],
-                    plan->view.width, plan->view.height);
+    const struct view *view = &of->plan->view;
+    long width, height;
+    return text_integer(text, "a number of pixels", 1, INT_MAX, &width, err) &&
+           text_integer(text, "a number of pixels", 1, INT_MAX, &height, err) &&
+           text_end(text, "size", err) &&
+           ((width == view->width && height == view->height) ||
+            error_at(err, word->place, "drawn at %ldx%ld, exported at %dx%d", width, height,
+                     view->width, view->height));
 }
 
 static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct drawn *out,
@@ -95,8 +96,8 @@ static bool read_line(struct text *text, struct place given[DRAWN_WORDS], struct
         return read_size(text, &word, out, err);
     case DRAWN_SUBPIXEL_BITS:
     case DRAWN_DEPTH_BITS:
-        return text_number(text, "a number of bits", 4, 32, &out->bits[which - DRAWN_SUBPIXEL_BITS],
-                           err) &&
+        return text_integer(text, "a number of bits", 4, 32,
+                            &out->bits[which - DRAWN_SUBPIXEL_BITS], err) &&
                text_end(text, known[which], err);
     default:
         return false;

@@ -5,7 +5,6 @@
 
 #include "data/base/base.h"
 #include "data/files/files.h"
-#include "data/images/images.h"
 #include "data/scene/scene.h"
 #include "raster/beside/verify/verify.h"
 #include "raster/bounds/bounds.h"
@@ -36,11 +35,12 @@ bool export_plans(const struct plan *plan, const struct plan *targets, const cha
 struct foreign_pixels {
     const char *path;            /* the folder */
     const char *prefix;          /* of the names of the files there */
-    const struct driver *driver; /* NULL: the one that drawn.txt names, or a wider one */
+    const struct driver *driver; /* NULL: find_driver in exchange.c finds it */
 };
 /* Opens struct foreign_pixels as a renderer: see struct render_foreign. */
 bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct renderer **out,
                 struct error *err);
+
 /* ---- judge.c: the targets ---- */
 
 extern const char targets_prefix[]; /* of the files of the targets */

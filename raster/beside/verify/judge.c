@@ -109,6 +109,8 @@ bool targets_measure(const char *folder, struct driver *out, struct error *err)
 
 /* ---- the options of export ---- */
 
+enum { EXPORTED_WORDS = 1 + MAX_RECORDED };
+
 /* Prints the scene, and each option as options_read takes it, in lines. */
 static void print_exported(const struct options *options, struct printed *to)
 {
@@ -121,20 +123,21 @@ static void print_exported(const struct options *options, struct printed *to)
 }
 
 /* Reads these lines; the words point into the text, which is returned. */
-static char *read_exported(const char *folder, const char *words[MAX_RECORDED], int *n,
+static char *read_exported(const char *folder, const char *words[EXPORTED_WORDS], int *n,
                            struct error *err)
 {
     char path[PATH_MAX];
     snprintf(path, sizeof path, "%.4000s/exported.txt", folder);
     char *text = file_read(path, NOWHERE, err), *at = text;
-    for (*n = 0; at && *at && *n < MAX_RECORDED; (*n)++) {
+    for (*n = 0; at && *at && *n < EXPORTED_WORDS; (*n)++) {
         words[*n] = at;
         at += strcspn(at, "\n");
         if (*at)
             *at++ = '\0';
     }
-    if (text && (*n == 0 || scene_is_input(words[0])))
-        error_usage(err, "%s names no scene; export one from a file", path);
+    if (text && (*n == 0 || scene_is_input(words[0]) || *at))
+        error_usage(err, "%s names no scene, or too many options; export a scene from a file",
+                    path);
     else if (text)
         return text;
     free(text);
@@ -162,23 +165,18 @@ static bool run_export(struct options *options, struct error *err)
 
 /* ---- spectral judge ---- */
 
-struct judge_options {
-    struct render_options render; /* the first member */
-    const char *driver;
-};
-
 /* Takes all that decides the picture from export's options, and how to judge it from judge's. */
 static bool judge_pixels(struct options *options, struct options *exported, const char *pixels,
                          struct error *err)
 {
-    const struct judge_options *own = options->own;
-    struct foreign_pixels drawn = {pixels, "", own->driver ? driver_of(own->driver) : NULL};
+    const struct render_options *own = options->own;
+    struct foreign_pixels drawn = {pixels, "", NULL};
     const struct render_foreign foreign = {.open = drawn_open, .of = &drawn};
     const struct render_output output = {
-        .check_map = own->render.check_map, .outputs = &options->outputs, .foreign = &foreign};
+        .check_map = own->check_map, .outputs = &options->outputs, .foreign = &foreign};
     struct render_options *made = exported->own;
     const double full_scale = made->full_scale;
-    *made = own->render;
+    *made = *own;
     made->full_scale = full_scale;
     exported->json = options->json;
     exported->threads = options->threads;
@@ -191,13 +189,16 @@ static bool run_judge(struct options *options, struct error *err)
 {
     const int n = options->n_operands;
     struct options exported = {.operand = NULL};
-    const char *words[MAX_RECORDED];
+    const char *words[EXPORTED_WORDS];
     int n_words;
     if (n == 0)
         return error_usage(err, "judge needs FOLDER, which export wrote and another program drew "
                                 "into; PIXELS may lie in another folder");
     char *text = read_exported(options->operands[0], words, &n_words, err);
-    bool done = text && options_read(&export_command, true, words + 1, n_words - 1, &exported, err);
+    bool done = text &&
+                options_read(&export_command, true, words + 1, n_words - 1, &exported, err) &&
+                (!exported.operand || error_usage(err, "%s/exported.txt: '%.100s' is no option",
+                                                  options->operands[0], exported.operand));
     exported.operand = done ? words[0] : NULL;
     done = done && judge_pixels(options, &exported, options->operands[n - 1], err);
     options_free(&exported);
@@ -226,17 +227,9 @@ const struct command export_command = {
     .n_operands = 1,
 };
 
-static const char *const drivers[] = {"llvmpipe", "softpipe", "unknown", NULL};
-static const struct option judge_rows[] = {
-    {"--driver llvmpipe|softpipe|unknown",
-     "judges by the bounds of this driver (default: the one that drawn.txt names; an unknown one "
-     "is measured by its targets)",
-     OWN(TEXT, judge_options, driver), .choices = drivers},
-};
-static const struct option_list judge_list = OPTION_LIST(judge_rows);
 static const struct option_list *const judge_lists[] = {
-    &judge_list,   &judged_options, &map_option, &threads_option, &json_option, &verbose_option,
-    &quiet_option, &common_options, NULL};
+    &judged_options, &map_option,   &threads_option, &json_option,
+    &verbose_option, &quiet_option, &common_options, NULL};
 const struct command judge_command = {
     .name = "judge",
     .operands = "FOLDER [PIXELS]",
@@ -244,6 +237,6 @@ const struct command judge_command = {
     .example = "judge room",
     .run = run_judge,
     .lists = judge_lists,
-    .own_size = sizeof(struct judge_options),
+    .own_size = sizeof(struct render_options),
     .n_operands = 2,
 };
