@@ -290,8 +290,9 @@ static void settle(struct check *check, size_t index, struct check_totals *total
     ptrdiff_t shown = best - check->hypotheses;
     const struct candidate *candidate =
         shown < (ptrdiff_t)chunk->n_candidates ? &chunk->candidates[shown] : NULL;
+    const bool lost = is_lost(chunk, ambiguous, candidate);
     struct check_samples samples = best->samples;
-    if (candidate && candidate->loose) { /* counted, but no measure of OpenGL's errors */
+    if (lost || (candidate && candidate->loose)) { /* counted, but no measure of OpenGL's errors */
         samples.largest = samples.sum = samples.sum_of_squares = 0;
         samples.worst_ratio = samples.worst_fit_ratio = -1;
     }
@@ -304,7 +305,7 @@ static void settle(struct check *check, size_t index, struct check_totals *total
         candidate && !candidate->loose ? (float)best->band_floor : check->floor[pixel];
     if (check->ratio)
         check->ratio[pixel] = (float)fmax(samples.worst_ratio, samples.worst_fit_ratio);
-    if (is_lost(chunk, ambiguous, candidate)) {
+    if (lost) {
         static const struct mean_bound none = {.cause = CAUSE_DEPTH};
         check->floor[pixel] = check->band_floor[pixel] = HUGE_VALF;
         totals_note(totals, chunk->picture.surface[pixel], chunk->picture.triangle[pixel], HUGE_VAL,

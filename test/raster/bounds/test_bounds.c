@@ -176,6 +176,51 @@ static void check_texels(bool linear, double widest)
         printf("# worst difference / bound %g, %d straight, %d tight\n", worst, straight, tight);
 }
 
+/* Mixes four texels by weights in steps of 1/256: those of each direction round to a step, their
+ * products again, two up and two down. */
+static double mix_by_steps(const struct texels *texels, const double place[2], int way)
+{
+    static const int up[3][4] = {{1, 1, -1, -1}, {1, -1, 1, -1}, {1, -1, -1, 1}};
+    const double x = floor(place[0] - 0.5), y = floor(place[1] - 0.5),
+                 u = nearbyint(256 * (place[0] - 0.5 - x)) / 256,
+                 v = nearbyint(256 * (place[1] - 0.5 - y)) / 256;
+    double sum = 0;
+    for (int k = 0; k < 4; k++) {
+        const double weight = (k & 1 ? u : 1 - u) * (k >> 1 ? v : 1 - v);
+        const double off = up[way % 3][k] * (way < 3 ? 1 : -1) / 512.0;
+        const double at[2] = {x + (k & 1) + 0.5, y + (k >> 1) + 0.5};
+        sum += (weight + off) * texel_at(texels, at);
+    }
+    return sum;
+}
+
+static void check_weights(void)
+{
+    enum { SIDE = 8, TRIALS = 20000 };
+    const float exact[2] = {0, 0};
+    uint64_t state = 17;
+    float values[SIDE * SIDE];
+    const struct texels texels = {values, SIDE, SIDE, true};
+    struct driver driver = *driver_of("llvmpipe");
+    double worst = 0, worst_beside = 0;
+    driver.filter_texels = 1 / 512.0;
+    for (int i = 0; i < TRIALS; i++) {
+        const double s_t[2] = {test_random(&state, -1, 2), test_random(&state, -1, 2)};
+        for (int t = 0; t < SIDE * SIDE && i % 100 == 0; t++)
+            values[t] = (float)(test_random(&state, 0, 1) < 0.5);
+        const struct texel_point at = texel_point(&texels, &driver, s_t, exact);
+        struct texel_value value;
+        texel_value(&texels, &at, 1, &value);
+        double *most = value.is_straight ? &worst : &worst_beside;
+        for (int way = 0; way < 6; way++)
+            *most = fmax(*most, fabs(mix_by_steps(&texels, at.place, way) - value.value) /
+                                    fmax(value.error, 1e-300));
+    }
+    if (!CHECK(worst <= 1 && worst > 0.9 && worst_beside <= 1 && worst_beside > 0.5,
+               "the bound holds for weights that round as products of two, and is not too wide"))
+        printf("# worst difference / bound %g, near a texel's centre %g\n", worst, worst_beside);
+}
+
 int main(void)
 {
     check_shown();
@@ -186,5 +231,6 @@ int main(void)
     check_texels(true, 0.1);
     check_texels(true, 40);
     check_texels(false, 40);
+    check_weights();
     return test_end();
 }
