@@ -230,6 +230,30 @@ static void check_mean(const struct bench *bench)
     totals_free(&totals);
 }
 
+/* The verdict of a picture: what its tiles count, the worst that they have, and the first fault. */
+static void check_sum(void)
+{
+    struct check_verdict sum = {.worst_depth_ratio = -1};
+    const struct check_verdict tiles[3] = {{.pixels = 5, .objects = 4, .worst_depth_ratio = 0.2},
+                                           {.pixels = 6,
+                                            .unchecked = 2,
+                                            .unexplained = 1,
+                                            .first = {.found = true, .x = 7},
+                                            .worst_depth_ratio = 0.7},
+                                           {.pixels = 7,
+                                            .ambiguous = 3,
+                                            .unexplained = 1,
+                                            .first = {.found = true, .x = 9},
+                                            .worst_depth_ratio = -1}};
+    for (int i = 0; i < 3; i++)
+        verdict_add(&sum, &tiles[i]);
+    CHECK(sum.pixels == 18 && sum.objects == 4 && sum.ambiguous == 3 && sum.unchecked == 2 &&
+              sum.unexplained == 2,
+          "pixels of tiles add up");
+    CHECK_NEAR(sum.worst_depth_ratio, 0.7, 0, "the worst depth of a picture is that of a tile");
+    CHECK(sum.first.found && sum.first.x == 7, "the first fault is that of the first tile");
+}
+
 /* Bounds are parts of the largest value of a term, and of its mean. */
 static void check_terms(const struct plan *plan)
 {
@@ -270,6 +294,7 @@ int main(void)
                   tiles_each(&bench.lit, &at, check_tile, &bench, &err),
               err.text);
     check_mean(&bench);
+    check_sum();
     check_terms(&bench.plan);
     fit_free(&bench.checked.fit);
     lit_free(&bench.lit);
