@@ -35,8 +35,8 @@ static const char *const causes[BOUND_CAUSES] = {
     [CAUSE_TEXTURE] = "its texture changes too much within a rounding; repeat it less often",
     [CAUSE_THIN] =
         "its triangles are edge-on, too thin or too large to be placed; turn or split it",
-    [CAUSE_DEPTH] = "its depth rounds to that of the near or the far plane, and OpenGL does "
-                    "not show it; move the near plane away, or the far plane near",
+    [CAUSE_DEPTH] = ("its depth rounds to that of the near or the far plane, and OpenGL does "
+                     "not show it; move the near plane away, or the far plane near"),
     [CAUSE_FAR] = "its triangles reach too far; split them, or move the near plane away",
 };
 
