@@ -109,6 +109,16 @@ static bool measure(void *context, void *out, struct error *err)
     return done;
 }
 
+/* Measures a driver in a process of its own. One that fails there cannot be used: others follow. */
+static bool measure_alone(struct listed_driver *driver, struct traits *out)
+{
+    struct error own = {.status = EXIT_AGREED};
+    driver->usable = driver->usable && process_run(measure, driver, out, sizeof *out, &own);
+    if (own.status != EXIT_AGREED)
+        snprintf(driver->reason, sizeof driver->reason, "%.500s", error_words(&own));
+    return driver->usable;
+}
+
 static void json_bounds(const struct driver *of, struct json *json)
 {
     json_open(json, "measured_bounds", '{');
@@ -188,11 +198,9 @@ static bool run_drivers(struct options *options, struct error *err)
     for (int i = 0; done && i < drivers.n; i++) {
         struct listed_driver *driver = &drivers.list[i];
         struct traits traits;
-        const bool measured = own->measure && driver->usable;
-        done = !measured || process_run(measure, driver, &traits, sizeof traits, err);
+        const bool measured = own->measure && measure_alone(driver, &traits);
         usable = usable || driver->usable;
-        if (done)
-            put_driver(driver, measured ? &traits : NULL, &json);
+        put_driver(driver, measured ? &traits : NULL, &json);
     }
     json_close(&json, ']');
     if (!done)
