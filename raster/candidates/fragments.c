@@ -357,7 +357,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
     }
     fragment.loose = is_loose(visit, clipped, &thin);
     fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;
-    /* the near or the far plane may cut it off; a sliver that covers nothing has no depth to lose */
+    /* the near or the far plane may cut it off; a sliver that may cover nothing is not lost by that */
     if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
         fragment.vanishes = !thin || presence == DEFINITE;
         presence = POSSIBLE;

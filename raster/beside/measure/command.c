@@ -25,6 +25,16 @@ static bool count_devices(void *context, void *out, struct error *err)
     return contexts_devices(out, err);
 }
 
+/* Uses a driver in a process of its own. One that fails there is not usable, and has the reason. */
+static bool try_alone(bool (*job)(void *context, void *out, struct error *err),
+                      struct listed_driver *driver, void *out, size_t size)
+{
+    struct error own = {.status = EXIT_AGREED};
+    driver->usable = process_run(job, driver, out, size, &own);
+    snprintf(driver->reason, sizeof driver->reason, "%.500s", error_words(&own));
+    return driver->usable;
+}
+
 static bool is_same(const struct listed_driver *a, const struct listed_driver *b)
 {
     const struct renderer_names *one = &a->is.names, *two = &b->is.names;
@@ -37,10 +47,8 @@ bool drivers_add(struct driver_list *to, const char *library, const char *render
                  struct error *err)
 {
     struct listed_driver added = {.renderer = renderer};
-    struct error own = {.status = EXIT_AGREED};
     snprintf(added.library, sizeof added.library, "%s", library);
-    added.usable = process_run(describe, &added, &added.is, sizeof added.is, &own);
-    snprintf(added.reason, sizeof added.reason, "%.500s", error_words(&own));
+    try_alone(describe, &added, &added.is, sizeof added.is);
     const char *driver = wish_of(&added).driver;
     bool is_new =
         added.usable && (!driver || strncmp(added.is.names.renderer, driver, strlen(driver)) == 0);
@@ -107,16 +115,6 @@ static bool measure(void *context, void *out, struct error *err)
     const bool done = contexts_open(&wish, &contexts, err) && traits_measure(contexts, out, err);
     contexts_close(contexts);
     return done;
-}
-
-/* Measures a driver in a process of its own. One that fails there cannot be used: others follow. */
-static bool measure_alone(struct listed_driver *driver, struct traits *out)
-{
-    struct error own = {.status = EXIT_AGREED};
-    driver->usable = driver->usable && process_run(measure, driver, out, sizeof *out, &own);
-    if (own.status != EXIT_AGREED)
-        snprintf(driver->reason, sizeof driver->reason, "%.500s", error_words(&own));
-    return driver->usable;
 }
 
 static void json_bounds(const struct driver *of, struct json *json)
@@ -198,7 +196,8 @@ static bool run_drivers(struct options *options, struct error *err)
     for (int i = 0; done && i < drivers.n; i++) {
         struct listed_driver *driver = &drivers.list[i];
         struct traits traits;
-        const bool measured = own->measure && measure_alone(driver, &traits);
+        const bool measured =
+            own->measure && driver->usable && try_alone(measure, driver, &traits, sizeof traits);
         usable = usable || driver->usable;
         put_driver(driver, measured ? &traits : NULL, &json);
     }
