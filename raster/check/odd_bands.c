@@ -74,16 +74,9 @@ static void add_odd(const struct check *check, int pass, int size, struct check_
 void find_odd_bands(struct check *check)
 {
     struct check_failure *failure = &check->verdict.first;
-    const struct fit *fit = &check->scene->fit;
-    const int pass = failure->band / BANDS_PER_PASS;
-    for (int size = 1; size <= BANDS_PER_PASS && failure->n_odd == 0; size += BANDS_PER_PASS - 1) {
-        bool own = false;
-        for (int p = 0; p < fit->n_passes; p++) {
-            add_odd(check, fit->passes[p], size, failure);
-            own = own || fit->passes[p] == pass;
-        }
-        if (!own)
+    const int n_bands = check->scene->lit->plan->n_bands;
+    for (int size = 1; size <= BANDS_PER_PASS && failure->n_odd == 0; size += BANDS_PER_PASS - 1)
+        for (int pass = 0; pass * BANDS_PER_PASS < n_bands; pass++)
             add_odd(check, pass, size, failure);
-    }
     failure->n_odd = failure->n_odd > MOST_ODD ? 0 : failure->n_odd;
 }
