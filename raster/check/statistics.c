@@ -16,30 +16,11 @@ static double seen_counts(const struct block *block, size_t i)
     return (double)block->seen[i] * FULL_COUNT;
 }
 
-/* Fills a block up to whole lanes. Returns how many samples that makes. */
-static size_t fill_lanes(struct block *block)
-{
-    size_t all = block->n;
-    for (; all % LANES != 0; all++) {
-        block->seen[all] = block->bound[all] = block->fit.explained[all] = block->fit.limit[all] =
-            0;
-        block->expected[all] = 0;
-    }
-    return all;
-}
-
-/* Sums of differences, in lanes. */
-struct difference_sums {
-    double sums[LANES], squares[LANES];
-};
-
-/* Fills in the differences of `all` samples, a multiple of LANES. Returns their sums. */
-VECTORIZED static struct difference_sums differ(const float *restrict seen,
-                                                const double *restrict expected,
-                                                float *restrict difference, size_t all)
+/* Fills in the differences of `all` samples, a multiple of LANES. */
+static void differ(struct check_samples *samples, const float *restrict seen,
+                   const double *restrict expected, float *restrict difference, size_t all)
 {
     double sums[LANES] = {0}, squares[LANES] = {0};
-    struct difference_sums out;
     for (size_t i = 0; i < all; i += LANES) {
         double apart[LANES];
         for (size_t k = 0; k < LANES; k++)
@@ -52,44 +33,30 @@ VECTORIZED static struct difference_sums differ(const float *restrict seen,
             squares[k] += apart[k] * apart[k];
     }
     for (size_t k = 0; k < LANES; k++) {
-        out.sums[k] = sums[k];
-        out.squares[k] = squares[k];
+        samples->sum += sums[k];
+        samples->sum_of_squares += squares[k];
     }
-    return out;
-}
-
-/* The largest differences and ratios so far, as far as they can be taken for limits. */
-struct so_far {
-    float worst, ratio, fit_ratio;
-};
-
-static struct so_far so_far(const struct check_samples *samples, const struct block *block)
-{
-    return (struct so_far){
-        fminf((float)samples->largest, 0.499F),
-        (float)samples->worst_ratio, /* beyond 1: of a candidate without a bound */
-        block->fitted ? (float)samples->worst_fit_ratio : 1};
 }
 
 /* Returns whether all samples are counts, which need not be clamped, and within these limits; NaN
- * is not. */
-VECTORIZED static bool are_within(const struct block *block, const struct so_far *so_far,
-                                  size_t all)
+ * is not. worst: the largest magnitude of a difference; ratios: the largest error / bound, rest /
+ * limit. */
+static bool are_within(const struct block *block, float worst, float ratio, float fit_ratio,
+                       size_t all)
 {
     const float *seen = block->seen;
     int odd = 0;
     for (size_t i = 0; i < all; i++) {
         const float difference = block->difference[i], rest = difference - block->fit.explained[i],
-                    most = so_far->ratio * block->bound[i],
-                    limit = most < so_far->worst ? most : so_far->worst;
+                    most = ratio * block->bound[i], limit = most < worst ? most : worst;
         odd |= !(seen[i] >= 0) | !(seen[i] <= 1) | !(fabsf(difference) <= limit) |
-               !(fabsf(rest) <= so_far->fit_ratio * block->fit.limit[i]);
+               !(fabsf(rest) <= fit_ratio * block->fit.limit[i]);
     }
     return odd == 0;
 }
 
 /* Values that need no clamping, and are less than half a count apart, need only be rounded. */
-VECTORIZED static void count_close(struct check_samples *samples, const struct block *block)
+static void count_close(struct check_samples *samples, const struct block *block)
 {
     int exact = 0;
     for (size_t i = 0; i < block->n; i++)
@@ -137,25 +104,21 @@ static bool look_closer(struct check_samples *samples, const struct block *block
     return within;
 }
 
-static void add_differences(struct check_samples *samples, size_t n,
-                            const struct difference_sums *sums)
-{
-    samples->n += n;
-    for (size_t k = 0; k < LANES; k++) {
-        samples->sum += sums->sums[k];
-        samples->sum_of_squares += sums->squares[k];
-    }
-}
-
 /* Nearly all blocks are within what others were. */
 bool samples_compare(struct check_samples *samples, struct block *block)
 {
-    const size_t all = fill_lanes(block);
-    const struct so_far most = so_far(samples, block);
-    const struct difference_sums sums =
-        differ(block->seen, block->expected, block->difference, all);
-    add_differences(samples, block->n, &sums);
-    if (!are_within(block, &most, all))
+    size_t all = block->n;
+    for (; all % LANES != 0; all++) {
+        block->seen[all] = block->bound[all] = block->fit.explained[all] = block->fit.limit[all] =
+            0;
+        block->expected[all] = 0;
+    }
+    const float worst = fminf((float)samples->largest, 0.499F),
+                ratio = (float)samples->worst_ratio, /* beyond 1: of a candidate without a bound */
+        fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1;
+    samples->n += block->n;
+    differ(samples, block->seen, block->expected, block->difference, all);
+    if (!are_within(block, worst, ratio, fit_ratio, all))
         return look_closer(samples, block);
     count_close(samples, block);
     return true;
