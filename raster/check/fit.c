@@ -6,8 +6,7 @@
 
 #include "raster/check/inside.h"
 
-/* Returns the number of a pass with pilots; -1: it has none. */
-static int pilot_pass(const struct fit *fit, int pass)
+int pilot_pass(const struct fit *fit, int pass)
 {
     for (int p = 0; p < fit->n_passes; p++)
         if (fit->passes[p] == pass)

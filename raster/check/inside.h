@@ -5,6 +5,8 @@
 
 #include "raster/check/check.h"
 
+/* Returns the number of a pass with pilots; -1: it has none. */
+int pilot_pass(const struct fit *fit, int pass);
 enum { PLACE_ROWS = 5 }; /* of the estimate of a place */
 /* Numbers of an estimate: of a pixel, at most; of a run's material. */
 int fit_rows(const struct plan *plan);

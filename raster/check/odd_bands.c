@@ -71,12 +71,14 @@ static void add_odd(const struct check *check, int pass, int size, struct check_
             failure->odd[failure->n_odd - 1] = odd;
 }
 
+/* Only pilots leave their errors in other bands, so no other pass explains the band that failed. */
 void find_odd_bands(struct check *check)
 {
     struct check_failure *failure = &check->verdict.first;
-    const int n_bands = check->scene->lit->plan->n_bands;
+    const int n_passes = check->scene->lit->plan->n_passes, own = failure->band / BANDS_PER_PASS;
     for (int size = 1; size <= BANDS_PER_PASS && failure->n_odd == 0; size += BANDS_PER_PASS - 1)
-        for (int pass = 0; pass * BANDS_PER_PASS < n_bands; pass++)
-            add_odd(check, pass, size, failure);
+        for (int pass = 0; pass < n_passes; pass++)
+            if (pass == own || pilot_pass(&check->scene->fit, pass) >= 0)
+                add_odd(check, pass, size, failure);
     failure->n_odd = failure->n_odd > MOST_ODD ? 0 : failure->n_odd;
 }
