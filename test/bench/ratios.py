@@ -31,7 +31,7 @@ MOST_MIB = 300
 REFERENCE = ("--renderer", "raster", "--no-check")  # with the check, OpenGL would draw, too
 NO_FILE = ("-o", "/dev/null")
 PARTS = "read", "plan", "gl", "raster", "check", "write"
-SECONDS = re.compile(r"^seconds .* \(" + ", ".join(f"{part} ([0-9.]+)" for part in PARTS) + r"\)$", re.MULTILINE)
+SECONDS = re.compile(rf"^  ({'|'.join(PARTS)}) +([-+0-9.e]+)$", re.MULTILINE)
 
 # wall: seconds from start to exit; processor: user and system seconds of all threads; mib: the largest memory, at least
 # the 15 MiB of this script, which the process is for a moment; parts: the program's own seconds.
@@ -66,7 +66,8 @@ class Bench:
 
     def render(self, scene, *options, **others):
         output = () if "-o" in options else ("-o", self.output)
-        return Program((self.spectral, "render", scene, *output, *options), **others)
+        report = () if "-q" in options else ("-v",)  # with the seconds of each part
+        return Program((self.spectral, "render", scene, *output, *report, *options), **others)
 
     def other(self, name, *words, **others):
         return Program((os.path.join(self.tests, name), *words), **others)
@@ -97,9 +98,8 @@ class Bench:
         if os.path.exists(self.output):
             self.n_bytes = os.path.getsize(self.output)
             os.remove(self.output)
-        parts = SECONDS.search(text)
-        return Run(wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024,
-                   dict(zip(PARTS, map(float, parts.groups()))) if parts else {})
+        parts = {part: float(seconds) for part, seconds in SECONDS.findall(text)}
+        return Run(wall, used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, parts)
 
     def run(self, group):
         print(f"measuring {group.letters}: {len(group.programs)} programs, {group.rounds} rounds", flush=True)

@@ -5,6 +5,7 @@
  * usage: yardstick [RAYS] */
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 /* A path tracer takes 1.7 s for 512 x 512 pixels and 93 wavelengths; so many rays take as long on
  * one thread of an Intel Xeon of 2.3 GHz (family 6, model 207). */
