@@ -7,6 +7,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* A function with loops over many numbers, compiled once more for processors that hold more of them
+ * in a register. Its results are the same bits: each operation is rounded by itself. */
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__) &&       \
+    defined(__OPTIMIZE__) && !defined(__OPTIMIZE_SIZE__)
+#define VECTORIZED __attribute__((target_clones("avx2", "default")))
+#else
+#define VECTORIZED
+#endif
+
 /* Unit roundoffs: rounding to the nearest number changes a value by at most this part of it, unless
  * it underflows. Single precision holds all whole numbers up to 1 / SINGLE_ROUNDOFF. */
 #define SINGLE_ROUNDOFF 0x1p-24

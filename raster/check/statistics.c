@@ -17,8 +17,9 @@ static double seen_counts(const struct block *block, size_t i)
 }
 
 /* Fills in the differences of `all` samples, a multiple of LANES. */
-static void differ(struct check_samples *samples, const float *restrict seen,
-                   const double *restrict expected, float *restrict difference, size_t all)
+VECTORIZED static void differ(struct check_samples *samples, const float *restrict seen,
+                              const double *restrict expected, float *restrict difference,
+                              size_t all)
 {
     double sums[LANES] = {0}, squares[LANES] = {0};
     for (size_t i = 0; i < all; i += LANES) {
@@ -41,8 +42,8 @@ static void differ(struct check_samples *samples, const float *restrict seen,
 /* Returns whether all samples are counts, which need not be clamped, and within these limits; NaN
  * is not. worst: the largest magnitude of a difference; ratios: the largest error / bound, rest /
  * limit. */
-static bool are_within(const struct block *block, float worst, float ratio, float fit_ratio,
-                       size_t all)
+VECTORIZED static bool are_within(const struct block *block, float worst, float ratio,
+                                  float fit_ratio, size_t all)
 {
     const float *seen = block->seen;
     int odd = 0;
@@ -56,7 +57,7 @@ static bool are_within(const struct block *block, float worst, float ratio, floa
 }
 
 /* Values that need no clamping, and are less than half a count apart, need only be rounded. */
-static void count_close(struct check_samples *samples, const struct block *block)
+VECTORIZED static void count_close(struct check_samples *samples, const struct block *block)
 {
     int exact = 0;
     for (size_t i = 0; i < block->n; i++)

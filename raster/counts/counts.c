@@ -79,7 +79,7 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
 }
 
 /* Adds what may be flushed to zero. A bound that single precision cannot hold is infinite. */
-static void add_flushed(size_t n, float *bound)
+VECTORIZED static void add_flushed(size_t n, float *bound)
 {
     const float flushed = (float)flushed_counts();
     for (size_t i = 0; i < n; i++) {
@@ -91,8 +91,8 @@ static void add_flushed(size_t n, float *bound)
 /* Rows that are added together, so that sums are loaded and stored half as often. */
 enum { PAIR = 2 };
 
-void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
-              float *restrict sums)
+VECTORIZED void add_rows(const struct run *run, const float *rows, const float *factors,
+                         size_t n_terms, float *restrict sums)
 {
     const size_t n = run->n;
     size_t t = 0;
@@ -104,6 +104,13 @@ void add_rows(const struct run *run, const float *rows, const float *factors, si
     const float *restrict last = rows + t * run->stride;
     for (size_t i = 0; i < n && t < n_terms; i++)
         sums[i] += last[i] * factors[t];
+}
+
+void bound_counts(const struct run *run, const float *factors, float *bound)
+{
+    memset(bound, 0, run->n * sizeof *bound);
+    add_rows(run, run->errors, factors, (size_t)run->shaded->n_terms, bound);
+    add_flushed(run->n, bound);
 }
 
 void expect_counts(const struct lit_scene *lit, const struct run *run, int band, double *expected,

@@ -65,10 +65,10 @@ void put_rows(const struct instance *instance, const double *attributes, const d
 
 /* Adds weight x spectrum of two terms, whose weights are in two rows, to the radiance of n pixels.
  */
-void add_terms(const double *const rows[2], const double spectra[2], size_t n, double *radiance)
+VECTORIZED void add_terms(const double *const rows[2], const double spectra[2], size_t n,
+                          double *restrict radiance)
 {
     const double *one = rows[0], *other = rows[1];
-    double *restrict out = radiance;
     for (size_t i = 0; i < n; i++)
-        out[i] = out[i] + one[i] * spectra[0] + other[i] * spectra[1];
+        radiance[i] = radiance[i] + one[i] * spectra[0] + other[i] * spectra[1];
 }
