@@ -108,7 +108,15 @@ struct vertex {
 };
 
 /* The least and the greatest of three numbers. */
-double least_of(const double v[3]);
-double most_of(const double v[3]);
+static inline double least_of(const double v[3])
+{
+    const double first = v[0] < v[1] ? v[0] : v[1];
+    return first < v[2] ? first : v[2];
+}
+static inline double most_of(const double v[3])
+{
+    const double first = v[0] > v[1] ? v[0] : v[1];
+    return first > v[2] ? first : v[2];
+}
 
 #endif

@@ -186,13 +186,3 @@ bool matrix_normal(const struct matrix *m, struct matrix *out)
                                                            : cofactors.value[i / 3][i % 3];
     return true;
 }
-
-double least_of(const double v[3])
-{
-    return fmin(v[0], fmin(v[1], v[2]));
-}
-
-double most_of(const double v[3])
-{
-    return fmax(v[0], fmax(v[1], v[2]));
-}

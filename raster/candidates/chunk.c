@@ -65,11 +65,10 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
  * each place in the texture that OpenGL may sample. */
 static bool add_candidates(struct bounding *bounding, const struct fragment *fragment, int x, int y)
 {
-    const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
     struct texel_point choices[TEXEL_CHOICES];
     unsigned gates = 0;
     do {
-        pixel_bound(&bounding->pixel, triangle, x, y, true);
+        pixel_bound(&bounding->pixel, fragment, x, y, true);
         pixel_turn_gates(&bounding->pixel, gates);
         int n = pixel_choices(&bounding->pixel, choices);
         for (int i = 0; i < n; i++)
@@ -155,14 +154,13 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     struct texel_point choices[TEXEL_CHOICES];
     if (list->head < 0)
         return false;
-    const struct bounded_triangle *triangle =
-        &bounding->fragments.triangles[bounding->fragments.fragments[list->head].triangle];
-    pixel_bound(&bounding->pixel, triangle, x, y, false);
+    const struct fragment *only = &bounding->fragments.fragments[list->head];
+    pixel_bound(&bounding->pixel, only, x, y, false);
     if (bounding->pixel.n_gated > 0 || pixel_choices(&bounding->pixel, choices) > 1)
         return true;
     pixel_take_place(&bounding->pixel, &choices[0]);
     struct pixel_bounds *bounds = &out->pixels[index];
-    bounds->depth_error = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
+    bounds->depth_error = stored_depth_error(only->depth_error, out->picture.depth[index]);
     bounds->steepness = (float)pixel_steepness(&bounding->pixel);
     bounds->mean = pixel_errors(&bounding->pixel, out->picture.rows + index, n_pixels,
                                 out->errors + index, out->own + index);

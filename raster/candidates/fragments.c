@@ -32,7 +32,8 @@ static const struct bounded_triangle *visited(const struct visit *visit)
 enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
 
 /* Bounds OpenGL's errors in the edge functions at a point, where corners are off in x and y. */
-static void edge_slack(const struct edge_functions *edges, double errors[3][2], double slack[3])
+static void edge_slack(const struct edge_functions *edges, const double errors[3][2],
+                       double slack[3])
 {
     for (int i = 0; i < 3; i++) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;
@@ -109,15 +110,11 @@ static enum presence clipped_presence(const struct clipped_triangle *triangle, d
 {
     const double *x = triangle->screen.x, *y = triangle->screen.y;
     struct edge_functions edges;
-    double slack[3], errors[3][2], most[2] = {0, 0};
-    for (int i = 0; i < 6; i++) {
-        errors[i / 2][i % 2] = triangle->moved_px[i / 2][i % 2] + triangle->grid_px;
-        most[i % 2] = fmax(most[i % 2], errors[i / 2][i % 2]);
-    }
-    if (is_beside_box(&triangle->screen, most, px, py))
+    double slack[3];
+    if (is_beside_box(&triangle->screen, triangle->most_px, px, py))
         return IMPOSSIBLE;
     edges_at(x, y, px, py, &edges);
-    edge_slack(&edges, errors, slack);
+    edge_slack(&edges, triangle->edge_px, slack);
     double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
     enum presence presence = DEFINITE;
     for (int i = 0; i < 3; i++) {
@@ -300,12 +297,15 @@ static unsigned possible_at(const struct clipped_triangle *clipped, int n, doubl
     return some;
 }
 
-unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
-                    double px, double py)
+/* Finds the clipped triangles that OpenGL may have at the pixel. Beyond the near and the far plane
+ * all are possible. */
+static unsigned clipped_at(const struct visit *visit)
 {
+    const struct bounded_triangle *triangle = visited(visit);
     const int n = triangle->n_clipped;
     unsigned some =
-        n == 1 ? 1 : possible_at(&fragments->clipped[triangle->first_clipped], n, px, py);
+        n == 1 ? 1
+               : possible_at(&visit->of->clipped[triangle->first_clipped], n, visit->x, visit->y);
     return some == 0 && triangle->cut ? (1u << n) - 1 : some;
 }
 
@@ -337,32 +337,48 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
 
 /* ---- triangles ---- */
 
+/* Finds what may be odd about a fragment: see struct fragment. Returns whether OpenGL has it for
+ * sure. */
+static enum presence judge_closely(struct visit *visit, enum presence presence,
+                                   struct fragment *fragment)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    const bool leaks = !visit->of->tile->lit->driver->watertight && is_on_seam(visit),
+               folds = may_fold(visit, fragment->clipped);
+    bool thin;
+    fragment->sliver = triangle->slivers && presence == POSSIBLE;
+    if (leaks || folds || fragment->sliver) {
+        presence = POSSIBLE;
+        visit->pixel->seam.open = visit->pixel->seam.open || folds || fragment->sliver;
+        /* a fragment by each clipped triangle, and one by a triangle that is not among them */
+        const unsigned more =
+            count_bits(fragment->clipped) - 1 + (triangle->slides || fragment->sliver);
+        visit->pixel->n_possible += triangle->other_side ? 0 : more;
+    }
+    fragment->loose = is_loose(visit, fragment->clipped, &thin);
+    fragment->depth_error = thin ? HUGE_VAL : triangle->depth_error;
+    /* the near or the far plane may cut it off; a sliver that may cover nothing is not lost by that
+     */
+    if (!(fragment->depth > fragment->depth_error && fragment->depth < 1 - fragment->depth_error)) {
+        fragment->vanishes = !thin || presence == DEFINITE;
+        presence = POSSIBLE;
+        visit->pixel->seam.open = true;
+    }
+    return presence;
+}
+
 /* A fragment that OpenGL has, or may have. */
 static bool judge_fragment(struct visit *visit, enum presence presence, unsigned clipped)
 {
     const struct bounded_triangle *triangle = visited(visit);
     struct fragment fragment = {.triangle = visit->triangle,
-                                .depth = depth_at(&triangle->screen, &visit->edges)};
-    bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
+                                .clipped = clipped,
+                                .depth = depth_at(&triangle->screen, &visit->edges),
+                                .depth_error = triangle->depth_error};
+    const bool covered = fragment.depth >= 0 && fragment.depth < 1 &&
                          (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
-    const bool leaks = !visit->of->tile->lit->driver->watertight && is_on_seam(visit),
-               folds = may_fold(visit, clipped);
-    fragment.sliver = triangle->slivers && presence == POSSIBLE;
-    if (leaks || folds || fragment.sliver) {
-        presence = POSSIBLE;
-        visit->pixel->seam.open = visit->pixel->seam.open || folds || fragment.sliver;
-        /* a fragment by each clipped triangle, and one by a triangle that is not among them */
-        const unsigned more = count_bits(clipped) - 1 + (triangle->slides || fragment.sliver);
-        visit->pixel->n_possible += triangle->other_side ? 0 : more;
-    }
-    fragment.loose = is_loose(visit, clipped, &thin);
-    fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;
-    /* the near or the far plane may cut it off; a sliver that may cover nothing is not lost by that */
-    if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
-        fragment.vanishes = !thin || presence == DEFINITE;
-        presence = POSSIBLE;
-        visit->pixel->seam.open = true;
-    }
+    if (presence != DEFINITE || !triangle->plain)
+        presence = judge_closely(visit, presence, &fragment);
     count_fragment(visit, presence, covered);
     return bounds_of(visit->of->tile->lit, &triangle->screen)->placed->twin ||
            add_fragment(visit, &fragment, presence == DEFINITE);
@@ -379,7 +395,7 @@ static bool visit_pixel(void *context, int x, int y)
     enum presence presence = triangle_presence(visit);
     if (presence == IMPOSSIBLE)
         return true;
-    unsigned clipped = clipped_at(visit->of, triangle, visit->x, visit->y);
+    unsigned clipped = clipped_at(visit);
     if (clipped == 0)
         return true;
     visit->pixel =

@@ -17,6 +17,8 @@ struct clipped_triangle {
     struct screen_triangle screen; /* its corners and their shares; the rest is of the whole */
     double slack_px[3];     /* of each corner in x and y, off the plane of interpolated values */
     double moved_px[3][2];  /* how far each may be in x and y from its place, in this plane, too */
+    double edge_px[3][2];   /* the same for the edges that OpenGL follows: see grid_px */
+    double most_px[2];      /* the largest of these in x and y */
     int cuts;               /* how many made a corner, at most */
     double grid_px;         /* by how much OpenGL's edges are off its corners */
     double value_roundings; /* of struct driver */
@@ -47,6 +49,7 @@ struct bounded_triangle {
     int32_t first_clipped, n_clipped; /* what OpenGL sets up for it, in the list of a chunk */
     int32_t n_slivers;  /* behind these: what it sets up besides if it cuts a corner in doubt */
     struct slack slack; /* of any corner, as OpenGL interpolates */
+    bool plain;         /* OpenGL sets up itself alone, with bounds that hold at all its pixels */
     double edge_px[3];  /* of each corner as OpenGL follows edges; 0: without any error */
     double depth_error; /* of the depth at a pixel, off thin triangles; HUGE_VAL: none */
 };
@@ -68,9 +71,10 @@ int triangle_parts(const struct tile *tile, int surface, int triangle, const str
 /* A fragment that may be seen at a pixel: a link in the pixel's list. */
 struct fragment {
     int32_t triangle, next;
-    bool loose;    /* its colour has no bound */
-    bool sliver;   /* or may have none: see keep_doubtful */
-    bool vanishes; /* perhaps, by depth alone: see struct ambiguous_pixel */
+    unsigned clipped; /* bit i: OpenGL may show clipped triangle i of its triangle there */
+    bool loose;       /* its colour has no bound */
+    bool sliver;      /* or may have none: see keep_doubtful */
+    bool vanishes;    /* perhaps, by depth alone: see struct ambiguous_pixel */
     double depth, depth_error;
 };
 /* Edges that run by within their slack. */
@@ -101,10 +105,6 @@ struct fragments {
 /* Finds the fragments of all pixels of out->rows; tile and rows are set. False: no memory. */
 bool fragments_find(struct fragments *out);
 void fragments_free(struct fragments *fragments);
-/* Finds the clipped triangles that OpenGL may have at a point: bit i stands for number i. Beyond
- * the near and the far plane all are possible. */
-unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
-                    double px, double py);
 /* True if an edge near the centre always has a triangle on either side. */
 bool is_closed(const struct seam *seam);
 /* Makes room for `more` elements behind n, in an array that had room for n by this function. False:
@@ -125,6 +125,7 @@ struct bounded_pixel {
     int n_gated;
     double share[3];               /* barycentric coordinates */
     double brightest;              /* shaded_brightest */
+    double rounding;               /* colour_rounding */
     double *attributes;            /* these five arrays have room for any surface */
     float *common, *interpolation; /* errors that bands have in common; their second part */
     float *own, *slopes;           /* of a band by itself; change within a pixel's width */
@@ -137,8 +138,9 @@ struct bounded_pixel {
 /* False: no memory. The fragments must outlive *out; pixel_close accepts what a failure left. */
 bool pixel_open(const struct fragments *fragments, struct bounded_pixel *out);
 void pixel_close(struct bounded_pixel *pixel);
-/* Computes attributes and their bounds; without a texture, weights only if weights_matter. */
-void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *triangle, int x, int y,
+/* Computes attributes of a fragment and their bounds; without a texture, weights only if
+ * weights_matter. */
+void pixel_bound(struct bounded_pixel *pixel, const struct fragment *fragment, int x, int y,
                  bool weights_matter);
 /* Finds the places in the texture that OpenGL may sample: 1 without a texture. Take one of them. */
 int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES]);

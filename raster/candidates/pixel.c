@@ -149,6 +149,11 @@ static const struct colour_bound *attribute_bounds(struct bounded_pixel *pixel, 
     return bounds;
 }
 
+static void raise_to(float *most, float value)
+{
+    *most = *most < value ? value : *most;
+}
+
 /* Raises the interpolation's errors and the slopes to those of one clipped triangle. */
 static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inverse_w)
 {
@@ -162,18 +167,17 @@ static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inve
         const struct colour_bound *of = &bounds[a];
         float common = (float)of->constant + over * ((float)of->fixed + d * (float)of->per_d),
               own = (float)of->own_constant + over * (float)of->own_fixed;
-        pixel->interpolation[a] = fmaxf(pixel->interpolation[a], common);
-        pixel->own[a] = fmaxf(pixel->own[a], own);
-        pixel->slopes[a] = fmaxf(pixel->slopes[a], (float)of->slope / d);
+        raise_to(&pixel->interpolation[a], common);
+        raise_to(&pixel->own[a], own);
+        raise_to(&pixel->slopes[a], (float)of->slope / d);
     }
 }
 
-/* Adds to the errors of the pixel the largest bound of the clipped triangles there, and notes the
+/* Adds to the errors of the pixel the largest bound of these clipped triangles, and notes the
  * largest slopes. */
-static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px, double py)
+static void add_bounds(struct bounded_pixel *pixel, double inverse_w, unsigned clipped)
 {
-    size_t n_attributes = (size_t)pixel->surface->n_attributes;
-    unsigned clipped = clipped_at(pixel->fragments, pixel->triangle, px, py);
+    const size_t n_attributes = (size_t)pixel->surface->n_attributes;
     for (size_t a = 0; a < n_attributes; a++)
         pixel->interpolation[a] = pixel->own[a] = pixel->slopes[a] = 0;
     for (int32_t i = 0; i < pixel->triangle->n_clipped; i++)
@@ -181,6 +185,16 @@ static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px,
             raise_bounds(pixel, i, inverse_w);
     for (size_t a = 0; a < n_attributes; a++)
         pixel->common[a] += pixel->interpolation[a];
+}
+
+/* Roundings of a colour: its spectrum in single precision (1), weight times spectrum (1), and a
+ * texture's value and its product (2); two more for the arithmetic of the bound itself. Materials
+ * are white, so that their products are exact. Each colour and each pass that is added rounds once.
+ */
+static double colour_rounding(const struct bounded_pixel *pixel)
+{
+    return roundings(4 + 2 * pixel->surface->instance->textured + pixel->shaded->n_colours +
+                     pixel->lit->plan->n_light_groups);
 }
 
 /* Makes a triangle the pixel's. Neighbouring pixels mostly show the same triangle, so this is
@@ -198,6 +212,7 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
     pixel->brightest = shaded_brightest(pixel->shaded);
+    pixel->rounding = colour_rounding(pixel);
     /* a flat triangle has one vertex that counts, taken for its first */
     const bool flat = pixel->flat;
     pixel->n_gated = 0;
@@ -210,9 +225,10 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
     }
 }
 
-void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *triangle, int x, int y,
+void pixel_bound(struct bounded_pixel *pixel, const struct fragment *fragment, int x, int y,
                  bool weights_matter)
 {
+    const struct bounded_triangle *triangle = &pixel->fragments->triangles[fragment->triangle];
     const struct screen_triangle *screen = &triangle->screen;
     const struct instance *instance = screen->surface->instance;
     struct light_work none = {0};
@@ -227,7 +243,7 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
             error += fabs(share[j]) * (double)pixel->corner[j][a];
         pixel->common[a] = is_flat(pixel, a) ? pixel->provoking[a] : (float)error;
     }
-    add_bounds(pixel, inverse_w, x + 0.5, y + 0.5);
+    add_bounds(pixel, inverse_w, fragment->clipped);
     if (!instance->textured)
         return;
     float e_place[2];
@@ -283,16 +299,6 @@ void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
     }
 }
 
-/* Roundings of a colour: its spectrum in single precision (1), weight times spectrum (1), and a
- * texture's value and its product (2); two more for the arithmetic of the bound itself. Materials
- * are white, so that their products are exact. Each colour and each pass that is added rounds once.
- */
-static double colour_rounding(const struct bounded_pixel *pixel)
-{
-    return roundings(4 + 2 * pixel->surface->instance->textured + pixel->shaded->n_colours +
-                     pixel->lit->plan->n_light_groups);
-}
-
 /* The errors of a pixel's weights, added up: see struct mean_bound. */
 struct error_sums {
     double light, rounding, position, texture;
@@ -305,7 +311,7 @@ static void sort_error(const struct bounded_pixel *pixel, size_t t, double value
     const double mean = pixel->shaded->made.terms[t].mean / pixel->brightest,
                  spectrum = mean * value;
     sums->light += (double)(pixel->common[t] - pixel->interpolation[t]) * spectrum;
-    sums->rounding += colour_rounding(pixel) * fabs(weight) * spectrum;
+    sums->rounding += pixel->rounding * fabs(weight) * spectrum;
     sums->position += (double)(pixel->interpolation[t] + pixel->own[t]) * spectrum;
     sums->texture += fabs(weight) * e_value * mean;
 }
@@ -346,7 +352,7 @@ struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *
             common = common * largest + weight * e_value;
             alone *= largest;
         }
-        alone += colour_rounding(pixel) * (fabs(rows[t * stride]) + common);
+        alone += pixel->rounding * (fabs(rows[t * stride]) + common);
         errors[t * stride] = (float)(common + alone);
         own[t * stride] = (float)alone;
         sort_error(pixel, t, largest, e_value, weight, &sums);
