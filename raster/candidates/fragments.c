@@ -48,9 +48,7 @@ static void edge_slack(const struct edge_functions *edges, const double errors[3
 static void own_edge_slack(const struct bounded_triangle *triangle,
                            const struct edge_functions *edges, double slack[3])
 {
-    double errors[3][2];
-    for (int i = 0; i < 3; i++)
-        errors[i][0] = errors[i][1] = triangle->edge_px[i];
+    const double *e = triangle->edge_px, errors[3][2] = {{e[0], e[0]}, {e[1], e[1]}, {e[2], e[2]}};
     edge_slack(edges, errors, slack);
 }
 
@@ -337,48 +335,34 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
 
 /* ---- triangles ---- */
 
-/* Finds what may be odd about a fragment: see struct fragment. Returns whether OpenGL has it for
- * sure. */
-static enum presence judge_closely(struct visit *visit, enum presence presence,
-                                   struct fragment *fragment)
-{
-    const struct bounded_triangle *triangle = visited(visit);
-    const bool leaks = !visit->of->tile->lit->driver->watertight && is_on_seam(visit),
-               folds = may_fold(visit, fragment->clipped);
-    bool thin;
-    fragment->sliver = triangle->slivers && presence == POSSIBLE;
-    if (leaks || folds || fragment->sliver) {
-        presence = POSSIBLE;
-        visit->pixel->seam.open = visit->pixel->seam.open || folds || fragment->sliver;
-        /* a fragment by each clipped triangle, and one by a triangle that is not among them */
-        const unsigned more =
-            count_bits(fragment->clipped) - 1 + (triangle->slides || fragment->sliver);
-        visit->pixel->n_possible += triangle->other_side ? 0 : more;
-    }
-    fragment->loose = is_loose(visit, fragment->clipped, &thin);
-    fragment->depth_error = thin ? HUGE_VAL : triangle->depth_error;
-    /* the near or the far plane may cut it off; a sliver that may cover nothing is not lost by that
-     */
-    if (!(fragment->depth > fragment->depth_error && fragment->depth < 1 - fragment->depth_error)) {
-        fragment->vanishes = !thin || presence == DEFINITE;
-        presence = POSSIBLE;
-        visit->pixel->seam.open = true;
-    }
-    return presence;
-}
-
 /* A fragment that OpenGL has, or may have. */
 static bool judge_fragment(struct visit *visit, enum presence presence, unsigned clipped)
 {
     const struct bounded_triangle *triangle = visited(visit);
     struct fragment fragment = {.triangle = visit->triangle,
                                 .clipped = clipped,
-                                .depth = depth_at(&triangle->screen, &visit->edges),
-                                .depth_error = triangle->depth_error};
-    const bool covered = fragment.depth >= 0 && fragment.depth < 1 &&
+                                .depth = depth_at(&triangle->screen, &visit->edges)};
+    bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
                          (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
-    if (presence != DEFINITE || !triangle->plain)
-        presence = judge_closely(visit, presence, &fragment);
+    const bool leaks = !visit->of->tile->lit->driver->watertight && is_on_seam(visit),
+               folds = may_fold(visit, clipped);
+    fragment.sliver = triangle->slivers && presence == POSSIBLE;
+    if (leaks || folds || fragment.sliver) {
+        presence = POSSIBLE;
+        visit->pixel->seam.open = visit->pixel->seam.open || folds || fragment.sliver;
+        /* a fragment by each clipped triangle, and one by a triangle that is not among them */
+        const unsigned more = count_bits(clipped) - 1 + (triangle->slides || fragment.sliver);
+        visit->pixel->n_possible += triangle->other_side ? 0 : more;
+    }
+    fragment.loose = is_loose(visit, clipped, &thin);
+    fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;
+    /* the near or the far plane may cut it off; a sliver that may cover nothing is not lost by that
+     */
+    if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
+        fragment.vanishes = !thin || presence == DEFINITE;
+        presence = POSSIBLE;
+        visit->pixel->seam.open = true;
+    }
     count_fragment(visit, presence, covered);
     return bounds_of(visit->of->tile->lit, &triangle->screen)->placed->twin ||
            add_fragment(visit, &fragment, presence == DEFINITE);

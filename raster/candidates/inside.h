@@ -49,7 +49,6 @@ struct bounded_triangle {
     int32_t first_clipped, n_clipped; /* what OpenGL sets up for it, in the list of a chunk */
     int32_t n_slivers;  /* behind these: what it sets up besides if it cuts a corner in doubt */
     struct slack slack; /* of any corner, as OpenGL interpolates */
-    bool plain;         /* OpenGL sets up itself alone, with bounds that hold at all its pixels */
     double edge_px[3];  /* of each corner as OpenGL follows edges; 0: without any error */
     double depth_error; /* of the depth at a pixel, off thin triangles; HUGE_VAL: none */
 };

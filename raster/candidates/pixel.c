@@ -149,11 +149,6 @@ static const struct colour_bound *attribute_bounds(struct bounded_pixel *pixel, 
     return bounds;
 }
 
-static void raise_to(float *most, float value)
-{
-    *most = *most < value ? value : *most;
-}
-
 /* Raises the interpolation's errors and the slopes to those of one clipped triangle. */
 static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inverse_w)
 {
@@ -167,9 +162,9 @@ static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inve
         const struct colour_bound *of = &bounds[a];
         float common = (float)of->constant + over * ((float)of->fixed + d * (float)of->per_d),
               own = (float)of->own_constant + over * (float)of->own_fixed;
-        raise_to(&pixel->interpolation[a], common);
-        raise_to(&pixel->own[a], own);
-        raise_to(&pixel->slopes[a], (float)of->slope / d);
+        pixel->interpolation[a] = fmaxf(pixel->interpolation[a], common);
+        pixel->own[a] = fmaxf(pixel->own[a], own);
+        pixel->slopes[a] = fmaxf(pixel->slopes[a], (float)of->slope / d);
     }
 }
 

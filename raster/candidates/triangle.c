@@ -365,11 +365,9 @@ static struct clipped_triangle clipped(const struct tile *tile, const struct bou
     for (int i = 0; i < 3; i++) {
         out.slack_px[i] = slack_px[i] + driver->corner_px;
         for (int axis = 0; axis < 2; axis++) {
-            const double from_place = moved[i][axis] + driver->corner_px,
-                         from_edge = from_place + out.grid_px;
-            out.moved_px[i][axis] = from_place;
-            out.edge_px[i][axis] = from_edge;
-            out.most_px[axis] = fmax(out.most_px[axis], from_edge);
+            out.moved_px[i][axis] = moved[i][axis] + driver->corner_px;
+            out.edge_px[i][axis] = out.moved_px[i][axis] + out.grid_px;
+            out.most_px[axis] = fmax(out.most_px[axis], out.edge_px[i][axis]);
         }
     }
     set_reach(tile, &out);
@@ -472,23 +470,6 @@ static void set_edge_errors(const struct tile *tile, struct bounded_triangle *tr
             exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
 }
 
-/* True if judge_closely finds nothing odd about any definite fragment: OpenGL sets up the triangle
- * alone, and 1 / w and depth, which are linear in the window, are far enough from their limits at
- * the corners, and so between them. There is room for the roundings of a few sums: 1.25 stands for
- * the 1.125 of is_loose, and 2^-40 is beyond those of a depth. */
-static bool is_plain(const struct bounded_triangle *triangle, const struct clipped_triangle *only)
-{
-    const struct screen_triangle *screen = &triangle->screen;
-    const struct colour_bound *bound = &only->inverse_w_bound;
-    const double error = triangle->depth_error + 0x1p-40;
-    bool plain = triangle->n_clipped == 1 && triangle->n_slivers == 0 && !triangle->slides &&
-                 only->magnification < HUGE_VAL;
-    for (int i = 0; i < 3; i++)
-        plain = plain && screen->z[i] > error && screen->z[i] < 1 - error &&
-                1.25 * (bound->fixed + bound->per_d * screen->inverse_w[i]) <= screen->inverse_w[i];
-    return plain;
-}
-
 /* Sets up a part's triangles, and finds the bounds that hold for all of them but those too thin for
  * one. Where all are too thin, the depth has no bound. */
 static void complete(const struct tile *tile, const struct clip_plane planes[CLIP_PLANES],
@@ -509,7 +490,6 @@ static void complete(const struct tile *tile, const struct clip_plane planes[CLI
                                     bound_linear(clipped, clipped->screen.z, clipped->slack.depth));
     }
     triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(tile->lit->driver);
-    triangle->plain = is_plain(triangle, part->clipped);
     set_edge_errors(tile, triangle);
     triangle->edge_on = may_turn(&triangle->screen, triangle->edge_px);
 }

@@ -31,7 +31,7 @@ void check_fail(struct check *check, size_t pixel, const struct check_failure *f
 
 /* Evaluates a run into expected and bound. The cleared background, a run without a material, is
  * exactly 0; so is a run without errors, whose material has no terms. */
-void run_expect(const struct check *check, const struct run *run, int band, struct block *block)
+static void expect(const struct check *check, const struct run *run, int band, struct block *block)
 {
     if (run->shaded && run->errors) {
         expect_counts(check->scene->lit, run, band, block->expected, block->bound);
@@ -41,21 +41,24 @@ void run_expect(const struct check *check, const struct run *run, int band, stru
     memset(block->bound, 0, block->n * sizeof *block->bound);
 }
 
-void run_learn(const struct check *check, const struct run *run, int band, struct block *block,
-               float *estimates)
+/* Learns what a pilot band says of the weights of a run. */
+static void learn(const struct check *check, const struct run *run, int band, struct block *block,
+                  float *estimates)
 {
     double difference[BLOCK];
-    run_expect(check, run, band, block);
+    expect(check, run, band, block);
     for (size_t i = 0; i < block->n; i++)
         difference[i] = (double)block->seen[i] * FULL_COUNT - block->expected[i];
     if (run->shaded)
         fit_add(&check->scene->fit, run, band, difference, estimates);
 }
 
-bool run_compare(const struct check *check, const struct run *run, int band, const float *estimates,
-                 struct check_samples *samples, struct block *block)
+/* Compares the samples of a run with the reference, and with the weights that the other bands call
+ * for. Returns false where one is outside of a bound. */
+static bool compare(const struct check *check, const struct run *run, int band,
+                    const float *estimates, struct check_samples *samples, struct block *block)
 {
-    run_expect(check, run, band, block);
+    expect(check, run, band, block);
     block->fitted =
         run->shaded && run->errors &&
         fit_explain(&check->scene->fit, run, band, estimates, block->bound, &block->fit);
@@ -66,12 +69,14 @@ bool run_compare(const struct check *check, const struct run *run, int band, con
     return samples_compare(samples, block);
 }
 
-float rest_size(const struct block *block, size_t i)
+/* The magnitude of the rest that the fit leaves of a difference. */
+static float rest_size(const struct block *block, size_t i)
 {
     return fabsf(block->difference[i] - block->fit.explained[i]);
 }
 
-bool is_outside(const struct block *block, size_t i, int band, struct check_failure *failure)
+/* Returns whether sample i of a block is outside of a bound; *failure names the bound. */
+static bool is_outside(const struct block *block, size_t i, int band, struct check_failure *failure)
 {
     *failure = (struct check_failure){.kind = FAILURE_RADIANCE,
                                       .band = band,
@@ -86,9 +91,93 @@ bool is_outside(const struct block *block, size_t i, int band, struct check_fail
     return !(rest_size(block, i) <= block->fit.limit[i]);
 }
 
-float band_floor(const struct block *block, size_t i)
+/* The largest error that could pass in this band alone. */
+static float band_floor(const struct block *block, size_t i)
 {
     return block->fit.floor[i] < block->bound[i] ? block->fit.floor[i] : block->bound[i];
+}
+
+/* ---- pixels with a single candidate ---- */
+
+/* Returns the run of a stretch of samples that a block begins with. */
+static struct run run_of(const struct check *check, size_t first, struct block *block)
+{
+    const struct chunk *chunk = check->chunk;
+    const int32_t surface = chunk->picture.surface[first];
+    return (struct run){.shaded = surface < 0 ? NULL : check->scene->lit->bounds[surface].shaded,
+                        .rows = chunk->picture.rows + first,
+                        .errors = chunk->errors + first,
+                        .own = chunk->own + first,
+                        .stride = chunk_pixels(chunk),
+                        .n = block->n,
+                        .textured = block->textured};
+}
+
+static void learn_stretch(struct check *check, size_t first, int band, struct block *block)
+{
+    struct run run = run_of(check, first, block);
+    learn(check, &run, band, block, check->estimates + first);
+}
+
+/* Raises the ratios of a block's pixels to those of its samples, within bounds or not. */
+static void raise_ratios(float *ratio, const struct block *block)
+{
+    for (size_t i = 0; i < block->n; i++) {
+        float plain = block->bound[i] > 0 ? fabsf(block->difference[i]) / block->bound[i] : 0,
+              alone = block->fit.limit[i] > 0 ? rest_size(block, i) / block->fit.limit[i] : 0;
+        ratio[i] = fmaxf(ratio[i], fmaxf(plain, alone));
+    }
+}
+
+/* Raises the floors of a block's pixels to those of its samples. */
+VECTORIZED static void raise_floors(const struct block *block, float *restrict floor,
+                                    float *restrict alone)
+{
+    for (size_t i = 0; i < block->n; i++) {
+        const float of_band = band_floor(block, i);
+        floor[i] = floor[i] < block->bound[i] ? block->bound[i] : floor[i];
+        alone[i] = alone[i] < of_band ? of_band : alone[i];
+    }
+}
+
+/* Keeps what the fit leaves of the first pixel that failed. */
+static void keep_rest(struct check *check, size_t first, int band, const struct block *block)
+{
+    const size_t i = check->first_failed - first;
+    if (!check->verdict.first.found || i >= block->n || !block->fitted)
+        return;
+    check->rests[band] = block->difference[i] - block->fit.explained[i];
+    check->limits[band] = block->fit.limit[i];
+}
+
+/* Finds the limits of the first pixel that failed in the bands before. */
+static void find_limits(struct check *check)
+{
+    const size_t pixel = check->first_failed;
+    struct block block;
+    block.n = 1;
+    const struct run run = run_of(check, pixel, &block);
+    for (int band = 0; band < check->verdict.first.band; band++) {
+        expect(check, &run, band, &block);
+        if (fit_explain(&check->scene->fit, &run, band, check->estimates + pixel, block.bound,
+                        &block.fit))
+            check->limits[band] = block.fit.limit[0];
+    }
+}
+
+static void judge_stretch(struct check *check, size_t first, int band, struct block *block)
+{
+    struct check_failure failure;
+    struct run run = run_of(check, first, block);
+    bool within =
+        compare(check, &run, band, check->estimates + first, &check->verdict.samples, block);
+    raise_floors(block, check->floor + first, check->band_floor + first);
+    if (check->ratio)
+        raise_ratios(check->ratio + first, block);
+    for (size_t i = 0; i < block->n && !within; i++)
+        if (is_outside(block, i, band, &failure))
+            check_fail(check, first + i, &failure);
+    keep_rest(check, first, band, block);
 }
 
 /* ---- ambiguous pixels ---- */
@@ -130,7 +219,7 @@ static void try_candidate(struct check *check, const struct candidate *candidate
         estimates = estimates_of(check, candidate);
     }
     hypothesis->band = band;
-    hypothesis->alive = run_compare(check, &run, band, estimates, &hypothesis->samples, &single);
+    hypothesis->alive = compare(check, &run, band, estimates, &hypothesis->samples, &single);
     hypothesis->floor = fmax(hypothesis->floor, (double)single.bound[0]);
     hypothesis->band_floor = fmax(hypothesis->band_floor, (double)band_floor(&single, 0));
     if (!hypothesis->alive)
@@ -161,7 +250,7 @@ static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *p
     for (int c = pixel->first; c < pixel->first + pixel->count; c++) {
         struct run run = candidate_run(check, &chunk->candidates[c], &single);
         if (check->hypotheses[c].alive)
-            run_learn(check, &run, band, &single, estimates_of(check, &chunk->candidates[c]));
+            learn(check, &run, band, &single, estimates_of(check, &chunk->candidates[c]));
     }
 }
 
@@ -300,6 +389,24 @@ void check_free(struct check *check)
     *check = (struct check){.scene = NULL};
 }
 
+/* Returns how many pixels from `first` on, within the row and a block, show its surface without
+ * ambiguity. */
+static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row_end)
+{
+    size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
+    while (at < last && !chunk->is_ambiguous[at] &&
+           chunk->picture.surface[at] == chunk->picture.surface[first])
+        at++;
+    return at - first;
+}
+
+static void find_stretches(const struct chunk *chunk, uint16_t *out)
+{
+    const size_t width = (size_t)chunk->picture.at.width, n_pixels = chunk_pixels(chunk);
+    for (size_t first = 0; first < n_pixels; first += out[first] ? out[first] : 1)
+        out[first] = (uint16_t)settled_pixels(chunk, first, (first / width + 1) * width);
+}
+
 static bool allocate(const struct chunk *chunk, struct check *out, struct error *err)
 {
     const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan),
@@ -315,6 +422,7 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
                       n_candidates) &&
            MAKE_ARRAY(out->rests, n_bands, err, "the check of %d bands", n_bands) &&
            MAKE_ARRAY(out->limits, n_bands, err, "the check of %d bands", n_bands) &&
+           MAKE_ARRAY(out->stretches, n, err, "the check of %zu pixels", n) &&
            (!out->scene->mapped || MAKE_ARRAY(out->ratio, n, err, "a map of %zu pixels", n));
 }
 
@@ -323,10 +431,11 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
 {
     const struct plan *plan = scene->lit->plan;
     *out = (struct check){.scene = scene, .chunk = chunk, .verdict = empty_verdict};
-    if (!allocate(chunk, out, err) || !settled_find(out, err)) {
+    if (!allocate(chunk, out, err)) {
         check_free(out);
         return false;
     }
+    find_stretches(chunk, out->stretches);
     for (size_t i = 0; i < chunk->n_candidates + chunk->n_ambiguous; i++)
         out->hypotheses[i] =
             (struct hypothesis){.alive = true, .samples = empty_verdict.samples, .band = -1};
@@ -337,6 +446,26 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
     return true;
 }
 
+/* Learns from or judges the settled pixels of a pass. */
+static void treat_settled(struct check *check, int first_band, int n_channels, const float *pixels,
+                          size_t stride, bool learns)
+{
+    const size_t width = (size_t)check->chunk->picture.at.width;
+    float seen[BANDS_PER_PASS][BLOCK];
+    struct block block;
+    for (size_t first = 0; first < chunk_pixels(check->chunk); first += block.n ? block.n : 1) {
+        const float *from = pixels + (first / width * stride + first % width) * 4;
+        block.n = check->stretches[first];
+        for (size_t i = 0; i < block.n; i++)
+            for (size_t c = 0; c < BANDS_PER_PASS; c++)
+                seen[c][i] = from[4 * i + c];
+        for (int c = 0; c < n_channels && block.n > 0; c++) {
+            block.seen = seen[c];
+            (learns ? learn_stretch : judge_stretch)(check, first, first_band + c, &block);
+        }
+    }
+}
+
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride,
                 bool learns)
 {
@@ -344,7 +473,7 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
     const size_t width = (size_t)chunk->picture.at.width;
     const int left = check->scene->lit->plan->n_bands - first_band,
               n_channels = left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
-    settled_pass(check, first_band, n_channels, pixels, stride, learns);
+    treat_settled(check, first_band, n_channels, pixels, stride, learns);
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {
         const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];
         const size_t at = (size_t)pixel->pixel, x = at % width, y = at / width;

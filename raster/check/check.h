@@ -30,8 +30,6 @@ struct material_fit {
     int n_terms;
     float *spectra, *own, *rest; /* [band][term] */
     float *gains;                /* [pilot][term] */
-    bool plain;                  /* a pixel's bounds are sums over terms alone */
-    int n_floors, *floors;       /* the bands that have the largest floors of all pixels */
     struct band_fit {
         float share;   /* rest_tb / spectrum_tb of the term where that is largest */
         float flushed; /* what results flushed to zero may add, in counts */
@@ -193,11 +191,9 @@ bool is_biased(const struct check_verdict *verdict);
 struct check {
     const struct check_scene *scene;
     const struct chunk *chunk;
-    /* pixels with a single candidate, BLOCK at most of one surface in a row */
-    struct stretch {
-        uint32_t first, n;
-    } * stretches;
-    size_t n_stretches;
+    /* of pixels with a single candidate, BLOCK at most of one surface in a row: of the first how
+     * many they are; of ambiguous pixels 0 */
+    uint16_t *stretches;
     bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
     struct check_verdict verdict;
     struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
@@ -215,7 +211,7 @@ struct check {
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
                 struct error *err);
 /* Judges triangles, depths and fragments that the renderer has identified in this tile; to be
- * called before the first pass. Finds floors, too. */
+ * called before the first pass. */
 void check_identity(struct check *check, const struct renderer *renderer,
                     const struct rectangle *tile);
 /* Judges the bands of a pass; if it `learns`, learns from a pass with pilots, to be called for all

@@ -386,47 +386,6 @@ static bool fit_material(const struct fit *fit, int material, struct error *err)
     return true;
 }
 
-/* ---- the bands that floors come from ---- */
-
-/* Returns whether no pixel has a larger floor in a band than in another. Each operation of
- * fit_bounds, on numbers that are not negative, grows with its operands or stays as it is, rounded
- * to nearest: so it is enough to compare all factors. */
-static bool is_below(const struct material_fit *of, int band, int other)
-{
-    const struct band_fit *a = &of->bands[band], *b = &of->bands[other];
-    const bool is_small = a->share <= small_share, fitted = b->scale > 0;
-    bool below =
-        !fitted || (a->scale > 0 && a->scale <= b->scale && a->flushed <= b->flushed &&
-                    is_small == (b->share <= small_share) && (!is_small || a->share <= b->share));
-    for (int t = 0; t < of->n_terms && below; t++) {
-        const size_t i = at(of, t, band), k = at(of, t, other);
-        below = of->spectra[i] <= of->spectra[k] &&
-                (!fitted || (of->own[i] <= of->own[k] && (is_small || of->rest[i] <= of->rest[k])));
-    }
-    return below;
-}
-
-/* More bands than these are not compared, so that time stays linear in bands. */
-enum { MOST_COMPARED = 64 };
-
-/* Lists the bands that no other one is above. */
-static void find_floors(struct material_fit *of, int n_bands)
-{
-    for (int band = 0; band < n_bands; band++) {
-        bool below = false;
-        const int compared = of->n_floors < MOST_COMPARED ? of->n_floors : MOST_COMPARED;
-        for (int i = 0; i < compared && !below; i++)
-            below = is_below(of, band, of->floors[i]);
-        int kept = 0;
-        for (int i = 0; i < of->n_floors && !below; i++)
-            if (i >= compared || !is_below(of, of->floors[i], band))
-                of->floors[kept++] = of->floors[i];
-        of->n_floors = below ? of->n_floors : kept;
-        if (!below)
-            of->floors[of->n_floors++] = band;
-    }
-}
-
 /* ---- all materials ---- */
 
 static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
@@ -442,7 +401,6 @@ static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
             !MAKE_ARRAY(out->own, n, err, "the bounds of a material") ||
             !MAKE_ARRAY(out->rest, n, err, "the bounds of a material") ||
             !MAKE_ARRAY(out->gains, n_terms * MAX_PILOTS, err, "the fit of a material") ||
-            !MAKE_ARRAY(out->floors, n_bands, err, "the fit of a material") ||
             !MAKE_ARRAY(out->bands, n_bands, err, "the fit of a material"))
             return false;
         for (size_t t = 0; t < n_terms; t++)
@@ -462,10 +420,6 @@ bool fit_make(const struct lit_scene *lit, struct fit *out, struct error *err)
                 (buffer_steps(plan) > 0 || pilots_choose(out, err));
     for (int m = 0; m < plan->n_materials && done && out->n_passes > 0; m++)
         done = fit_material(out, m, err);
-    for (int m = 0; m < plan->n_materials && done; m++) {
-        out->materials[m].plain = buffer_steps(plan) == 0 && !has_places(&plan->materials[m]);
-        find_floors(&out->materials[m], plan->n_bands);
-    }
     return done;
 }
 
@@ -474,7 +428,7 @@ void fit_free(struct fit *fit)
     for (int m = 0; fit->materials && m < fit->plan->n_materials; m++) {
         struct material_fit *material = &fit->materials[m];
         FREE_ALL(material->spectra, material->own, material->rest, material->gains,
-                 material->floors, material->bands);
+                 material->bands);
     }
     free(fit->materials);
     *fit = (struct fit){.plan = NULL};
@@ -482,7 +436,7 @@ void fit_free(struct fit *fit)
 
 /* ---- a run of pixels ---- */
 
-const struct material_fit *fit_of(const struct fit *fit, const struct run *run)
+static const struct material_fit *material_of(const struct fit *fit, const struct run *run)
 {
     return &fit->materials[run->shaded - fit->plan->materials];
 }
@@ -506,65 +460,38 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
     }
     const size_t pilot =
         (size_t)(pilot_pass(fit, band / BANDS_PER_PASS) * BANDS_PER_PASS + band % BANDS_PER_PASS);
-    const float *gains = fit_of(fit, run)->gains + pilot * n_terms;
+    const float *gains = material_of(fit, run)->gains + pilot * n_terms;
     for (size_t t = 0; t < n_terms; t++)
         for (size_t i = 0; i < run->n; i++)
             estimate[t * run->stride + i] += gains[t] * (float)difference[i];
 }
 
-/* Finds what the estimate explains of the differences. Returns whether the band is fitted; if it is
- * not, nothing is explained. */
-static bool explain_run(const struct fit *fit, const struct run *run, int band,
-                        const float *estimate, float *explained)
+VECTORIZED bool fit_explain(const struct fit *fit, const struct run *run, int band,
+                            const float *estimate, const float *bound, struct fit_block *out)
 {
-    const struct material_fit *material = fit_of(fit, run);
-    const size_t n_terms = (size_t)material->n_terms;
-    const bool fitted = material->bands[band].scale > 0;
-    memset(explained, 0, run->n * sizeof *explained);
-    if (fitted)
-        add_rows(run, estimate, material->spectra + (size_t)band * n_terms, n_terms, explained);
-    return fitted;
-}
-
-/* Finds the limits and floors of a run; they are infinite in a band that is not fitted. */
-VECTORIZED static void limit_run(const struct material_fit *material, const struct run *run,
-                                 int band, const float *restrict bound,
-                                 struct fit_block *restrict out)
-{
-    const struct band_fit in = material->bands[band];
-    const size_t n = run->n, n_terms = (size_t)material->n_terms, at = (size_t)band * n_terms;
-    const bool fitted = in.scale > 0;
-    for (size_t i = 0; i < n; i++)
-        out->limit[i] = out->floor[i] = fitted ? in.flushed : HUGE_VALF;
-    if (!fitted)
-        return;
-    add_rows(run, run->own, material->own + at, n_terms, out->limit);
-    /* where what is left of the errors of weights is a small share of them, it is at most the same
-     * share of the bounds */
-    if (!(in.share <= small_share))
-        add_rows(run, run->errors, material->rest + at, n_terms, out->limit);
-    else if (in.share > 0)
-        for (size_t i = 0; i < n; i++)
-            out->limit[i] += in.share * bound[i];
-    for (size_t i = 0; i < n; i++)
-        out->floor[i] = out->limit[i] * in.scale;
-}
-
-void fit_bounds(const struct fit *fit, const struct run *run, int band, float *bound,
-                struct fit_block *out)
-{
-    const struct material_fit *material = fit_of(fit, run);
-    bound_counts(run, material->spectra + (size_t)band * (size_t)material->n_terms, bound);
-    limit_run(material, run, band, bound, out);
-}
-
-bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
-                 const float *bound, struct fit_block *out)
-{
+    const struct material_fit *material = material_of(fit, run);
+    const size_t n_terms = (size_t)run->shaded->n_terms, at = (size_t)band * n_terms;
     if (has_places(run->shaded) && fit->n_passes > 0) {
         place_explain(fit, run, band, estimate, out);
         return true;
     }
-    limit_run(fit_of(fit, run), run, band, bound, out);
-    return explain_run(fit, run, band, estimate, out->explained);
+    if (!(material->bands[band].scale > 0))
+        return false;
+    /* where what is left of the errors of weights is a small share of them, it is at most the same
+     * share of the bounds */
+    const float scale = material->bands[band].scale, left = material->bands[band].share,
+                share = left <= small_share ? left : 0;
+    memset(out->explained, 0, run->n * sizeof *out->explained);
+    for (size_t i = 0; i < run->n; i++)
+        out->limit[i] = material->bands[band].flushed;
+    add_rows(run, estimate, material->spectra + at, n_terms, out->explained);
+    add_rows(run, run->own, material->own + at, n_terms, out->limit);
+    if (!(left <= small_share))
+        add_rows(run, run->errors, material->rest + at, n_terms, out->limit);
+    for (size_t i = 0; i < run->n; i++) {
+        const float limit = out->limit[i] + (share > 0 ? share * bound[i] : 0);
+        out->limit[i] = limit;
+        out->floor[i] = limit * scale;
+    }
+    return true;
 }

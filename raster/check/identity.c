@@ -100,7 +100,6 @@ void check_identity(struct check *check, const struct renderer *renderer,
 {
     const struct chunk *chunk = check->chunk;
     size_t ambiguous = 0;
-    settled_floors(check);
     for (size_t i = 0; i < chunk_pixels(chunk); i++) {
         int x = chunk->picture.at.x - tile->x + (int)i % chunk->picture.at.width,
             y = chunk->picture.at.y - tile->y + (int)i / chunk->picture.at.width;

@@ -16,50 +16,14 @@ int fit_rows(const struct plan *plan);
 void fit_add(const struct fit *fit, const struct run *run, int band, const double *difference,
              float *estimate);
 
-/* Returns the fit of a run's material. */
-const struct material_fit *fit_of(const struct fit *fit, const struct run *run);
-/* Finds the bounds, limits and floors of a run whose material has plain bounds. */
-void fit_bounds(const struct fit *fit, const struct run *run, int band, float *bound,
-                struct fit_block *out);
-/* Finds limits, floors and explained parts, for any material. The run has errors, and bounds in
- * this band: see expect_counts. Returns whether the band is fitted; if it is not, limits and floors
- * are infinite. */
+/* The run has errors, and bounds in this band: see expect_counts. False: the band is not fitted,
+ * and *out is not set. */
 bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
                  const float *bound, struct fit_block *out);
 
 /* Returns by how much an error of 1 in band `from` changes what the fit leaves of `band`; NaN: that
  * depends on the pixel, as the texture differs from band to band. */
 double fit_leaves(const struct fit *fit, const struct shaded_material *shaded, int from, int band);
-
-/* ---- settled.c: pixels with a single candidate ---- */
-
-/* Finds the stretches of a check that is open. False: no memory. */
-bool settled_find(struct check *check, struct error *err);
-/* Finds the floors of pixels with plain bounds. */
-void settled_floors(struct check *check);
-/* Learns from a pass, or judges it; see check_pass. */
-void settled_pass(struct check *check, int first_band, int n_channels, const float *pixels,
-                  size_t stride, bool learns);
-/* Finds the limits of the first pixel that failed in the bands before. */
-void find_limits(struct check *check);
-
-/* ---- check.c: a run of pixels in a band ---- */
-
-/* Evaluates it: its expected values and bounds. */
-void run_expect(const struct check *check, const struct run *run, int band, struct block *block);
-/* Learns what a pilot band says of its weights. */
-void run_learn(const struct check *check, const struct run *run, int band, struct block *block,
-               float *estimates);
-/* Compares its samples with the reference, and with the weights that the other bands call for.
- * Returns false where one is outside of a bound. */
-bool run_compare(const struct check *check, const struct run *run, int band, const float *estimates,
-                 struct check_samples *samples, struct block *block);
-/* Returns whether sample i of a block is outside of a bound; *failure names the bound. */
-bool is_outside(const struct block *block, size_t i, int band, struct check_failure *failure);
-/* The magnitude of the rest that the fit leaves of a difference. */
-float rest_size(const struct block *block, size_t i);
-/* The largest error that could pass in this band alone. */
-float band_floor(const struct block *block, size_t i);
 
 /* ---- odd_bands.c ---- */
 

@@ -106,13 +106,6 @@ VECTORIZED void add_rows(const struct run *run, const float *rows, const float *
         sums[i] += last[i] * factors[t];
 }
 
-void bound_counts(const struct run *run, const float *factors, float *bound)
-{
-    memset(bound, 0, run->n * sizeof *bound);
-    add_rows(run, run->errors, factors, (size_t)run->shaded->n_terms, bound);
-    add_flushed(run->n, bound);
-}
-
 void expect_counts(const struct lit_scene *lit, const struct run *run, int band, double *expected,
                    float *bound)
 {

@@ -51,9 +51,6 @@ double flushed_counts(void);
  * run has errors. A bound may be infinite. Fills in what the run keeps. */
 void expect_counts(const struct lit_scene *lit, const struct run *run, int band, double *expected,
                    float *bound);
-/* Computes these bounds alone, for a buffer of floats and a texture that is the same in all bands.
- * factors: the spectra of the run's terms, in counts. */
-void bound_counts(const struct run *run, const float *factors, float *bound);
 /* Adds to the sum of each pixel n_terms rows times factors; rows are run->stride apart. */
 void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
               float *sums);

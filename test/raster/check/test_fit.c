@@ -156,32 +156,10 @@ static int judge(struct bench *bench, double floors[MOST_BANDS])
     return n;
 }
 
-/* Raises the bound and the floor of the pixel to those of a band. */
-static void raise_floor(const struct bench *bench, int band, float most[2])
-{
-    struct fit_block block;
-    float bound;
-    fit_bounds(&bench->fit, &bench->run, band, &bound, &block);
-    most[0] = fmaxf(most[0], bound);
-    most[1] = fmaxf(most[1], fminf(bound, block.floor[0]));
-}
-
-/* Returns whether the bands that floors come from have the largest ones of all bands. */
-static bool floors_are_largest(const struct bench *bench)
-{
-    const struct material_fit *of = &bench->fit.materials[0];
-    float all[2] = {0, 0}, listed[2] = {0, 0};
-    for (int b = 0; b < bench->plan.n_bands; b++)
-        raise_floor(bench, b, all);
-    for (int i = 0; i < of->n_floors; i++)
-        raise_floor(bench, of->floors[i], listed);
-    return all[0] == listed[0] && all[1] == listed[1];
-}
-
 static void check_fit(const char *name, int n_terms, int n_bands, bool alike, bool textured)
 {
     uint64_t state = 1;
-    int explained = 0, found = 0, narrower = 0, largest = 0, trials = TRIALS / n_bands;
+    int explained = 0, found = 0, narrower = 0, trials = TRIALS / n_bands;
     struct bench bench;
     if (!CHECK(make(&bench, &state, n_terms, n_bands, alike, textured), "%s: there are gains",
                name))
@@ -192,16 +170,12 @@ static void check_fit(const char *name, int n_terms, int n_bands, bool alike, bo
         draw_pixel(&bench, &state);
         draw_differences(&bench, &state);
         explained += judge(&bench, floors) == n_bands;
-        largest += textured || floors_are_largest(&bench);
         narrower += floors[band] < 0.5 * bench.bound[band];
         bench.difference[band] += (i % 2 ? 2.001 : -2.001) * floors[band];
         found += judge(&bench, changed) < n_bands;
     }
     CHECK(explained == trials, "%s: errors that all bands have in common are explained", name);
     CHECK(found == trials, "%s: an error of one band, of twice the floor, is found", name);
-    CHECK(largest == trials, "%s: the bands that floors come from have the largest", name);
-    CHECK(textured || n_terms > 1 || n_bands < 31 || bench.fit.materials[0].n_floors < n_bands / 2,
-          "%s: floors come from few bands", name);
     if (n_bands > 3 * n_terms)
         CHECK(narrower > trials * (textured ? 3 : 1) / 4,
               "%s: the floor of one band is often less than half the bound", name);
