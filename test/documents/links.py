@@ -48,7 +48,7 @@ def defines(top, name):
         for file in files:
             if file.endswith(".c"):
                 with open(f"{folder}/{file}", encoding="utf-8") as source:
-                    if re.search(rf"^[a-z][\w *]*\b{name}\(", source.read(), re.MULTILINE):
+                    if re.search(rf"^[A-Za-z][\w *]*\b{name}\(", source.read(), re.MULTILINE):
                         return True
     return False
 
