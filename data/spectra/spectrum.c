@@ -119,8 +119,10 @@ bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double val
 /* No light has less than 20 nm, nor a table of reflectances more than 20 micrometres. */
 bool spectrum_is_in_nm(const struct spectrum *spectrum, struct error *err)
 {
-    const double longest = spectrum->count > 0 ? spectrum->wavelength_nm[spectrum->count - 1] : 20;
-    return longest >= 20 ||
+    const int n = spectrum->count;
+    const double longest = n > 0 ? spectrum->wavelength_nm[n - 1] : 20;
+    /* thermal infrared reaches 300 um; tables in nm that begin below 10 nm do not end there */
+    return longest >= (n > 1 && spectrum->wavelength_nm[0] < 10 ? 300 : 20) ||
            error_at(err, spectrum->place,
                     "expected wavelengths in nm; these look like %s: multiply them by %s",
                     longest < 1e-3 ? "metres" : "micrometres", longest < 1e-3 ? "1e9" : "1000");

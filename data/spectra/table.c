@@ -22,14 +22,15 @@ struct table {
     int mark_line;   /* where it was first seen */
     long n_columns;  /* of values */
     bool decreasing; /* the first wavelength is the longest */
-    bool xyz;        /* the values are named x, y and z */
+    bool xyz;        /* the values are named as an observer's x, y and z */
+    bool named;      /* a heading names three columns of values */
     struct row *row; /* n_rows in the order of the file; owned */
     int n_rows;
 };
 
 /* ---- values ---- */
 
-enum { LABEL_SIZE = 96, LONGEST_NAME = 64 };
+enum { LABEL_SIZE = 96, LONGEST_NAME = 64, SPELLED = 80 };
 /* Writes the table as a scene names it, without a factor; a long name as FILE. */
 static const char *label(const struct table *table, char out[LABEL_SIZE])
 {
@@ -214,6 +215,10 @@ static bool check_columns(struct table *table, long n_columns, struct place plac
     if (wanted->count > 1 && wanted->count != n_columns)
         return error_at(err, place, "%ld value columns; a detector has %d, as 'wavelength,x,y,z'%s",
                         n_columns, wanted->count, advice);
+    if (wanted->count > 1 && !table->named)
+        return error_at(err, place,
+                        "the columns have no names; write a heading, 'wavelength,x,y,z' for an "
+                        "observer or 'wavelength,r,g,b' for a camera");
     return wanted->first > 0 || n_columns <= wanted->count ||
            error_at(err, wanted->table.place,
                     "'%s' has %ld value columns; write '%s:1' for the first of them%s",
@@ -322,6 +327,119 @@ static bool says_percent(const struct word *word)
     return false;
 }
 
+static bool refuse_percent(const struct table *table, const struct word *word, struct error *err)
+{
+    char name[LABEL_SIZE];
+    return error_at(err, word->place,
+                    "'%.*s' says percent; write '%s*0.01', or '%s*1' if the values are "
+                    "fractions of 1",
+                    word_shown(word), word->start, label(table, name), name);
+}
+
+/* Writes the letters of a word, in lower case, and those that signs stand for; `gap` for other
+ * characters, around the word, too. */
+static void spell(const struct word *word, const char *gap, char out[SPELLED])
+{
+    static const char *const signs[][2] = {
+        {"\xC8\xB3", "y"},   {"\xC8\xB2", "y"},   {"\xC2\xB5", "u"},      {"\xCE\xBC", "u"},
+        {"\xC3\x85", "ang"}, {"\xC3\xA5", "ang"}, {"\xE2\x84\xAB", "ang"}};
+    int n = snprintf(out, SPELLED, "%s", gap);
+    for (size_t i = 0; i < word->length && n < SPELLED - 8; i++) {
+        const char c = word->start[i], lower = (char)(c | 32),
+                   letter[2] = {lower >= 'a' && lower <= 'z' ? lower : '\0', '\0'};
+        const char *add = letter[0] ? letter : (c & 128) ? "" : gap;
+        for (size_t s = 0; s < sizeof signs / sizeof *signs; s++)
+            if (strncmp(word->start + i, signs[s][0], strlen(signs[s][0])) == 0)
+                add = signs[s][1];
+        n += snprintf(out + n, SPELLED - (size_t)n, "%s", add);
+    }
+    snprintf(out + n, SPELLED - (size_t)n, "%s", gap);
+}
+
+/* Returns whether a column is named as an observer's: x, X, xbar, x_bar_10, CIE x ... */
+static bool is_tristimulus(const struct word *word, char letter)
+{
+    static const char *const rest[] = {"", "bar", "deg", "bardeg", "lambda", "barlambda"};
+    char spelled[SPELLED];
+    spell(word, "", spelled);
+    const char *at = spelled + (strncmp(spelled, "cie", 3) == 0 ? 3 : 0);
+    for (size_t i = 0; i < sizeof rest / sizeof *rest && *at == letter; i++)
+        if (strcmp(at + 1, rest[i]) == 0)
+            return true;
+    return false;
+}
+
+/* Refuses a heading of wavelengths that names another unit than nm. */
+static bool check_unit(const struct word *word, struct error *err)
+{
+    static const char *const units[][3] = {
+        {"ngstr", "angstroms", "divide them by 10"},
+        {" ang ", "angstroms", "divide them by 10"},
+        {"wavenumber", "wavenumbers", "divide 10000000 by those in 1/cm"},
+        {" cm ", "wavenumbers", "divide 10000000 by those in 1/cm"},
+        {"micro", "micrometres", "multiply them by 1000"},
+        {" um ", "micrometres", "multiply them by 1000"}};
+    char spelled[SPELLED];
+    spell(word, " ", spelled);
+    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
+        if (strstr(spelled, units[i][0]))
+            return error_at(err, word->place, "'%.*s' says %s; expected wavelengths in nm: %s",
+                            word_shown(word), word->start, units[i][1], units[i][2]);
+    return true;
+}
+
+/* Returns whether a name says that its column holds wavelengths. */
+static bool says_wavelength(const struct word *word)
+{
+    char spelled[SPELLED];
+    spell(word, " ", spelled);
+    return strstr(spelled, "wave") || strstr(spelled, "lambda") || strstr(spelled, " nm ");
+}
+
+/* Returns the wavelength that a column's name ends with, as in 400, nm400, R_400 or 400nm; 0:
+ * none. */
+static double named_wavelength(const struct word *word)
+{
+    size_t letters = 0;
+    char *end;
+    while (letters < word->length && (unsigned)(word->start[letters] - '0') > 9)
+        letters++;
+    const double nm = letters < word->length ? strtod(word->start + letters, &end) : 0;
+    const size_t left = nm >= 100 ? (size_t)(word->start + word->length - end) : 1;
+    return left == 0 || (left == 2 && strncmp(end, "nm", 2) == 0) ? nm : 0;
+}
+
+/* Refuses a heading whose names are increasing wavelengths: then each row is a sample. */
+static bool check_rows(struct table line, struct error *err)
+{
+    struct word first, word;
+    double last = 0;
+    int n = 0;
+    if (!first_field(&line, &first) || first.length == 0)
+        return true;
+    for (; next_field(&line, &word); n++, last = named_wavelength(&word))
+        if (!(named_wavelength(&word) > last))
+            return true;
+    return n < 2 || error_at(err, first.place,
+                             "wavelengths stand in this heading, and each row is a sample; "
+                             "expected a row for each wavelength: exchange rows and columns");
+}
+
+static bool wants_fractions(const struct table *table)
+{
+    return table->wanted->highest < HUGE_VAL && !table->wanted->scaled;
+}
+
+/* Refuses a line above the names of the columns that says percent of all of them. */
+static bool check_above(const struct table *table, struct table line, struct error *err)
+{
+    struct word word;
+    while (wants_fractions(table) && next_field(&line, &word))
+        if (says_percent(&word))
+            return refuse_percent(table, &word, err);
+    return true;
+}
+
 /* Reads the names of the columns, which other characters than those of the rows may separate. A
  * reflectance in percent needs a factor: whether 0.9 is 0.9 % or nearly white cannot be guessed. */
 static bool read_heading(struct table *table, struct text heading, struct error *err)
@@ -330,22 +448,26 @@ static bool read_heading(struct table *table, struct text heading, struct error 
     const long first = wanted->first > 0 ? wanted->first : 1;
     const size_t length = (size_t)(heading.line_end - heading.at);
     struct table line = *table;
-    char name[LABEL_SIZE];
-    struct word word;
+    struct word word, name = {0};
     int n = 0, named = 0;
     line.text = heading;
     if (table->separator == ' ' || !memchr(heading.at, table->separator, length))
         line.separator = find_separator(&heading);
     for (; next_field(&line, &word); n++) {
-        named += n > 0 && n <= 3 && word.length == 1 && word.start[0] == "xyz"[n - 1];
-        if (wanted->highest < HUGE_VAL && !wanted->scaled && says_percent(&word) &&
+        name = n == 0 ? word : name;
+        named += n > 0 && n <= 3 && is_tristimulus(&word, "xyz"[n - 1]);
+        if ((n == 0 || line.separator == ' ') && !check_unit(&word, err))
+            return false;
+        if (n > 0 && says_wavelength(&word) && !says_wavelength(&name) && line.separator != ' ')
+            return error_at(err, name.place,
+                            "the first column must hold the wavelengths; it is named '%.*s'",
+                            word_shown(&name), name.start);
+        if (wants_fractions(table) && says_percent(&word) &&
             (n == first || (n > 0 && wanted->first == 0 && line.separator == ' ')))
-            return error_at(err, word.place,
-                            "'%.*s' says percent; write '%s*0.01', or '%s*1' if the values are "
-                            "fractions of 1",
-                            word_shown(&word), word.start, label(table, name), name);
+            return refuse_percent(table, &word, err);
     }
     table->xyz = n == 4 && named == 3;
+    table->named = n == 4;
     return true;
 }
 
@@ -356,8 +478,14 @@ static bool read_headings(struct table *table, struct error *err)
     struct table line = *table, heading = {0};
     struct word word;
     while (!first_field(&line, &word) || !begins_wavelength(&word)) {
-        if (text_peek(table->text, &word))
+        if (text_peek(table->text, &word)) {
+            if (heading.text.line > 0 && !check_above(table, heading, err))
+                return false;
             heading = *table;
+            heading.separator = line.separator;
+            if (!check_rows(heading, err))
+                return false;
+        }
         if (!text_next_line(&table->text))
             return true;
         line.text = table->text;

@@ -125,8 +125,8 @@ static double lost_of(const char *text, double first, double last, double step)
 
 static void check_lost(void)
 {
-    static const char level[] = "400 1 1 1\n410 1 1 1\n420 1 1 1\n430 1 1 1\n";
-    static const char odd[] = "400 1 1 1\n410 -3 -3 -3\n";
+    static const char level[] = "nm r g b\n400 1 1 1\n410 1 1 1\n420 1 1 1\n430 1 1 1\n";
+    static const char odd[] = "nm r g b\n400 1 1 1\n410 -3 -3 -3\n";
     CHECK(lost_of(level, 400, 430, 10) == 0, "a detector loses nothing on its own grid");
     CHECK(lost_of(level, 300, 700, 3) == 0, "a detector loses nothing on a wider grid");
     CHECK(lost_of(level, 500, 600, 10) == 1, "a detector loses everything on a distant grid");
@@ -151,11 +151,14 @@ static void check_heads(void)
     } files[] = {
         {"nm,x,y,z\n400,1,2,3\n500,1,2,3\n", true},
         {"# mine\n\n\"Wavelength (nm)\";\"x\";\"y\";\"z\"\r\n400;1;2;3\r\n", true},
-        {"nm,X,Y,Z\n400,1,2,3\n", false},
+        {"nm,X,Y,Z\n400,1,2,3\n", true},
+        {"lambda xbar ybar zbar\n400 1 2 3\n", true},
+        {"nm\tx_10(2deg)\ty_10(2deg)\tz_10(2deg)\n400\t1\t2\t3\n", true},
+        {"nm;CIE x\xCC\x84;CIE \xC8\xB3;CIE z\xCC\x84\n400;1;2;3\n", true},
         {"nm,z,y,x\n400,1,2,3\n", false},
+        {"nm,xenon,y,z\n400,1,2,3\n", false},
         {"nm,r,g,b\n400,1,2,3\n", false},
-        {"x y z\n400,1,2,3\n", false},
-        {"400 1 2 3\n500 0 -1 0\n", false},
+        {"nm r g b\n400 1 2 3\n500 0 -1 0\n", false},
     };
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         struct detector detector = content(files[i].text);
@@ -172,7 +175,7 @@ static void check_odd_names(void)
 {
     static const char *const names[] = {"./a:1", "./a*2", "./a b.csv", "./0.5"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
-        struct detector detector = detector_of(test_write(names[i], "400 1 2 3\n"));
+        struct detector detector = detector_of(test_write(names[i], "nm r g b\n400 1 2 3\n"));
         CHECK(detector.sensitivity[1].count == 1, "a file named '%s' is read", names[i]);
         detector_free(&detector);
     }
