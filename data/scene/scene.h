@@ -20,6 +20,8 @@ struct material {
     struct place gloss_place;
     struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
     char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
+    bool densities;                       /* in that file, not shares */
+    struct donaldson matrix;              /* of that file, if an object uses the material */
     struct place donaldson_place;
     char *texture; /* file; owned, NULL: none */
     bool texture_linear;
