@@ -67,7 +67,7 @@ static struct material *partner_of(struct material *material, struct place place
 /* Returns the kind of a line: the last letter of its first word, in lower case; 0: unknown word. */
 static char line_kind(const struct word *word)
 {
-    static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg"};
+    static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg", "mt"};
     if (word->quoted)
         return 0;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
@@ -108,7 +108,7 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     default:
         return error_at(err, first->place,
                         "unknown line '%.*s'; a line begins with a wavelength, g, s, f, t, mr, mg, "
-                        "ms or mf",
+                        "ms, mf or mt",
                         word_shown(first), first->start);
     }
 }

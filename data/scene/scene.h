@@ -66,6 +66,8 @@ struct object {
     struct material_assignment *assignments; /* its lines; owned */
     int n_assignments;
     bool two_sided;
+    double
+        fit; /* of a list: makes a shape of radius 1 as large as the thesis's sphere; 0: others */
     struct matrix transform;
     struct place place;
 };

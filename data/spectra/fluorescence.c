@@ -119,26 +119,15 @@ struct matrix_table {
     struct donaldson *out;
 };
 
-/* Returns where such separators stand between two digits of the line; NULL: nowhere. */
-static const char *between_digits(const struct text *text, const char *separators)
+/* Refuses a comma within the digits of a row, if there is none among the excitation wavelengths:
+ * read as a separator, it would cut a number in two. */
+static bool check_comma(const struct matrix_table *table, const struct word *word,
+                        struct error *err)
 {
-    const char *end = text->at + strcspn(text->at, "#\n");
-    for (const char *at = text->at + 1; at < end; at++) {
-        const size_t gap = strspn(at, separators);
-        if (gap > 0 && isdigit((unsigned char)at[-1]) && isdigit((unsigned char)at[gap]))
-            return at;
-    }
-    return NULL;
-}
-
-/* Refuses a comma in a line whose columns stand apart by something else. Read as a separator, it
- * would cut a number in two. */
-static bool check_commas(struct text text, struct error *err)
-{
-    const bool apart = between_digits(&text, " \t;");
-    text.at = between_digits(&text, ",");
-    return !text.at || !apart ||
-           error_at(err, text_place(&text), "a decimal comma; a matrix has points, as in 0.05");
+    const char *end = word->start + word->length, *header = table->header.at;
+    return end[0] != ',' || !isdigit((unsigned char)end[1]) ||
+           memchr(header, ',', strcspn(header, "#\n")) ||
+           error_at(err, word->place, "a decimal comma; a matrix has points, as in 0.05");
 }
 
 static bool read_wavelength(const struct word *word, const char *what, struct spectrum *axis,
@@ -166,8 +155,6 @@ static bool read_header(struct matrix_table *table, struct error *err)
             "expected a word, such as nm, before the excitation wavelengths, not '%.*s'",
             word_shown(&word), word.start);
     table->header = *text;
-    if (!check_commas(*text, err))
-        return false;
     while (text_word(text, &word))
         if (!read_wavelength(&word, "excitation wavelength", &table->out->excitation, err))
             return false;
@@ -179,16 +166,17 @@ static bool read_row(struct matrix_table *table, const struct word *first, struc
 {
     const int columns = table->out->excitation.count;
     int n_shares = table->out->emission.count * columns;
-    const char *what = table->densities ? "density" : "share";
     double share, nm;
     struct word word;
-    if (!read_wavelength(first, "emission wavelength", &table->out->emission, err))
+    if (!check_comma(table, first, err) ||
+        !read_wavelength(first, "emission wavelength", &table->out->emission, err))
         return false;
     nm = table->out->emission.wavelength_nm[table->out->emission.count - 1];
     for (int i = 0; i < columns; i++) {
         const bool own = table->out->excitation.wavelength_nm[i] == nm;
         if (!text_expect(&table->text, &word, "a share for each excitation wavelength", err) ||
-            !word_number(&word, own ? "reflectance on the diagonal" : what, 0,
+            !check_comma(table, &word, err) ||
+            !word_number(&word, own ? "reflectance on the diagonal" : "share", 0,
                          table->densities && !own ? HUGE_VAL : 1, &share, err) ||
             (own && !spectrum_append(&table->diagonal, nm, share, word.place, err)))
             return false;
@@ -204,8 +192,7 @@ static bool read_rows(struct matrix_table *table, struct error *err)
 {
     struct word word;
     while (text_next_line(&table->text))
-        if (!check_commas(table->text, err) ||
-            (text_word(&table->text, &word) && !read_row(table, &word, err)))
+        if (text_word(&table->text, &word) && !read_row(table, &word, err))
             return false;
     return true;
 }
@@ -279,7 +266,7 @@ static bool check_shares(const struct matrix_table *table, const struct spectrum
 bool donaldson_read(const char *path, struct place from, bool densities, struct spectrum *diffuse,
                     struct donaldson *out, struct error *err)
 {
-    struct matrix_table table = {.out = out, .densities = densities};
+    struct matrix_table table = {.out = out, .densities = densities, .diagonal.place = from};
     *out = (struct donaldson){.share = NULL};
     if (!text_open(&table.text, path, from, true, err))
         return false;
@@ -288,7 +275,6 @@ bool donaldson_read(const char *path, struct place from, bool densities, struct 
     if (done && densities)
         make_shares(out);
     done = done && take_diagonal(&table, diffuse, err) && check_shares(&table, diffuse, err);
-    diffuse->place = table.highest > 0 ? from : diffuse->place;
     spectrum_free(&table.diagonal);
     text_free(&table.text);
     return done;
