@@ -1,14 +1,16 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
-"""Lists of materials as in the thesis: all objects in view, other shapes, the second lamp, and the texture of a metameric
-partner. Sizes, numbers of pixels and radiances are computed here. Prints TAP."""
+"""Lists of materials as in the thesis: all objects in view, other shapes, a tetrahedron that is divided into a sphere, the
+second lamp, and the texture of a metameric partner. Sizes, numbers of pixels and radiances are computed here. Prints TAP."""
 import os
+import subprocess
+import sys
 
 import numpy as np
 import tifffile
 
-from rendered import check, done, objects_of, output_of, pages_of, path_of, refuses, write
+from rendered import TMP, check, done, objects_of, output_of, pages_of, path_of, refuses, write
 
 WIDTH, HEIGHT = 180, 120
 SHAPES = ("torus", "sphere", "teapot", "mesh chair", "box", "cylinder", "torus 1 2 40 80")
@@ -24,7 +26,7 @@ def listed(n, *options):
 
 
 def all_in_view(n, stack):
-    """Whether none of the n objects is at the border, and all show as many pixels but for steps at their outlines."""
+    """Returns that none of the n objects is at the border, and that all show as many pixels but for steps at their outlines."""
     shown = objects_of(stack)
     border = np.concatenate([shown[0], shown[-1], shown[:, 0], shown[:, -1]])
     pixels = np.bincount(shown.ravel(), minlength=n + 2)[2:]  # 1 is the sphere behind them
@@ -79,7 +81,31 @@ def partners():
     refuses("a partner's texture that is not there", "pair.txt:3:1: error: no file .*rgb/wood0.rgb", "plan", scene)
 
 
+def tetrahedra():
+    """Figure 3 of the thesis: a tetrahedron is divided one, two and three times into a sphere."""
+    subprocess.run([sys.executable, "test/make/models.py", TMP], check=True)
+    volumes = []
+    for level in range(4):
+        name = f"tetrahedron{-level or ''}"
+        text = open(f"data/builtin/models/{name}.obj", encoding="ascii").read()
+        check(text == open(path_of(name + ".obj"), encoding="ascii").read(), f"{name}.obj is what its maker makes")
+        lines = [line.split() for line in text.splitlines()]
+        points = np.array([line[1:] for line in lines if line[0] == "v"], float)
+        corners = np.array([line[1:] for line in lines if line[0] == "f"], int) - 1
+        edges = {(a, b) for face in corners for a, b in zip(face, np.roll(face, -1))}
+        closed = all((b, a) in edges for a, b in edges) and len(edges) == 3 * len(corners)
+        check(len(corners) == 4 ** (level + 1) and closed and len(points) - len(edges) // 2 + len(corners) == 2 and
+              np.allclose(np.linalg.norm(points, axis=1), 1, atol=2e-6), f"{name} has {4 ** (level + 1)} triangles, is closed, and lies in the sphere")
+        volumes.append((np.linalg.det(points[corners]) / 6).sum())
+        check((np.linalg.det(points[corners]) > 0).all(), f"all triangles of {name} face outwards")
+    check(np.isclose(volumes[0], 8 / (9 * np.sqrt(3)), rtol=1e-5) and volumes == sorted(volumes) and 0.93 < volumes[3] * 0.75 / np.pi < 1,
+          "the volumes grow from that of a tetrahedron to nearly that of the sphere", volumes)
+    pixels = all_in_view(1, listed(1, "--shape", "mesh tetrahedron-3"))[1]
+    check(0.93 < pixels[0] / (np.pi * (2.8 * WIDTH / 12) ** 2) < 1.03, "a list shows it as large as a sphere", pixels)
+
+
 views()
+tetrahedra()
 shapes()
 lamps()
 partners()
