@@ -6,10 +6,10 @@
 struct luminescence {
     const struct spectral_pages *pages;
     const struct material *material;
-    bool glows;              /* the pages show the emission that belongs to an excitation */
-    struct donaldson matrix; /* the pages show its emission; no emission: there is none */
-    long integrals;          /* over an excitation that were computed */
-    bool seen;               /* a value was not 0 */
+    bool glows;                     /* the pages show the emission that belongs to an excitation */
+    const struct donaldson *matrix; /* the pages show its emission; NULL: there is none */
+    long integrals;                 /* over an excitation that were computed */
+    bool seen;                      /* a value was not 0 */
 };
 struct terms_maker {
     const struct illumination *illumination;
@@ -51,25 +51,21 @@ static bool add_product(const struct spectral_pages *pages, double factor,
 
 /* ---- fluorescence ---- */
 
-/* Reads the fluorescence of a material, unless no page shows its emission. */
-static bool open_luminescence(const struct spectral_pages *pages, const struct material *material,
-                              struct luminescence *out, struct error *err)
+/* Returns the fluorescence of a material, as far as a page shows its emission. */
+static struct luminescence luminescence_of(const struct spectral_pages *pages,
+                                           const struct material *material)
 {
-    struct donaldson *matrix = &out->matrix;
-    *out = (struct luminescence){.pages = pages, .material = material};
+    struct luminescence out = {.pages = pages, .material = material};
+    const struct spectrum *emission = &material->matrix.emission;
     if (pages->reflectance_analysis)
-        return true;
-    out->glows =
+        return out;
+    out.glows =
         material->excitation.kind != SPECTRUM_NONE && pages_show(pages, &material->emission);
-    if (!material->donaldson)
-        return true;
-    if (!donaldson_read(material->donaldson, material->donaldson_place, &material->diffuse, matrix,
-                        err))
-        return false;
-    if (matrix->emission.wavelength_nm[0] > pages_looked_at_nm(pages, pages_looked_at(pages) - 1) ||
-        matrix->emission.wavelength_nm[matrix->emission.count - 1] < pages_looked_at_nm(pages, 0))
-        donaldson_free(matrix);
-    return true;
+    if (emission->count > 0 &&
+        emission->wavelength_nm[0] <= pages_looked_at_nm(pages, pages_looked_at(pages) - 1) &&
+        emission->wavelength_nm[emission->count - 1] >= pages_looked_at_nm(pages, 0))
+        out.matrix = &material->matrix;
+    return out;
 }
 
 /* Adds the luminescence under a light to the row, and sets *lit if any of its values is not 0. */
@@ -81,14 +77,14 @@ static bool luminesce(struct luminescence *of, const struct spectrum *light, dou
         double mean = excitation_mean(light, &of->material->excitation);
         any = add_product(of->pages, intensity * mean, &of->material->emission, NULL, row);
     }
-    if (of->matrix.emission.count > 0) {
+    if (of->matrix) {
         struct spectrum emission = {.kind = SPECTRUM_NONE};
-        if (!donaldson_emission(&of->matrix, light, &emission, err))
+        if (!donaldson_emission(of->matrix, light, &emission, err))
             return false;
         any = add_product(of->pages, intensity, &emission, NULL, row);
         spectrum_free(&emission);
     }
-    of->integrals += of->glows + of->matrix.emission.count;
+    of->integrals += of->glows + (of->matrix ? of->matrix->emission.count : 0);
     of->seen = of->seen || any;
     *lit = *lit || any;
     return true;
@@ -97,14 +93,11 @@ static bool luminesce(struct luminescence *of, const struct spectrum *light, dou
 bool material_luminescence(const struct spectral_pages *pages, const struct material *material,
                            const struct spectrum *light, double *out, struct error *err)
 {
-    struct luminescence luminescence;
+    struct luminescence luminescence = luminescence_of(pages, material);
     bool lit = false;
     for (int i = 0; i < pages->n; i++)
         out[i] = 0;
-    bool done = open_luminescence(pages, material, &luminescence, err) &&
-                luminesce(&luminescence, light, 1, out, &lit, err);
-    donaldson_free(&luminescence.matrix);
-    return done;
+    return luminesce(&luminescence, light, 1, out, &lit, err);
 }
 
 /* ---- terms ---- */
@@ -196,15 +189,15 @@ static bool allocate(struct terms_maker *maker, struct error *err)
 bool material_terms_make(const struct illumination *illumination, const struct material *material,
                          struct material_terms *out, struct error *err)
 {
-    struct terms_maker maker = {.illumination = illumination, .out = out};
+    struct terms_maker maker = {.illumination = illumination,
+                                .out = out,
+                                .luminescence = luminescence_of(&illumination->pages, material)};
     *out = (struct material_terms){.material = material};
-    bool done = open_luminescence(&illumination->pages, material, &maker.luminescence, err) &&
-                allocate(&maker, err) && add_constant(&maker, err);
+    bool done = allocate(&maker, err) && add_constant(&maker, err);
     for (int i = 0; done && i < illumination->n_first; i++)
         done = add_light(&maker, illumination->first[i], err);
     out->fluoresces = maker.luminescence.seen;
     out->excitation_integrals = maker.luminescence.integrals;
-    donaldson_free(&maker.luminescence.matrix);
     free(maker.row);
     return done;
 }

@@ -100,6 +100,9 @@ bool object_read(struct scene_reader *reader, struct error *err);
 bool checker_read(struct scene_reader *reader, struct error *err);
 void object_free(struct object *object);
 
+/* Gives all objects of lists this shape, as large as the thesis's sphere. Objects that have it keep
+ * their sizes. Refuses a scene without a list. */
+bool scene_set_shape(struct scene *scene, const char *text, struct error *err);
 bool scene_set_samples(struct scene *scene, const char *text, struct error *err);
 
 #endif

@@ -99,7 +99,8 @@ bool light_read(struct scene_reader *reader, struct error *err)
 
 /* ---- options of the command line ---- */
 
-/* Reads SPECTRUM[*INTENSITY] up to the end. Without INTENSITY the light keeps its own. */
+/* Reads SPECTRUM[*INTENSITY] up to the end. Without INTENSITY the light keeps its own, and one that
+ * is off, as the second lamp of lists, gets 1. */
 static bool read_light_option(const struct text *text, const char *start, struct light *out,
                               struct error *err)
 {
@@ -136,7 +137,9 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
     if (n > scene->n_lights)
         return error_at(err, number.place, "there is no light %ld; the scene has %d", n,
                         scene->n_lights);
-    return read_light_option(&text, equals + 1, &scene->lights[n - 1], err);
+    struct light *light = &scene->lights[n - 1];
+    light->intensity = light->intensity > 0 ? light->intensity : 1;
+    return read_light_option(&text, equals + 1, light, err);
 }
 
 bool scene_set_ambient(struct scene *scene, const char *value, struct error *err)

@@ -67,7 +67,7 @@ static struct material *partner_of(struct material *material, struct place place
 /* Returns the kind of a line: the last letter of its first word, in lower case; 0: unknown word. */
 static char line_kind(const struct word *word)
 {
-    static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg"};
+    static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg", "mt"};
     if (word->quoted)
         return 0;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
@@ -108,7 +108,7 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     default:
         return error_at(err, first->place,
                         "unknown line '%.*s'; a line begins with a wavelength, g, s, f, t, mr, mg, "
-                        "ms or mf",
+                        "ms, mf or mt",
                         word_shown(first), first->start);
     }
 }
@@ -192,14 +192,16 @@ static bool block_value(struct text *text, struct word *out, const char *what, s
            (!word_is(out, "}") || error_at(err, out->place, "expected %s before }", what));
 }
 
-static bool read_filter(struct text *text, struct material *out, struct error *err)
+/* Reads one of two words, if one of them follows; *out: it is `other`. */
+static bool read_either(struct text *text, const char *usual, const char *other, bool *out,
+                        struct place open, struct error *err)
 {
     struct text before = *text;
     struct word word;
-    if (!block_word(text, &word, out->place, err))
+    if (!block_word(text, &word, open, err))
         return false;
-    out->texture_linear = word_is(&word, "linear");
-    if (!out->texture_linear && !word_is(&word, "nearest"))
+    *out = word_is(&word, other);
+    if (!*out && !word_is(&word, usual))
         *text = before;
     return true;
 }
@@ -248,12 +250,14 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         return spectrum_read(&word, 0, HUGE_VAL, &out->excitation, err) &&
                read_emission(text, out, err);
     case BLOCK_DONALDSON:
-        return word_file(&word, FILE_KINDS, &out->donaldson, err);
+        return word_file(&word, FILE_KINDS, &out->donaldson, err) &&
+               read_either(text, "shares", "densities", &out->densities, out->place, err);
     case BLOCK_TEXTURE:
     case BLOCK_SPECTRAL_TEXTURE: /* one of both: see read_block */
         free(out->texture);
         out->spectral_texture = kind == BLOCK_SPECTRAL_TEXTURE;
-        return word_file(&word, FILE_TEXTURE, &out->texture, err) && read_filter(text, out, err);
+        return word_file(&word, FILE_TEXTURE, &out->texture, err) &&
+               read_either(text, "nearest", "linear", &out->texture_linear, out->place, err);
     case BLOCK_EMISSION:
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:
@@ -271,13 +275,15 @@ static bool exclude(struct place first, struct place second, const char *what, s
            error_at(err, second, "a material has either %s, not both", what);
 }
 
-/* A material with an emission or a specular reflectance needs no diffuse one; that is 0 then. */
+/* A material with an emission, a specular reflectance or a matrix needs no diffuse reflectance;
+ * that is 0 then, or the diagonal of the matrix. */
 static bool complete_diffuse(struct material *out, struct error *err)
 {
     if (out->diffuse.kind != SPECTRUM_NONE)
         return true;
-    if (out->specular.kind == SPECTRUM_NONE && out->glow.kind == SPECTRUM_NONE)
-        return error_at(err, out->place, "the material has none of diffuse, specular and emission");
+    if (out->specular.kind == SPECTRUM_NONE && out->glow.kind == SPECTRUM_NONE && !out->donaldson)
+        return error_at(err, out->place,
+                        "the material has none of diffuse, specular, emission and donaldson");
     out->diffuse = (struct spectrum){.kind = SPECTRUM_CONSTANT, .factor = 1, .place = out->place};
     return string_copy("0", &out->diffuse.name, err);
 }
@@ -346,6 +352,7 @@ void material_free(struct material *material)
     spectrum_free(&material->excitation);
     spectrum_free(&material->emission);
     spectrum_free(&material->glow);
+    donaldson_free(&material->matrix);
     if (material->partner)
         material_free(material->partner);
     FREE_ALL(material->partner, material->partner_name, material->donaldson, material->texture,

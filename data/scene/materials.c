@@ -95,13 +95,16 @@ static bool refuse_unknown(const struct scene *scene, const struct word *name, s
                                        : "a line such as 'material gold metals/gold' defines one"));
 }
 
-/* Reads a material file; name and place stay the scene's. */
+/* Reads a material file; name and place stay the scene's. Or reads the matrix of a material in
+ * words. */
 static bool load(struct material *material, struct error *err)
 {
     struct material fresh;
     char *name = material->name;
     if (material->diffuse.kind != SPECTRUM_NONE)
-        return true;
+        return !material->donaldson || material->matrix.share ||
+               donaldson_read(material->donaldson, material->donaldson_place, material->densities,
+                              &material->diffuse, &material->matrix, err);
     if (!material_read(material->path, material->place, &fresh, err))
         return false;
     if (name) {

@@ -175,12 +175,15 @@ bool object_read(struct scene_reader *reader, struct error *err)
 /* ---- the thesis's grid ---- */
 
 /* Returns the transform of object i of n. The number of objects decides how many rows there are.
- * They are filled from the top left; objects stand 6 units apart before scaling. */
+ * They are filled from the top left; objects stand 6 units apart before scaling. The thesis's
+ * scales are 1, 0.66, 0.5 and 0.333; a smaller one brings all of them into its view, 12 wide and 8
+ * high. */
 static struct matrix grid_place(int i, int n)
 {
     int rows = n <= 3 ? 1 : n <= 8 ? 2 : n <= 15 ? 3 : 4;
     double scale = rows == 1 ? 1 : rows == 2 ? 0.66 : rows == 3 ? 0.5 : 0.333;
     int columns = n / rows + (n % rows != 0);
+    scale = fmin(scale, fmin(12 / (6.0 * columns), 8 / (6.0 * rows)));
     struct vector size = {scale, scale, scale};
     struct vector at = {6.0 * (i % columns) - 3.0 * (columns - 1),
                         3.0 * (rows - 1) - 6.0 * (i / columns), 0};
@@ -213,6 +216,7 @@ static bool add_grid(struct scene_reader *reader, struct text *list, struct desc
     for (int i = 0; i < n; i++) {
         struct matrix *transform = &scene->objects[first + i].transform;
         *transform = matrix_product(grid_place(i, n), *transform);
+        scene->objects[first + i].fit = 2.8;
     }
     return n > 0 || error_at(err, text_whole(list), "no materials; a list names at least one");
 }
@@ -228,4 +232,32 @@ bool checker_read(struct scene_reader *reader, struct error *err)
                 add_grid(reader, &list, &description, err);
     object_free(&description.object);
     return done;
+}
+
+/* ---- an option of the command line ---- */
+
+bool scene_set_shape(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    struct shape shape = {.path = NULL};
+    bool done = option_open(scene, "--shape", value, &text, err) &&
+                shape_read(&text, &shape, err) && text_end(&text, "a shape", err),
+         listed = false;
+    shape.unitize = true;
+    shape.parameter[0] *= shape.kind == SHAPE_TEAPOT ? 0.58 : 1; /* its spout reaches to 1.72 */
+    for (int i = 0; done && i < scene->n_objects; i++) {
+        struct object *object = &scene->objects[i];
+        const struct vector fit = {object->fit, object->fit, object->fit};
+        listed = listed || object->fit > 0;
+        if (object->fit == 0 || (shape.kind != SHAPE_MESH && shape.kind == object->shape.kind))
+            continue;
+        object->transform = matrix_product(object->transform, matrix_scaling(fit));
+        object->fit = 1;
+        shape_free(&object->shape);
+        object->shape = shape;
+        done = string_copy(shape.path, &object->shape.path, err);
+    }
+    shape_free(&shape);
+    return done && (listed || error_usage(err, "--shape is for a list of materials, or a scene "
+                                               "with a checker; this scene has none"));
 }

@@ -20,6 +20,8 @@ struct material {
     struct place gloss_place;
     struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
     char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
+    bool densities;                       /* in that file, not shares */
+    struct donaldson matrix;              /* of that file, if an object uses the material */
     struct place donaldson_place;
     char *texture; /* file; owned, NULL: none */
     bool texture_linear;
@@ -64,6 +66,8 @@ struct object {
     struct material_assignment *assignments; /* its lines; owned */
     int n_assignments;
     bool two_sided;
+    double
+        fit; /* of a list: makes a shape of radius 1 as large as the thesis's sphere; 0: others */
     struct matrix transform;
     struct place place;
 };

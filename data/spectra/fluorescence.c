@@ -2,6 +2,7 @@
 /* Fluorescence: the light that a surface absorbs, and the matrix that says where it emits this
  * light. Sums run over the wavelengths of both the light and the excitation: neither a line between
  * the samples of the excitation nor an excitation between the samples of the light is lost. */
+#include <ctype.h>
 #include <float.h>
 
 #include "data/spectra/spectra.h"
@@ -112,8 +113,22 @@ enum { LARGEST_MATRIX = 4096 }; /* rows, and columns */
 /* A matrix that is being read. */
 struct matrix_table {
     struct text text, header; /* header: the cursor before the first column */
+    bool densities;
+    double highest;           /* of the diagonal */
+    struct spectrum diagonal; /* the values where the light is emitted at its own wavelength */
     struct donaldson *out;
 };
+
+/* Refuses a comma within the digits of a row, if there is none among the excitation wavelengths:
+ * read as a separator, it would cut a number in two. */
+static bool check_comma(const struct matrix_table *table, const struct word *word,
+                        struct error *err)
+{
+    const char *end = word->start + word->length, *header = table->header.at;
+    return end[0] != ',' || !isdigit((unsigned char)end[1]) ||
+           memchr(header, ',', strcspn(header, "#\n")) ||
+           error_at(err, word->place, "a decimal comma; a matrix has points, as in 0.05");
+}
 
 static bool read_wavelength(const struct word *word, const char *what, struct spectrum *axis,
                             struct error *err)
@@ -151,14 +166,23 @@ static bool read_row(struct matrix_table *table, const struct word *first, struc
 {
     const int columns = table->out->excitation.count;
     int n_shares = table->out->emission.count * columns;
-    double share;
+    double share, nm;
     struct word word;
-    if (!read_wavelength(first, "emission wavelength", &table->out->emission, err))
+    if (!check_comma(table, first, err) ||
+        !read_wavelength(first, "emission wavelength", &table->out->emission, err))
         return false;
+    nm = table->out->emission.wavelength_nm[table->out->emission.count - 1];
     for (int i = 0; i < columns; i++) {
+        const bool own = table->out->excitation.wavelength_nm[i] == nm;
         if (!text_expect(&table->text, &word, "a share for each excitation wavelength", err) ||
-            !word_number(&word, "share", 0, 1, &share, err) ||
-            !array_add(&table->out->share, &n_shares, &share, sizeof share, err))
+            !check_comma(table, &word, err) ||
+            !word_number(&word, own ? "reflectance on the diagonal" : "share", 0,
+                         table->densities && !own ? HUGE_VAL : 1, &share, err) ||
+            (own && !spectrum_append(&table->diagonal, nm, share, word.place, err)))
+            return false;
+        table->highest = fmax(table->highest, own ? share : 0);
+        share = own ? 0 : share;
+        if (!array_add(&table->out->share, &n_shares, &share, sizeof share, err))
             return false;
     }
     return text_end(&table->text, "this row", err);
@@ -171,6 +195,32 @@ static bool read_rows(struct matrix_table *table, struct error *err)
         if (text_word(&table->text, &word) && !read_row(table, &word, err))
             return false;
     return true;
+}
+
+/* Turns densities, per nm of emission, into shares of bands. */
+static void make_shares(struct donaldson *matrix)
+{
+    const struct spectrum none = {.kind = SPECTRUM_NONE};
+    double *share = matrix->share;
+    for (struct walk walk = walk_start(&matrix->emission, &none); walk_step(&walk);)
+        for (int i = 0; i < matrix->excitation.count; i++)
+            *share++ *= walk.weight;
+}
+
+/* The diagonal becomes the diffuse reflectance, unless it is 0. */
+static bool take_diagonal(struct matrix_table *table, struct spectrum *diffuse, struct error *err)
+{
+    if (table->highest == 0)
+        return true;
+    if (diffuse->kind != SPECTRUM_CONSTANT || spectrum_at(diffuse, 0, SPECTRUM_HOLD) > 0)
+        return error_at(err, diffuse->place,
+                        "the matrix has reflectances on its diagonal, at %.15g nm and others: "
+                        "leave out diffuse, or write 0 there",
+                        table->diagonal.wavelength_nm[0]);
+    spectrum_free(diffuse);
+    *diffuse = table->diagonal;
+    table->diagonal = (struct spectrum){.kind = SPECTRUM_NONE};
+    return string_copy("diagonal of the matrix", &diffuse->name, err);
 }
 
 static bool refuse_column(const struct matrix_table *table, int column, double emitted,
@@ -188,7 +238,8 @@ static bool refuse_column(const struct matrix_table *table, int column, double e
 
 /* Refuses a column that emits more than 1 - diffuse. Decimal shares may add up to it exactly, so
  * that the slack is half an epsilon a rounding: one for each row of the sum, and up to ten for the
- * shares as read, the diffuse reflectance and its difference to 1. */
+ * shares as read, the diffuse reflectance and its difference to 1. Beyond its ends nobody has
+ * measured a diagonal. */
 static bool check_shares(const struct matrix_table *table, const struct spectrum *diffuse,
                          struct error *err)
 {
@@ -197,7 +248,8 @@ static bool check_shares(const struct matrix_table *table, const struct spectrum
     double all = 0;
     for (int i = 0; i < columns; i++) {
         const double nm = table->out->excitation.wavelength_nm[i];
-        const double absorbed = 1 - spectrum_at(diffuse, nm, SPECTRUM_HOLD);
+        const double absorbed =
+            1 - spectrum_at(diffuse, nm, table->highest > 0 ? SPECTRUM_ZERO : SPECTRUM_HOLD);
         double emitted = 0;
         for (int j = 0; j < rows; j++)
             emitted += table->out->share[j * columns + i];
@@ -205,21 +257,25 @@ static bool check_shares(const struct matrix_table *table, const struct spectrum
             return refuse_column(table, i, emitted, absorbed, err);
         all += emitted;
     }
-    return all > 0 || error_at(err, text_whole(&table->text),
-                               "no share is above 0; rows of an emission wavelength and its shares "
-                               "follow the first");
+    return all > 0 || table->highest > 0 ||
+           error_at(err, text_whole(&table->text),
+                    "no share is above 0; rows of an emission wavelength and its shares "
+                    "follow the first");
 }
 
-bool donaldson_read(const char *path, struct place from, const struct spectrum *diffuse,
+bool donaldson_read(const char *path, struct place from, bool densities, struct spectrum *diffuse,
                     struct donaldson *out, struct error *err)
 {
-    struct matrix_table table = {.out = out};
+    struct matrix_table table = {.out = out, .densities = densities, .diagonal.place = from};
     *out = (struct donaldson){.share = NULL};
     if (!text_open(&table.text, path, from, true, err))
         return false;
     table.text.separators = ",;";
-    const bool done =
-        read_header(&table, err) && read_rows(&table, err) && check_shares(&table, diffuse, err);
+    bool done = read_header(&table, err) && read_rows(&table, err);
+    if (done && densities)
+        make_shares(out);
+    done = done && take_diagonal(&table, diffuse, err) && check_shares(&table, diffuse, err);
+    spectrum_free(&table.diagonal);
     text_free(&table.text);
     return done;
 }
@@ -244,6 +300,35 @@ bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *l
     if (!done)
         spectrum_free(out);
     return done;
+}
+
+/* ---- the balance of light ---- */
+
+void fluorescence_balance(const struct spectrum *excitation, const struct spectrum *emission,
+                          const double *share, double *shorter, double *most)
+{
+    const struct spectrum none = {.kind = SPECTRUM_NONE};
+    double sum = 0, all = 0;
+    int i = 0;
+    *shorter = *most = 0;
+    for (struct walk in = walk_start(excitation, &none); walk_step(&in); i++) {
+        const double absorbed = spectrum_at(excitation, in.nm, SPECTRUM_ZERO);
+        double column = 0;
+        int at = i;
+        for (struct walk to = walk_start(emission, &none); walk_step(&to);) {
+            const double light =
+                share ? share[at]
+                      : absorbed * to.weight * spectrum_at(emission, to.nm, SPECTRUM_ZERO);
+            column += light;
+            *shorter += to.nm < in.nm ? in.weight * light : 0;
+            at += excitation->count;
+        }
+        all += in.weight * column;
+        sum += in.weight * absorbed;
+        *most = fmax(*most, column);
+    }
+    *shorter = relative(*shorter, all);
+    *most = share ? *most : relative(*most, sum);
 }
 
 void donaldson_free(struct donaldson *matrix)

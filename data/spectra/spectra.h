@@ -126,22 +126,30 @@ void tristimulus_to_cones(double out[3][3]);
  * the thesis's plain sums. N is 0 if the excitation is 0 at all of these wavelengths. */
 double excitation_mean(const struct spectrum *light, const struct spectrum *excitation);
 
-/* A bispectral (Donaldson) matrix without its diagonal: the share of the light in an excitation
- * band that the surface emits in an emission band. Each band reaches half-way to its neighbours, as
- * above. */
+/* A bispectral (Donaldson) matrix: the share of the light in an excitation band that the surface
+ * emits in an emission band. Each band reaches half-way to its neighbours, as above. The diagonal,
+ * of equal wavelengths, is 0: it is the diffuse reflectance. */
 struct donaldson {
     struct spectrum excitation, emission; /* their wavelengths; the values are 0 */
     double *share;                        /* [emission][excitation], not negative; owned */
 };
 /* Reads a table: a first row with a word and the excitation wavelengths, then rows of an emission
- * wavelength and its shares. Refuses a matrix of zeros, and, with its wavelength, a column that
- * emits more than the surface absorbs there (1 - diffuse). */
-bool donaldson_read(const char *path, struct place from, const struct spectrum *diffuse,
+ * wavelength and its shares, or its densities: shares divided by the nm of the emission band. A
+ * diagonal with a value above 0 becomes *diffuse, which must be the constant 0 then. Refuses a
+ * matrix of zeros, decimal commas, and, with its wavelength, a column that emits more than the
+ * surface absorbs there (1 - diffuse). The caller frees *out, also after a failure. */
+bool donaldson_read(const char *path, struct place from, bool densities, struct spectrum *diffuse,
                     struct donaldson *out, struct error *err);
 /* Computes the emission under a light of intensity 1, at its wavelengths. *out is allocated. */
 bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *light,
                         struct spectrum *out, struct error *err);
 void donaldson_free(struct donaldson *matrix);
+
+/* Computes the part, 0 to 1, of the emission that has a shorter wavelength than the light that the
+ * surface absorbed; and the largest share of the light of a wavelength that the surface emits. Of a
+ * matrix: by its shares; of two curves: share is NULL. */
+void fluorescence_balance(const struct spectrum *excitation, const struct spectrum *emission,
+                          const double *share, double *shorter, double *most);
 
 /* Returns how many of n increasing wavelengths are at most this one. */
 int samples_up_to(const double *wavelengths_nm, int n, double wavelength_nm);

@@ -125,9 +125,9 @@ bool contexts_have(const struct contexts *contexts, const char *extension)
 
 GLenum canvas_type(const struct canvas *canvas)
 {
-    return canvas->size.bits == 32   ? GL_FLOAT
-           : canvas->size.bits == 16 ? GL_UNSIGNED_SHORT
-                                     : GL_UNSIGNED_BYTE;
+    return canvas->size.bits == 32  ? GL_FLOAT
+           : canvas->size.bits == 8 ? GL_UNSIGNED_BYTE
+                                    : GL_UNSIGNED_SHORT;
 }
 
 bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,

@@ -58,7 +58,10 @@ enum { MOST_COLOURS = 8 };
 
 static GLenum colour_format(const struct canvas *canvas)
 {
-    return canvas->size.bits == 32 ? GL_RGBA32F : canvas->size.bits == 16 ? GL_RGBA16 : GL_RGBA8;
+    return canvas->size.bits == 32   ? GL_RGBA32F
+           : canvas->size.bits == 16 ? GL_RGBA16
+           : canvas->size.bits == 10 ? GL_RGB10_A2
+                                     : GL_RGBA8;
 }
 
 /* Makes a buffer, and lets the canvas draw on it. */

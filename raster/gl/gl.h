@@ -155,7 +155,7 @@ void contexts_close(struct contexts *contexts); /* NULL is fine; after all of it
  * own, and shares no objects. */
 struct canvas;
 struct canvas_size {
-    int bits, width, height; /* bits: of a channel, 8, 16, or 32 of floats */
+    int bits, width, height; /* bits: of a channel, 8, 10 (EGL), 16, or 32 of floats */
     int n_colours;           /* buffers of colours, where shaders draw; otherwise 1 */
 };
 /* The caller closes *out, also after a failure. */

@@ -59,7 +59,7 @@ static void gl_aim(struct renderer *renderer, const struct rectangle *tile)
     load_view(gl);
 }
 
-/* ---- canvases: floats, or counts of 8 or 16 bits ---- */
+/* ---- canvases: floats, or counts of 8, 10 or 16 bits ---- */
 
 static bool check_canvas(const struct gl *gl, int needed_bits, struct error *err)
 {
@@ -70,9 +70,9 @@ static bool check_canvas(const struct gl *gl, int needed_bits, struct error *err
     return (red_bits == needed_bits && depth_bits >= 24 && stencil_bits >= 8) ||
            error_unsupported(err,
                              "%s gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
-                             "and 8 are needed",
+                             "and 8 are needed%s",
                              gl->base.contexts->name, red_bits, depth_bits, stencil_bits,
-                             needed_bits);
+                             needed_bits, needed_bits == 10 ? "; --gl egl may have them" : "");
 }
 
 /* Makes OpenGL draw into these floats from now on; NULL: into steps. `numbers`: not colours. Each
@@ -392,7 +392,7 @@ static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
     const struct plan *plan = gl->base.plan;
     const bool steps = buffer_steps(plan) > 0;
     const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    return (!steps || MAKE_ARRAY(gl->steps, n * (size_t)plan->options.buffer_bits / 2, err,
+    return (!steps || MAKE_ARRAY(gl->steps, n * (plan->options.buffer_bits > 8 ? 8 : 4), err,
                                  "the pixels of a tile")) &&
            drawing_open(&gl->base, n_buffers, err) &&
            drawing_canvas(&gl->base, steps ? plan->options.buffer_bits : 32, 1, &gl->colours,

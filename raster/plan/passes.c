@@ -181,10 +181,11 @@ void pass_convert(const struct plan *plan, const void *steps, float *pixels)
     const size_t n = count_numbers(plan);
     const uint16_t *words = steps;
     const uint8_t *bytes = steps;
-    const float whole = (float)buffer_steps(plan);
-    const bool wide = plan->options.buffer_bits == 16;
+    const uint32_t whole = (uint32_t)buffer_steps(plan);
+    const bool wide = whole > UINT8_MAX;
     for (size_t i = 0; i < n; i++)
-        pixels[i] = (float)(wide ? words[i] : bytes[i]) / whole;
+        pixels[i] = (float)(wide ? (words[i] * whole + UINT16_MAX / 2) / UINT16_MAX : bytes[i]) /
+                    (float)whole;
 }
 
 void pass_add(const struct plan *plan, const float *part, float *sum)

@@ -119,9 +119,8 @@ static void size_tiles(struct plan *plan)
 
 int buffer_steps(const struct plan *plan)
 {
-    return plan->options.buffer_bits == 8    ? UINT8_MAX
-           : plan->options.buffer_bits == 16 ? UINT16_MAX
-                                             : 0;
+    const int bits = plan->options.buffer_bits;
+    return bits > 0 && bits < 32 ? (1 << bits) - 1 : 0;
 }
 
 bool has_components(const struct plan *plan)

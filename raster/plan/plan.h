@@ -55,7 +55,7 @@ struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
     enum gl_way gl_way;
-    int buffer_bits; /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
+    int buffer_bits; /* of a channel of OpenGL's colour buffer: 8, 10, 16, or 32 of floats; 0: 32 */
     const char *gl_driver, *gl_library; /* NULL: any driver; --gl */
     bool store_raster;                  /* pixels are the reference's */
     int bits;          /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
@@ -172,7 +172,8 @@ void vertex_numbers(const struct vertex *vertex, float out[VERTEX_NUMBERS]);
 /* The projection that makes a tile of the picture fill clip space; mirrored: y is turned around. */
 struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
 /* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour
- * buffer to parts of full scale; adds what one group of lights adds to the others. */
+ * buffer to parts of full scale (10 bits are read as 16); adds what one group of lights adds to the
+ * others. */
 void pass_convert(const struct plan *plan, const void *steps, float *pixels);
 void pass_add(const struct plan *plan, const float *part, float *sum);
 

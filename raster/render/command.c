@@ -273,14 +273,14 @@ static bool run_render(struct options *options, struct error *err)
 
 /* ---- options ---- */
 
-static const char *const buffers[] = {"8", "16", "float", NULL};
+static const char *const buffers[] = {"8", "10", "16", "float", NULL};
 static const char *const depths[] = {"8", "16", "32f", NULL};
 static const struct option renderer_rows[] = {
     {"--renderer gl|llvmpipe|softpipe|gl-shader[:DRIVER]|es-shader[:DRIVER]|raster",
      "stores pixels of gl (default), of its driver llvmpipe or softpipe, of shaders by OpenGL 3.3 "
      "core or OpenGL ES 3, or of the reference",
      OWN(TEXT, render_options, renderer), .accepts = driver_accepts_renderer, .recorded = true},
-    {"--buffer 8|16|float", "bits of OpenGL's colours (default: float)",
+    {"--buffer 8|10|16|float", "bits of OpenGL's colours (default: float); 10 needs --gl egl",
      OWN(TEXT, render_options, buffer), .choices = buffers, .recorded = true},
 };
 static const struct option library_rows[] = {

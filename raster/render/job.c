@@ -57,7 +57,8 @@ static int bits_of(const char *choice)
 {
     if (!choice)
         return 0;
-    return strcmp(choice, "8") == 0 ? 8 : strcmp(choice, "16") == 0 ? 16 : 32;
+    const int bits = atoi(choice); /* of float, 0 */
+    return bits > 0 ? bits : 32;
 }
 
 /* foreign: another program draws. */

@@ -97,6 +97,34 @@ static void note_depth(const struct lit_scene *lit, struct notes *notes)
     }
 }
 
+/* ---- emission ---- */
+
+/* Adds a note on each material that emits light as no substance does, while there is room. A
+ * quarter of shorter wavelengths is more than overlapping curves have; these may be exchanged. */
+static void note_emission(const struct plan *plan, struct notes *notes)
+{
+    double shorter, most;
+    for (int i = 0; i < plan->n_materials && notes->n < MOST_NOTES - 2; i++) {
+        const struct material *material = plan->materials[i].material;
+        const struct donaldson *matrix = &material->matrix;
+        if (material->donaldson)
+            fluorescence_balance(&matrix->excitation, &matrix->emission, matrix->share, &shorter,
+                                 &most);
+        else if (material->excitation.kind != SPECTRUM_NONE)
+            fluorescence_balance(&material->excitation, &material->emission, NULL, &shorter, &most);
+        else
+            continue;
+        if (shorter > 0.25)
+            note_add(notes, "emission",
+                     "%.0f %% of the light that %s emits has shorter wavelengths than the light "
+                     "that it absorbs",
+                     100 * shorter, material->name);
+        if (most > 1 + 1e-9)
+            note_add(notes, "emission", "%s emits %.3g times the light that it absorbs",
+                     material->name, most);
+    }
+}
+
 /* ---- all notes ---- */
 
 /* Adds a note on tables that end before the picture's wavelengths do. */
@@ -116,6 +144,7 @@ bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *ou
     note_dark(lit, out);
     note_depth(lit, out);
     note_tables(lit->plan, out);
+    note_emission(lit->plan, out);
     return !shading_judge || shading_judge->judge(lit, judged_pixels, out, err);
 }
 

@@ -100,14 +100,15 @@ void fuzz_table(const struct fuzz_input *input)
 
 void fuzz_matrix(const struct fuzz_input *input)
 {
-    const struct spectrum black = {.kind = SPECTRUM_CONSTANT, .factor = 1},
-                          light = {SPECTRUM_CONSTANT, {1, 0}, .factor = 1};
+    const struct spectrum light = {SPECTRUM_CONSTANT, {1, 0}, .factor = 1};
+    struct spectrum black = {.kind = SPECTRUM_CONSTANT, .factor = 1};
     struct error err = {.status = EXIT_AGREED};
     struct donaldson matrix = {.share = NULL};
     struct spectrum emission = {.kind = SPECTRUM_NONE};
-    if (fuzz_ends(donaldson_read(input->path, nowhere, &black, &matrix, &err), &err) &&
+    if (fuzz_ends(donaldson_read(input->path, nowhere, false, &black, &matrix, &err), &err) &&
         fuzz_ends(donaldson_emission(&matrix, &light, &emission, &err), &err))
         check_spectrum(&emission, 0);
     spectrum_free(&emission);
+    spectrum_free(&black);
     donaldson_free(&matrix);
 }

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes bowl.obj, chair.obj, clock.obj, cove.obj and vase.obj of data/builtin/models again:
+"""Makes bowl.obj, chair.obj, clock.obj, cove.obj, vase.obj and tetrahedron*.obj of data/builtin/models again:
 `test/make/models.py FOLDER` writes them into FOLDER. Each part is a surface over u and v, 0 to 1. Only the backdrop
 has them as texture coordinates, too; without them a mesh is smaller. MIT licence."""
 import math
@@ -143,7 +143,33 @@ def mesh(parts, textured):
     return ["v " + place for place in vertices] + ["vt " + place for place in coordinates if textured] + faces
 
 
+def divided(levels):
+    """The lines of a tetrahedron in the sphere of radius 1, each of whose triangles is cut into four at the middles of its
+    edges, which are moved outwards to the sphere: so many times"""
+    side = 1 / math.sqrt(3)
+    points = [(side, side, side), (side, -side, -side), (-side, side, -side), (-side, -side, side)]
+    faces, middles = [(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)], {}
+
+    def middle(a, b):
+        key = min(a, b), max(a, b)
+        if key not in middles:
+            total = [x + y for x, y in zip(points[a], points[b])]
+            points.append(tuple(x / math.hypot(*total) for x in total))
+            middles[key] = len(points) - 1
+        return middles[key]
+
+    for _ in range(levels):
+        faces = [face for a, b, c in faces for ab, bc, ca in [(middle(a, b), middle(b, c), middle(c, a))]
+                 for face in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))]
+    return ["v " + " ".join(number(x, 6) for x in point) for point in points] + [
+        "f " + " ".join(str(i + 1) for i in face) for face in faces]
+
+
 def main(folder):
+    for levels in range(4):
+        what = f"# A tetrahedron in a sphere of radius 1, divided {levels} times into that sphere. Made by test/make/models.py."
+        with open(os.path.join(folder, f"tetrahedron{-levels or ''}.obj"), "w", encoding="ascii") as out:
+            out.write("\n".join([what, "# MIT licence.", *divided(levels)]) + "\n")
     for name, (what, parts) in MODELS.items():
         lines = [f"# {what[0].upper()}{what[1:]}. Made by test/make/models.py.", "# MIT licence.", *mesh(parts, name == "cove")]
         with open(os.path.join(folder, name + ".obj"), "w", encoding="ascii") as out:

@@ -123,7 +123,7 @@ CASES = [
     ("spectral render -", program_words("render")),
     ("spectral info -", program_words("info")),
     ("spectral render --renderer ", ["es-shader", "gl", "gl-shader", "llvmpipe", "raster", "softpipe"]),
-    ("spectral render --buffer ", ["16", "8", "float"]),
+    ("spectral render --buffer ", ["10", "16", "8", "float"]),
     ("spectral render --sampling ", ["adaptive:", "basis:", "box:", "gauss:", "rgb", "riemann:", "xyz"]),
     ("spectral render --sampling ga", ["gauss:"]),
     ("spectral render --detector cie2", ["cie2006-10", "cie2006-2"]),

@@ -195,7 +195,8 @@ bool probe_stack(struct probe *probe, const char *path, struct error *err);
 
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the
  * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
- * excitation, emission and own light. The region is one of the plan's picture. */
+ * excitation, emission and own light, and the emission of a matrix under each light. The region is
+ * one of the plan's picture. */
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
 void probe_free(struct probe *probe);
 

@@ -197,16 +197,25 @@ static bool add_curve(struct probe *probe, const char *name, enum curve_kind kin
     return true;
 }
 
-static bool add_lights(struct probe *probe, const struct scene *scene, struct error *err)
+/* Adds each light, and the emission of a matrix under it at a right angle; shown NULL: none. */
+static bool add_lights(struct probe *probe, const struct scene *scene, const struct material *shown,
+                       struct error *err)
 {
     bool done = true;
     for (int i = 0; done && i < scene->n_lights + scene->n_ambients; i++) {
         const struct light *light = scene_light(scene, i);
         const bool ambient = i >= scene->n_lights;
-        char name[sizeof probe->columns[0].name];
+        struct spectrum emission = {.kind = SPECTRUM_NONE};
+        char name[sizeof probe->columns[0].name], made[sizeof name];
         snprintf(name, sizeof name, "%s %d (%s)", ambient ? "ambient light" : "light",
                  1 + i - (ambient ? scene->n_lights : 0), light->spectrum.name);
         done = add_curve(probe, name, LIGHT, light->intensity, &light->spectrum, err);
+        if (!shown || !shown->donaldson)
+            continue;
+        snprintf(made, sizeof made, "emission under %.80s", name);
+        done = done && donaldson_emission(&shown->matrix, &light->spectrum, &emission, err) &&
+               add_curve(probe, made, LIGHT, light->intensity, &emission, err);
+        spectrum_free(&emission);
     }
     return done;
 }
@@ -238,11 +247,12 @@ static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
     const int surface = probe->shown.number; /* -1: the background */
+    const struct material *shown =
+        probe->shown.several || surface < 0 ? NULL : region->lit.bounds[surface].shaded->material;
     return (probe->shown.several ||
-            (string_copy(object_name(&region->plan, surface), &probe->object, err) &&
-             (surface < 0 ||
-              add_material(probe, region->lit.bounds[surface].shaded->material, err)))) &&
-           add_lights(probe, region->plan.scene, err);
+            string_copy(object_name(&region->plan, surface), &probe->object, err)) &&
+           (!shown || add_material(probe, shown, err)) &&
+           add_lights(probe, region->plan.scene, shown, err);
 }
 
 /* ---- a whole scene ---- */

@@ -201,11 +201,11 @@ static void check_gaussians(void)
 /* Returns a zeroed matrix after an error. */
 static struct donaldson read_matrix(const char *content, double diffuse, struct error *err)
 {
-    const struct spectrum reflectance = constant(diffuse);
+    struct spectrum reflectance = constant(diffuse);
     struct place nowhere = {0};
     struct donaldson out;
     *err = (struct error){0};
-    if (!donaldson_read(test_write("matrix.csv", content), nowhere, &reflectance, &out, err))
+    if (!donaldson_read(test_write("matrix.csv", content), nowhere, false, &reflectance, &out, err))
         donaldson_free(&out);
     return out;
 }
@@ -287,7 +287,7 @@ static void check_energy(void)
     for (int i = 0; i < COLUMNS; i++)
         used += (size_t)sprintf(content + used, " %d", 300 + 5 * i);
     for (int j = 0; j < 4; j++) {
-        used += (size_t)sprintf(content + used, "\n%d", 400 + 30 * j * j);
+        used += (size_t)sprintf(content + used, "\n%d", 410 + 30 * j * j);
         for (int i = 0; i < COLUMNS; i++) /* 90 + 100 + 110 + 212 = 512 in every column */
             used +=
                 (size_t)sprintf(content + used, " %.10f",
@@ -297,7 +297,7 @@ static void check_energy(void)
     CHECK_TEXT(err.text, "", "a column may emit all that the surface absorbs");
     for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
         static const double width[] = {30, 60, 120,
-                                       150}; /* the widths of bands at 400, 430, 520 and 670 nm */
+                                       150}; /* the widths of bands at 410, 440, 530 and 680 nm */
         struct spectrum light = spectrum_of(lights[k]), given = emission_under(&matrix, &light);
         double in = 0, out = 0;
         for (int i = 0; i < COLUMNS; i++)
@@ -336,17 +336,17 @@ static void check_extremes(void)
 static void check_diffuse_and_size(void)
 {
     double nm[] = {350, 390}, value[] = {0.5, 0.9};
-    const struct spectrum diffuse = samples(nm, value, 2);
+    struct spectrum diffuse = samples(nm, value, 2);
     struct place nowhere = {0};
     struct donaldson matrix;
     struct error err = {0};
     char *wide = malloc(5 * 4097 + 3), *at = wide + sprintf(wide, "nm");
     CHECK(donaldson_read(test_write("matrix.csv", "nm 300 360 500\n600 0.5 0.4 0.1\n"), nowhere,
-                         &diffuse, &matrix, &err),
+                         false, &diffuse, &matrix, &err),
           "the ends of the diffuse reflectance are held, and between samples it is linear");
     donaldson_free(&matrix);
     CHECK(!donaldson_read(test_write("matrix.csv", "nm 300 360 500\n600 0.5 0.4 0.11\n"), nowhere,
-                          &diffuse, &matrix, &err) &&
+                          false, &diffuse, &matrix, &err) &&
               strstr(err.text, ":1:12: error: at 500 nm") != NULL,
           "the matrix is also held to the diffuse reflectance beyond its samples");
     donaldson_free(&matrix);
@@ -357,7 +357,7 @@ static void check_diffuse_and_size(void)
     CHECK(strstr(err.text, ":1:20484: error: a matrix has at most 4096 excitation wavelengths") !=
               NULL,
           "a matrix has at most 4096 columns");
-    CHECK(!donaldson_read("no/such/matrix.csv", nowhere, &diffuse, &matrix, &err) &&
+    CHECK(!donaldson_read("no/such/matrix.csv", nowhere, false, &diffuse, &matrix, &err) &&
               matrix.share == NULL,
           "a missing file leaves the matrix empty");
     free(wide);

@@ -50,6 +50,22 @@ def forms():
         are_alike(f"room {' '.join(options)}", "room", *NM, *size, *options, drivers=("llvmpipe",))
 
 
+def ten_bits():
+    """Only EGL has buffers of 10 bits. Softpipe stores the nearest step of a colour, llvmpipe floor(1024 colour), but for roundings."""
+    options = ("room", *NM, "--size", "60x40")
+    for driver, factor, lowest, highest in (("llvmpipe", 1024, -1, 0), ("softpipe", 1023, -0.5, 0.5)):
+        words = (*options, "--renderer", driver, "--gl", "egl", "--depth", "32f")
+        scale = render(*words, "--buffer", "10")["full_scale"]
+        steps = pages_of(os.path.join(TMP, "stack.tif")).astype(float) / scale * 1023
+        render(*words)
+        colours = pages_of(os.path.join(TMP, "stack.tif")) / scale
+        off = (steps - factor * colours)[colours > 0]
+        check(lowest - 0.01 < off.min() < lowest + 0.1 and highest - 0.1 < off.max() < highest + 0.01 and np.abs(steps - np.rint(steps)).max() < 1e-3,
+              f"EGL, {driver}: a buffer of 10 bits agrees, and has the expected steps", off.min(), off.max())
+    refuses("OSMesa has no buffer of 10 bits", "OSMesa gives 16 bits of colour.*10, 24 and 8 are needed; --gl egl may have them",
+            "render", *options, "--buffer", "10", "--gl", "osmesa", "-o", "/dev/null", status=3)
+
+
 def random_ones():
     random_scenes.write_textures(TMP)
     for seed in range(1, 201 if "FULL" in os.environ else 11):
@@ -131,6 +147,7 @@ def drivers():
 
 scenes()
 forms()
+ten_bits()
 random_ones()
 missing()
 environment()

@@ -108,6 +108,29 @@ def bispectral(renderer):
         per_band(expected), f"{renderer}: on the light's own grid the emission is matrix x light")
 
 
+def diagonals(renderer):
+    """Matrices as bispectrometers measure them: the diagonal is the reflectance. The sums are plain ones, on the lights' grid."""
+    n = len(WAVELENGTHS)
+    dice = np.random.default_rng(3)
+    emitted = np.tril(dice.uniform(0, 0.006, (n, n)), -1)  # [emission][excitation], at longer wavelengths
+    reflectance = np.round(dice.uniform(0.1, 0.4, n), 4)
+    cells = {"shares": emitted + np.diag(reflectance), "densities": emitted / 5 + np.diag(reflectance)}
+    for word, matrix in cells.items():
+        rows = [",".join(map(repr, [int(nm), *row])) for nm, row in zip(WAVELENGTHS, matrix.tolist())]
+        write(f"{word}.csv", "\n".join(["nm," + ",".join(str(int(nm)) for nm in WAVELENGTHS), *rows]) + "\n")
+    for light in ("d65", "a", "fluorescent"):
+        spectrum = np.interp(WAVELENGTHS, *built_in(light))
+        expected = per_band(reflectance * spectrum + emitted @ spectrum)
+        for words in ("donaldson shares.csv", "diffuse 0 donaldson shares.csv shares", "donaldson densities.csv densities"):
+            Picture("diagonal", renderer, square(words, f"light {light} 1 direction 0 0 1\n")).agrees(
+                expected, f"{renderer}: {words} under {light} is reflectance x light and the sum of each row")
+    write("mirror.csv", "nm 300 400 530 540 760\n" + "".join(
+        f"{nm} {' '.join('0.3' if nm == other else '0' for other in (300, 400, 530, 540, 760))}\n" for nm in (300, 400, 530, 540, 760)))
+    line = np.interp(WAVELENGTHS, *built_in("fluorescent"))
+    Picture("mirror", renderer, square("donaldson mirror.csv", "light fluorescent 1 direction 0 0 1\n")).agrees(
+        per_band(0.3 * line), f"{renderer}: a line lamp is reflected by the diagonal where the lamp shines, {0.3 * line.max():.3f} at its peak")
+
+
 # ---- textures ----
 
 def sample(texels, u, v, linear):
@@ -593,7 +616,7 @@ def thesis_list(renderer):
 
 
 for each in ("raster", "gl"):
-    for effect in (fluorescence, bispectral, textures, two_repeats, texel_borders, dark_texture, spectral_textures,
+    for effect in (fluorescence, bispectral, diagonals, textures, two_repeats, texel_borders, dark_texture, spectral_textures,
                    spots, highlights, grazing, many_lights, lights_alike, full_scale, emission, fill_rule, sides, flat_shading, halves,
                    halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, many_objects, thesis_list):
         effect(each)

@@ -74,8 +74,25 @@ def no_light():
     for name, scene in (("ambient light", "ambient d65 0.1\n" + GREY + BALL),
                         ("emission", "material m { diffuse 0.5 emission 0.1 }\n" + BALL),
                         ("fluorescence under a light beyond the picture", "light gaussian:300,1 1 direction 0 0 1\n"
-                         "material m { diffuse 0.5 fluorescence gaussian:300,20 gaussian:500,50 }\n" + BALL)):
+                         "material m { diffuse 0.5 fluorescence gaussian:300,20 gaussian:500,50*0.4 }\n" + BALL)):
         shows(name, HEAD + scene)
+
+
+def emission():
+    light = HEAD + LIGHT
+    write("down.csv", "nm 400 500\n500 0.3 0\n600 0.1 0.2\n")
+    write("up.csv", "nm 400 500 600 700\n400 0.2 0.3 0.2 0\n550 0 0 0.1 0\n700 0 0 0 0.4\n")
+    for name, words in (("emission at longer wavelengths", "diffuse 0.2 fluorescence gaussian:400,40 gaussian:500,60*0.6"),
+                        ("curves that overlap", "diffuse 0.2 fluorescence gaussian:500,40 gaussian:525,40*0.9"),
+                        ("a matrix of longer wavelengths", "diffuse 0.2 donaldson down.csv")):
+        shows(name, light + f"material m {{ {words} }}\n" + BALL)
+    for name, words, text in (
+            ("excitation and emission exchanged", "diffuse 0.2 fluorescence gaussian:600,40 gaussian:450,40*0.9",
+             "^100 % of the light that m emits has shorter wavelengths"),
+            # the diagonal, 0.2 and 0.4, is no emission
+            ("a matrix of shorter wavelengths", "donaldson up.csv", "^100 % of the light that m emits has shorter wavelengths"),
+            ("more light than comes in", "diffuse 0.2 fluorescence gaussian:400,20 gaussian:500,50", "^m emits 2.5 times the light")):
+        gets(name, light + f"material m {{ {words} }}\n" + BALL, "emission", text)
 
 
 def out_of_view():
@@ -203,6 +220,7 @@ def builtin():
 
 
 no_light()
+emission()
 out_of_view()
 black()
 depth()

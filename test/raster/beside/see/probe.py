@@ -136,6 +136,13 @@ object plane 1 2 material dye translate 1 0 0
                 "emission": 0.4 * np.exp(-4 * np.log(2) * ((WAVELENGTHS - 440) / 60) ** 2)}
     check(all(name in dye and np.allclose(dye[name], values, rtol=1e-12, atol=1e-300) for name, values in expected.items()),
           "a fluorescent object has reflectances, excitation, emission and its own light", list(dye))
+    write("matrix.csv", "nm 300 400 500\n500 0.02 0.04 0.3\n600 0.01 0.03 0.1\n")
+    scaled = write("matrix.scene", "wavelengths list 500 550 600\nsize 4 4\nlight 1 2 direction 0 0 1\nambient 1 0.5\n"
+                   "material m { donaldson matrix.csv }\nobject plane 20 20 material m\n")
+    matrix = probe(scaled, 1, 1)
+    check(np.allclose(matrix["emission under light 1 (1)"], [0.12, 0.2, 0.28]) and
+          np.allclose(matrix["emission under ambient light 1 (1)"], [0.03, 0.05, 0.07]) and np.allclose(matrix["reflectance"], 0.3),
+          "a matrix has its diagonal as reflectance, and the emission under each light", list(matrix))
     check(values_of(scene, 10, 20)["object"] == "red" and values_of(scene, 30, 20)["object"] == "dye",
           "objects have their names")
     background, both = probe(scene, 20, 1), probe(scene, 10, 20, 21, 1)
