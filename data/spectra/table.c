@@ -2,7 +2,6 @@
 /* Reads tables of wavelengths and values: columns, as spreadsheets and instruments write them, and
  * CGATS files. A file that can be read in two ways is refused, with the words that decide. */
 #include <float.h>
-#include <strings.h>
 
 #include "data/spectra/inside.h"
 
@@ -30,7 +29,7 @@ struct table {
 
 /* ---- values ---- */
 
-enum { LABEL_SIZE = 96, LONGEST_NAME = 64, SPELLED = 80 };
+enum { LABEL_SIZE = 96, LONGEST_NAME = 64 };
 /* Writes the table as a scene names it, without a factor; a long name as FILE. */
 static const char *label(const struct table *table, char out[LABEL_SIZE])
 {
@@ -167,13 +166,6 @@ static bool check_mark(struct table *table, const struct word *word, struct erro
     return true;
 }
 
-/* Returns whether a wavelength begins here: a digit, perhaps behind a sign or a point. */
-static bool begins_wavelength(const struct word *word)
-{
-    const size_t at = word->length > 0 && strchr("+-.", word->start[0]) ? 1 : 0;
-    return word->length > at && word->start[at] >= '0' && word->start[at] <= '9';
-}
-
 static bool refuse_row(const struct word *word, struct error *err)
 {
     return error_at(err, word->place,
@@ -188,7 +180,7 @@ static bool read_wavelength(struct table *table, struct word *word, double *out,
     const size_t length = word->length;
     struct text ahead = table->text;
     struct word unit;
-    if (!begins_wavelength(word) && !word->quoted)
+    if (!word_begins_wavelength(word) && !word->quoted)
         return refuse_row(word, err);
     if (length > 2 && strncmp(word->start + length - 2, "nm", 2) == 0)
         for (word->length -= 2; strchr(" \t", word->start[word->length - 1]);)
@@ -297,12 +289,6 @@ static bool first_field(struct table *line, struct word *out)
     return next_field(line, out);
 }
 
-bool word_is_numeric(const struct word *word, const char *characters)
-{
-    return strspn(word->start, characters) >= word->length &&
-           strcspn(word->start, "0123456789") < word->length;
-}
-
 /* Returns whether all fields of a line but the first are numbers, as in a row with a mistake. */
 static bool has_numbers(struct table line, struct word *first)
 {
@@ -316,17 +302,6 @@ static bool has_numbers(struct table line, struct word *first)
     return n > 0;
 }
 
-static bool says_percent(const struct word *word)
-{
-    static const char percent[] = "percent";
-    const size_t length = sizeof percent - 1;
-    for (size_t i = 0; i < word->length; i++)
-        if (word->start[i] == '%' ||
-            (i + length <= word->length && strncasecmp(word->start + i, percent, length) == 0))
-            return true;
-    return false;
-}
-
 static bool refuse_percent(const struct table *table, const struct word *word, struct error *err)
 {
     char name[LABEL_SIZE];
@@ -334,79 +309,6 @@ static bool refuse_percent(const struct table *table, const struct word *word, s
                     "'%.*s' says percent; write '%s*0.01', or '%s*1' if the values are "
                     "fractions of 1",
                     word_shown(word), word->start, label(table, name), name);
-}
-
-/* Writes the letters of a word, in lower case, and those that signs stand for; `gap` for other
- * characters, around the word, too. */
-static void spell(const struct word *word, const char *gap, char out[SPELLED])
-{
-    static const char *const signs[][2] = {
-        {"\xC8\xB3", "y"},   {"\xC8\xB2", "y"},   {"\xC2\xB5", "u"},      {"\xCE\xBC", "u"},
-        {"\xC3\x85", "ang"}, {"\xC3\xA5", "ang"}, {"\xE2\x84\xAB", "ang"}};
-    int n = snprintf(out, SPELLED, "%s", gap);
-    for (size_t i = 0; i < word->length && n < SPELLED - 8; i++) {
-        const char c = word->start[i], lower = (char)(c | 32),
-                   letter[2] = {lower >= 'a' && lower <= 'z' ? lower : '\0', '\0'};
-        const char *add = letter[0] ? letter : (c & 128) ? "" : gap;
-        for (size_t s = 0; s < sizeof signs / sizeof *signs; s++)
-            if (strncmp(word->start + i, signs[s][0], strlen(signs[s][0])) == 0)
-                add = signs[s][1];
-        n += snprintf(out + n, SPELLED - (size_t)n, "%s", add);
-    }
-    snprintf(out + n, SPELLED - (size_t)n, "%s", gap);
-}
-
-/* Returns whether a column is named as an observer's: x, X, xbar, x_bar_10, CIE x ... */
-static bool is_tristimulus(const struct word *word, char letter)
-{
-    static const char *const rest[] = {"", "bar", "deg", "bardeg", "lambda", "barlambda"};
-    char spelled[SPELLED];
-    spell(word, "", spelled);
-    const char *at = spelled + (strncmp(spelled, "cie", 3) == 0 ? 3 : 0);
-    for (size_t i = 0; i < sizeof rest / sizeof *rest && *at == letter; i++)
-        if (strcmp(at + 1, rest[i]) == 0)
-            return true;
-    return false;
-}
-
-/* Refuses a heading of wavelengths that names another unit than nm. */
-static bool check_unit(const struct word *word, struct error *err)
-{
-    static const char *const units[][3] = {
-        {"ngstr", "angstroms", "divide them by 10"},
-        {" ang ", "angstroms", "divide them by 10"},
-        {"wavenumber", "wavenumbers", "divide 10000000 by those in 1/cm"},
-        {" cm ", "wavenumbers", "divide 10000000 by those in 1/cm"},
-        {"micro", "micrometres", "multiply them by 1000"},
-        {" um ", "micrometres", "multiply them by 1000"}};
-    char spelled[SPELLED];
-    spell(word, " ", spelled);
-    for (size_t i = 0; i < sizeof units / sizeof *units; i++)
-        if (strstr(spelled, units[i][0]))
-            return error_at(err, word->place, "'%.*s' says %s; expected wavelengths in nm: %s",
-                            word_shown(word), word->start, units[i][1], units[i][2]);
-    return true;
-}
-
-/* Returns whether a name says that its column holds wavelengths. */
-static bool says_wavelength(const struct word *word)
-{
-    char spelled[SPELLED];
-    spell(word, " ", spelled);
-    return strstr(spelled, "wave") || strstr(spelled, "lambda") || strstr(spelled, " nm ");
-}
-
-/* Returns the wavelength that a column's name ends with, as in 400, nm400, R_400 or 400nm; 0:
- * none. */
-static double named_wavelength(const struct word *word)
-{
-    size_t letters = 0;
-    char *end;
-    while (letters < word->length && (unsigned)(word->start[letters] - '0') > 9)
-        letters++;
-    const double nm = letters < word->length ? strtod(word->start + letters, &end) : 0;
-    const size_t left = nm >= 100 ? (size_t)(word->start + word->length - end) : 1;
-    return left == 0 || (left == 2 && strncmp(end, "nm", 2) == 0) ? nm : 0;
 }
 
 /* Refuses a heading whose names are increasing wavelengths: then each row is a sample. */
@@ -417,8 +319,8 @@ static bool check_rows(struct table line, struct error *err)
     int n = 0;
     if (!first_field(&line, &first) || first.length == 0)
         return true;
-    for (; next_field(&line, &word); n++, last = named_wavelength(&word))
-        if (!(named_wavelength(&word) > last))
+    for (; next_field(&line, &word); n++, last = name_wavelength(&word))
+        if (!(name_wavelength(&word) > last))
             return true;
     return n < 2 || error_at(err, first.place,
                              "wavelengths stand in this heading, and each row is a sample; "
@@ -435,7 +337,7 @@ static bool check_above(const struct table *table, struct table line, struct err
 {
     struct word word;
     while (wants_fractions(table) && next_field(&line, &word))
-        if (says_percent(&word))
+        if (name_says_percent(&word))
             return refuse_percent(table, &word, err);
     return true;
 }
@@ -455,14 +357,15 @@ static bool read_heading(struct table *table, struct text heading, struct error 
         line.separator = find_separator(&heading);
     for (; next_field(&line, &word); n++) {
         name = n == 0 ? word : name;
-        named += n > 0 && n <= 3 && is_tristimulus(&word, "xyz"[n - 1]);
-        if ((n == 0 || line.separator == ' ') && !check_unit(&word, err))
+        named += n > 0 && n <= 3 && name_is_tristimulus(&word, "xyz"[n - 1]);
+        if ((n == 0 || line.separator == ' ') && !name_check_unit(&word, err))
             return false;
-        if (n > 0 && says_wavelength(&word) && !says_wavelength(&name) && line.separator != ' ')
+        if (n > 0 && name_says_wavelength(&word) && !name_says_wavelength(&name) &&
+            line.separator != ' ')
             return error_at(err, name.place,
                             "the first column must hold the wavelengths; it is named '%.*s'",
                             word_shown(&name), name.start);
-        if (wants_fractions(table) && says_percent(&word) &&
+        if (wants_fractions(table) && name_says_percent(&word) &&
             (n == first || (n > 0 && wanted->first == 0 && line.separator == ' ')))
             return refuse_percent(table, &word, err);
     }
@@ -477,7 +380,7 @@ static bool read_headings(struct table *table, struct error *err)
 {
     struct table line = *table, heading = {0};
     struct word word;
-    while (!first_field(&line, &word) || !begins_wavelength(&word)) {
+    while (!first_field(&line, &word) || !word_begins_wavelength(&word)) {
         if (text_peek(table->text, &word)) {
             if (heading.text.line > 0 && !check_above(table, heading, err))
                 return false;
