@@ -116,8 +116,11 @@ static void print_exported(const struct options *options, struct printed *to)
 {
     const char *scene = options_scene(options);
     char path[PATH_MAX];
-    const bool is_file = !scene_is_input(scene) && realpath(scene, path);
-    print(to, "%s\n", is_file ? path : scene);
+    struct error ignored;
+    bool is_file; /* a folder may have the name of a built-in scene, as that of an export */
+    const bool found = !scene_is_input(scene) && file_is_regular(scene, &is_file, &ignored) &&
+                       is_file && realpath(scene, path);
+    print(to, "%s\n", found ? path : scene);
     for (int i = 0; i < options->n_recorded; i++)
         print(to, "%s\n", options->recorded[i]);
 }

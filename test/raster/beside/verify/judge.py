@@ -111,6 +111,14 @@ def folder_alone(scene):
     refuses("another size", r"drawn.txt:4:1: error: drawn at 91x60, exported at 90x60", "judge", folder)
 
 
+def beside_folder():
+    """The built-in room stays the scene of an export beside a folder of that name."""
+    os.makedirs(path_of("beside/room"), exist_ok=True)
+    shutil.rmtree(path_of("beside/exported"), ignore_errors=True)
+    output_of("export", "room", "--size", "30x20", *SHORT, "-o", "exported", cwd=path_of("beside"))
+    check(open(path_of("beside/exported/exported.txt")).readline() == "room\n", "a folder is not taken for the scene")
+
+
 def measured(scene):
     """A driver that moves all corners by up to 1/32 pixel is a legal one of 4 bits: its targets say so. One of 1/8 pixel is not."""
     source = open("data/samples/draw.c").read()
@@ -318,6 +326,7 @@ def whole_or_not():
 
 compile_sample()
 folder_alone("room")
+beside_folder()
 measured("colorchecker")
 own = write("own.scene", EFFECTS.replace("700 10\n", "700 50\nshading flat\n"))
 for each in ("llvmpipe", "softpipe"):
