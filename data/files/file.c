@@ -54,6 +54,18 @@ static int open_readable(const char *path, struct place from, int flags, struct 
     return -1;
 }
 
+/* Names the format of a file that has a NUL among its first bytes. */
+static bool refuse_binary(const char *path, const char *bytes, size_t zero, size_t length,
+                          struct error *err)
+{
+    const char *format = format_of(bytes, length);
+    const struct place whole = {path, 0, 0};
+    if (strcmp(format, "UTF-16") == 0)
+        return error_at(err, whole, "the text is UTF-16; save it as UTF-8");
+    return error_at(err, whole, "byte %zu is NUL, so this is no text file%s%s", zero + 1,
+                    format[0] != '\0' ? "; it looks like " : "", format);
+}
+
 /* Reads to the end. Looks for NUL bytes while it reads, so that /dev/zero ends at once. Keeps room
  * for a NUL at the end. */
 static bool read_open(const char *path, struct place from, int descriptor, size_t capacity,
@@ -69,9 +81,7 @@ static bool read_open(const char *path, struct place from, int descriptor, size_
             return error_cause(err, from, "cannot read %s", path);
         const char *zero = memchr(more, '\0', (size_t)got);
         if (zero != NULL)
-            return error_at(err, (struct place){path, 0, 0},
-                            "byte %zu is NUL, so this is no text file",
-                            (size_t)(zero - *bytes) + 1);
+            return refuse_binary(path, *bytes, (size_t)(zero - *bytes), length + (size_t)got, err);
         length += (size_t)got;
         if (length > longest_read)
             return refuse_read(err, from, path, "it is too long for a text file");

@@ -64,9 +64,12 @@ char *file_relative(const char *base, const char *name);
 bool file_is_regular(const char *path, bool *out, struct error *err);
 bool file_is_same(const char *a, const char *b, bool *out, struct error *err);
 bool file_is_missing(const char *path); /* no file has the name, which is not "builtin:..." */
-/* format.c: finds the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text": they
- * have no NUL; "": another one, or no such file; "ENVI": an ENVI header, or raw samples with a
- * header beside them. Fails only where the system does. */
+/* format.c: finds a format by the first bytes: "TIFF", "PNG", "XML", ...; "text": they have no NUL;
+ * "": another one. */
+const char *format_of(const void *bytes, size_t length);
+bool format_is_picture(const char *format);
+/* Finds the format of a regular file; "": also of no such file; "ENVI": of an ENVI header, or of
+ * raw samples with a header beside them. Fails only where the system does. */
 bool file_format(const char *path, const char **out, struct error *err);
 /* Returns the name of the raw samples of such a header, otherwise the path itself; allocated. NULL:
  * no memory. */

@@ -7,16 +7,18 @@
 #include "data/files/files.h"
 
 /* A format and its first n bytes; '?' stands for any byte. */
-static const struct {
+struct format {
     const char *name;
     const char *bytes;
     size_t n;
-} formats[] = {
+};
+static const struct format pictures[] = {
     {"TIFF", "II\x2a\0", 4},
     {"TIFF", "MM\0\x2a", 4},
     {"TIFF", "II\x2b\0", 4}, /* BigTIFF */
     {"TIFF", "MM\0\x2b", 4},
     {"PNG", "\x89PNG", 4},
+    {"SGI", "\x01\xda", 2},
     {"JPEG", "\xff\xd8\xff", 3},
     {"GIF", "GIF8", 4},
     {"BMP", "BM????\0\0\0\0", 10},
@@ -24,21 +26,37 @@ static const struct {
     {"OpenEXR", "\x76\x2f\x31\x01", 4},
     {"Radiance HDR", "#?RADIANCE", 10},
     {"JPEG 2000", "\0\0\0\x0cjP", 6},
-    {"HDF5", "\x89HDF", 4},
-    {"PDF", "%PDF", 4},
-    {"ENVI", "ENVI", 4},
+    {"ENVI", "ENVI\n", 5},
+    {"ENVI", "ENVI\r", 5},
 };
+static const struct format others[] = {
+    {"HDF5", "\x89HDF", 4},          {"MATLAB", "MATLAB", 6}, {"NumPy", "\x93NUMPY", 6},
+    {"ZIP", "PK\x03\x04", 4}, /* spreadsheets, too */
+    {"gzip", "\x1f\x8b", 2},         {"PDF", "%PDF", 4},      {"XML", "<?xml", 5},
+    {"XML", "\xef\xbb\xbf<?xml", 8}, {"JSON", "{", 1},        {"UTF-16", "\xff\xfe", 2},
+    {"UTF-16", "\xfe\xff", 2},
+};
+enum { PICTURES = sizeof pictures / sizeof *pictures, OTHERS = sizeof others / sizeof *others };
 
-static const char *format_of(const void *bytes, size_t length)
+bool format_is_picture(const char *format)
+{
+    bool found = false;
+    for (int i = 0; i < PICTURES; i++)
+        found = found || strcmp(pictures[i].name, format) == 0;
+    return found;
+}
+
+const char *format_of(const void *bytes, size_t length)
 {
     const char *start = bytes;
-    for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++) {
+    for (int i = 0; i < PICTURES + OTHERS; i++) {
+        const struct format *format = i < PICTURES ? &pictures[i] : &others[i - PICTURES];
         size_t n = 0; /* bytes that fit */
-        while (n < formats[i].n && n < length &&
-               (formats[i].bytes[n] == '?' || formats[i].bytes[n] == start[n]))
+        while (n < format->n && n < length &&
+               (format->bytes[n] == '?' || format->bytes[n] == start[n]))
             n++;
-        if (n == formats[i].n)
-            return formats[i].name;
+        if (n == format->n)
+            return format->name;
     }
     return length > 0 && !memchr(start, '\0', length) ? "text" : "";
 }
@@ -72,7 +90,7 @@ static bool format_find(const char *path, const char **out, struct error *err)
 /* ---- ENVI cubes: raw samples, and a header beside them ---- */
 
 /* The raw samples of NAME.hdr are NAME, or NAME with an ending. */
-static const char *const endings[] = {"", ".img", ".dat", ".raw", ".bsq", ".bil", ".bip"};
+static const char *const endings[] = {"", ".img", ".dat", ".raw", ".bin", ".bsq", ".bil", ".bip"};
 enum { ENDINGS = sizeof endings / sizeof endings[0] };
 
 /* Returns the length of the path without the ending; 0: it ends otherwise. */

@@ -144,6 +144,10 @@ static double pixel_value(const struct stored_rows *of, size_t pixel)
     const int *parts = layout->n_colours == 1 ? grey : luma;
     const size_t colour_step = layout->n_planes > 1 ? (size_t)of->n * layout->width : 1;
     double sum = 0, white = 0;
+    if (layout->colour > 0 && layout->n_colours == 3)
+        return sample_at(layout, of->samples,
+                         (layout->colour - 1u) * colour_step + pixel * layout->pixel_step) /
+               layout->largest;
     for (size_t i = 0; i < layout->n_colours; i++) {
         sum +=
             parts[i] * sample_at(layout, of->samples, i * colour_step + pixel * layout->pixel_step);

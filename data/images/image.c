@@ -317,6 +317,35 @@ static bool pages_read(struct image *image, image_tags *read_tags, struct error 
     return wavelengths_keep(image, err);
 }
 
+/* ---- colours as wavelengths ---- */
+
+const struct rgb_knot rgb_knots[RGB_KNOTS] = {{1, 2},   {480, 2}, {500, 1},
+                                              {570, 1}, {600, 0}, {999999, 0}};
+
+bool image_spread(struct image *image, struct error *err)
+{
+    struct sample_layout *pages;
+    double *nm;
+    if (image->n_pages != 1)
+        return image_refuse(image, -1, err, "it has %d pages; a picture has one", image->n_pages);
+    if (!MAKE_ARRAY(pages, RGB_KNOTS, err, "the pages of %s", image->path))
+        return false;
+    for (int i = 0; i < RGB_KNOTS; i++) {
+        pages[i] = image->file->pages[0];
+        pages[i].colour = (uint16_t)(rgb_knots[i].colour + 1);
+    }
+    free(image->file->pages);
+    free(image->wavelengths_nm);
+    image->file->pages = pages;
+    image->n_pages = RGB_KNOTS;
+    if (!MAKE_ARRAY(nm, RGB_KNOTS, err, "the pages of %s", image->path))
+        return false;
+    for (int i = 0; i < RGB_KNOTS; i++)
+        nm[i] = rgb_knots[i].nm;
+    image->wavelengths_nm = nm;
+    return true;
+}
+
 /* ---- the file ---- */
 
 bool image_is(const char *path, bool *out, struct error *err)
@@ -340,16 +369,14 @@ static char *names_of_conversion(const char *path, struct error *err)
 
 /* Refuses a picture of another format, with the command that converts it. GDAL's options write a
  * cube's samples of any type, times their gains, as floats. */
-static bool refuse_foreign(const struct image *image, struct error *err)
+static bool refuse_foreign(const struct image *image, const char *format, struct error *err)
 {
-    const char *format, *path = image->path;
+    const char *path = image->path;
     const struct place from = image->file->from;
-    if (!file_format(path, &format, err))
-        return false;
-    if (format[0] == '\0' || strcmp(format, "TIFF") == 0)
+    if (format[0] == '\0' || strcmp(format, "TIFF") == 0 || image_converts(format))
         return true;
-    if (strcmp(format, "text") == 0)
-        return error_at(err, from, "%s is a text file; expected TIFF", path);
+    if (!format_is_picture(format))
+        return error_at(err, from, "%s has the format %s; expected TIFF", path, format);
     const bool is_cube = strcmp(format, "ENVI") == 0;
     char *data = is_cube ? envi_data(path) : strdup(path);
     char *names = data ? names_of_conversion(data, err) : NULL;
@@ -385,7 +412,7 @@ bool source_is_sound(const struct image *image, struct error *err)
 }
 
 /* Opens the file with libtiff, and finds its size. */
-static bool open_source(struct image *image, struct error *err)
+static bool open_source(struct image *image, const char *format, struct error *err)
 {
     struct image_file *file = image->file;
     struct client *client = &file->client;
@@ -395,6 +422,8 @@ static bool open_source(struct image *image, struct error *err)
     if (!client->builtin && fstat(client->descriptor, &status) != 0)
         return error_cause(err, file->from, "cannot read %s", image->path);
     client->bytes = client->builtin ? client->builtin->length : (uint64_t)status.st_size;
+    if (image_converts(format) && !foreign_read(image, format, err))
+        return false;
     file->tiff = client_open(client, image->path, "rmc");
     return source_is_sound(image, err) &&
            (file->tiff != NULL || image_refuse_broken(image, -1, err));
@@ -403,13 +432,15 @@ static bool open_source(struct image *image, struct error *err)
 bool image_open(const char *path, struct place from, image_tags *read_tags, struct image *out,
                 struct error *err)
 {
+    const char *format;
     *out = (struct image){.scale = 1};
     bool done = string_copy(path, &out->path, err) &&
                 MAKE_ARRAY(out->file, 1, err, "the pages of %s", path);
     if (done) {
         out->file->from = from;
         out->file->client.descriptor = -1;
-        done = refuse_foreign(out, err) && open_source(out, err) && pages_read(out, read_tags, err);
+        done = file_format(path, &format, err) && refuse_foreign(out, format, err) &&
+               open_source(out, format, err) && pages_read(out, read_tags, err);
     }
     return done;
 }
@@ -427,7 +458,7 @@ void image_close(struct image *image)
             TIFFClose(file->tiff);
         if (file->client.descriptor >= 0)
             close(file->client.descriptor);
-        FREE_ALL(file->pages, file->kept.samples, file);
+        FREE_ALL(file->pixels, file->pages, file->kept.samples, file);
     }
     FREE_ALL(image->path, image->description, image->verdict, image->wavelengths_nm);
     *image = (struct image){0};

@@ -11,7 +11,8 @@ struct png;
 
 /* ---- image.c: pages and their metadata ---- */
 
-/* A TIFF file of grey or RGB pages of 8 or 16 bits, or of grey pages of 32-bit floats. If its only
+/* A TIFF file of grey or RGB pages of 8 or 16 bits, or of grey pages of 32-bit floats; or a picture
+ * in PNG or SGI format. If its only
  * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. */
 struct image {
     char *path; /* owned */
@@ -44,6 +45,8 @@ typedef bool image_tags(struct image *image, int n, struct page_record *out, str
  * the command that converts it. The caller closes *out, also after a failure. */
 bool image_open(const char *path, struct place from, image_tags *read_tags, struct image *out,
                 struct error *err);
+/* Returns whether image_open reads this format (file_format) as it reads TIFF: PNG and SGI. */
+bool image_converts(const char *format);
 /* Refuses a page (from 0; -1: the file). The message has its wavelength, if that is recorded. */
 bool PRINTF_LIKE(4, 5)
     image_refuse(const struct image *image, int page, struct error *err, const char *format, ...);
@@ -54,6 +57,15 @@ bool PRINTF_LIKE(4, 5)
  * rows are read. If the samples of all bands lie side by side, these rows of up to 256 MB of bands
  * are kept: read the same rows of one page after the other. */
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
+/* The wavelengths at which three colours of unknown spectra are taken, from 0 red to 2 blue.
+ * Between them they are linear. They reach beyond all light. */
+enum { RGB_KNOTS = 6 };
+extern const struct rgb_knot {
+    double nm;
+    int colour;
+} rgb_knots[RGB_KNOTS];
+/* Makes pages at these wavelengths of a picture of one page. */
+bool image_spread(struct image *image, struct error *err);
 /* Returns whether all samples are grey floats. */
 bool image_is_float(const struct image *image);
 void image_close(struct image *image);
@@ -83,6 +95,7 @@ struct sample_layout {
     uint16_t bits, n_samples, n_colours, n_planes;
     uint16_t n_bands; /* pages of its directory */
     uint16_t plane;   /* the first of n_planes */
+    uint16_t colour;  /* of RGB, the one that the page is: 1 red, 2 green, 3 blue; 0: their luma */
     size_t block_bytes;
     size_t pixel_step;    /* samples of a pixel in a plane */
     size_t row_bytes;     /* of a plane */
@@ -115,7 +128,9 @@ struct image_file {
     struct sample_layout *pages;
     uint64_t directory; /* where libtiff is; 0: at none of the pages */
     struct kept_bands kept;
-    int n_recorded;       /* pages that the file says it has; 0: it does not say */
+    struct builtin_file converted; /* what client reads of another format */
+    unsigned char *pixels;         /* its bytes; owned */
+    int n_recorded;                /* pages that the file says it has; 0: it does not say */
     const char *channels; /* for image_tags: of its OME-XML, those of the pages that follow */
     struct place from;
 };
@@ -123,15 +138,15 @@ struct image_file {
 enum { TEXTURE_PLANES = 3 };
 /* Planes have rows from t = 0 (the picture's bottom row) upwards, width values each. */
 struct texture {
-    struct image image; /* open as long as planes are to be loaded */
-    bool spectral;
+    struct image image;           /* open as long as planes are to be loaded */
+    bool spectral, rgb;           /* rgb: pages at rgb_knots are made of the only one */
     bool linear;                  /* between texel centres; otherwise the nearest texel */
     double smallest, largest;     /* of all values of all pages */
     float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */
     pthread_mutex_t *reading;     /* held while the image is read; owned */
 };
-/* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
- * with values that hold for every wavelength. A spectral texture is a stack of pages with
+/* Reads a texture; the caller chooses `linear`, `spectral` and `rgb` of *out. A grey texture is one
+ * page with values that hold for every wavelength. A spectral texture is a stack of pages with
  * wavelengths; all of them are read once, to find their smallest and largest value. Refuses a side
  * of more than 16384 texels, since OpenGL's textures have a limit, too. The caller frees *out, also
  * after a failure. */

@@ -8,8 +8,6 @@
 #include "data/images/inside.h"
 
 enum { CHUNK_BYTES = 1 << 16, LEVEL = 6, CHANNELS = 3 };
-/* The specification's filters; each predicts a byte. */
-enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
 struct png {
     struct output *output; /* the picture writer's */
     z_stream stream;
@@ -126,8 +124,7 @@ static bool put_head(struct png *png, const struct picture_options *options, str
 
 /* ---- filters ---- */
 
-/* Returns the one of three neighbours that is nearest to left + above - corner. */
-static int paeth(int left, int above, int corner)
+int png_paeth(int left, int above, int corner)
 {
     const int to_left = abs(above - corner), to_above = abs(left - corner);
     const int to_corner = abs(left + above - 2 * corner);
@@ -149,7 +146,7 @@ static const unsigned char *filter_row(const struct png *png)
         const int predicted[FILTERS] = {[FILTER_SUB] = left[i],
                                         [FILTER_UP] = above[i],
                                         [FILTER_AVERAGE] = (left[i] + above[i]) / 2,
-                                        [FILTER_PAETH] = paeth(left[i], above[i], corner[i])};
+                                        [FILTER_PAETH] = png_paeth(left[i], above[i], corner[i])};
         for (int filter = 0; filter < FILTERS; filter++) {
             const unsigned char byte = (unsigned char)(row[i] - predicted[filter]);
             png->filtered[filter][1 + i] = byte;

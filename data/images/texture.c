@@ -67,6 +67,8 @@ static bool open_pages(const char *path, struct place from, image_tags *read_tag
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
         error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
                  out->image.width, out->image.height, LONGEST_TEXTURE);
+    else if (out->rgb && !image_spread(&out->image, err))
+        ;
     else if (out->spectral && out->image.wavelengths_nm == NULL)
         error_at(err, from,
                  "%s: %s; expected a stack of this program, or pages that record increasing"
@@ -89,7 +91,7 @@ static bool open_pages(const char *path, struct place from, image_tags *read_tag
 bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
                   struct error *err)
 {
-    *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
+    *out = (struct texture){.linear = out->linear, .spectral = out->spectral, .rgb = out->rgb};
     if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
         return false;
     pthread_mutex_init(out->reading, NULL);

@@ -82,9 +82,14 @@ struct obj {
     char **names; /* of usemtl, in order of first use by a face; "" before the first; owned */
     struct index places; /* of the names */
     int n_corners, n_faces, n_names;
-    struct word material; /* the latest usemtl, while the file is read */
-    int32_t name;         /* its index; -1: not used yet */
-    bool lacks_normals;   /* some corner that was read has none */
+    bool lacks_normals; /* some corner of a face has none */
+    /* While the file is read: a face's name is the index of its usemtl here; index 0: none. */
+    struct word *uses;
+    int n_uses;
+    struct obj_latest {
+        int32_t end; /* behind the last item that a face has used */
+        struct place place;
+    } latest[3]; /* of each list */
 };
 
 /* Reads and checks the file. Refuses one without any face. */

@@ -3,6 +3,7 @@
  * checks them all, so that the rest of the mesh builder can rely on them. */
 #include <float.h>
 #include <limits.h>
+#include <strings.h>
 
 #include "data/mesh/inside.h"
 
@@ -31,8 +32,26 @@ static bool next_word(struct text *text, struct word *out)
 
 /* ---- v, vt, vn ---- */
 
-/* Reads the numbers of v, vt or vn. Refuses those above the largest single-precision number, which
- * OpenGL could not draw. */
+/* Returns whether a word stands for no number, as C libraries write it: nan, -nan(ind), inf,
+ * 1.#QNAN, -1.#IND. */
+static bool is_no_number(const struct word *word)
+{
+    const char *at = word->start + strspn(word->start, "+-1.#");
+    return word->length >= 3 && (strncasecmp(at, "nan", 3) == 0 || strncasecmp(at, "inf", 3) == 0 ||
+                                 strncasecmp(at, "ind", 3) == 0 || strncasecmp(at, "qnan", 4) == 0);
+}
+
+/* Reads a number. Refuses one above the largest single-precision number, which OpenGL could not
+ * draw. What is no number becomes NaN, unless it is one of a position. */
+static bool read_coordinate(const struct word *word, bool of_position, double *out,
+                            struct error *err)
+{
+    *out = NAN;
+    return (!of_position && is_no_number(word)) ||
+           word_number(word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, out, err);
+}
+
+/* Reads the numbers of v, vt or vn. */
 static bool read_item(struct text *text, const struct list_form *form, struct obj_list *list,
                       struct error *err)
 {
@@ -43,7 +62,7 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
         if (n == form->most)
             return error_at(err, word.place, "too many numbers: %s takes at most %d", form->name,
                             form->most);
-        if (!word_number(&word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, &number[n], err))
+        if (!read_coordinate(&word, form == &forms[OBJ_POINT] && n < 3, &number[n], err))
             return false;
     }
     if (n < form->least)
@@ -54,30 +73,36 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
                         "expected a number: v takes x y z, perhaps w, perhaps red green blue");
     struct vector item = {number[0], number[1], number[2]};
     if (form == &forms[OBJ_NORMAL])
-        item = vector_normalise(item);
+        item = isnan(item.x + item.y + item.z) ? (struct vector){0, 0, 0} : vector_normalise(item);
     return array_add(&list->at, &list->n, &item, sizeof item, err);
 }
 
 /* ---- f ---- */
 
-/* Reads an index, which counts from 1, or back from -1, the latest item. *out counts from 0. */
-static bool read_index(const struct word *word, const char *item, int n, int32_t *out,
+/* Reads an index, which counts from 1, or back from -1, the latest item. *out counts from 0. It may
+ * be that of an item in a later line. */
+static bool read_index(const struct word *word, struct obj *obj, int list, int32_t *out,
                        struct error *err)
 {
+    const char *item = forms[list].item;
+    const int n = obj->list[list].n;
+    struct obj_latest *latest = &obj->latest[list];
     long index;
-    if (!word_integer(word, item, LONG_MIN, LONG_MAX, &index, err))
+    if (!word_integer(word, item, LONG_MIN, INT32_MAX, &index, err))
         return false;
     if (index == 0)
         return error_at(err, word->place, "%s 0: the first is 1, and the latest -1", item);
-    if (index > n || index < -n)
+    if (index < -n)
         return error_at(err, word->place, "%s %ld does not exist: there are %d before this line",
                         item, index, n);
     *out = (int32_t)(index > 0 ? index - 1 : n + index);
+    if (*out >= latest->end)
+        *latest = (struct obj_latest){*out + 1, word->place};
     return true;
 }
 
-/* Reads a corner: up to three indices between slashes. The middle one may be missing. */
-static bool read_corner(const struct word *word, const struct obj *obj, struct obj_corner *out,
+/* Reads a corner: up to three indices between slashes. The later ones may be missing. */
+static bool read_corner(const struct word *word, struct obj *obj, struct obj_corner *out,
                         struct error *err)
 {
     const char *at = word->start, *end = at + word->length;
@@ -85,7 +110,7 @@ static bool read_corner(const struct word *word, const struct obj *obj, struct o
     *out = (struct obj_corner){.index = {-1, -1, -1}, .face = obj->n_faces};
     for (const char *c = at; c < end; c++)
         slashes += *c == '/';
-    if (word->quoted || slashes > 2 || at[0] == '/' || end[-1] == '/')
+    if (word->quoted || slashes > 2 || at[0] == '/')
         return error_at(err, word->place,
                         "expected a corner, v, v/vt, v//vn or v/vt/vn; found %.*s",
                         word_shown(word), word->start);
@@ -95,67 +120,14 @@ static bool read_corner(const struct word *word, const struct obj *obj, struct o
         part.start = at;
         part.length = (size_t)((slash ? slash : end) - at);
         part.place.column += (int)(at - word->start);
-        if (part.length > 0 &&
-            !read_index(&part, forms[i].item, obj->list[i].n, &out->index[i], err))
+        if (part.length > 0 && !read_index(&part, obj, i, &out->index[i], err))
             return false;
         at += part.length + 1;
     }
     return true;
 }
 
-struct vector obj_point(const struct obj *obj, int corner)
-{
-    return obj->list[OBJ_POINT].at[obj->corners[corner].index[OBJ_POINT]];
-}
-
-/* Appends the corner, unless it repeats the place of the face's last one. */
-static bool add_corner(struct obj *obj, int first, struct obj_corner corner, struct error *err)
-{
-    const struct vector nothing = {0, 0, 0};
-    int32_t *normal = &corner.index[OBJ_NORMAL];
-    if (*normal >= 0 && same_place(obj->list[OBJ_NORMAL].at[*normal], nothing))
-        *normal = -1; /* some programs write 0 0 0 for "none" */
-    obj->lacks_normals = obj->lacks_normals || *normal < 0;
-    if (!array_add(&obj->corners, &obj->n_corners, &corner, sizeof corner, err))
-        return false;
-    const int last = obj->n_corners - 1;
-    if (last > first && same_place(obj_point(obj, last - 1), obj_point(obj, last)))
-        obj->n_corners--;
-    return true;
-}
-
-/* Finds the current usemtl among the names, or adds it. */
-static bool find_name(struct obj *obj, struct error *err)
-{
-    const struct word *material = &obj->material;
-    obj->name = index_find(&obj->places, material->start, material->length);
-    if (obj->name >= 0)
-        return true;
-    obj->name = obj->n_names;
-    char *name = word_copy(material, err);
-    if (name && index_add(&obj->places, material->start, material->length, obj->n_names, err) &&
-        array_add(&obj->names, &obj->n_names, &name, sizeof name, err))
-        return true;
-    free(name);
-    return false;
-}
-
-/* Ends the face that began at `first`. Drops it if it is only a point or an edge. */
-static bool end_face(struct obj *obj, int first, struct error *err)
-{
-    while (obj->n_corners > first + 1 &&
-           same_place(obj_point(obj, first), obj_point(obj, obj->n_corners - 1)))
-        obj->n_corners--;
-    if (obj->n_corners < first + 3) {
-        obj->n_corners = first;
-        return true;
-    }
-    if (obj->name < 0 && !find_name(obj, err))
-        return false;
-    const struct obj_face face = {first, obj->n_corners - first, obj->name};
-    return array_add(&obj->faces, &obj->n_faces, &face, sizeof face, err);
-}
-
+/* Reads a face. One of one or two corners is a point or an edge. */
 static bool read_face(struct text *text, struct obj *obj, struct error *err)
 {
     const int first = obj->n_corners;
@@ -175,16 +147,105 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
                     err, word.place,
                     "expected a corner with the same indices as the first one, %.*s; found %.*s",
                     (int)opening.length, opening.start, (int)word.length, word.start);
-        if (!add_corner(obj, first, corner, err))
+        if (!array_add(&obj->corners, &obj->n_corners, &corner, sizeof corner, err))
             return false;
     }
-    if (n < 3)
+    if (n == 0)
         return error_at(err, text_place(text), "expected a corner: a face has at least 3");
     if (n > LONGEST_FACE)
         return error_at(err, opening.place,
                         "a face of %d corners; expected at most %d: cut it into several faces", n,
                         LONGEST_FACE);
-    return end_face(obj, first, err);
+    const struct obj_face face = {first, n, obj->n_uses - 1};
+    return array_add(&obj->faces, &obj->n_faces, &face, sizeof face, err);
+}
+
+/* ---- faces, when all items are known ---- */
+
+struct vector obj_point(const struct obj *obj, int corner)
+{
+    return obj->list[OBJ_POINT].at[obj->corners[corner].index[OBJ_POINT]];
+}
+
+static bool check_indices(const struct obj *obj, struct error *err)
+{
+    for (int i = OBJ_POINT; i <= OBJ_NORMAL; i++)
+        if (obj->latest[i].end > obj->list[i].n)
+            return error_at(err, obj->latest[i].place, "%s %d does not exist: the file has %d",
+                            forms[i].item, (int)obj->latest[i].end, obj->list[i].n);
+    return true;
+}
+
+/* Finds a usemtl among the names, or adds it. */
+static bool find_name(struct obj *obj, const struct word *material, int32_t *out, struct error *err)
+{
+    *out = index_find(&obj->places, material->start, material->length);
+    if (*out >= 0)
+        return true;
+    *out = obj->n_names;
+    char *name = word_copy(material, err);
+    if (name && index_add(&obj->places, material->start, material->length, obj->n_names, err) &&
+        array_add(&obj->names, &obj->n_names, &name, sizeof name, err))
+        return true;
+    free(name);
+    return false;
+}
+
+/* Copies a face's corners to the end of those that are kept, without those that repeat the place of
+ * the one before. Returns how many are left. */
+static int keep_corners(struct obj *obj, const struct obj_face *face)
+{
+    const int first = obj->n_corners;
+    for (int i = face->first; i < face->first + face->n; i++) {
+        struct obj_corner *to = &obj->corners[obj->n_corners];
+        *to = obj->corners[i];
+        if (obj->n_corners == first ||
+            !same_place(obj_point(obj, obj->n_corners - 1), obj_point(obj, obj->n_corners)))
+            obj->n_corners++;
+    }
+    while (obj->n_corners > first + 1 &&
+           same_place(obj_point(obj, first), obj_point(obj, obj->n_corners - 1)))
+        obj->n_corners--;
+    return obj->n_corners - first;
+}
+
+/* Some programs write normals of 0 0 0, and coordinates that are no numbers, for "none". */
+static void drop_items(struct obj *obj, struct obj_corner *corner)
+{
+    const struct vector nothing = {0, 0, 0};
+    int32_t *normal = &corner->index[OBJ_NORMAL], *at = &corner->index[OBJ_TEXTURE];
+    if (*normal >= 0 && same_place(obj->list[OBJ_NORMAL].at[*normal], nothing))
+        *normal = -1;
+    if (*at >= 0 && isnan(obj->list[OBJ_TEXTURE].at[*at].x + obj->list[OBJ_TEXTURE].at[*at].y))
+        *at = -1;
+    obj->lacks_normals = obj->lacks_normals || *normal < 0;
+}
+
+/* Checks the corners, drops faces that are only a point or an edge, and names the others. */
+static bool settle_faces(struct obj *obj, struct error *err)
+{
+    const int n_faces = obj->n_faces;
+    int32_t use = -1, name = -1;
+    if (!check_indices(obj, err))
+        return false;
+    obj->n_corners = obj->n_faces = 0;
+    for (int k = 0; k < n_faces; k++) {
+        const struct obj_face face = obj->faces[k];
+        const int first = obj->n_corners, n = keep_corners(obj, &face);
+        if (n < 3) {
+            obj->n_corners = first;
+            continue;
+        }
+        if ((name < 0 || face.name != use) &&
+            !find_name(obj, &obj->uses[use = face.name], &name, err))
+            return false;
+        for (int i = first; i < obj->n_corners; i++) {
+            obj->corners[i].face = obj->n_faces;
+            drop_items(obj, &obj->corners[i]);
+        }
+        obj->faces[obj->n_faces++] = (struct obj_face){first, n, name};
+    }
+    return true;
 }
 
 /* ---- the file ---- */
@@ -197,7 +258,7 @@ static bool is_skipped(const struct word *name)
         "l",    "vp",    "cstype",     "deg",       "bmat",   "step",   "curv", "curv2",
         "surf", "parm",  "trim",       "hole",      "scrv",   "sp",     "end",  "con",
         "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",  "bsp",  "bzp",
-        "cdc",  "cdp",   "shadow_obj", "trace_obj", "res"};
+        "cdc",  "cdp",   "shadow_obj", "trace_obj", "res",    "vw",     "t"};
     for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++)
         if (word_is(name, skipped[i]))
             return true;
@@ -208,21 +269,21 @@ static bool read_statement(struct text *text, const struct word *name, struct ob
                            struct error *err)
 {
     struct word word;
-    if (word_is(name, "f"))
+    if (word_is(name, "f") || word_is(name, "fo")) /* its name in the format's first version */
         return read_face(text, obj, err);
     for (int i = OBJ_POINT; i <= OBJ_NORMAL; i++)
         if (word_is(name, forms[i].name))
             return read_item(text, &forms[i], &obj->list[i], err);
     if (word_is(name, "usemtl")) {
-        obj->material.length = 0;
-        obj->name = -1;
-        next_word(text, &obj->material);
-    } else if (!is_skipped(name)) {
+        word = (struct word){.start = ""};
+        text_rest(text, &word);
+        return array_add(&obj->uses, &obj->n_uses, &word, sizeof word, err);
+    }
+    if (!is_skipped(name))
         return error_at(err, name->place,
                         "unknown statement %.*s; OBJ has v, vt, vn, f, g, o, s, usemtl, mtllib, "
-                        "...",
+                        "...; put # before it if it draws nothing",
                         word_shown(name), name->start);
-    }
     while (next_word(text, &word))
         continue;
     return true;
@@ -232,12 +293,16 @@ bool obj_read(const char *path, struct place from, struct obj *out, struct error
 {
     struct text text;
     struct word name;
-    bool good = true;
-    *out = (struct obj){.material = {.start = ""}, .name = -1};
-    if (!file_expected(path, from, FILE_MODEL, err) || !text_open(&text, path, from, true, err))
+    const struct word nameless = {.start = ""};
+    *out = (struct obj){.n_faces = 0};
+    if (!file_expected(path, from, FILE_MODEL, err) ||
+        !text_open(&text, path, from, TEXT_LARGE, err))
         return false;
+    bool good = array_add(&out->uses, &out->n_uses, &nameless, sizeof nameless, err);
     while (good && text_next_line(&text))
         good = !next_word(&text, &name) || read_statement(&text, &name, out, err);
+    good = good && settle_faces(out, err);
+    free(out->uses);
     if (good && out->n_faces == 0)
         good = error_at(err, text_whole(&text),
                         "the file has nothing to draw; expected an f with three different corners");

@@ -205,7 +205,7 @@ bool patches_open(const struct shape *shape, struct patches *out, struct error *
     if (shape->kind != SHAPE_TEAPOT)
         return true;
     if (!MAKE_ARRAY(out->teapot, TEAPOT_PATCHES, err, "the teapot") ||
-        !text_open(&text, "builtin:models/teapot.txt", shape->place, false, err))
+        !text_open(&text, "builtin:models/teapot.txt", shape->place, 0, err))
         return false;
     const bool done = read_teapot(&text, out->teapot, err);
     text_free(&text);

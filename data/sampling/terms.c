@@ -236,7 +236,7 @@ bool materials_shown(const struct scene *scene, const struct material ***out, in
     const bool done = MAKE_ARRAY(*out, 2 * (size_t)scene->n_materials, err, "a list of materials");
     for (int i = 0; done && i < scene->n_objects; i++) {
         const struct object *object = &scene->objects[i];
-        if (!object->material_map)
+        if (object->material >= 0)
             add_shown(scene, object->material, shown, *out, n);
         for (int line = 0; line < object->n_assignments; line++)
             add_shown(scene, object->assignments[line].material, shown, *out, n);

@@ -157,7 +157,7 @@ bool material_read(const char *path, struct place from, struct material *out, st
     struct text text;
     bool done;
     *out = (struct material){0};
-    if (!file_expected(path, from, FILE_MATERIAL, err) || !text_open(&text, path, from, false, err))
+    if (!file_expected(path, from, FILE_MATERIAL, err) || !text_open(&text, path, from, 0, err))
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);

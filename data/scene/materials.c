@@ -176,12 +176,24 @@ static int find_mtl(struct scene_reader *reader, const char *path, struct place 
     return -1;
 }
 
-/* Finds the material of an entry of an MTL file, or reads the entry. */
+/* Finds the material of an entry, or reads the entry; -1 after an error. */
+static int entry_material(struct scene *scene, struct mtl_entry *entry, struct error *err)
+{
+    struct material material = {0};
+    if (entry->material == 0) {
+        if (mtl_read(entry, &material, err) &&
+            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
+            entry->material = scene->n_materials;
+        else
+            material_free(&material);
+    }
+    return entry->material - 1;
+}
+
+/* Finds the material that an MTL file has by that name. */
 static bool use_entry(struct scene_reader *reader, const struct word *name, const struct word *file,
                       int *out, struct error *err)
 {
-    struct scene *scene = reader->scene;
-    struct material material = {0};
     char *path;
     if (word_is(name, "*"))
         return error_at(err, name->place, "* is no entry of an MTL file; give it a material");
@@ -190,14 +202,7 @@ static bool use_entry(struct scene_reader *reader, const struct word *name, cons
     const int mtl = find_mtl(reader, path, file->place, err);
     struct mtl_entry *entry = mtl < 0 ? NULL : mtl_find(&reader->mtl[mtl], file->place, name, err);
     free(path);
-    if (entry && entry->material == 0) {
-        if (mtl_read(entry, &material, err) &&
-            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
-            entry->material = scene->n_materials;
-        else
-            material_free(&material);
-    }
-    *out = entry ? entry->material - 1 : -1;
+    *out = entry ? entry_material(reader->scene, entry, err) : -1;
     return *out >= 0;
 }
 
@@ -214,12 +219,26 @@ static bool use_assigned(struct scene_reader *reader, struct text *text, const s
                       : use_entry(reader, name, &word, out, err));
 }
 
-/* A material map that is being read. */
+/* A material map, or a mesh with its own materials, that is being read. */
 struct map {
     struct text text;
     struct object *object;
     struct index names; /* of its lines */
 };
+
+static bool add_assignment(struct map *map, const struct word *name,
+                           struct material_assignment *assignment, struct error *err)
+{
+    struct object *object = map->object;
+    assignment->name = word_copy(name, err);
+    if (assignment->name &&
+        index_add(&map->names, name->start, name->length, object->n_assignments, err) &&
+        array_add(&object->assignments, &object->n_assignments, assignment, sizeof *assignment,
+                  err))
+        return true;
+    free(assignment->name);
+    return false;
+}
 
 /* Reads "NAME material MATERIAL" or "NAME mtl FILE". */
 static bool read_assignment(struct scene_reader *reader, struct map *map, struct error *err)
@@ -233,16 +252,8 @@ static bool read_assignment(struct scene_reader *reader, struct map *map, struct
     if (first >= 0)
         return place_once(&object->assignments[first].place, name.place, "this name", err);
     assignment.place = name.place;
-    if (!use_assigned(reader, &map->text, &name, &assignment.material, err))
-        return false;
-    assignment.name = word_copy(&name, err);
-    if (assignment.name &&
-        index_add(&map->names, name.start, name.length, object->n_assignments, err) &&
-        array_add(&object->assignments, &object->n_assignments, &assignment, sizeof assignment,
-                  err))
-        return true;
-    free(assignment.name);
-    return false;
+    return use_assigned(reader, &map->text, &name, &assignment.material, err) &&
+           add_assignment(map, &name, &assignment, err);
 }
 
 static bool map_read(struct scene_reader *reader, const struct word *file, struct object *object,
@@ -259,6 +270,93 @@ static bool map_read(struct scene_reader *reader, const struct word *file, struc
             error_at(err, text_whole(&map.text), "no lines; a material map has at least one"));
 }
 
+/* ---- the materials that a mesh names itself ---- */
+
+/* Goes on to the next statement of that name, and reads the rest of its line. */
+static bool next_statement(struct text *text, const char *statement, struct word *out)
+{
+    while (text_next_line(text))
+        if (text_word(text, out) && word_is(out, statement) && text_rest(text, out))
+            return true;
+    return false;
+}
+
+/* Opens the MTL file of a mtllib and adds its index. Refuses a missing one. */
+static bool add_library(struct scene_reader *reader, const struct word *word, int **libraries,
+                        int *n, struct error *err)
+{
+    char *path;
+    const int index =
+        word_file(word, FILE_KINDS, &path, err) ? find_mtl(reader, path, word->place, err) : -1;
+    free(path);
+    return index >= 0 && array_add(libraries, n, &index, sizeof index, err);
+}
+
+/* Opens the files of all mtllib. One names a file, which may have blanks, or several files. */
+static bool find_libraries(struct scene_reader *reader, struct text text, int **out, int *n,
+                           struct error *err)
+{
+    struct word rest;
+    char *path;
+    bool done = true;
+    while (done && next_statement(&text, "mtllib", &rest)) {
+        struct text words = text;
+        struct word word;
+        done = word_file(&rest, FILE_KINDS, &path, err);
+        const bool one = done && !file_is_missing(path);
+        free(path);
+        words.at = rest.start;
+        if (one)
+            done = add_library(reader, &rest, out, n, err);
+        while (done && !one && text_word(&words, &word))
+            done = add_library(reader, &word, out, n, err);
+    }
+    return done;
+}
+
+/* Gives each usemtl of a mesh the entry that the first of its MTL files with that name has. */
+static bool use_libraries(struct scene_reader *reader, struct map *map, const int *libraries, int n,
+                          struct error *err)
+{
+    struct text text = map->text;
+    struct word name;
+    while (next_statement(&text, "usemtl", &name)) {
+        struct material_assignment assignment = {.place = map->object->place};
+        int entry = -1;
+        const struct mtl *mtl = NULL;
+        for (int i = 0; i < n && entry < 0; i++) {
+            mtl = &reader->mtl[libraries[i]];
+            entry = index_find(&mtl->names, name.start, name.length);
+        }
+        if (entry < 0 || index_find(&map->names, name.start, name.length) >= 0)
+            continue;
+        assignment.material = entry_material(reader->scene, &mtl->entries[entry], err);
+        if (assignment.material < 0 || !add_assignment(map, &name, &assignment, err))
+            return false;
+    }
+    return true;
+}
+
+static bool mesh_materials(struct scene_reader *reader, struct object *object, struct error *err)
+{
+    struct map map = {.object = object};
+    int *libraries = NULL, n = 0;
+    bool done =
+        file_expected(object->shape.path, object->place, FILE_MODEL, err) &&
+        text_open(&map.text, object->shape.path, object->place, TEXT_LARGE, err) &&
+        find_libraries(reader, map.text, &libraries, &n, err) &&
+        use_libraries(reader, &map, libraries, n, err) &&
+        (object->n_assignments > 0 ||
+         error_at(err, object->place,
+                  "the object has no material, and %.300s no usemtl of a mtllib; expected material "
+                  "and its name",
+                  object->shape.path));
+    free(libraries);
+    index_free(&map.names);
+    text_free(&map.text);
+    return done;
+}
+
 /* ---- all of them ---- */
 
 bool materials_resolve(struct scene_reader *reader, struct error *err)
@@ -271,10 +369,12 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
             !(object->material_map ? map_read(reader, word, object, err)
                                    : use_named(reader, word, &object->material, err)))
             return false;
+        if (!word->start && object->material < 0 && !mesh_materials(reader, object, err))
+            return false;
     }
     /* Listed materials come last: reading names them, and no object may find them by that name. */
     for (int i = 0; i < scene->n_objects; i++)
-        if (!reader->materials[i].start &&
+        if (scene->objects[i].material >= 0 && !reader->materials[i].start &&
             !load(&scene->materials[scene->objects[i].material], err))
             return false;
     return true;

@@ -1,43 +1,132 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads entries of MTL files, the materials that come with OBJ models. A colour is three numbers,
  * which say nothing about single wavelengths. This file spreads them over the spectrum so that grey
- * is constant. It reads Kd, Ks, Ns and Ke, and skips all else, since the format has many dialects.
- * An entry is read only if a scene uses it. */
+ * is constant. It reads Kd, Ks, Ns, Ke and the picture of map_Kd, notes what else would change a
+ * picture, and skips the rest, since the format has many dialects. An entry is read only if a scene
+ * uses it. */
+#include <strings.h>
+
+#include "data/images/images.h"
 #include "data/scene/inside.h"
 
-enum statement { KD, KS, KE, NS, STATEMENTS };
-static const char *const statements[STATEMENTS] = {"Kd", "Ks", "Ke", "Ns"};
+enum statement { KD, KS, KE, NS, MAP_KD, STATEMENTS };
+static const char *const statements[STATEMENTS] = {"Kd", "Ks", "Ke", "Ns", "map_Kd"};
 
-/* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. It
- * begins and ends beyond all light, so that nobody reads past its ends. */
+/* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. */
 static bool spread(const double colour[3], struct place place, const char *name,
                    struct spectrum *out, struct error *err)
 {
-    static const struct {
-        double nm;
-        int part;
-    } knots[] = {{1, 2}, {480, 2}, {500, 1}, {570, 1}, {600, 0}, {999999, 0}};
-    for (size_t i = 0; i < sizeof knots / sizeof knots[0]; i++)
-        if (!spectrum_append(out, knots[i].nm, colour[knots[i].part], place, err))
+    for (int i = 0; i < RGB_KNOTS; i++)
+        if (!spectrum_append(out, rgb_knots[i].nm, colour[rgb_knots[i].colour], place, err))
             return false;
     return string_copy(name, &out->name, err);
+}
+
+/* Reads the numbers of a colour: one is grey. */
+static bool read_numbers(struct text *text, enum statement statement, double colour[3],
+                         struct error *err)
+{
+    static const char *const parts[] = {"red", "green", "blue"};
+    struct word word;
+    for (int i = 0; i < 3; i++) {
+        char what[16];
+        if (i == 1 && !text_peek(*text, &word)) {
+            colour[1] = colour[2] = colour[0];
+            return true;
+        }
+        snprintf(what, sizeof what, "%s of %s", parts[i], statements[statement]);
+        if (!text_number(text, what, 0, statement == KD ? 1 : HUGE_VAL, &colour[i], err))
+            return false;
+    }
+    return true;
 }
 
 /* Reads a colour into its spectrum, which stays absent where the colour is black. */
 static bool read_colour(struct text *text, enum statement statement, struct place place,
                         struct material *out, struct error *err)
 {
-    static const char *const parts[] = {"red", "green", "blue"};
     struct spectrum *const spectra[] = {&out->diffuse, &out->specular, &out->glow};
     double colour[3];
-    for (int i = 0; i < 3; i++) {
-        char what[16];
-        snprintf(what, sizeof what, "%s of %s", parts[i], statements[statement]);
-        if (!text_number(text, what, 0, statement == KE ? HUGE_VAL : 1, &colour[i], err))
-            return false;
+    struct word word;
+    if (text_peek(*text, &word) && (word_is(&word, "xyz") || word_is(&word, "spectral")))
+        return error_at(err, word.place,
+                        "%s %.*s is not read; give this usemtl a material in a material map",
+                        statements[statement], (int)word.length, word.start);
+    if (!read_numbers(text, statement, colour, err))
+        return false;
+    for (int i = 0; i < 3 && statement == KS; i++) {
+        out->lost |= colour[i] > 1 ? LOST_SPECULAR : 0;
+        colour[i] = fmin(colour[i], 1);
     }
     return (colour[0] == 0 && colour[1] == 0 && colour[2] == 0) ||
            spread(colour, place, out->name, spectra[statement], err);
+}
+
+static bool is_numeric(const struct word *word)
+{
+    struct error ignored = {0};
+    double value;
+    return word_number(word, "", -HUGE_VAL, HUGE_VAL, &value, &ignored);
+}
+
+/* Skips options such as `-s 1 1 1` and `-clamp on`. *changed: a scale is not 1, or an offset or
+ * turbulence not 0. */
+static void skip_options(struct text *text, bool *changed)
+{
+    struct word option, word;
+    while (text_peek(*text, &option) && option.start[0] == '-' && text_word(text, &option))
+        while (text_peek(*text, &word) &&
+               (is_numeric(&word) || word_is(&word, "on") || word_is(&word, "off"))) {
+            const double value = strtod(word.start, NULL);
+            *changed = *changed || (word_is(&option, "-s") && value != 1) ||
+                       ((word_is(&option, "-o") || word_is(&option, "-t")) && value != 0);
+            text_word(text, &word);
+        }
+}
+
+/* Reads the file of map_Kd, which programs for Windows write with backslashes. It becomes the
+ * texture if it is there and of a format that textures have. */
+static bool read_map(struct text *text, struct place place, struct material *out, struct error *err)
+{
+    struct word word = {.place = place};
+    const char *format;
+    bool changed = false;
+    skip_options(text, &changed);
+    char *path = text_rest(text, &word) ? word_copy(&word, err) : NULL;
+    for (char *at = path; at && (at = strchr(at, '\\'));)
+        *at = '/';
+    if (!path || err->status != EXIT_AGREED)
+        return err->status == EXIT_AGREED;
+    out->texture = file_relative(out->path, path);
+    free(path);
+    if (!out->texture)
+        return memory_lacks(err, (double)word.length, "the name of a picture");
+    if (!file_format(out->texture, &format, err))
+        return false;
+    out->texture_place = place;
+    out->texture_linear = out->spectral_texture = true;
+    const bool read = strcmp(format, "TIFF") == 0 || image_converts(format);
+    out->lost |= read && !changed ? 0 : LOST_MAP_KD;
+    if (!read) {
+        free(out->texture);
+        out->texture = NULL;
+        out->spectral_texture = false;
+    }
+    return true;
+}
+
+/* Notes other statements that change a picture: d below 1, Tr above 0, other maps. */
+static void note_lost(struct text *text, const struct word *first, struct material *out)
+{
+    struct word word = {.start = "1"};
+    const bool tr = word_is(first, "Tr");
+    if (first->length > 4 && strncasecmp(first->start, "map_", 4) == 0)
+        out->lost |= LOST_MAPS;
+    while ((tr || word_is(first, "d")) && text_word(text, &word))
+        ;
+    if (word.length > 0 && is_numeric(&word) && (strtod(word.start, NULL) < 1) != tr &&
+        (!tr || strtod(word.start, NULL) > 0))
+        out->lost |= LOST_TRANSPARENCY;
 }
 
 static bool read_statement(struct text *text, const struct word *first,
@@ -46,11 +135,15 @@ static bool read_statement(struct text *text, const struct word *first,
     int i = 0;
     while (i < STATEMENTS && !word_is(first, statements[i]))
         i++;
-    if (i == STATEMENTS)
+    if (i == STATEMENTS) {
+        note_lost(text, first, out);
         return true;
-    return place_once(&given[i], first->place, statements[i], err) &&
-           (i == NS ? text_number(text, statements[i], 0, 1000, &out->gloss, err)
-                    : read_colour(text, (enum statement)i, given[i], out, err)) &&
+    }
+    if (!place_once(&given[i], first->place, statements[i], err))
+        return false;
+    return (i == MAP_KD ? read_map(text, given[i], out, err)
+            : i == NS   ? text_number(text, statements[i], 0, HUGE_VAL, &out->gloss, err)
+                        : read_colour(text, (enum statement)i, given[i], out, err)) &&
            text_end(text, statements[i], err);
 }
 
@@ -75,7 +168,9 @@ static bool find_entries(struct mtl *mtl, struct error *err)
     struct word word;
     while (text_next_line(&mtl->text))
         if (text_word(&mtl->text, &word) && word_is(&word, "newmtl") &&
-            (!text_expect(&mtl->text, &word, "a name", err) || !add_entry(mtl, &word, err)))
+            (!text_rest(&mtl->text, &word)
+                 ? !error_at(err, text_place(&mtl->text), "expected a name")
+                 : !add_entry(mtl, &word, err)))
             return false;
     return true;
 }
@@ -83,7 +178,7 @@ static bool find_entries(struct mtl *mtl, struct error *err)
 bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err)
 {
     *out = (struct mtl){.n_entries = 0};
-    return text_open(&out->text, path, from, false, err) && find_entries(out, err);
+    return text_open(&out->text, path, from, 0, err) && find_entries(out, err);
 }
 
 void mtl_free(struct mtl *mtl)
@@ -129,20 +224,26 @@ static bool read_entry(const struct mtl_entry *found, struct place given[STATEME
     return found->again.line == 0 || place_once(&out->place, found->again, "this entry", err);
 }
 
-/* An entry with Ks or Ke needs no Kd, which is 0 then. A highlight needs both Ks and Ns. Shininess
- * above 128, the largest of OpenGL, becomes 128. */
+/* An entry with Ks or Ke needs no Kd, which is 0 then, or 1 below a picture. A highlight needs both
+ * Ks and Ns. Shininess above 128, the largest of OpenGL, becomes 128. */
 static bool complete(const struct place given[STATEMENTS], struct material *out, struct error *err)
 {
-    static const double black[3] = {0, 0, 0};
-    if (given[KD].line == 0 && given[KS].line == 0 && given[KE].line == 0)
-        return error_at(err, out->place, "the entry has none of Kd, Ks and Ke");
+    const double plain = out->texture != NULL && given[KD].line == 0;
+    const double colour[3] = {plain, plain, plain};
+    if (given[KD].line == 0 && given[KS].line == 0 && given[KE].line == 0 && !out->texture)
+        return error_at(
+            err, out->place,
+            "the entry has none of Kd, Ks and Ke%s; give this usemtl a material in a "
+            "material map",
+            given[MAP_KD].line > 0 ? ", and map_Kd has no picture in TIFF, PNG or SGI format" : "");
     out->from_rgb = true;
+    out->lost |= out->specular.kind != SPECTRUM_NONE && out->gloss > HIGHEST_GLOSS ? LOST_GLOSS : 0;
     out->gloss = out->specular.kind != SPECTRUM_NONE ? fmin(out->gloss, HIGHEST_GLOSS) : 0;
     out->gloss_place = given[NS];
     if (out->gloss == 0)
         spectrum_free(&out->specular);
     return out->diffuse.kind != SPECTRUM_NONE ||
-           spread(black, given[KD].line > 0 ? given[KD] : out->place, out->name, &out->diffuse,
+           spread(colour, given[KD].line > 0 ? given[KD] : out->place, out->name, &out->diffuse,
                   err);
 }
 

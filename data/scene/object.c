@@ -130,6 +130,7 @@ static bool read_description(struct scene_reader *reader, struct description *ou
         if (!read_option(reader->text, &word, out, err))
             return false;
     return out->listed || out->given[OBJECT_MATERIAL].line > 0 ||
+           out->object.shape.kind == SHAPE_MESH ||
            error_at(err, reader->place,
                     "the object has no material; expected material and its name");
 }

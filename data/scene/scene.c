@@ -18,7 +18,7 @@ bool scene_open(struct scene *scene, const struct word *word, enum file_kind kin
 {
     char *path = NULL;
     bool done = word_file(word, kind, &path, err) && file_expected(path, word->place, kind, err) &&
-                text_open(out, path, word->place, false, err) && scene_keep(scene, out, err);
+                text_open(out, path, word->place, 0, err) && scene_keep(scene, out, err);
     free(path);
     return done;
 }

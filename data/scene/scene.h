@@ -9,6 +9,17 @@
 
 /* ---- material.c: materials from files and from words ---- */
 
+/* What an entry of an MTL file may lose: the picture of map_Kd, where it is missing, has another
+ * format or is moved or scaled; other pictures; transparency, d or Tr; an Ns above 128; a Ks above
+ * 1. */
+enum {
+    LOST_MAP_KD = 1,
+    LOST_MAPS = 2,
+    LOST_TRANSPARENCY = 4,
+    LOST_GLOSS = 8,
+    LOST_SPECULAR = 16,
+    LOST_KINDS = 5
+};
 /* How a surface reflects and emits light. All reflectances are in [0, 1]. */
 struct material {
     char *name; /* file name without folder and ending, or the scene's name; owned */
@@ -32,7 +43,8 @@ struct material {
     int partner_index;        /* in the scene, if an object uses this material; otherwise 0 */
     struct material *partner; /* from the m lines of a material file; owned; NULL: none */
     struct place partner_place;
-    bool from_rgb; /* spectra are made of three numbers of an MTL file, not measured */
+    bool from_rgb; /* an entry of an MTL file: spectra are made of three numbers, not measured */
+    int lost;      /* of that entry: a sum of what is not drawn as it says */
 };
 
 struct light {
@@ -61,9 +73,9 @@ struct material_assignment {
 };
 struct object {
     struct shape shape;
-    int material;                            /* index; -1 with a material map */
+    int material;                            /* index; -1: the assignments have it */
     char *material_map;                      /* owned; NULL: none */
-    struct material_assignment *assignments; /* its lines; owned */
+    struct material_assignment *assignments; /* its lines, or of the mesh's own mtllib; owned */
     int n_assignments;
     bool two_sided;
     double

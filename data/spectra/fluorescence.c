@@ -268,7 +268,7 @@ bool donaldson_read(const char *path, struct place from, bool densities, struct 
 {
     struct matrix_table table = {.out = out, .densities = densities, .diagonal.place = from};
     *out = (struct donaldson){.share = NULL};
-    if (!text_open(&table.text, path, from, true, err))
+    if (!text_open(&table.text, path, from, TEXT_LARGE, err))
         return false;
     table.text.separators = ",;";
     bool done = read_header(&table, err) && read_rows(&table, err);

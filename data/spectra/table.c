@@ -68,6 +68,12 @@ static bool read_value(const struct table *table, const struct word *word, doubl
 
 /* ---- columns ---- */
 
+/* Returns whether a comment begins here: a # where a field or a word could begin. */
+static bool begins_comment(const struct text *text, const char *at)
+{
+    return *at == '#' && (at == text->line_start || strchr(" \t,;", at[-1]));
+}
+
 /* Returns the character that separates the columns of the current line: a semicolon, if there is
  * one outside of quotes; otherwise a comma, unless a number follows a blank where no comma is: then
  * blanks separate, and commas are decimal. */
@@ -75,7 +81,9 @@ static char find_separator(const struct text *text)
 {
     bool comma = false, blank = false, quoted = false, gap = false;
     char last = ',';
-    for (const char *at = text->line_start; at < text->line_end && (quoted || *at != '#'); at++) {
+    for (const char *at = text->line_start; at < text->line_end; at++) {
+        if (!quoted && begins_comment(text, at))
+            break;
         quoted = quoted != (*at == '"');
         if (!quoted && *at == ';')
             return ';';
@@ -93,7 +101,8 @@ static const char *field_end(const struct text *text, const char *at, char separ
     const bool quotes = *at == '"';
     const char *end = at;
     bool quoted = false;
-    for (; at < text->line_end && (quoted || (*at != separator && *at != '#')); at++) {
+    for (; at < text->line_end && (quoted || (*at != separator && !begins_comment(text, at)));
+         at++) {
         quoted = quotes && quoted != (*at == '"');
         if (*at != ' ' && *at != '\t')
             end = at + 1;
@@ -511,7 +520,7 @@ static bool read_file(const char *path, struct table *table, struct spectrum *ou
     struct text *text = &table->text;
     struct word first;
     bool done = true;
-    if (!text_open(text, path, table->wanted->table.place, false, err))
+    if (!text_open(text, path, table->wanted->table.place, 0, err))
         return false;
     if (next_word(text, &first)) {
         text->at = text->line_start;

@@ -43,6 +43,23 @@ static bool check_lengths(const struct text *text, size_t longest, struct error 
     return true;
 }
 
+/* Lines of classic Macs, and of Excel there, end in \r alone. They become \n. */
+static void end_lines(char *bytes)
+{
+    if (strchr(bytes, '\n') == NULL)
+        for (; (bytes = strchr(bytes, '\r')) != NULL; bytes++)
+            *bytes = '\n';
+}
+
+/* Refuses what is text, too, but has a form that none of our readers takes. */
+static bool check_format(const struct text *text, bool xml, struct error *err)
+{
+    const char *format = format_of(text->at, text->length - (size_t)(text->at - text->bytes));
+    return strcmp(format, "text") == 0 || format[0] == '\0' ||
+           (xml && strcmp(format, "XML") == 0) ||
+           error_at(err, text_whole(text), "the file is %s; expected plain text", format);
+}
+
 /* Starts to read bytes, which it owns from now on. Fails if they are NULL: no memory. */
 static bool start(struct text *text, const char *name, char *bytes, size_t longest,
                   struct error *err)
@@ -57,6 +74,7 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     /* Spreadsheets begin UTF-8 files with a byte order mark. It is not part of the first word. */
     text->at = bytes + (strncmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
     text->line_start = text->line_end = text->at;
+    end_lines(bytes);
     if (check_lengths(text, longest, err))
         return true;
     text_free(text);
@@ -64,17 +82,23 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
 }
 
 /* Refuses a long regular file before it is read. */
-bool text_open(struct text *out, const char *path, struct place from, bool large, struct error *err)
+bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err)
 {
-    const size_t longest = large ? SIZE_MAX : longest_text;
+    const size_t longest = may & TEXT_LARGE ? SIZE_MAX : longest_text;
     struct stat status;
     *out = (struct text){0};
     if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && (uint64_t)status.st_size > longest)
         return refuse_length(path, (size_t)status.st_size, err);
     char *bytes = file_read(path, from, err);
-    if (!bytes || !start(out, path, bytes, longest, err))
+    if (!bytes)
         return false;
-    if (digest_note(path, bytes, out->length, err))
+    if (!digest_note(path, bytes, strlen(bytes), err)) {
+        free(bytes);
+        return false;
+    }
+    if (!start(out, path, bytes, longest, err))
+        return false;
+    if (check_format(out, (may & TEXT_XML) != 0, err))
         return true;
     text_free(out);
     return false;
@@ -180,11 +204,24 @@ bool text_word(struct text *text, struct word *out)
         text->at = at + (at < end);
     } else {
         out->start = at;
-        while (at < end && *at != '#' && !separates(text, *at))
+        while (at < end && !separates(text, *at))
             at++;
         text->at = at;
     }
     out->length = (size_t)(at - out->start);
+    return true;
+}
+
+bool text_rest(struct text *text, struct word *out)
+{
+    struct word next;
+    if (!text_word(text, out))
+        return false;
+    while (text_word(text, &next)) {
+        out->start -= out->quoted;
+        out->quoted = false;
+        out->length = (size_t)(text->at - out->start);
+    }
     return true;
 }
 

@@ -14,8 +14,9 @@ struct scene;
 
 /* ---- text.c: a text file, word by word ---- */
 
-/* A text file that is being read. Lines end in \n or \r\n. '#' outside quotes starts a comment.
- * Blanks, tabs and the characters in `separators` separate words. "..." is one word. */
+/* A text file that is being read. Lines end in \n or \r\n; if the text has no \n, in \r. A '#'
+ * starts a comment where a word could begin: not in a quote, nor in the middle of a word. Blanks,
+ * tabs and the characters in `separators` separate words. "..." is one word. */
 struct text {
     char *path;  /* owned */
     char *bytes; /* owned */
@@ -33,10 +34,11 @@ struct word {
     struct place place;
 };
 
+/* What a text may be beyond the usual: longer than 256 MiB, up to 2 GiB; XML. */
+enum { TEXT_LARGE = 1, TEXT_XML = 2 };
 /* Opens a file. `from` is the place that names it. No line is current yet. Refuses a line of more
- * than 64 MiB, and a file of more than 256 MiB, or, if `large`, of more than 2 GiB. */
-bool text_open(struct text *out, const char *path, struct place from, bool large,
-               struct error *err);
+ * than 64 MiB, UTF-16 and JSON; and what `may`, a sum of the words above, does not allow. */
+bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err);
 /* Opens standard input, which is read to its end. `name` takes the place of the path. */
 bool text_open_input(struct text *out, const char *name, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
@@ -53,6 +55,9 @@ bool text_next_line(struct text *text);
 bool text_word(struct text *text, struct word *out);
 /* Reads the word that text_word would read. The cursor of the caller's text stays. */
 bool text_peek(struct text text, struct word *out);
+/* Reads the rest of the line, up to a comment, as one word without the blanks at its ends. Returns
+ * false at the end of the line. */
+bool text_rest(struct text *text, struct word *out);
 /* Like text_word, but refuses the end of the line: "expected WHAT". */
 bool text_expect(struct text *text, struct word *out, const char *what, struct error *err);
 /* Refuses a further word on this line: "WORD is too much: WHAT takes no more". */

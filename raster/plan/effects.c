@@ -51,7 +51,7 @@ static struct counts count_all(const struct plan *plan)
         const struct shape *shape = &object->shape,
                            other = shape_tessellated(shape, plan->scene->tessellation);
         n.two_sided += object->two_sided;
-        n.mapped += object->material_map != NULL;
+        n.mapped += object->n_assignments > 0;
         n.tessellated += memcmp(shape->parameter, other.parameter, sizeof other.parameter) != 0;
     }
     for (int i = 0; i < plan->n_lights; i++) {

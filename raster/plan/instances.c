@@ -276,9 +276,9 @@ static bool find_uses(const struct object *object, struct whole *whole,
             others = line;
         if (part >= 0)
             use[part] = line;
-        else if (!star)
-            return error_at(err, line->place, "%.300s has no usemtl '%.100s'", object->shape.path,
-                            line->name);
+        else if (!star && object->material_map)
+            return error_at(err, line->place, "no face of %.300s has usemtl '%.100s'",
+                            object->shape.path, line->name);
     }
     for (int part = 0; part < n_parts; part++)
         use[part] = use[part] ? use[part] : others;
@@ -292,10 +292,11 @@ static bool add_part(struct instance_maker *maker, const struct object *object,
     const char *name = part_name(&maker->wholes[cutting.whole].mesh, cutting.part);
     if (!use)
         return error_at(err, object->place,
-                        "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
-                        "others",
+                        "%s%.100s of %.300s has no %s %.300s; in a material map a line for * "
+                        "stands for all others",
                         name[0] ? "usemtl " : "the part before the first usemtl", name,
-                        object->shape.path, object->material_map);
+                        object->shape.path, object->material_map ? "line in" : "entry in its",
+                        object->material_map ? object->material_map : "mtllib");
     return add_halves(maker, object, cutting, &maker->plan->scene->materials[use->material], err);
 }
 
@@ -322,7 +323,7 @@ static bool add_object(struct instance_maker *maker, const struct object *object
     int whole = find_whole(maker, object, err);
     if (whole < 0)
         return false;
-    if (object->material_map)
+    if (object->material < 0)
         return add_parts(maker, object, whole, err);
     return add_halves(maker, object, (struct cutting){whole, -1, -1},
                       &maker->plan->scene->materials[object->material], err);

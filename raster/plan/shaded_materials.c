@@ -17,10 +17,11 @@ static struct texture *find_texture(struct plan *plan, const struct material *ma
     struct texture *texture = plan->textures;
     for (; texture < plan->textures + plan->n_textures; texture++)
         if (strcmp(texture->image.path, material->texture) == 0 &&
-            texture->spectral == material->spectral_texture &&
+            texture->spectral == material->spectral_texture && texture->rgb == material->from_rgb &&
             texture->linear == material->texture_linear)
             return texture;
     *texture = (struct texture){.spectral = material->spectral_texture,
+                                .rgb = material->from_rgb,
                                 .linear = material->texture_linear};
     plan->n_textures++; /* counted first, so that plan_free reaches it after a failure */
     return texture_read(material->texture, material->texture_place, tags_read, texture, err)

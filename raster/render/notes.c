@@ -125,6 +125,42 @@ static void note_emission(const struct plan *plan, struct notes *notes)
     }
 }
 
+/* ---- entries of MTL files ---- */
+
+/* Returns what the entries of the MTL file of material i lose; 0 if an earlier one has that file.
+ */
+static int lost_of_file(const struct scene *scene, int i)
+{
+    const struct material *all = scene->materials;
+    int lost = 0;
+    for (int k = 0; all[i].from_rgb && k < scene->n_materials; k++)
+        if (all[k].from_rgb && strcmp(all[k].path, all[i].path) == 0) {
+            if (k < i)
+                return 0;
+            lost |= all[k].lost;
+        }
+    return lost;
+}
+
+/* Adds a note for each MTL file on what the entries that objects use lose, while there is room. */
+static void note_lost(const struct scene *scene, struct notes *notes)
+{
+    static const char *const words[LOST_KINDS] = {
+        "map_Kd without a picture that can be read, or with options", "other maps",
+        "transparency (d, Tr)", "Ns above 128", "Ks above 1"};
+    for (int i = 0; i < scene->n_materials && notes->n < MOST_NOTES - 2; i++) {
+        const int lost = lost_of_file(scene, i);
+        char list[NOTE_TEXT / 2] = "";
+        for (int k = 0; k < LOST_KINDS; k++)
+            if (lost & 1 << k)
+                snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s",
+                         list[0] ? "; " : "", words[k]);
+        if (lost)
+            note_add(notes, "mtl", "%.300s has what is not drawn: %s", scene->materials[i].path,
+                     list);
+    }
+}
+
 /* ---- all notes ---- */
 
 /* Adds a note on tables that end before the picture's wavelengths do. */
@@ -145,6 +181,7 @@ bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *ou
     note_depth(lit, out);
     note_tables(lit->plan, out);
     note_emission(lit->plan, out);
+    note_lost(lit->plan->scene, out);
     return !shading_judge || shading_judge->judge(lit, judged_pixels, out, err);
 }
 

@@ -111,7 +111,7 @@ static bool read_words(struct drawn *of, struct error *err)
              of->pixels->prefix);
     struct place given[DRAWN_WORDS] = {{NULL, 0, 0}};
     struct text text;
-    if (!text_open(&text, of->path, whole, false, err))
+    if (!text_open(&text, of->path, whole, 0, err))
         return false;
     bool done = true;
     while (done && text_next_line(&text))

@@ -1,0 +1,272 @@
+/* SPDX-License-Identifier: MIT */
+/* Pictures of two other formats become TIFF files in memory, with the same samples: PNG (ISO/IEC
+ * 15948:2004) of grey or RGB, of 8 or 16 bits, with or without alpha and without interlace; and SGI
+ * (Paul Haeberli, The SGI Image File Format, 1.00), which the thesis has. Big-endian samples stay
+ * as they are: so is the TIFF. */
+#include <inttypes.h>
+#include <tiffio.h>
+#define ZLIB_CONST /* zlib then reads constant bytes */
+#include <zlib.h>
+
+#include "data/images/inside.h"
+
+enum { HEAD_BYTES = 256, LONGEST_FOREIGN = 1 << 16 }; /* of the TIFF; a side in pixels */
+
+struct foreign {
+    const struct image *image;
+    unsigned char *bytes; /* of the file; owned */
+    size_t length;
+    uint32_t width, height, channels, sample_bytes;
+    bool planar;        /* one channel after the other */
+    unsigned char *out; /* the TIFF, whose samples begin at HEAD_BYTES; owned */
+    size_t out_length;
+};
+
+static uint32_t number_at(const unsigned char *at, int bytes)
+{
+    uint32_t number = 0;
+    for (int i = 0; i < bytes; i++)
+        number = number << 8 | at[i];
+    return number;
+}
+
+static bool refuse(const struct foreign *of, const char *why, struct error *err)
+{
+    return error_at(err, of->image->file->from, "%s: %s", of->image->path, why);
+}
+
+/* Makes room for the TIFF. */
+static bool allocate(struct foreign *of, struct error *err)
+{
+    const double bytes = (double)of->width * of->height * of->channels * of->sample_bytes;
+    if (of->width - 1 >= LONGEST_FOREIGN || of->height - 1 >= LONGEST_FOREIGN)
+        return refuse(of, "a side has 1 to 65536 pixels", err);
+    if (!memory_suffices(2 * bytes, of->image->file->from, err, "%s", of->image->path))
+        return false;
+    of->out_length = HEAD_BYTES + (size_t)bytes;
+    return MAKE_ARRAY(of->out, of->out_length, err, "the pixels of %s", of->image->path);
+}
+
+/* ---- the TIFF ---- */
+
+static void put_number(uint32_t number, int bytes, unsigned char **at)
+{
+    for (int i = bytes; i-- > 0;)
+        *(*at)++ = (unsigned char)(number >> 8 * i);
+}
+
+/* Writes a tag with one number, or with the offset of several. */
+static void put_tag(uint16_t tag, uint16_t type, uint32_t n, uint32_t value, unsigned char **at)
+{
+    put_number(tag, 2, at);
+    put_number(type, 2, at);
+    put_number(n, 4, at);
+    put_number(value << (type == TIFF_SHORT && n == 1 ? 16 : 0), 4, at);
+}
+
+/* Writes the one directory. Its lists, of bits, strips and their lengths, come behind it. */
+static void put_head(const struct foreign *of)
+{
+    enum { TAGS = 11, BITS = 8 + 2 + 12 * TAGS + 4, STRIPS = BITS + 8, LENGTHS = STRIPS + 16 };
+    const uint32_t n = of->channels, n_colours = n < 3 ? 1 : 3, n_strips = of->planar ? n : 1;
+    const uint32_t strip = (uint32_t)((of->out_length - HEAD_BYTES) / n_strips);
+    unsigned char *at = of->out;
+    memcpy(at, "MM\0\x2a\0\0\0\x08", 8);
+    at += 8;
+    put_number(TAGS - (n == n_colours), 2, &at);
+    put_tag(TIFFTAG_IMAGEWIDTH, TIFF_LONG, 1, of->width, &at);
+    put_tag(TIFFTAG_IMAGELENGTH, TIFF_LONG, 1, of->height, &at);
+    put_tag(TIFFTAG_BITSPERSAMPLE, TIFF_SHORT, n,
+            n == 1   ? 8 * of->sample_bytes
+            : n == 2 ? 8 * of->sample_bytes * 0x10001
+                     : BITS,
+            &at);
+    put_tag(TIFFTAG_COMPRESSION, TIFF_SHORT, 1, COMPRESSION_NONE, &at);
+    put_tag(TIFFTAG_PHOTOMETRIC, TIFF_SHORT, 1,
+            n_colours == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK, &at);
+    put_tag(TIFFTAG_STRIPOFFSETS, TIFF_LONG, n_strips, n_strips == 1 ? HEAD_BYTES : STRIPS, &at);
+    put_tag(TIFFTAG_SAMPLESPERPIXEL, TIFF_SHORT, 1, n, &at);
+    put_tag(TIFFTAG_ROWSPERSTRIP, TIFF_LONG, 1, of->height, &at);
+    put_tag(TIFFTAG_STRIPBYTECOUNTS, TIFF_LONG, n_strips, n_strips == 1 ? strip : LENGTHS, &at);
+    put_tag(TIFFTAG_PLANARCONFIG, TIFF_SHORT, 1,
+            of->planar ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG, &at);
+    if (n > n_colours)
+        put_tag(TIFFTAG_EXTRASAMPLES, TIFF_SHORT, 1, EXTRASAMPLE_UNASSALPHA, &at);
+    put_number(0, 4, &at);
+    at = of->out + BITS;
+    for (uint32_t i = 0; i < 4; i++)
+        put_number(8 * of->sample_bytes, 2, &at);
+    for (uint32_t i = 0; i < 4; i++)
+        put_number(HEAD_BYTES + i * strip, 4, &at);
+    for (uint32_t i = 0; i < 4; i++)
+        put_number(strip, 4, &at);
+}
+
+/* ---- PNG ---- */
+
+/* Joins the contents of all IDAT chunks in place, behind the signature. Returns false if a chunk is
+ * broken or the last one is missing. */
+static bool png_join(struct foreign *of, size_t *packed)
+{
+    size_t at = 8, length;
+    *packed = 0;
+    for (; at + 12 <= of->length; at += length + 12) {
+        const unsigned char *chunk = of->bytes + at;
+        length = number_at(chunk, 4);
+        if (length > of->length - at - 12 ||
+            crc32(0, chunk + 4, (uInt)length + 4) != number_at(chunk + 8 + length, 4))
+            return false;
+        if (memcmp(chunk + 4, "IEND", 4) == 0)
+            return true;
+        if (memcmp(chunk + 4, "IDAT", 4) == 0) {
+            memmove(of->bytes + 8 + *packed, chunk + 8, length);
+            *packed += length;
+        }
+    }
+    return false;
+}
+
+/* Writes the samples of filtered rows. Each byte is its difference plus what its filter predicts.
+ */
+static bool png_unfilter(const struct foreign *of, const unsigned char *raw)
+{
+    const size_t pixel = (size_t)of->channels * of->sample_bytes, row = pixel * of->width;
+    unsigned char *to = of->out + HEAD_BYTES;
+    for (uint32_t y = 0; y < of->height; y++, to += row, raw += row + 1) {
+        if (raw[0] >= FILTERS)
+            return false;
+        for (size_t i = 0; i < row; i++) {
+            const int left = i < pixel ? 0 : to[i - pixel], above = y == 0 ? 0 : to[i - row];
+            const int corner = i < pixel || y == 0 ? 0 : to[i - row - pixel];
+            const int predicted[FILTERS] = {[FILTER_SUB] = left,
+                                            [FILTER_UP] = above,
+                                            [FILTER_AVERAGE] = (left + above) / 2,
+                                            [FILTER_PAETH] = png_paeth(left, above, corner)};
+            to[i] = (unsigned char)(raw[i + 1] + predicted[raw[0]]);
+        }
+    }
+    return true;
+}
+
+static bool read_png(struct foreign *of, struct error *err)
+{
+    static const uint32_t channels[7] = {1, 0, 3, 0, 2, 0, 4}; /* of each type of colour; 0: none */
+    const unsigned char *head = of->bytes + 8;
+    size_t packed;
+    if (of->length < 33 || memcmp(head + 4, "IHDR", 4) != 0)
+        return refuse(of, "the PNG file has no header", err);
+    of->width = number_at(head + 8, 4);
+    of->height = number_at(head + 12, 4);
+    of->channels = head[17] < 7 ? channels[head[17]] : 0;
+    of->sample_bytes = head[16] / 8u;
+    if (of->channels == 0 || (head[16] != 8 && head[16] != 16) || head[20] != 0)
+        return refuse(of,
+                      "expected a PNG file of grey or RGB, of 8 or 16 bits, not interlaced; "
+                      "'convert' of ImageMagick writes one with PNG48:NAME",
+                      err);
+    if (!allocate(of, err))
+        return false;
+    const uLong length = (uLong)(of->out_length - HEAD_BYTES + of->height);
+    uLongf got = length;
+    unsigned char *raw;
+    if (!MAKE_ARRAY(raw, length, err, "the pixels of %s", of->image->path))
+        return false;
+    const bool good = png_join(of, &packed) &&
+                      uncompress(raw, &got, of->bytes + 8, (uLong)packed) == Z_OK &&
+                      got == length && png_unfilter(of, raw);
+    free(raw);
+    return good || refuse(of, "the PNG file is damaged or was cut", err);
+}
+
+/* ---- SGI ---- */
+
+enum { SGI_HEAD = 512 };
+
+/* Unpacks a row: a count of samples and one sample to repeat, or, with bit 7, so many samples. */
+static bool sgi_unpack(const struct foreign *of, size_t from, size_t length, unsigned char *to)
+{
+    const size_t size = of->sample_bytes;
+    const unsigned char *at = of->bytes + from, *end = at + length;
+    size_t left = of->width;
+    if (from > of->length || length > of->length - from)
+        return false;
+    while (left > 0) {
+        if ((size_t)(end - at) < size)
+            return false;
+        const size_t word = at[size - 1], n = word & 127, step = word & 128 ? size : 0;
+        const size_t bytes = step ? n * size : size;
+        at += size;
+        if (n == 0 || n > left || bytes > (size_t)(end - at))
+            return false;
+        for (size_t i = 0; i < n; i++, to += size)
+            memcpy(to, at + i * step, size);
+        at += bytes;
+        left -= n;
+    }
+    return true;
+}
+
+/* Writes the rows of all channels, of which the file has the bottom one first. */
+static bool sgi_rows(const struct foreign *of)
+{
+    const size_t row = (size_t)of->width * of->sample_bytes, n = (size_t)of->height * of->channels;
+    const bool packed = of->bytes[2] == 1;
+    if (of->length < SGI_HEAD + n * (packed ? 8 : row))
+        return false;
+    for (size_t i = 0; i < n; i++) {
+        const size_t channel = i / of->height, y = of->height - 1 - i % of->height;
+        unsigned char *to = of->out + HEAD_BYTES + (channel * of->height + y) * row;
+        const unsigned char *starts = of->bytes + SGI_HEAD + 4 * i;
+        if (!packed)
+            memcpy(to, of->bytes + SGI_HEAD + i * row, row);
+        else if (!sgi_unpack(of, number_at(starts, 4), number_at(starts + 4 * n, 4), to))
+            return false;
+    }
+    return true;
+}
+
+static bool read_sgi(struct foreign *of, struct error *err)
+{
+    const unsigned char *head = of->bytes;
+    if (of->length < SGI_HEAD)
+        return refuse(of, "the SGI file is shorter than its header", err);
+    const uint32_t dimensions = number_at(head + 4, 2);
+    of->planar = true;
+    of->sample_bytes = head[3];
+    of->width = number_at(head + 6, 2);
+    of->height = dimensions < 2 ? 1 : number_at(head + 8, 2);
+    of->channels = dimensions < 3 ? 1 : number_at(head + 10, 2);
+    if (head[2] > 1 || head[3] - 1u > 1 || dimensions - 1 > 2 || of->channels - 1 > 3 ||
+        number_at(head + 104, 4) != 0)
+        return refuse(of,
+                      "expected an SGI file of grey or RGB, of 8 or 16 bits, without a colour "
+                      "map",
+                      err);
+    return allocate(of, err) &&
+           (sgi_rows(of) || refuse(of, "the SGI file is damaged or was cut", err));
+}
+
+/* ---- both ---- */
+
+bool image_converts(const char *format)
+{
+    return strcmp(format, "PNG") == 0 || strcmp(format, "SGI") == 0;
+}
+
+bool foreign_read(struct image *image, const char *format, struct error *err)
+{
+    struct image_file *file = image->file;
+    struct foreign of = {.image = image, .length = (size_t)file->client.bytes};
+    bool done = MAKE_ARRAY(of.bytes, of.length + 1, err, "the bytes of %s", image->path) &&
+                (client_bytes(&file->client, of.bytes, of.length, 0) == (ssize_t)of.length ||
+                 error_system(err, "cannot read %s", image->path)) &&
+                (strcmp(format, "PNG") == 0 ? read_png(&of, err) : read_sgi(&of, err));
+    if (done)
+        put_head(&of);
+    file->pixels = of.out;
+    file->converted = (struct builtin_file){image->path, of.out, of.out_length};
+    file->client.builtin = done ? &file->converted : NULL;
+    file->client.bytes = of.out_length;
+    free(of.bytes);
+    return done;
+}
