@@ -58,6 +58,21 @@ static bool is_decoded(const struct stored_rows *of, tmsize_t got, struct error 
             image_refuse_broken(of->image, of->page, err));
 }
 
+bool block_is_missing(TIFF *tiff, uint32_t block)
+{
+    return TIFFGetStrileOffset(tiff, block) == 0 && TIFFGetStrileByteCount(tiff, block) == 0;
+}
+
+/* Decodes a tile. One that is missing holds zeros. */
+static bool tile_decode(const struct stored_rows *of, uint32_t x, uint16_t plane, struct error *err)
+{
+    TIFF *tiff = of->image->file->tiff;
+    if (!block_is_missing(tiff, TIFFComputeTile(tiff, x, of->first, 0, plane)))
+        return is_decoded(of, TIFFReadTile(tiff, of->tile, x, of->first, 0, plane), err);
+    memset(of->tile, 0, of->layout.block_bytes);
+    return true;
+}
+
 /* Decodes the tiles that contain the rows, and joins them. */
 static bool tiles_decode(const struct stored_rows *of, uint16_t plane, char *out, struct error *err)
 {
@@ -65,8 +80,7 @@ static bool tiles_decode(const struct stored_rows *of, uint16_t plane, char *out
     const size_t pixel_bytes = layout->row_bytes / layout->width;
     for (uint32_t x = 0; x < layout->width; x += layout->block_width) {
         const size_t length = least(layout->width - x, layout->block_width) * pixel_bytes;
-        if (!is_decoded(of, TIFFReadTile(of->image->file->tiff, of->tile, x, of->first, 0, plane),
-                        err))
+        if (!tile_decode(of, x, plane, err))
             return false;
         for (uint32_t row = 0; row < of->n; row++)
             memcpy(out + row * layout->row_bytes + x * pixel_bytes,
@@ -79,8 +93,11 @@ static bool strip_decode(const struct stored_rows *of, uint16_t plane, char *out
 {
     TIFF *tiff = of->image->file->tiff;
     const uint32_t strip = TIFFComputeStrip(tiff, of->first, plane);
-    return is_decoded(
-        of, TIFFReadEncodedStrip(tiff, strip, out, (tmsize_t)(of->n * of->layout.row_bytes)), err);
+    const size_t bytes = of->n * of->layout.row_bytes;
+    if (!block_is_missing(tiff, strip))
+        return is_decoded(of, TIFFReadEncodedStrip(tiff, strip, out, (tmsize_t)bytes), err);
+    memset(out, 0, bytes);
+    return true;
 }
 
 /* Reads row y and rows below it: as many as there is room for, at most up to `end`. Reads a strip
@@ -141,6 +158,9 @@ static double pixel_value(const struct stored_rows *of, size_t pixel)
     static const int grey[] = {1};
     static const int luma[] = {2126, 7152, 722}; /* ITU-R BT.709-6, item 3.2, in 1/10000 */
     const struct sample_layout *layout = &of->layout;
+    const double first = sample_at(layout, of->samples, pixel * layout->pixel_step);
+    if (layout->has_nodata && (first == layout->nodata || (isnan(first) && isnan(layout->nodata))))
+        return 0;
     const int *parts = layout->n_colours == 1 ? grey : luma;
     const size_t colour_step = layout->n_planes > 1 ? (size_t)of->n * layout->width : 1;
     double sum = 0, white = 0;
@@ -172,7 +192,7 @@ static bool values_place(const struct stored_rows *of, uint32_t y, uint32_t n, f
     const size_t width = layout->width, before = (y - of->first) * width;
     const double scale = of->image->scale;
     if (layout->bits == 16 && layout->n_colours == 1 && layout->pixel_step == 1 &&
-        !layout->inverted && scale <= (double)FLT_MAX) {
+        !layout->inverted && !layout->has_nodata && scale <= (double)FLT_MAX) {
         counts_place((const uint16_t *)(const void *)of->samples + before, n * width, scale, out);
         return true;
     }

@@ -49,12 +49,22 @@ static uint16_t short_tag(TIFF *tiff, uint32_t tag)
     return value;
 }
 
+/* Returns whether GDAL has left out blocks that hold nothing. */
+static bool is_sparse(TIFF *tiff)
+{
+    const uint32_t n = TIFFIsTiled(tiff) ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
+    bool sparse = false;
+    for (uint32_t i = 0; i < n && !sparse; i++)
+        sparse = block_is_missing(tiff, i);
+    return sparse;
+}
+
 static bool blocks_find(const struct image *image, int page, struct sample_layout *out,
                         struct error *err)
 {
     TIFF *tiff = image->file->tiff;
     const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
-    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE &&
+    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE && !is_sparse(tiff) &&
         bytes > (double)image->file->client.bytes)
         return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
                             bytes);
@@ -99,6 +109,27 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
            image_refuse(image, page, err, "its pixels end beyond the end of the file");
 }
 
+/* Returns whether the current directory is another form of a page: an overview, a thumbnail or a
+ * mask (TIFF 6.0, NewSubfileType). GDAL writes them behind the pages. */
+static bool is_subfile(TIFF *tiff)
+{
+    uint32_t type = 0;
+    TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &type);
+    return (type & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0;
+}
+
+/* Returns whether only subfiles follow the first directory. */
+static bool is_only_page(TIFF *tiff)
+{
+    bool only = true;
+    if (TIFFCurrentDirectory(tiff) != 0)
+        return TIFFLastDirectory(tiff);
+    while (only && !TIFFLastDirectory(tiff) && TIFFReadDirectory(tiff))
+        only = is_subfile(tiff);
+    TIFFSetDirectory(tiff, 0);
+    return only;
+}
+
 /* Returns the number of grey samples a pixel if the file has one directory and no alpha. Returns 1
  * for every other page, and for every page but the first. */
 static uint16_t count_bands(const struct image *image)
@@ -107,13 +138,13 @@ static uint16_t count_bands(const struct image *image)
     const uint16_t n_samples = short_tag(tiff, TIFFTAG_SAMPLESPERPIXEL);
     uint16_t n_extra = 0, *extra = NULL;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
-    if (image->n_pages > 0 || !TIFFLastDirectory(tiff) ||
-        short_tag(tiff, TIFFTAG_PHOTOMETRIC) >= PHOTOMETRIC_RGB || n_samples != n_extra + 1)
+    if (image->n_pages > 0 || short_tag(tiff, TIFFTAG_PHOTOMETRIC) >= PHOTOMETRIC_RGB ||
+        n_samples != n_extra + 1)
         return 1;
     for (int i = 0; i < n_extra; i++)
         if (extra[i] != EXTRASAMPLE_UNSPECIFIED)
             return 1;
-    return n_samples;
+    return n_samples > 1 && is_only_page(tiff) ? n_samples : 1;
 }
 
 /* Returns true if a pixel has its colours, at most one alpha behind them, and nothing else. */
@@ -256,6 +287,8 @@ static bool page_add(struct image *image, int band, const struct page_record *re
             image, page, err,
             "it has %" PRIu32 "x%" PRIu32 "x%d bits, the first page %" PRIu32 "x%" PRIu32 "x%d",
             layout->width, layout->height, layout->bits, pages->width, pages->height, pages->bits);
+    layout->has_nodata = record->has_nodata && layout->n_colours == 1;
+    layout->nodata = layout->bits == 32 ? (double)(float)record->nodata : record->nodata;
     image->coloured = image->coloured || layout->n_colours > 1;
     file->directory = layout->directory;
     image->n_pages++;
@@ -302,12 +335,17 @@ static bool wavelengths_keep(struct image *image, struct error *err)
 static bool pages_read(struct image *image, image_tags *read_tags, struct error *err)
 {
     struct image_file *file = image->file;
-    do {
-        if (image->n_pages > 0 && !TIFFReadDirectory(file->tiff))
+    bool first = true;
+    for (bool more = true; more; more = !TIFFLastDirectory(file->tiff)) {
+        if (!first && !TIFFReadDirectory(file->tiff))
             return image_refuse_broken(image, -1, err);
-        if (!source_is_sound(image, err) || !directory_add(image, read_tags, err))
+        first = false;
+        if (!source_is_sound(image, err) ||
+            (!is_subfile(file->tiff) && !directory_add(image, read_tags, err)))
             return false;
-    } while (!TIFFLastDirectory(file->tiff));
+    }
+    if (image->n_pages == 0)
+        return image_refuse(image, -1, err, "it has only overviews or masks");
     if (file->n_recorded != 0 && file->n_recorded != image->n_pages)
         return image_refuse(image, -1, err,
                             "it has %d pages, but records %d; it was cut or damaged",

@@ -34,6 +34,8 @@ struct page_record {
     char unit[32];        /* that is unknown; otherwise "" */
     double count_scale;   /* radiance of a count; -1: none */
     double offset;        /* radiance of count 0 */
+    bool has_nodata;      /* GDAL's mark of a pixel without data, */
+    double nodata;        /* which is this stored value or NaN; it is read as 0 */
     double full_scale;    /* of the first page: the exact radiance of value 1; -1: none */
 };
 /* Reads what the current directory records of its n pages, which come behind image->n_pages others.
@@ -102,6 +104,8 @@ struct sample_layout {
     uint64_t rows_offset; /* the first of such rows; 0: libtiff decodes the blocks */
     double largest;       /* sample of white; 1 of floats */
     bool tiled, inverted; /* inverted: 0 is white */
+    bool has_nodata;
+    double nodata; /* see struct page_record */
 };
 /* Rows of some bands as stored, but band after band. In the file the bands lie side by side. */
 struct kept_bands {

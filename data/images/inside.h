@@ -26,6 +26,9 @@ bool image_refuse_broken(const struct image *image, int page, struct error *err)
 bool image_layout(const struct image *image, int page, struct sample_layout *out,
                   struct error *err);
 
+/* decode.c: returns whether a block, a tile or a strip, has neither bytes nor a place. */
+bool block_is_missing(struct tiff *tiff, uint32_t block);
+
 /* png.c: a PNG file (ISO/IEC 15948:2004), written from the top. Its bytes do not depend on how many
  * rows come at once. The output is the caller's, and stays where it is; png_open opens it. */
 bool png_open(struct png **out, struct output *output, const char *path,

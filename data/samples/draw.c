@@ -514,8 +514,8 @@ static void write_names(const char *out)
     GLint bits = 0;
     glGetIntegerv(GL_SUBPIXEL_BITS, &bits);
     fprintf(file, "id %s\nrenderer %s\nversion %s\nsize %d %d\nsubpixel-bits %d\ndepth-bits 24\n",
-            scene.id, (const char *)glGetString(GL_RENDERER),
-            (const char *)glGetString(GL_VERSION), scene.width, scene.height, bits);
+            scene.id, (const char *)glGetString(GL_RENDERER), (const char *)glGetString(GL_VERSION),
+            scene.width, scene.height, bits);
     if (fclose(file) != 0)
         fail("cannot write drawn.txt");
 }

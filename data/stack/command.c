@@ -51,6 +51,24 @@ static void put_facts(struct json *json, const struct image *image, const struct
     json_string(json, "verdict", image->verdict);
 }
 
+/* Puts what is known of a stack of another program, or of a picture: no record, but a description,
+ * unless that is XML. */
+static void put_foreign(struct json *json, const struct image *image)
+{
+    const char *description = image->description[0] != '<' ? image->description : "";
+    json_string(json, "record", json->words ? "none: no render of spectral 0.2.0 or later" : NULL);
+    json_count(json, "width", (uint64_t)image->width);
+    json_count(json, "height", (uint64_t)image->height);
+    json_count(json, "pages", (uint64_t)image->n_pages);
+    json_numbers(json, "wavelengths_nm", image->wavelengths_nm, image->n_pages);
+    if (json->words && !image->wavelengths_nm)
+        json_string(json, "wavelengths", image->no_wavelengths);
+    if (!json->words)
+        json_string(json, "description", description);
+    else if (description[0] != '\0')
+        print(&json->printed, "description:\n%s\n", description);
+}
+
 static bool run_info(struct options *options, struct error *err)
 {
     struct json json;
@@ -58,11 +76,17 @@ static bool run_info(struct options *options, struct error *err)
     struct record record = {.text = NULL};
     if (!options->operand)
         return error_usage(err, "info takes a STACK; see spectral info --help");
-    bool done =
-        scene_refuse(options->operand, err) && record_open(options->operand, &image, &record, err);
+    bool done = scene_refuse(options->operand, err) &&
+                image_open(options->operand, NOWHERE, tags_read, &image, err);
+    const bool foreign =
+        done && image.verdict[0] == '\0' && !strstr(image.description, "scene_sha256: ");
+    done = done && (foreign || record_read(&image, &record, err));
     (options->json ? json_begin : words_begin)(&json);
     if (done) {
-        put_facts(&json, &image, &record);
+        if (foreign)
+            put_foreign(&json, &image);
+        else
+            put_facts(&json, &image, &record);
         done = json_write(&json, options->json, &options->outputs, err);
     }
     record_free(&record);

@@ -2,6 +2,7 @@
 /* Reads the wavelengths and the scale that the pages of a TIFF file record: as tags.c
  * writes them, as GDAL does, or as OME-XML. */
 #include <float.h>
+#include <strings.h>
 #include <tiffio.h>
 
 #include "data/stack/inside.h"
@@ -61,21 +62,26 @@ static void find_items(TIFF *tiff, int n_bands, const char **out)
     }
 }
 
-/* Converts a number with a unit to nm. The micro sign also appears as the letter mu and as an
- * entity. NaN: there is no number, or the unit, which is then kept, is unknown. */
+/* Converts a number with a unit, in capitals or not, to nm. NaN: there is no number, or the unit,
+ * which is then kept, is unknown. */
 static double length_nm(struct page_record *out, const char *number, const char *unit)
 {
     static const struct {
-        const char *name;
+        const char *names; /* the micro sign also appears as the letter mu, in Latin-1, as entity */
         double nm, divisor;
-    } units[] = {{"nm", 1, 1},         {"Nanometers", 1, 1}, {"µm", 1000, 1},
-                 {"\u03bcm", 1000, 1}, {"um", 1000, 1},      {"Micrometers", 1000, 1},
-                 {"Å", 1, 10},         {"&#197;", 1, 10},    {"&#181;m", 1000, 1},
-                 {"&#xB5;m", 1000, 1}, {"m", 1e9, 1}};
+    } units[] = {{"nm,nanometer,nanometers,nanometre,nanometres", 1, 1},
+                 {"um,µm,\u03bcm,\xb5m,&#181;m,&#xB5;m,micron,microns,micrometer,micrometers,"
+                  "micrometre,micrometres",
+                  1000, 1},
+                 {"Å,\xc5,&#197;,angstrom,angstroms,ångström,ångströms", 1, 10},
+                 {"m", 1e9, 1}};
     const size_t length = strcspn(unit, "<\"");
     for (size_t i = 0; i < sizeof units / sizeof units[0]; i++)
-        if (strlen(units[i].name) == length && memcmp(units[i].name, unit, length) == 0)
-            return number_at(number) * units[i].nm / units[i].divisor;
+        for (const char *at = units[i].names, *end; length > 0 && *at; at = end + (*end == ',')) {
+            end = at + strcspn(at, ",");
+            if ((size_t)(end - at) == length && strncasecmp(at, unit, length) == 0)
+                return number_at(number) * units[i].nm / units[i].divisor;
+        }
     snprintf(out->unit, sizeof out->unit, "%.*s", length < 31 ? (int)length : 31, unit);
     return (double)NAN;
 }
@@ -120,6 +126,25 @@ static void find_wavelength(struct image_file *file, const char *const items[ITE
     out->wavelength_nm = nm > 0 && nm <= DBL_MAX ? nm : out->unit[0] != '\0' ? 0 : (double)NAN;
 }
 
+/* Refuses OME-XML whose TiffData give the channels the pages in another order, or in other files.
+ */
+static bool check_order(const struct image *image, struct error *err)
+{
+    const char *at = image->description, *end;
+    while ((at = strstr(at, "<TiffData")) != NULL) {
+        end = at + strcspn(at, ">");
+        const char *channel = attribute(at, end, " FirstC=\""),
+                   *page = attribute(at, end, " IFD=\"");
+        if (channel && page && strtol(channel, NULL, 10) != strtol(page, NULL, 10))
+            return image_refuse(image, -1, err,
+                                "its OME-XML gives channel %ld page %ld; expected the order of the "
+                                "channels, counted from 0",
+                                strtol(channel, NULL, 10), strtol(page, NULL, 10));
+        at = end;
+    }
+    return true;
+}
+
 /* Reads the description and the full scale in it, the verdict, and how many pages a stack of this
  * program records. */
 static bool read_first(struct image *image, struct page_record *out, struct error *err)
@@ -147,8 +172,10 @@ static bool read_first(struct image *image, struct page_record *out, struct erro
     const char *element = strstr(image->description, "<Description>");
     const char *scale = strstr(element != NULL ? element : image->description, full_scale);
     out->full_scale = scale != NULL ? number_at(scale + strlen(full_scale)) : -1;
-    return strcmp(image->verdict, STACK_UNFINISHED) != 0 ||
-           image_refuse(image, -1, err, "it is not finished: its render goes on, or was killed");
+    return (strcmp(image->verdict, STACK_UNFINISHED) != 0 ||
+            image_refuse(image, -1, err,
+                         "it is not finished: its render goes on, or was killed")) &&
+           check_order(image, err);
 }
 
 bool tags_read(struct image *image, int n, struct page_record *out, struct error *err)
@@ -159,10 +186,13 @@ bool tags_read(struct image *image, int n, struct page_record *out, struct error
     if (!MAKE_ARRAY(items, (size_t)n * ITEMS, err, "the bands of %s", image->path))
         return false;
     find_items(image->file->tiff, n, items);
+    const char *nodata = private_text(image->file->tiff, TIFFTAG_GDAL_NODATA);
     for (int band = 0; band < n; band++) {
         const char *const *own = items + (size_t)band * ITEMS;
         find_wavelength(image->file, own, &out[band]);
         out[band].count_scale = own[ITEM_SCALE] != NULL ? number_at(own[ITEM_SCALE]) : -1;
+        out[band].has_nodata = nodata != NULL;
+        out[band].nodata = nodata ? strtod(nodata, NULL) : 0;
         out[band].offset = own[ITEM_OFFSET] != NULL ? number_at(own[ITEM_OFFSET]) : 0;
     }
     free(items);

@@ -89,13 +89,33 @@ static struct word tail(const char *path, const char *name, const char *ending)
     return (struct word){.start = at, .length = length};
 }
 
+/* Compares the path with those of the files in its folder that have the ending of its kind. */
+static void add_neighbours(const char *path, enum file_kind kind, struct suggestion *out)
+{
+    const char *name = path_name(path), *ending = kinds[kind].places[0].ending;
+    char *folder = file_relative(path, ".");
+    DIR *entries = folder && ending ? opendir(folder) : NULL;
+    for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
+        const struct word typed = {.start = name, .length = strlen(name)};
+        const char *dot = strrchr(entry->d_name, '.');
+        if (dot && strcmp(dot, ending) == 0)
+            suggestion_add(out, &typed, entry->d_name, strlen(entry->d_name));
+    }
+    if (entries)
+        closedir(entries);
+    free(folder);
+}
+
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err)
 {
     struct suggestion suggestion = {.distance = 0};
     char known[BUILTIN_NAME], otherwise[64] = "built-in are";
     if (!file_is_missing(path))
         return true;
-    for (size_t i = 0; i < builtin_file_count; i++) {
+    add_neighbours(path, kind, &suggestion);
+    if (!suggestion.nearest[0])
+        suggestion = (struct suggestion){.distance = 0};
+    for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++) {
         if (!builtin_is(&builtin_files[i], kind, known))
             continue;
         const struct word typed = tail(path, known, strrchr(builtin_files[i].name, '.'));
