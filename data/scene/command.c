@@ -92,6 +92,27 @@ static bool print_list(const struct list *list, struct printed *to, struct error
     return true;
 }
 
+/* Prints the names of the samples of a user's table. */
+static bool print_samples(const char *path, struct printed *to, struct error *err)
+{
+    const struct word word = {.start = path, .length = strlen(path)};
+    struct set_names names = {0};
+    struct text text;
+    char *file;
+    bool done =
+        word_file(&word, FILE_TABLE, &file, err) && text_open(&text, file, NOWHERE, TEXT_XML, err);
+    free(file);
+    if (!done)
+        return false;
+    done = set_read(text, 0, HUGE_VAL, NULL, &names, err);
+    print(to, "%s\n", path);
+    for (int i = 0; i < names.n; i++)
+        print(to, "  %s\n", names.name[i]);
+    set_names_free(&names);
+    text_free(&text);
+    return done;
+}
+
 static bool run_list(struct options *options, struct error *err)
 {
     const char *wanted = options->operand ? options->operand : "";
@@ -108,8 +129,10 @@ static bool run_list(struct options *options, struct error *err)
         found = true;
         done = print_list(list, &printed, err);
     }
-    if (done && !found)
-        done = error_usage(err, "there is no list '%s'; %s", wanted,
+    if (done && !found && !file_is_missing(wanted))
+        done = print_samples(wanted, &printed, err);
+    else if (done && !found)
+        done = error_usage(err, "there is no list or file '%s'; %s", wanted,
                            suggestion_end(&suggestion, "the lists are"));
     if (done)
         return printed_show(&printed, STDOUT_FILENO, err);
@@ -169,8 +192,8 @@ static bool run_show(struct options *options, struct error *err)
 static const struct option_list *const list_lists[] = {&common_options, NULL};
 const struct command list_command = {
     .name = "list",
-    .operands = "[KIND]",
-    .summary = "print the names of all that is built in, or of one kind",
+    .operands = "[KIND | FILE]",
+    .summary = "print the names of all that is built in, of one kind, or of a table's samples",
     .example = "list materials",
     .run = run_list,
     .lists = list_lists,

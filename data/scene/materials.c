@@ -75,6 +75,23 @@ bool listed_add(struct scene_reader *reader, const struct word *word, int *out, 
     return known;
 }
 
+bool sample_add(struct scene_reader *reader, struct text set, int sample, int *out,
+                struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct material material = {.place = text_whole(&set)};
+    struct set_names names = {0};
+    *out = scene->n_materials;
+    bool done = set_read(set, sample, 1, &material.diffuse, &names, err);
+    done = done && string_copy(names.name[sample - 1], &material.name, err) &&
+           string_copy(material.name, &material.diffuse.name, err) &&
+           array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err);
+    set_names_free(&names);
+    if (!done)
+        material_free(&material);
+    return done;
+}
+
 /* ---- materials that are used ---- */
 
 /* Proposes the materials that a statement defines by their names. A file in a list has no name yet;

@@ -206,12 +206,26 @@ static bool add_listed(struct scene_reader *reader, struct text *list, struct de
     return true;
 }
 
+/* Adds a copy of the pattern with each sample of a table as its material. */
+static bool add_samples(struct scene_reader *reader, const struct text *set,
+                        struct description *pattern, struct error *err)
+{
+    struct set_names names = {0};
+    bool done = set_read(*set, 0, 1, NULL, &names, err);
+    for (int i = 1; done && i <= names.n; i++)
+        done = sample_add(reader, *set, i, &pattern->object.material, err) &&
+               add_object(reader, pattern, err);
+    set_names_free(&names);
+    return done;
+}
+
 static bool add_grid(struct scene_reader *reader, struct text *list, struct description *pattern,
                      struct error *err)
 {
     struct scene *scene = reader->scene;
     int first = scene->n_objects, n;
-    if (!add_listed(reader, list, pattern, err))
+    if (!(set_is(*list) ? add_samples(reader, list, pattern, err)
+                        : add_listed(reader, list, pattern, err)))
         return false;
     n = scene->n_objects - first;
     for (int i = 0; i < n; i++) {

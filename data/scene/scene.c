@@ -110,14 +110,15 @@ bool scene_is_missing(const char *name)
 }
 
 /* Sets *out if the file is a list of materials: its first line has one word, and that is no
- * statement. Refuses an empty file. */
+ * statement; or a table of them. Refuses an empty file. */
 static bool is_list(struct text text, bool *out, struct error *err)
 {
+    const struct text whole = text;
     struct word word, more;
     while (text_next_line(&text)) {
         if (!text_word(&text, &word))
             continue;
-        *out = !text_word(&text, &more);
+        *out = !text_word(&text, &more) || set_is(whole);
         for (int i = 0; statements[i]; i++)
             *out = *out && !word_is(&word, statements[i]);
         return true;

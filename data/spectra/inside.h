@@ -9,7 +9,9 @@
 struct columns {
     struct word table;              /* a built-in name, or a file */
     int count;                      /* 1, or the 3 of a detector */
-    long first;                     /* from 1; 0: the table has no others */
+    long first;                     /* the number of a column or sample, from 1; 0: the only one */
+    struct word sample;             /* its name, which goes before the number; length 0: none */
+    bool all;                       /* all samples are counted and named, and none is read */
     double lowest, highest, factor; /* limits of a value times the factor */
     bool scaled;                    /* the factor was written */
 };
@@ -17,6 +19,58 @@ struct columns {
  * caller frees *out. spectra_read reads three columns without limits. */
 bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, struct error *err);
 bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);
+
+/* ---- table.c: a table that is being read ---- */
+
+enum { MOST_COLUMNS = 3 }; /* kept of a row: those of a detector */
+
+struct row {
+    double nm, value[MOST_COLUMNS];
+    struct place place;
+};
+
+struct table {
+    const struct columns *wanted;
+    struct text text;
+    char separator;  /* of columns: a semicolon, a comma, a tab or a blank */
+    char mark;       /* of decimals: a point or a comma; 0: none was seen */
+    int mark_line;   /* where it was first seen */
+    long first;      /* the column or sample that is wanted; 0: the only one */
+    long n_columns;  /* of values */
+    bool decreasing; /* the first wavelength is the longest */
+    bool xyz;        /* the values are named as an observer's x, y and z */
+    bool named;      /* a heading names three columns of values */
+    bool of_rows;    /* each row is a sample, and the heading has the wavelengths */
+    struct row *row; /* n_rows in the order of the file; owned */
+    int n_rows;
+    struct set_names names; /* of all samples so far; owned */
+    int n_named;            /* samples that have the wanted name */
+};
+
+enum { LABEL_SIZE = 96, LONGEST_NAME = 64 };
+/* Writes the table as a scene names it, without a factor; a long name as FILE. */
+const char *table_label(const struct table *table, char out[LABEL_SIZE]);
+/* Reads a value, divided by norm, and refuses it if it leaves the limits with the factor. */
+bool table_value(const struct table *table, const struct word *word, double norm, double *out,
+                 struct error *err);
+/* Reads the next field of the line without quotes, and without the blanks within. An unclosed quote
+ * stays. Returns false behind the last field. */
+bool table_field(struct table *table, struct word *out);
+/* Writes a point for a decimal comma into the text. Refuses a comma where commas separate, and two
+ * marks in one file: one of them may separate thousands. */
+bool table_mark(struct table *table, const struct word *word, struct error *err);
+
+/* ---- sets.c: tables of samples ---- */
+
+/* Read the samples of a table, each in a row, as CGATS.5 or as IES TM-27; keep the wanted one. */
+bool samples_read(struct table *table, struct error *err); /* the heading is the current line */
+bool cgats_read(struct table *table, struct error *err);
+bool spdx_read(struct table *table, struct error *err);
+/* Adds the name of the next sample; NULL: its number. */
+bool names_add(struct table *table, const struct word *name, struct error *err);
+bool is_sample(const struct table *table, const struct word *name); /* the wanted one */
+/* Refuses a name that no sample has. */
+bool sample_unknown(const struct table *table, struct error *err);
 
 /* ---- column_names.c: words of a heading ---- */
 

@@ -44,6 +44,18 @@ double spectrum_at(const struct spectrum *spectrum, double wavelength_nm, enum s
 /* Returns true if wavelength_nm lies outside the samples of a sampled spectrum. */
 bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm);
 void spectrum_free(struct spectrum *spectrum);
+/* Returns whether a text is a table of spectra, of which no line is current: no list of names. */
+bool set_is(struct text text);
+/* The names of the samples of a table; a sample without a name has its number. */
+struct set_names {
+    char **name;
+    int n;
+};
+void set_names_free(struct set_names *names);
+/* Reads a sample, from 1, as spectrum_read reads a file of one; 0: none. The caller's cursor stays.
+ * The caller frees *names, also after a failure. */
+bool set_read(struct text text, int sample, double highest, struct spectrum *out,
+              struct set_names *names, struct error *err);
 /* Returns true if a built-in table has three values a line. */
 bool table_is_detector(const struct builtin_file *file);
 

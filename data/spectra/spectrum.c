@@ -229,17 +229,31 @@ static bool split(const struct word *word, char mark, struct word *before, struc
     return true;
 }
 
-/* Reads NAME or FILE, with :COLUMN or without. */
+/* Returns whether a word names a built-in table or a file that exists. */
+static bool is_file(const struct word *word)
+{
+    struct error ignored = {0};
+    char *path = NULL;
+    const bool found =
+        word->length > 0 && word_file(word, FILE_TABLE, &path, &ignored) && !file_is_missing(path);
+    free(path);
+    return found;
+}
+
+/* Reads NAME or FILE, with :COLUMN or without: the number or the name of a column or a sample. */
 static bool read_named(const struct word *word, struct columns *columns, struct spectrum *out,
                        struct error *err)
 {
-    struct word before, digits;
+    struct word before, sample;
     bool xyz;
     columns->table = *word;
-    if (split(word, ':', &before, &digits) && digits.length > 0 &&
-        strspn(digits.start, "0123456789") >= digits.length) {
-        columns->table.length = before.length;
-        if (!word_integer(&digits, "column", 1, INT_MAX, &columns->first, err))
+    if (split(word, ':', &before, &sample) && sample.length > 0) {
+        const bool number = strspn(sample.start, "0123456789") >= sample.length;
+        if (number || (!is_file(word) && is_file(&before))) {
+            columns->table.length = before.length;
+            columns->sample = sample;
+        }
+        if (number && !word_integer(&sample, "column", 1, INT_MAX, &columns->first, err))
             return false;
     }
     return table_read(columns, out, &xyz, err);

@@ -5,46 +5,21 @@
 
 #include "data/spectra/inside.h"
 
-enum { MOST_COLUMNS = 3 }; /* kept of a row: those of a detector */
-
-struct row {
-    double nm, value[MOST_COLUMNS];
-    struct place place;
-};
-
-/* A table that is being read. */
-struct table {
-    const struct columns *wanted;
-    struct text text;
-    char separator;  /* of columns: a semicolon, a comma or a blank */
-    char mark;       /* of decimals: a point or a comma; 0: none was seen */
-    int mark_line;   /* where it was first seen */
-    long n_columns;  /* of values */
-    bool decreasing; /* the first wavelength is the longest */
-    bool xyz;        /* the values are named as an observer's x, y and z */
-    bool named;      /* a heading names three columns of values */
-    struct row *row; /* n_rows in the order of the file; owned */
-    int n_rows;
-};
-
 /* ---- values ---- */
 
-enum { LABEL_SIZE = 96, LONGEST_NAME = 64 };
-/* Writes the table as a scene names it, without a factor; a long name as FILE. */
-static const char *label(const struct table *table, char out[LABEL_SIZE])
+const char *table_label(const struct table *table, char out[LABEL_SIZE])
 {
     const struct word *name = &table->wanted->table;
     const bool fits = name->length <= LONGEST_NAME;
     const int length = snprintf(out, LABEL_SIZE, "%.*s", fits ? (int)name->length : 4,
                                 fits ? name->start : "FILE");
-    if (table->wanted->first > 0)
-        snprintf(out + length, LABEL_SIZE - (size_t)length, ":%ld", table->wanted->first);
+    if (table->first > 0)
+        snprintf(out + length, LABEL_SIZE - (size_t)length, ":%ld", table->first);
     return out;
 }
 
-/* Reads a value, divided by norm, and refuses it if it leaves the limits with the factor. */
-static bool read_value(const struct table *table, const struct word *word, double norm, double *out,
-                       struct error *err)
+bool table_value(const struct table *table, const struct word *word, double norm, double *out,
+                 struct error *err)
 {
     const struct columns *wanted = table->wanted;
     char name[LABEL_SIZE], times[48] = "";
@@ -52,10 +27,14 @@ static bool read_value(const struct table *table, const struct word *word, doubl
     if (word->length > 0 && word->start[word->length - 1] == '%')
         return error_at(err, word->place,
                         "'%.*s' has a percent sign; remove the signs, and write '%s*0.01'",
-                        word_shown(word), word->start, label(table, name));
-    if (!word_number(word, "value", wanted->lowest * norm, HUGE_VAL, &raw, err))
+                        word_shown(word), word->start, table_label(table, name));
+    if (!word_number(word, "value", -HUGE_VAL, HUGE_VAL, &raw, err))
         return false;
     *out = raw / norm;
+    if (*out < wanted->lowest)
+        return error_at(err, word->place,
+                        "value %.*s is below %.15g; write %.15g in its place if it is noise",
+                        word_shown(word), word->start, wanted->lowest, wanted->lowest);
     if (*out * wanted->factor <= wanted->highest)
         return true;
     if (wanted->scaled)
@@ -63,7 +42,7 @@ static bool read_value(const struct table *table, const struct word *word, doubl
     return error_at(err, word->place,
                     "reflectance %.15g%s is above %.15g; write '%s*0.01' if the values are in "
                     "percent, or another factor",
-                    *out, times, wanted->highest, label(table, name));
+                    *out, times, wanted->highest, table_label(table, name));
 }
 
 /* ---- columns ---- */
@@ -134,8 +113,7 @@ static bool read_field(struct text *text, char separator, struct word *out)
     return true;
 }
 
-/* Reads a field without quotes, and without the blanks within. An unclosed quote stays. */
-static bool next_field(struct table *table, struct word *out)
+bool table_field(struct table *table, struct word *out)
 {
     if (!read_field(&table->text, table->separator, out))
         return false;
@@ -149,9 +127,7 @@ static bool next_field(struct table *table, struct word *out)
     return true;
 }
 
-/* Writes a point for a decimal comma into the text. Refuses a comma where commas separate, and two
- * marks in one file: one of them may separate thousands. */
-static bool check_mark(struct table *table, const struct word *word, struct error *err)
+bool table_mark(struct table *table, const struct word *word, struct error *err)
 {
     char *comma = memchr(table->text.bytes + (word->start - table->text.bytes), ',', word->length);
     const bool point = memchr(word->start, '.', word->length) != NULL;
@@ -196,7 +172,7 @@ static bool read_wavelength(struct table *table, struct word *word, double *out,
             word->length--;
     else if (table->separator == ' ' && text_word(&ahead, &unit) && word_is(&unit, "nm"))
         table->text = ahead;
-    return check_mark(table, word, err) &&
+    return table_mark(table, word, err) &&
            word_number(word, "wavelength", -HUGE_VAL, HUGE_VAL, out, err);
 }
 
@@ -210,9 +186,16 @@ static bool check_columns(struct table *table, long n_columns, struct place plac
                              : "";
     char name[LABEL_SIZE];
     table->n_columns = n_columns;
-    if (wanted->first > n_columns)
+    while (table->names.n < n_columns)
+        if (!names_add(table, NULL, err))
+            return false;
+    if (wanted->sample.length > 0 && table->first == 0)
+        return sample_unknown(table, err);
+    if (table->first > n_columns)
         return error_at(err, wanted->table.place, "'%.*s' has no value column %ld; its last is %ld",
-                        word_shown(&wanted->table), wanted->table.start, wanted->first, n_columns);
+                        word_shown(&wanted->table), wanted->table.start, table->first, n_columns);
+    if (wanted->all)
+        return true;
     if (wanted->count > 1 && wanted->count != n_columns)
         return error_at(err, place, "%ld value columns; a detector has %d, as 'wavelength,x,y,z'%s",
                         n_columns, wanted->count, advice);
@@ -220,22 +203,22 @@ static bool check_columns(struct table *table, long n_columns, struct place plac
         return error_at(err, place,
                         "the columns have no names; write a heading, 'wavelength,x,y,z' for an "
                         "observer or 'wavelength,r,g,b' for a camera");
-    return wanted->first > 0 || n_columns <= wanted->count ||
+    return table->first > 0 || n_columns <= wanted->count ||
            error_at(err, wanted->table.place,
-                    "'%s' has %ld value columns; write '%s:1' for the first of them%s",
-                    label(table, name), n_columns, name, advice);
+                    "'%s' has %ld value columns; write '%s:1' for the first of them, or its name%s",
+                    table_label(table, name), n_columns, name, advice);
 }
 
 /* Reads the values of a row. Empty fields may only stand behind the last value. */
 static bool read_values(struct table *table, struct row *row, long *n_values, struct error *err)
 {
     const struct columns *wanted = table->wanted;
-    const long first = wanted->first > 0 ? wanted->first : 1;
+    const long first = table->first > 0 ? table->first : 1;
     struct place empty = {0};
     struct word word;
     double value;
     *n_values = 0;
-    while (next_field(table, &word)) {
+    while (table_field(table, &word)) {
         if (word.length == 0 && !word.quoted) {
             empty = empty.line > 0 ? empty : word.place;
             continue;
@@ -244,8 +227,8 @@ static bool read_values(struct table *table, struct row *row, long *n_values, st
             return error_at(err, empty, "expected a value; this column is empty");
         const long i = ++*n_values - first;
         const bool kept = i >= 0 && i < wanted->count;
-        if (!check_mark(table, &word, err) ||
-            !(kept ? read_value(table, &word, 1, &row->value[i], err)
+        if (!table_mark(table, &word, err) ||
+            !(kept ? table_value(table, &word, 1, &row->value[i], err)
                    : word_number(&word, "value", -HUGE_VAL, HUGE_VAL, &value, err)))
             return false;
     }
@@ -270,11 +253,11 @@ static bool read_row(struct table *table, struct error *err)
     struct row row = {0};
     struct word word;
     long n;
-    if (!next_field(table, &word))
+    if (!table_field(table, &word))
         return true;
     row.place = word.place;
     if (word.length == 0) {
-        while (word.length == 0 && next_field(table, &word))
+        while (word.length == 0 && table_field(table, &word))
             ;
         return word.length == 0 || error_at(err, row.place, "expected a wavelength");
     }
@@ -295,7 +278,7 @@ static bool read_row(struct table *table, struct error *err)
 static bool first_field(struct table *line, struct word *out)
 {
     line->separator = find_separator(&line->text);
-    return next_field(line, out);
+    return table_field(line, out);
 }
 
 /* Returns whether all fields of a line but the first are numbers, as in a row with a mistake. */
@@ -305,7 +288,7 @@ static bool has_numbers(struct table line, struct word *first)
     long n = 0;
     if (!first_field(&line, first))
         return false;
-    for (; next_field(&line, &word); n += word.length > 0)
+    for (; table_field(&line, &word); n += word.length > 0)
         if (word.length > 0 && !word_is_numeric(&word, "0123456789+-.,%eE")) /* in some country */
             return false;
     return n > 0;
@@ -317,23 +300,22 @@ static bool refuse_percent(const struct table *table, const struct word *word, s
     return error_at(err, word->place,
                     "'%.*s' says percent; write '%s*0.01', or '%s*1' if the values are "
                     "fractions of 1",
-                    word_shown(word), word->start, label(table, name), name);
+                    word_shown(word), word->start, table_label(table, name), name);
 }
 
-/* Refuses a heading whose names are increasing wavelengths: then each row is a sample. */
-static bool check_rows(struct table line, struct error *err)
+/* Returns whether names in a heading are wavelengths, two or more that increase: then each row is a
+ * sample. */
+static bool is_of_rows(struct table line)
 {
-    struct word first, word;
-    double last = 0;
+    struct word word;
+    double last = 0, nm;
     int n = 0;
-    if (!first_field(&line, &first) || first.length == 0)
-        return true;
-    for (; next_field(&line, &word); n++, last = name_wavelength(&word))
-        if (!(name_wavelength(&word) > last))
-            return true;
-    return n < 2 || error_at(err, first.place,
-                             "wavelengths stand in this heading, and each row is a sample; "
-                             "expected a row for each wavelength: exchange rows and columns");
+    for (; table_field(&line, &word); n += nm > 0, last = nm > 0 ? nm : last) {
+        nm = name_wavelength(&word);
+        if ((nm == 0 && name_says_wavelength(&word)) || (n > 0 && !(nm > last)))
+            return false;
+    }
+    return n > 1;
 }
 
 static bool wants_fractions(const struct table *table)
@@ -345,7 +327,7 @@ static bool wants_fractions(const struct table *table)
 static bool check_above(const struct table *table, struct table line, struct error *err)
 {
     struct word word;
-    while (wants_fractions(table) && next_field(&line, &word))
+    while (wants_fractions(table) && table_field(&line, &word))
         if (name_says_percent(&word))
             return refuse_percent(table, &word, err);
     return true;
@@ -355,8 +337,7 @@ static bool check_above(const struct table *table, struct table line, struct err
  * reflectance in percent needs a factor: whether 0.9 is 0.9 % or nearly white cannot be guessed. */
 static bool read_heading(struct table *table, struct text heading, struct error *err)
 {
-    const struct columns *wanted = table->wanted;
-    const long first = wanted->first > 0 ? wanted->first : 1;
+    const long first = table->first > 0 ? table->first : 1;
     const size_t length = (size_t)(heading.line_end - heading.at);
     struct table line = *table;
     struct word word, name = {0};
@@ -364,8 +345,12 @@ static bool read_heading(struct table *table, struct text heading, struct error 
     line.text = heading;
     if (table->separator == ' ' || !memchr(heading.at, table->separator, length))
         line.separator = find_separator(&heading);
-    for (; next_field(&line, &word); n++) {
+    for (; table_field(&line, &word); n++) {
         name = n == 0 ? word : name;
+        if (n > 0 && !names_add(table, &word, err))
+            return false;
+        if (n > 0 && is_sample(table, &word))
+            table->first = n;
         named += n > 0 && n <= 3 && name_is_tristimulus(&word, "xyz"[n - 1]);
         if ((n == 0 || line.separator == ' ') && !name_check_unit(&word, err))
             return false;
@@ -375,7 +360,7 @@ static bool read_heading(struct table *table, struct text heading, struct error 
                             "the first column must hold the wavelengths; it is named '%.*s'",
                             word_shown(&name), name.start);
         if (wants_fractions(table) && name_says_percent(&word) &&
-            (n == first || (n > 0 && wanted->first == 0 && line.separator == ' ')))
+            (n == first || (n > 0 && table->first == 0 && line.separator == ' ')))
             return refuse_percent(table, &word, err);
     }
     table->xyz = n == 4 && named == 3;
@@ -395,8 +380,11 @@ static bool read_headings(struct table *table, struct error *err)
                 return false;
             heading = *table;
             heading.separator = line.separator;
-            if (!check_rows(heading, err))
-                return false;
+            table->of_rows = is_of_rows(heading);
+            if (table->of_rows) {
+                table->separator = heading.separator;
+                return true;
+            }
         }
         if (!text_next_line(&table->text))
             return true;
@@ -413,6 +401,8 @@ static bool read_columns(struct table *table, struct error *err)
 {
     if (!read_headings(table, err))
         return false;
+    if (table->of_rows)
+        return samples_read(table, err);
     do
         if (!read_row(table, err))
             return false;
@@ -420,86 +410,7 @@ static bool read_columns(struct table *table, struct error *err)
     return true;
 }
 
-/* ---- CGATS ---- */
-
-/* Reads the next word of the file, on this line or a later one. */
-static bool next_word(struct text *text, struct word *out)
-{
-    while (!text_word(text, out))
-        if (!text_next_line(text))
-            return false;
-    return true;
-}
-
-/* The words of a CGATS file that describe its data. */
-enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS };
-static const char *const cgats_words[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM", "SPECTRAL_END_NM",
-                                          "SPECTRAL_NORM"};
-
-static bool check_cgats(const double *head, struct place place, struct error *err)
-{
-    for (int i = BANDS; i <= END_NM; i++)
-        if (head[i] == 0)
-            return error_at(err, place, "%s is missing before the data", cgats_words[i]);
-    return (head[BANDS] > 1 ? head[START_NM] < head[END_NM] : head[START_NM] == head[END_NM]) ||
-           error_at(err, place, "%.15g bands from %.15g to %.15g nm; they must increase",
-                    head[BANDS], head[START_NM], head[END_NM]);
-}
-
-/* Adds the values up to END_DATA, on any number of lines. */
-static bool read_data(struct table *table, const double *head, struct place begin,
-                      struct error *err)
-{
-    const double bands = head[BANDS], span = head[END_NM] - head[START_NM];
-    struct word word;
-    while (next_word(&table->text, &word)) {
-        const int i = table->n_rows;
-        struct row row = {.nm = head[START_NM] + (i > 0 ? span * i / (bands - 1) : 0),
-                          .place = word.place};
-        if (word_is(&word, "END_DATA"))
-            return i == bands ||
-                   error_at(err, word.place, "%d values, but SPECTRAL_BANDS is %.15g", i, bands);
-        if (i >= bands)
-            return error_at(err, word.place, "more values than SPECTRAL_BANDS, %.15g", bands);
-        if (!read_value(table, &word, head[NORM], &row.value[0], err) ||
-            !array_add(&table->row, &table->n_rows, &row, sizeof row, err))
-            return false;
-    }
-    return error_at(err, begin, "BEGIN_DATA without END_DATA");
-}
-
-/* Some programs write numbers in quotes. */
-static bool read_cgats_number(struct text *text, const char *name, double *out, struct error *err)
-{
-    struct word word;
-    if (!text_expect(text, &word, name, err))
-        return false;
-    word.quoted = false;
-    return word_number(&word, name, DBL_MIN, HUGE_VAL, out, err) && text_end(text, name, err);
-}
-
-/* Reads a CGATS file. Skips all words that do not describe its data. */
-static bool read_cgats(struct table *table, struct error *err)
-{
-    double head[CGATS_WORDS] = {[NORM] = 1}; /* 0: missing */
-    struct word word;
-    bool done = check_columns(table, 1, text_whole(&table->text), err);
-    while (done && next_word(&table->text, &word)) {
-        if (word_is(&word, "BEGIN_DATA"))
-            done = check_cgats(head, word.place, err) && read_data(table, head, word.place, err);
-        for (int i = 0; i < CGATS_WORDS; i++)
-            if (word_is(&word, cgats_words[i]))
-                done = read_cgats_number(&table->text, cgats_words[i], &head[i], err);
-    }
-    return done;
-}
-
 /* ---- files ---- */
-
-static bool begins(const struct word *word, const char *with)
-{
-    return word->length >= strlen(with) && strncmp(word->start, with, strlen(with)) == 0;
-}
 
 /* Puts the rows into spectra, in the order of wavelengths. */
 static bool take_rows(const struct table *table, struct spectrum *out, struct error *err)
@@ -513,26 +424,69 @@ static bool take_rows(const struct table *table, struct spectrum *out, struct er
     return spectrum_is_in_nm(out, err);
 }
 
-/* Reads a file in the format that its first word implies. */
+/* Reads a text in the format that it begins with. */
+static bool read_text(struct table *table, struct spectrum *out, struct error *err)
+{
+    struct text *text = &table->text;
+    const char *mark = strstr(text->at, "BEGIN_DATA");
+    bool done = true;
+    table->first = table->wanted->first;
+    if (strncmp(text->at, "<?xml", 5) == 0)
+        done = spdx_read(table, err);
+    else if (mark && (mark == text->bytes || mark[-1] == '\n'))
+        done = cgats_read(table, err);
+    else if (text_next_line(text))
+        done = read_columns(table, err);
+    if (done && table->n_rows == 0 && !table->wanted->all)
+        done = error_at(err, text_whole(text),
+                        "no line begins with a wavelength; expected rows such as 400,0.1");
+    done = done && (!out || take_rows(table, out, err));
+    free(table->row);
+    return done;
+}
+
 static bool read_file(const char *path, struct table *table, struct spectrum *out,
                       struct error *err)
 {
-    struct text *text = &table->text;
-    struct word first;
-    bool done = true;
-    if (!text_open(text, path, table->wanted->table.place, 0, err))
-        return false;
-    if (next_word(text, &first)) {
-        text->at = text->line_start;
-        done = word_is(&first, "SPECT") || begins(&first, "CGATS") || begins(&first, "SPECTRAL_")
-                   ? read_cgats(table, err)
-                   : read_columns(table, err);
+    const bool done = text_open(&table->text, path, table->wanted->table.place, TEXT_XML, err) &&
+                      read_text(table, out, err);
+    set_names_free(&table->names);
+    text_free(&table->text);
+    return done;
+}
+
+/* ---- whole sets ---- */
+
+bool set_is(struct text text)
+{
+    struct table table = {.wanted = NULL, .text = text};
+    struct word word, first;
+    if (strncmp(text.at, "<?xml", 5) == 0 || strstr(text.at, "\nBEGIN_DATA"))
+        return true;
+    while (text_next_line(&table.text)) {
+        struct table line = table;
+        line.separator = find_separator(&line.text);
+        if (is_of_rows(line) || (text_peek(table.text, &word) && word_begins_wavelength(&word) &&
+                                 has_numbers(table, &first)))
+            return true;
     }
-    if (done && table->n_rows == 0)
-        done = error_at(err, text_whole(text), "no samples; a spectrum needs at least one");
-    done = done && take_rows(table, out, err);
-    text_free(text);
-    free(table->row);
+    return false;
+}
+
+bool set_read(struct text text, int sample, double highest, struct spectrum *out,
+              struct set_names *names, struct error *err)
+{
+    const struct columns columns = {.table = {.start = path_name(text.path),
+                                              .length = strlen(path_name(text.path)),
+                                              .place = text_whole(&text)},
+                                    .count = 1,
+                                    .first = sample,
+                                    .highest = highest,
+                                    .factor = 1,
+                                    .all = sample == 0};
+    struct table table = {.wanted = &columns, .text = text};
+    const bool done = read_text(&table, sample > 0 ? out : NULL, err);
+    *names = table.names;
     return done;
 }
 
