@@ -206,7 +206,7 @@ static bool sgi_unpack(const struct foreign *of, size_t from, size_t length, uns
     return true;
 }
 
-/* Writes the rows of all channels, of which the file has the bottom one first. */
+/* Writes the rows of all channels. The file has the bottom row first. */
 static bool sgi_rows(const struct foreign *of)
 {
     const size_t row = (size_t)of->width * of->sample_bytes, n = (size_t)of->height * of->channels;

@@ -357,8 +357,8 @@ static bool pages_read(struct image *image, image_tags *read_tags, struct error 
 
 /* ---- colours as wavelengths ---- */
 
-const struct rgb_knot rgb_knots[RGB_KNOTS] = {{1, 2},   {480, 2}, {500, 1},
-                                              {570, 1}, {600, 0}, {999999, 0}};
+const double rgb_knot_nm[RGB_KNOTS] = {1, 480, 500, 570, 600, 999999};
+const int rgb_knot_colour[RGB_KNOTS] = {2, 2, 1, 1, 0, 0};
 
 bool image_spread(struct image *image, struct error *err)
 {
@@ -370,7 +370,7 @@ bool image_spread(struct image *image, struct error *err)
         return false;
     for (int i = 0; i < RGB_KNOTS; i++) {
         pages[i] = image->file->pages[0];
-        pages[i].colour = (uint16_t)(rgb_knots[i].colour + 1);
+        pages[i].colour = (uint16_t)(rgb_knot_colour[i] + 1);
     }
     free(image->file->pages);
     free(image->wavelengths_nm);
@@ -379,7 +379,7 @@ bool image_spread(struct image *image, struct error *err)
     if (!MAKE_ARRAY(nm, RGB_KNOTS, err, "the pages of %s", image->path))
         return false;
     for (int i = 0; i < RGB_KNOTS; i++)
-        nm[i] = rgb_knots[i].nm;
+        nm[i] = rgb_knot_nm[i];
     image->wavelengths_nm = nm;
     return true;
 }

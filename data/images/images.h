@@ -62,12 +62,8 @@ bool image_read(struct image *image, int page, int y, int rows, float *out, stru
 /* The wavelengths at which three colours of unknown spectra are taken, from 0 red to 2 blue.
  * Between them they are linear. They reach beyond all light. */
 enum { RGB_KNOTS = 6 };
-extern const struct rgb_knot {
-    double nm;
-    int colour;
-} rgb_knots[RGB_KNOTS];
-/* Makes pages at these wavelengths of a picture of one page. */
-bool image_spread(struct image *image, struct error *err);
+extern const double rgb_knot_nm[RGB_KNOTS];
+extern const int rgb_knot_colour[RGB_KNOTS];
 /* Returns whether all samples are grey floats. */
 bool image_is_float(const struct image *image);
 void image_close(struct image *image);
@@ -143,7 +139,7 @@ enum { TEXTURE_PLANES = 3 };
 /* Planes have rows from t = 0 (the picture's bottom row) upwards, width values each. */
 struct texture {
     struct image image;           /* open as long as planes are to be loaded */
-    bool spectral, rgb;           /* rgb: pages at rgb_knots are made of the only one */
+    bool spectral, rgb;           /* rgb: pages at rgb_knot_nm are made of the only one */
     bool linear;                  /* between texel centres; otherwise the nearest texel */
     double smallest, largest;     /* of all values of all pages */
     float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */

@@ -29,6 +29,9 @@ bool image_layout(const struct image *image, int page, struct sample_layout *out
 /* decode.c: returns whether a block, a tile or a strip, has neither bytes nor a place. */
 bool block_is_missing(struct tiff *tiff, uint32_t block);
 
+/* image.c: makes pages at rgb_knot_nm of a picture of one page. */
+bool image_spread(struct image *image, struct error *err);
+
 /* png.c: a PNG file (ISO/IEC 15948:2004), written from the top. Its bytes do not depend on how many
  * rows come at once. The output is the caller's, and stays where it is; png_open opens it. */
 bool png_open(struct png **out, struct output *output, const char *path,

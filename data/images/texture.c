@@ -3,7 +3,7 @@
  * stack may be larger than the memory. */
 #include <assert.h>
 
-#include "data/images/images.h"
+#include "data/images/inside.h"
 #include "data/text/text.h"
 
 enum { LONGEST_TEXTURE = 16384 }; /* in texels a side; OpenGL has a limit, too */

@@ -42,7 +42,7 @@ static bool is_no_number(const struct word *word)
 }
 
 /* Reads a number. Refuses one above the largest single-precision number, which OpenGL could not
- * draw. What is no number becomes NaN, unless it is one of a position. */
+ * draw. A word for no number becomes NaN, but not in a position. */
 static bool read_coordinate(const struct word *word, bool of_position, double *out,
                             struct error *err)
 {

@@ -172,13 +172,15 @@ static bool find_shown(const char *name, char **out, struct error *err)
     return done && refuse_shown(&word, err);
 }
 
-static bool run_show(struct options *options, struct error *err)
+bool show_file(struct options *options, struct error *err)
 {
     const char *output = options->output ? options->output : "-";
     const struct builtin_file *file;
     int descriptor;
     char *path = NULL;
-    bool done = find_shown(options->operand ? options->operand : "", &path, err) &&
+    bool done = (options->n_operands < 2 ||
+                 error_usage(err, "show prints one file; add --csv or --svg for curves")) &&
+                find_shown(options->operand ? options->operand : "", &path, err) &&
                 file_open(path, NOWHERE, &descriptor, &file, err);
     if (done && isatty(STDOUT_FILENO) && strcmp(output, "-") == 0 &&
         memchr(file->bytes, '\0', file->length))
@@ -193,7 +195,7 @@ static const struct option_list *const list_lists[] = {&common_options, NULL};
 const struct command list_command = {
     .name = "list",
     .operands = "[KIND | FILE]",
-    .summary = "print the names of all that is built in, of one kind, or of a table's samples",
+    .summary = "print the names of what is built in, or of a table's samples",
     .example = "list materials",
     .run = run_list,
     .lists = list_lists,
@@ -211,7 +213,7 @@ const struct command show_command = {
     .operands = "NAME [-o FILE]",
     .summary = "print a built-in file, to start one of your own with",
     .example = "show room -o my.scene",
-    .run = run_show,
+    .run = show_file,
     .lists = show_lists,
     .n_operands = 1,
 };

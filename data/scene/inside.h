@@ -7,11 +7,10 @@
 
 /* ---- material.c: materials from files and from words ---- */
 
-/* Reads a material file, which the place `from` names. */
-bool material_read(const char *path, struct place from, struct material *out, struct error *err);
 /* Reads the words of a material in a scene up to its }, over several lines. Its { has been read. */
 bool material_read_words(struct text *text, struct material *out, struct error *err);
-void material_free(struct material *material);
+/* Reads the spectrum and the intensity of a material that only emits. */
+bool material_read_emission(struct text *text, struct material *out, struct error *err);
 /* Returns whether a word begins an entry between { and }, as `diffuse` does. */
 bool material_has_word(const struct word *word);
 
@@ -42,7 +41,7 @@ void mtl_free(struct mtl *mtl);
 
 enum { HIGHEST_GLOSS = 128 }; /* as GL_SHININESS */
 
-enum { DEEPEST_INCLUDE = 32, MOST_INCLUDES = 1000, N_ONCE = 5 };
+enum { DEEPEST_INCLUDE = 32, MOST_INCLUDES = 1000, N_ONCE = 6 };
 
 /* The state of reading a scene. A function NAME_read below reads one statement, from behind its
  * first word. */
@@ -101,6 +100,8 @@ void materials_forget(struct scene_reader *reader); /* frees what finds material
 /* object.c: shapes, objects and grids of them. */
 bool object_read(struct scene_reader *reader, struct error *err);
 bool checker_read(struct scene_reader *reader, struct error *err);
+/* Adds a plane that emits, behind all else. */
+bool background_read(struct scene_reader *reader, struct error *err);
 void object_free(struct object *object);
 
 /* Gives all objects of lists this shape, as large as the thesis's sphere. Objects that have it keep

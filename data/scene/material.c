@@ -345,6 +345,19 @@ bool material_read_words(struct text *text, struct material *out, struct error *
     return read_block(text, out, err);
 }
 
+bool material_read_emission(struct text *text, struct material *out, struct error *err)
+{
+    struct word word;
+    double intensity;
+    *out = (struct material){.place = text_place(text)};
+    if (!text_expect(text, &word, "a spectrum", err) ||
+        !spectrum_read(&word, 0, HUGE_VAL, &out->glow, err) ||
+        !text_number(text, "intensity", 0, HUGE_VAL, &intensity, err))
+        return false;
+    out->glow.factor *= intensity;
+    return string_copy(out->glow.name, &out->name, err) && complete_diffuse(out, err);
+}
+
 void material_free(struct material *material)
 {
     spectrum_free(&material->diffuse);

@@ -17,7 +17,7 @@ static bool spread(const double colour[3], struct place place, const char *name,
                    struct spectrum *out, struct error *err)
 {
     for (int i = 0; i < RGB_KNOTS; i++)
-        if (!spectrum_append(out, rgb_knots[i].nm, colour[rgb_knots[i].colour], place, err))
+        if (!spectrum_append(out, rgb_knot_nm[i], colour[rgb_knot_colour[i]], place, err))
             return false;
     return string_copy(name, &out->name, err);
 }

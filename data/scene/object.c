@@ -173,6 +173,26 @@ bool object_read(struct scene_reader *reader, struct error *err)
     return done;
 }
 
+bool background_read(struct scene_reader *reader, struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct description description = {.object = {.shape = {.kind = SHAPE_PLANE,
+                                                           .parameter = {1, 1, 1},
+                                                           .repeat = {1, 1},
+                                                           .place = reader->place},
+                                                 .background = true,
+                                                 .transform = matrix_identity(),
+                                                 .place = reader->place}};
+    struct material material;
+    description.object.material = scene->n_materials;
+    if (material_read_emission(reader->text, &material, err) &&
+        text_end(reader->text, "background", err) &&
+        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
+        return add_object(reader, &description, err);
+    material_free(&material);
+    return false;
+}
+
 /* ---- the thesis's grid ---- */
 
 /* Returns the transform of object i of n. The number of objects decides how many rows there are.

@@ -52,12 +52,12 @@ static bool include_read(struct scene_reader *reader, struct error *err)
 }
 
 /* The first N_ONCE of them may be given only once. */
-static const char *const statements[] = {"wavelengths", "size",    "camera",  "viewer",
-                                         "shading",     "ambient", "light",   "material",
-                                         "object",      "checker", "include", NULL};
+static const char *const statements[] = {"wavelengths", "size",    "camera", "viewer",   "shading",
+                                         "background",  "ambient", "light",  "material", "object",
+                                         "checker",     "include", NULL};
 static bool (*const statement_readers[])(struct scene_reader *, struct error *) = {
-    wavelengths_read, size_read,       camera_read, viewer_read,  shading_read, ambient_read,
-    light_read,       definition_read, object_read, checker_read, include_read};
+    wavelengths_read, size_read,  camera_read,     viewer_read, shading_read, background_read,
+    ambient_read,     light_read, definition_read, object_read, checker_read, include_read};
 
 static bool read_statement(struct scene_reader *reader, const struct word *word, struct error *err)
 {

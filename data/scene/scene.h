@@ -9,9 +9,9 @@
 
 /* ---- material.c: materials from files and from words ---- */
 
-/* What an entry of an MTL file may lose: the picture of map_Kd, where it is missing, has another
- * format or is moved or scaled; other pictures; transparency, d or Tr; an Ns above 128; a Ks above
- * 1. */
+/* Parts of an entry of an MTL file that may be lost: the picture of map_Kd, where it is missing,
+ * has another format or is moved or scaled; other pictures; transparency, d or Tr; an Ns above 128;
+ * a Ks above 1. */
 enum {
     LOST_MAP_KD = 1,
     LOST_MAPS = 2,
@@ -44,8 +44,12 @@ struct material {
     struct material *partner; /* from the m lines of a material file; owned; NULL: none */
     struct place partner_place;
     bool from_rgb; /* an entry of an MTL file: spectra are made of three numbers, not measured */
-    int lost;      /* of that entry: a sum of what is not drawn as it says */
+    int lost;      /* of that entry: the sum of those lost */
 };
+
+/* Reads a material file, which the place `from` names. */
+bool material_read(const char *path, struct place from, struct material *out, struct error *err);
+void material_free(struct material *material);
 
 struct light {
     struct spectrum spectrum;
@@ -78,6 +82,8 @@ struct object {
     struct material_assignment *assignments; /* its lines, or of the mesh's own mtllib; owned */
     int n_assignments;
     bool two_sided;
+    bool background; /* a plane of 1 x 1 that the plan places behind the view, whatever transform is
+                      */
     double
         fit; /* of a list: makes a shape of radius 1 as large as the thesis's sphere; 0: others */
     struct matrix transform;
@@ -144,5 +150,6 @@ extern const struct command list_command;
  * output or to the output. If files of several kinds have the name, it is the first of scene,
  * material, list of materials, spectrum or detector, model, material map and texture. */
 extern const struct command show_command;
+bool show_file(struct options *options, struct error *err); /* does so for a command like it */
 
 #endif

@@ -44,7 +44,7 @@ double spectrum_at(const struct spectrum *spectrum, double wavelength_nm, enum s
 /* Returns true if wavelength_nm lies outside the samples of a sampled spectrum. */
 bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm);
 void spectrum_free(struct spectrum *spectrum);
-/* Returns whether a text is a table of spectra, of which no line is current: no list of names. */
+/* Returns whether a text, before its first line, is a table of spectra and no list of names. */
 bool set_is(struct text text);
 /* The names of the samples of a table; a sample without a name has its number. */
 struct set_names {

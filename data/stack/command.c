@@ -51,7 +51,7 @@ static void put_facts(struct json *json, const struct image *image, const struct
     json_string(json, "verdict", image->verdict);
 }
 
-/* Puts what is known of a stack of another program, or of a picture: no record, but a description,
+/* Puts the facts of a stack of another program, or of a picture: no record, but a description,
  * unless that is XML. */
 static void put_foreign(struct json *json, const struct image *image)
 {

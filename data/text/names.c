@@ -89,16 +89,16 @@ static struct word tail(const char *path, const char *name, const char *ending)
     return (struct word){.start = at, .length = length};
 }
 
-/* Compares the path with those of the files in its folder that have the ending of its kind. */
+/* Compares the path of a scene with those of the scenes in its folder. */
 static void add_neighbours(const char *path, enum file_kind kind, struct suggestion *out)
 {
-    const char *name = path_name(path), *ending = kinds[kind].places[0].ending;
+    const char *name = path_name(path);
     char *folder = file_relative(path, ".");
-    DIR *entries = folder && ending ? opendir(folder) : NULL;
+    DIR *entries = folder && kind == FILE_SCENE ? opendir(folder) : NULL;
     for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
         const struct word typed = {.start = name, .length = strlen(name)};
         const char *dot = strrchr(entry->d_name, '.');
-        if (dot && strcmp(dot, ending) == 0)
+        if (dot && strcmp(dot, kinds[kind].places[0].ending) == 0)
             suggestion_add(out, &typed, entry->d_name, strlen(entry->d_name));
     }
     if (entries)

@@ -34,7 +34,7 @@ struct word {
     struct place place;
 };
 
-/* What a text may be beyond the usual: longer than 256 MiB, up to 2 GiB; XML. */
+/* Forms that a text may have beyond the usual: longer than 256 MiB, up to 2 GiB; XML. */
 enum { TEXT_LARGE = 1, TEXT_XML = 2 };
 /* Opens a file. `from` is the place that names it. No line is current yet. Refuses a line of more
  * than 64 MiB, UTF-16 and JSON; and what `may`, a sum of the words above, does not allow. */

@@ -12,7 +12,7 @@
 
 const struct command *const commands[] = {
     &render_command, &develop_command, &probe_command,  &compare_command, &view_command,
-    &plan_command,   &cost_command,    &info_command,   &list_command,    &show_command,
+    &plan_command,   &cost_command,    &info_command,   &list_command,    &curves_command,
     &join_command,   &envi_command,    &export_command, &judge_command,   NULL};
 
 const struct shading_judge *const shading_judge = &accuracy_judge;

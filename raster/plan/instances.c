@@ -223,7 +223,9 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
     if (!shaded_material_find(plan, material, &placed.shaded, err))
         return false;
     placed.instance.model_view =
-        matrix_product(plan->world_to_eye, matrix_product(object->transform, placement(mesh)));
+        matrix_product(object->background ? plan->background_to_eye
+                                          : matrix_product(plan->world_to_eye, object->transform),
+                       placement(mesh));
     placed.instance.mirrored = is_mirrored(&placed.instance.model_view);
     if (!matrix_normal(&placed.instance.model_view, &placed.instance.normal_matrix) ||
         !has_inverse(&placed.instance.model_view))

@@ -65,6 +65,17 @@ static struct matrix projection_of(const struct camera *camera, int width, int h
     return m;
 }
 
+/* Places a plane of 1 x 1 a little before the far plane, so that it fills the view and more: the
+ * depths of its pixels are well apart from that of the far plane. */
+static struct matrix background_of(const struct camera *camera, const struct matrix *projection)
+{
+    const double distance = camera->far - (camera->far - camera->near) / 256;
+    const double size = (camera->perspective ? distance : 1) * 2.0625;
+    const struct vector sizes = {size / projection->row[0][0], size / projection->row[1][1], 1};
+    return matrix_product(matrix_translation((struct vector){0, 0, -distance}),
+                          matrix_scaling(sizes));
+}
+
 /* The camera and the lights as the reference takes them. */
 static struct view view_of(const struct plan *plan, const struct camera *camera)
 {
@@ -214,6 +225,8 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     out->world_to_eye =
         matrix_product(matrix_scaling((struct vector){1 / out->unit, 1 / out->unit, 1 / out->unit}),
                        matrix_look_at(camera.eye, camera.look, camera.up));
+    const struct matrix projection = projection_of(&camera, scene->width, scene->height);
+    out->background_to_eye = background_of(&camera, &projection);
     /* Arrays that pointers lead into have their final size from the start: every material, and its
      * partner from the same file, has at most one material and one texture. */
     const size_t most = 2 * (size_t)scene->n_materials + 1;

@@ -81,7 +81,7 @@ struct plan {
     double unit; /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
     double near; /* distance of the near plane, in that unit */
     bool tiled;  /* there is more than one tile */
-    struct matrix world_to_eye;
+    struct matrix world_to_eye, background_to_eye;
     struct view view; /* of the picture, for the reference */
     struct plan_mesh *meshes;
     struct shaded_material *materials;

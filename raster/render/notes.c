@@ -156,8 +156,7 @@ static void note_lost(const struct scene *scene, struct notes *notes)
                 snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s",
                          list[0] ? "; " : "", words[k]);
         if (lost)
-            note_add(notes, "mtl", "%.300s has what is not drawn: %s", scene->materials[i].path,
-                     list);
+            note_add(notes, "mtl", "not drawn of %.300s: %s", scene->materials[i].path, list);
     }
 }
 

@@ -340,14 +340,17 @@ void probe_svg(const struct probe *probe, struct printed *to)
     plot.area.width = CHART_WIDTH - CHART_LEFT - (right ? CHART_RIGHT_AXIS : CHART_MARGIN);
     fit_axes(&plot);
     region_text(probe, region, sizeof region);
-    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
-             probe->object ? ", " : "", region, probe->source);
+    snprintf(title, sizeof title, "%s%s%s%s%s", probe->object ? probe->object : "",
+             probe->object ? ", " : "", probe->width > 0 ? region : "",
+             probe->width > 0 ? ": " : "", probe->source);
     chart_head(to, title, legend + CHART_LEGEND_ROW * legend_of(&plot).rows);
     draw_visible(&plot);
-    chart_axes(&plot.area,
-               (const char *const[]){"wavelength (nm)", "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
-                                     right ? "reflectance, excitation, emission" : NULL},
-               STRIP);
+    chart_axes(
+        &plot.area,
+        (const char *const[]){"wavelength (nm)",
+                              probe->width > 0 ? "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)" : "value",
+                              right ? "reflectance, excitation, emission" : NULL},
+        STRIP);
     for (int line = lines_of(probe) - 1; line >= 0; line--) /* the first one on top */
         draw_line(&plot, line);
     draw_legend(&plot, legend);

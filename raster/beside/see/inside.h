@@ -173,7 +173,8 @@ struct probe_column {
 };
 struct probe {
     /* The caller sets these, and zeroes all others. */
-    int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
+    int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more; or 0:
+                                     there is none, but curves, in all columns but SPREAD */
     const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
     /* The findings. */
     char *source; /* stack or scene; owned */
