@@ -413,6 +413,8 @@ static bool refuse_foreign(const struct image *image, const char *format, struct
     const struct place from = image->file->from;
     if (format[0] == '\0' || strcmp(format, "TIFF") == 0 || image_converts(format))
         return true;
+    if (strcmp(format, "text") == 0)
+        return error_at(err, from, "%s is a text file; expected TIFF", path);
     if (!format_is_picture(format))
         return error_at(err, from, "%s has the format %s; expected TIFF", path, format);
     const bool is_cube = strcmp(format, "ENVI") == 0;

@@ -195,6 +195,15 @@ static bool next_word(struct table *table, struct word *out)
     return false;
 }
 
+/* Reads the next word outside of the data. */
+static bool head_word(struct text *text, struct word *out)
+{
+    while (!text_word(text, out))
+        if (!text_next_line(text))
+            return false;
+    return true;
+}
+
 /* The words of a CGATS file that describe its data. */
 enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS };
 static const char *const cgats_words[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM", "SPECTRAL_END_NM",
@@ -280,7 +289,7 @@ bool cgats_read(struct table *table, struct error *err)
     struct fields fields = {.n = 0};
     struct word word;
     bool done = text_next_line(&table->text), read = false;
-    while (done && !read && next_word(table, &word)) {
+    while (done && !read && head_word(&table->text, &word)) {
         read = word_is(&word, "BEGIN_DATA");
         done = read ? find_bands(&fields, head, word.place, err) &&
                           read_data(table, &fields, word.place, err)

@@ -323,7 +323,12 @@ static void check_forms(void)
         {"f 1/1/1 2/1/1 \\\r\n \t3/1/1\\\r\n# a comment \\\r\n", "a backslash continues the line"},
         {"# all that may be skipped\nmtllib a b\no \"x\ng a b\ns off\nusemtl #3\nl 1 2\np 1\n"
          "f 1/1/1 2/1/1 3/1/1",
-         "other known statements change nothing"}};
+         "other known statements change nothing"},
+        {"f 1\nf 1 2\nf 1//\nfo 1/1/1 2/1/1 3/1/1\nvw 1 2\nt 1 2\nbevel on\n",
+         "points, edges and old statements change nothing"},
+        {"f 1/2/3 2/2/3 3/2/3\nvt 0.25 0.5\nvn 0 0 1\n", "items of later lines count"},
+        {"vn nan -nan(ind) 1.#QNAN\nv 7 7 7 nan inf nan\nvt inf -1.#IND\nf 1/1/1 2/1/1 3/1/1\n",
+         "items that are no numbers, and that no face uses, change nothing"}};
     struct mesh plain = read_faces("f 1/1/1 2/1/1 3/1/1\n"),
                 other = read_faces("f 1//2 2//2 3//2\n");
 
@@ -335,6 +340,12 @@ static void check_forms(void)
     CHECK(other.vertices[0].s == 0 && other.vertices[1].s == 1 && other.vertices[2].s == 0 &&
               other.vertices[0].t == 0 && other.vertices[2].t == 1,
           "without vt, texture spans the bounding box");
+    struct mesh open = read_faces("f 1// 2/ 3/\n"),
+                none = read_faces("vn nan 0 1\nvt nan 0\nf 1/-1/-1 2/-1/-1 3/-1/-1\n");
+    CHECK(same_mesh(&open, &other) && same_mesh(&none, &other),
+          "nothing behind a slash, and a normal or texture coordinate of NaN, are none");
+    mesh_free(&open);
+    mesh_free(&none);
     for (size_t i = 0; i < sizeof same / sizeof *same; i++) {
         mesh_free(&other);
         other = read_faces(same[i][0]);
@@ -365,7 +376,7 @@ static void check_parts(void)
 {
     struct mesh mesh = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
                                  "usemtl never\nusemtl edge\nf 1 2 1\nusemtl\nf 1 2 3 4\n"
-                                 "usemtl red # not blue\nf 1 2 3\nusemtl \"two words\"\nf 1 3 4\n"
+                                 "usemtl red # not blue\nf 1 2 3\nusemtl  two words \nf 1 3 4\n"
                                  "usemtl red\nf 4 3 1\n",
                                  90);
     const int32_t parts[] = {0, 0, 1, 2, 1};
@@ -377,7 +388,7 @@ static void check_parts(void)
               "each triangle belongs to its face's part");
         CHECK_TEXT(mesh.part_names[0], "", "faces without a name are a part");
         CHECK_TEXT(mesh.part_names[1], "red", "parts are in order of first use by a face");
-        CHECK_TEXT(mesh.part_names[2], "two words", "a quoted name is one word");
+        CHECK_TEXT(mesh.part_names[2], "two words", "a name is the rest of its line");
     }
     mesh_free(&mesh);
     CHECK(!mesh.part && !mesh.part_names && mesh.n_parts == 0, "a freed mesh is empty");

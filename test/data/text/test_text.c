@@ -38,9 +38,9 @@ static void check_words(void)
     copy = word_copy(&word, &err);
     CHECK_TEXT(copy, "a # b", "a quoted word holds blanks and #");
     free(copy);
-    CHECK(text_word(&text, &word) && word_is(&word, "c") && word.place.column == 9 &&
+    CHECK(text_word(&text, &word) && word_is(&word, "c#d") && word.place.column == 9 &&
               word.place.line == 3,
-          "a comment may follow a word without a blank");
+          "a # in the middle of a word belongs to it");
     CHECK(text_next_line(&text) && text_word(&text, &word) && word_is(&word, "last"),
           "the last line needs no newline");
     CHECK(!word_is(&word, "las") && !word_is(&word, "lastly"), "a word is compared whole");
