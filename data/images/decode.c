@@ -36,7 +36,8 @@ bool image_read_bytes(const struct image *image, uint64_t offset, size_t length,
 static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, struct error *err)
 {
     const struct sample_layout *layout = &of->layout;
-    const bool swapped = TIFFIsByteSwapped(of->image->file->tiff);
+    TIFF *tiff = of->image->file->tiff; /* NULL: samples of another format are big-endian */
+    const bool swapped = tiff == NULL || TIFFIsByteSwapped(tiff);
     const size_t length = of->n * layout->row_bytes;
     const uint64_t before = (uint64_t)plane * layout->height + of->first;
     if (client_bytes(&of->image->file->client, out, length,

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures of two other formats become TIFF files in memory, with the same samples: PNG (ISO/IEC
- * 15948:2004) of grey or RGB, of 8 or 16 bits, with or without alpha and without interlace; and SGI
- * (Paul Haeberli, The SGI Image File Format, 1.00), which the thesis has. Big-endian samples stay
- * as they are: so is the TIFF. */
-#include <inttypes.h>
-#include <tiffio.h>
+/* Decodes pictures of two other formats into memory, from where decode.c reads their rows as it
+ * reads those of a TIFF: PNG (ISO/IEC 15948:2004) of grey or RGB, of 8 or 16 bits, with or without
+ * alpha and without interlace; and SGI (Paul Haeberli, The SGI Image File Format, 1.00), which the
+ * thesis has. */
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 
 #include "data/images/inside.h"
+#include "data/text/text.h"
 
-enum { HEAD_BYTES = 256, LONGEST_FOREIGN = 1 << 16 }; /* of the TIFF; a side in pixels */
+enum { FIRST = 1, LONGEST_FOREIGN = 1 << 16 }; /* the offset of the samples; a side in pixels */
 
 struct foreign {
     const struct image *image;
@@ -18,7 +17,8 @@ struct foreign {
     size_t length;
     uint32_t width, height, channels, sample_bytes;
     bool planar;        /* one channel after the other */
-    unsigned char *out; /* the TIFF, whose samples begin at HEAD_BYTES; owned */
+    char *description;  /* of a PNG; owned; NULL: none */
+    unsigned char *out; /* the samples, big-endian, from FIRST on; owned */
     size_t out_length;
 };
 
@@ -35,7 +35,7 @@ static bool refuse(const struct foreign *of, const char *why, struct error *err)
     return error_at(err, of->image->file->from, "%s: %s", of->image->path, why);
 }
 
-/* Makes room for the TIFF. */
+/* Makes room for the samples. */
 static bool allocate(struct foreign *of, struct error *err)
 {
     const double bytes = (double)of->width * of->height * of->channels * of->sample_bytes;
@@ -43,63 +43,8 @@ static bool allocate(struct foreign *of, struct error *err)
         return refuse(of, "a side has 1 to 65536 pixels", err);
     if (!memory_suffices(2 * bytes, of->image->file->from, err, "%s", of->image->path))
         return false;
-    of->out_length = HEAD_BYTES + (size_t)bytes;
+    of->out_length = FIRST + (size_t)bytes;
     return MAKE_ARRAY(of->out, of->out_length, err, "the pixels of %s", of->image->path);
-}
-
-/* ---- the TIFF ---- */
-
-static void put_number(uint32_t number, int bytes, unsigned char **at)
-{
-    for (int i = bytes; i-- > 0;)
-        *(*at)++ = (unsigned char)(number >> 8 * i);
-}
-
-/* Writes a tag with one number, or with the offset of several. */
-static void put_tag(uint16_t tag, uint16_t type, uint32_t n, uint32_t value, unsigned char **at)
-{
-    put_number(tag, 2, at);
-    put_number(type, 2, at);
-    put_number(n, 4, at);
-    put_number(value << (type == TIFF_SHORT && n == 1 ? 16 : 0), 4, at);
-}
-
-/* Writes the one directory. Its lists, of bits, strips and their lengths, come behind it. */
-static void put_head(const struct foreign *of)
-{
-    enum { TAGS = 11, BITS = 8 + 2 + 12 * TAGS + 4, STRIPS = BITS + 8, LENGTHS = STRIPS + 16 };
-    const uint32_t n = of->channels, n_colours = n < 3 ? 1 : 3, n_strips = of->planar ? n : 1;
-    const uint32_t strip = (uint32_t)((of->out_length - HEAD_BYTES) / n_strips);
-    unsigned char *at = of->out;
-    memcpy(at, "MM\0\x2a\0\0\0\x08", 8);
-    at += 8;
-    put_number(TAGS - (n == n_colours), 2, &at);
-    put_tag(TIFFTAG_IMAGEWIDTH, TIFF_LONG, 1, of->width, &at);
-    put_tag(TIFFTAG_IMAGELENGTH, TIFF_LONG, 1, of->height, &at);
-    put_tag(TIFFTAG_BITSPERSAMPLE, TIFF_SHORT, n,
-            n == 1   ? 8 * of->sample_bytes
-            : n == 2 ? 8 * of->sample_bytes * 0x10001
-                     : BITS,
-            &at);
-    put_tag(TIFFTAG_COMPRESSION, TIFF_SHORT, 1, COMPRESSION_NONE, &at);
-    put_tag(TIFFTAG_PHOTOMETRIC, TIFF_SHORT, 1,
-            n_colours == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK, &at);
-    put_tag(TIFFTAG_STRIPOFFSETS, TIFF_LONG, n_strips, n_strips == 1 ? HEAD_BYTES : STRIPS, &at);
-    put_tag(TIFFTAG_SAMPLESPERPIXEL, TIFF_SHORT, 1, n, &at);
-    put_tag(TIFFTAG_ROWSPERSTRIP, TIFF_LONG, 1, of->height, &at);
-    put_tag(TIFFTAG_STRIPBYTECOUNTS, TIFF_LONG, n_strips, n_strips == 1 ? strip : LENGTHS, &at);
-    put_tag(TIFFTAG_PLANARCONFIG, TIFF_SHORT, 1,
-            of->planar ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG, &at);
-    if (n > n_colours)
-        put_tag(TIFFTAG_EXTRASAMPLES, TIFF_SHORT, 1, EXTRASAMPLE_UNASSALPHA, &at);
-    put_number(0, 4, &at);
-    at = of->out + BITS;
-    for (uint32_t i = 0; i < 4; i++)
-        put_number(8 * of->sample_bytes, 2, &at);
-    for (uint32_t i = 0; i < 4; i++)
-        put_number(HEAD_BYTES + i * strip, 4, &at);
-    for (uint32_t i = 0; i < 4; i++)
-        put_number(strip, 4, &at);
 }
 
 /* ---- PNG ---- */
@@ -118,6 +63,8 @@ static bool png_join(struct foreign *of, size_t *packed)
             return false;
         if (memcmp(chunk + 4, "IEND", 4) == 0)
             return true;
+        if (length >= 12 && memcmp(chunk + 4, "tEXtDescription", 16) == 0 && !of->description)
+            of->description = strndup((const char *)chunk + 20, length - 12);
         if (memcmp(chunk + 4, "IDAT", 4) == 0) {
             memmove(of->bytes + 8 + *packed, chunk + 8, length);
             *packed += length;
@@ -131,7 +78,7 @@ static bool png_join(struct foreign *of, size_t *packed)
 static bool png_unfilter(const struct foreign *of, const unsigned char *raw)
 {
     const size_t pixel = (size_t)of->channels * of->sample_bytes, row = pixel * of->width;
-    unsigned char *to = of->out + HEAD_BYTES;
+    unsigned char *to = of->out + FIRST;
     for (uint32_t y = 0; y < of->height; y++, to += row, raw += row + 1) {
         if (raw[0] >= FILTERS)
             return false;
@@ -166,7 +113,7 @@ static bool read_png(struct foreign *of, struct error *err)
                       err);
     if (!allocate(of, err))
         return false;
-    const uLong length = (uLong)(of->out_length - HEAD_BYTES + of->height);
+    const uLong length = (uLong)(of->out_length - FIRST + of->height);
     uLongf got = length;
     unsigned char *raw;
     if (!MAKE_ARRAY(raw, length, err, "the pixels of %s", of->image->path))
@@ -215,7 +162,7 @@ static bool sgi_rows(const struct foreign *of)
         return false;
     for (size_t i = 0; i < n; i++) {
         const size_t channel = i / of->height, y = of->height - 1 - i % of->height;
-        unsigned char *to = of->out + HEAD_BYTES + (channel * of->height + y) * row;
+        unsigned char *to = of->out + FIRST + (channel * of->height + y) * row;
         const unsigned char *starts = of->bytes + SGI_HEAD + 4 * i;
         if (!packed)
             memcpy(to, of->bytes + SGI_HEAD + i * row, row);
@@ -253,20 +200,47 @@ bool image_converts(const char *format)
     return strcmp(format, "PNG") == 0 || strcmp(format, "SGI") == 0;
 }
 
+/* Describes the picture as the only page of the image. */
+static bool describe(struct image *image, const struct foreign *of, struct error *err)
+{
+    const uint16_t n = (uint16_t)of->channels, n_colours = n < 3 ? 1 : 3;
+    const size_t pixel_step = of->planar ? 1 : n;
+    const struct sample_layout layout = {
+        .width = of->width,
+        .height = of->height,
+        .block_width = of->width,
+        .block_height = of->height,
+        .bits = (uint16_t)(8 * of->sample_bytes),
+        .n_samples = n,
+        .n_colours = n_colours,
+        .n_planes = of->planar ? n_colours : 1,
+        .n_bands = 1,
+        .pixel_step = pixel_step,
+        .row_bytes = of->width * pixel_step * of->sample_bytes,
+        .rows_offset = FIRST,
+        .largest = of->sample_bytes == 1 ? 255 : 65535,
+    };
+    image->width = (int)of->width;
+    image->height = (int)of->height;
+    image->coloured = n_colours > 1;
+    snprintf(image->no_wavelengths, sizeof image->no_wavelengths, "records no wavelengths");
+    return array_add(&image->file->pages, &image->n_pages, &layout, sizeof layout, err) &&
+           string_copy(of->description ? of->description : "", &image->description, err) &&
+           string_copy("", &image->verdict, err);
+}
+
 bool foreign_read(struct image *image, const char *format, struct error *err)
 {
     struct image_file *file = image->file;
     struct foreign of = {.image = image, .length = (size_t)file->client.bytes};
-    bool done = MAKE_ARRAY(of.bytes, of.length + 1, err, "the bytes of %s", image->path) &&
-                (client_bytes(&file->client, of.bytes, of.length, 0) == (ssize_t)of.length ||
-                 error_system(err, "cannot read %s", image->path)) &&
-                (strcmp(format, "PNG") == 0 ? read_png(&of, err) : read_sgi(&of, err));
-    if (done)
-        put_head(&of);
+    const bool done = MAKE_ARRAY(of.bytes, of.length + 1, err, "the bytes of %s", image->path) &&
+                      (client_bytes(&file->client, of.bytes, of.length, 0) == (ssize_t)of.length ||
+                       error_system(err, "cannot read %s", image->path)) &&
+                      (strcmp(format, "PNG") == 0 ? read_png(&of, err) : read_sgi(&of, err)) &&
+                      describe(image, &of, err);
     file->pixels = of.out;
     file->converted = (struct builtin_file){image->path, of.out, of.out_length};
-    file->client.builtin = done ? &file->converted : NULL;
-    file->client.bytes = of.out_length;
-    free(of.bytes);
+    file->client.builtin = &file->converted;
+    FREE_ALL(of.bytes, of.description);
     return done;
 }

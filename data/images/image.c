@@ -462,8 +462,8 @@ static bool open_source(struct image *image, const char *format, struct error *e
     if (!client->builtin && fstat(client->descriptor, &status) != 0)
         return error_cause(err, file->from, "cannot read %s", image->path);
     client->bytes = client->builtin ? client->builtin->length : (uint64_t)status.st_size;
-    if (image_converts(format) && !foreign_read(image, format, err))
-        return false;
+    if (image_converts(format))
+        return foreign_read(image, format, err);
     file->tiff = client_open(client, image->path, "rmc");
     return source_is_sound(image, err) &&
            (file->tiff != NULL || image_refuse_broken(image, -1, err));
@@ -480,7 +480,8 @@ bool image_open(const char *path, struct place from, image_tags *read_tags, stru
         out->file->from = from;
         out->file->client.descriptor = -1;
         done = file_format(path, &format, err) && refuse_foreign(out, format, err) &&
-               open_source(out, format, err) && pages_read(out, read_tags, err);
+               open_source(out, format, err) &&
+               (image_converts(format) || pages_read(out, read_tags, err));
     }
     return done;
 }

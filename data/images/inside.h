@@ -44,7 +44,7 @@ void png_free(struct png *png); /* NULL is fine */
 enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
 int png_paeth(int left, int above, int corner);
 
-/* foreign.c: lets the client of an open file of such a format read a TIFF with its samples. */
+/* foreign.c: decodes an open file of such a format, and lets its client read the samples. */
 bool foreign_read(struct image *image, const char *format, struct error *err);
 
 #endif

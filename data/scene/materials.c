@@ -289,85 +289,56 @@ static bool map_read(struct scene_reader *reader, const struct word *file, struc
 
 /* ---- the materials that a mesh names itself ---- */
 
-/* Goes on to the next statement of that name, and reads the rest of its line. */
-static bool next_statement(struct text *text, const char *statement, struct word *out)
-{
-    while (text_next_line(text))
-        if (text_word(text, out) && word_is(out, statement) && text_rest(text, out))
-            return true;
-    return false;
-}
-
-/* Opens the MTL file of a mtllib and adds its index. Refuses a missing one. */
-static bool add_library(struct scene_reader *reader, const struct word *word, int **libraries,
+/* Opens the MTL file of a mtllib, whose name is the rest of the line, and adds its index. */
+static bool add_library(struct scene_reader *reader, const struct word *file, int **libraries,
                         int *n, struct error *err)
 {
     char *path;
     const int index =
-        word_file(word, FILE_KINDS, &path, err) ? find_mtl(reader, path, word->place, err) : -1;
+        word_file(file, FILE_KINDS, &path, err) ? find_mtl(reader, path, file->place, err) : -1;
     free(path);
     return index >= 0 && array_add(libraries, n, &index, sizeof index, err);
 }
 
-/* Opens the files of all mtllib. One names a file, which may have blanks, or several files. */
-static bool find_libraries(struct scene_reader *reader, struct text text, int **out, int *n,
-                           struct error *err)
+/* Gives a usemtl the entry that the first of n MTL files with that name has. */
+static bool add_entry_of(struct scene_reader *reader, struct map *map, const struct word *name,
+                         const int *libraries, int n, struct error *err)
 {
-    struct word rest;
-    char *path;
-    bool done = true;
-    while (done && next_statement(&text, "mtllib", &rest)) {
-        struct text words = text;
-        struct word word;
-        done = word_file(&rest, FILE_KINDS, &path, err);
-        const bool one = done && !file_is_missing(path);
-        free(path);
-        words.at = rest.start;
-        if (one)
-            done = add_library(reader, &rest, out, n, err);
-        while (done && !one && text_word(&words, &word))
-            done = add_library(reader, &word, out, n, err);
-    }
-    return done;
-}
-
-/* Gives each usemtl of a mesh the entry that the first of its MTL files with that name has. */
-static bool use_libraries(struct scene_reader *reader, struct map *map, const int *libraries, int n,
-                          struct error *err)
-{
-    struct text text = map->text;
-    struct word name;
-    while (next_statement(&text, "usemtl", &name)) {
-        struct material_assignment assignment = {.place = map->object->place};
-        int entry = -1;
-        const struct mtl *mtl = NULL;
-        for (int i = 0; i < n && entry < 0; i++) {
-            mtl = &reader->mtl[libraries[i]];
-            entry = index_find(&mtl->names, name.start, name.length);
-        }
-        if (entry < 0 || index_find(&map->names, name.start, name.length) >= 0)
+    struct material_assignment assignment = {.place = map->object->place};
+    if (index_find(&map->names, name->start, name->length) >= 0)
+        return true;
+    for (int i = 0; i < n; i++) {
+        const struct mtl *mtl = &reader->mtl[libraries[i]];
+        const int entry = index_find(&mtl->names, name->start, name->length);
+        if (entry < 0)
             continue;
         assignment.material = entry_material(reader->scene, &mtl->entries[entry], err);
-        if (assignment.material < 0 || !add_assignment(map, &name, &assignment, err))
-            return false;
+        return assignment.material >= 0 && add_assignment(map, name, &assignment, err);
     }
-    return true;
+    return true; /* a face that uses it is refused later */
 }
 
+/* Reads the statements mtllib and usemtl of a mesh whose object has no material. */
 static bool mesh_materials(struct scene_reader *reader, struct object *object, struct error *err)
 {
     struct map map = {.object = object};
+    struct word word, rest;
     int *libraries = NULL, n = 0;
-    bool done =
-        file_expected(object->shape.path, object->place, FILE_MODEL, err) &&
-        text_open(&map.text, object->shape.path, object->place, TEXT_LARGE, err) &&
-        find_libraries(reader, map.text, &libraries, &n, err) &&
-        use_libraries(reader, &map, libraries, n, err) &&
-        (object->n_assignments > 0 ||
-         error_at(err, object->place,
-                  "the object has no material, and %.300s no usemtl of a mtllib; expected material "
-                  "and its name",
-                  object->shape.path));
+    bool done = file_expected(object->shape.path, object->place, FILE_MODEL, err) &&
+                text_open(&map.text, object->shape.path, object->place, TEXT_LARGE, err);
+    while (done && text_next_line(&map.text)) {
+        if (!text_word(&map.text, &word))
+            continue;
+        if (word_is(&word, "mtllib") && text_rest(&map.text, &rest))
+            done = add_library(reader, &rest, &libraries, &n, err);
+        else if (word_is(&word, "usemtl") && text_rest(&map.text, &rest))
+            done = add_entry_of(reader, &map, &rest, libraries, n, err);
+    }
+    done = done && (object->n_assignments > 0 ||
+                    error_at(err, object->place,
+                             "the object has no material, and %.300s no usemtl of a mtllib; "
+                             "expected material and its name",
+                             object->shape.path));
     free(libraries);
     index_free(&map.names);
     text_free(&map.text);

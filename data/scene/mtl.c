@@ -69,19 +69,20 @@ static bool is_numeric(const struct word *word)
     return word_number(word, "", -HUGE_VAL, HUGE_VAL, &value, &ignored);
 }
 
-/* Skips options such as `-s 1 1 1` and `-clamp on`. *changed: a scale is not 1, or an offset or
- * turbulence not 0. */
-static void skip_options(struct text *text, bool *changed)
+/* Skips options such as `-s 1 1 1` and `-clamp on`. Returns whether one moves or scales the
+ * picture.
+ */
+static bool skip_options(struct text *text)
 {
     struct word option, word;
+    bool changed = false;
     while (text_peek(*text, &option) && option.start[0] == '-' && text_word(text, &option))
-        while (text_peek(*text, &word) &&
-               (is_numeric(&word) || word_is(&word, "on") || word_is(&word, "off"))) {
-            const double value = strtod(word.start, NULL);
-            *changed = *changed || (word_is(&option, "-s") && value != 1) ||
-                       ((word_is(&option, "-o") || word_is(&option, "-t")) && value != 0);
-            text_word(text, &word);
-        }
+        for (const double plain = word_is(&option, "-s");
+             text_peek(*text, &word) &&
+             (is_numeric(&word) || word_is(&word, "on") || word_is(&word, "off"));)
+            changed = changed || (text_word(text, &word) && option.length == 2 &&
+                                  strtod(word.start, NULL) != plain);
+    return changed;
 }
 
 /* Reads the file of map_Kd, which programs for Windows write with backslashes. It becomes the
@@ -90,8 +91,7 @@ static bool read_map(struct text *text, struct place place, struct material *out
 {
     struct word word = {.place = place};
     const char *format;
-    bool changed = false;
-    skip_options(text, &changed);
+    const bool changed = skip_options(text);
     char *path = text_rest(text, &word) ? word_copy(&word, err) : NULL;
     for (char *at = path; at && (at = strchr(at, '\\'));)
         *at = '/';

@@ -201,7 +201,8 @@ check(np.allclose(got[0], bands[:, 40, 40] / 65535) and not np.any(got[1]), "mis
 result = run("info", path)
 check("record            none" in result.stdout and "wavelengths nm    450 to 650" in result.stdout,
       "info prints pages and wavelengths of a stack without a record", result.stdout, result.stderr)
-run("develop", f"{TMP}/quad-out.tif", "-o", f"{TMP}/made.tif")
-result = run("info", f"{TMP}/made.tif")
-check("developed by" in result.stdout, "info of a developed picture says how it was made", result.stdout, result.stderr)
+for name in "made.tif", "made.png":
+    run("develop", f"{TMP}/quad-out.tif", "-o", f"{TMP}/{name}")
+    result = run("info", f"{TMP}/{name}")
+    check("developed by" in result.stdout, f"info of {name}, a developed picture, says how it was made", result.stdout, result.stderr)
 done()
