@@ -205,7 +205,7 @@ static bool head_word(struct text *text, struct word *out)
 }
 
 /* The words of a CGATS file that describe its data. */
-enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS };
+enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS, MOST_BANDS = 1 << 20 };
 static const char *const cgats_words[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM", "SPECTRAL_END_NM",
                                           "SPECTRAL_NORM"};
 
@@ -225,19 +225,18 @@ static bool find_bands(struct fields *fields, const double *head, struct place p
                        struct error *err)
 {
     const struct word band = {.start = "nm100", .length = 5};
-    const double span = head[END_NM] - head[START_NM];
-    const bool formless = fields->n == 0;
-    int k = 0;
-    if (formless && !check_cgats(head, place, err))
+    const double span = head[END_NM] - head[START_NM], steps = fmax(head[BANDS] - 1, 1);
+    if (fields->n == 0 && !check_cgats(head, place, err))
         return false;
-    while (formless && fields->n < head[BANDS])
+    for (int i = 0, n = fields->n == 0 ? (int)fmin(head[BANDS], MOST_BANDS) : 0; i < n; i++)
         if (!add_field(fields, &band, err))
             return false;
     if (fields->n_bands == 0)
         return error_at(err, place, "no field of the data is named as a wavelength, as SPEC_400");
-    for (int i = 0; i < fields->n && fields->n_bands == head[BANDS] && span >= 0; i++)
-        if (fields->field[i].nm > 0 && head[START_NM] > 0)
-            fields->field[i].nm = head[START_NM] + (k > 0 ? span * k / (head[BANDS] - 1) : 0), k++;
+    const bool ranged = fields->n_bands == head[BANDS] && head[START_NM] > 0 && span >= 0;
+    for (int i = 0, k = 0; i < fields->n && ranged; i++)
+        if (fields->field[i].nm > 0)
+            fields->field[i].nm = head[START_NM] + span * k++ / steps;
     fields->norm = head[NORM];
     return MAKE_ARRAY(fields->word, fields->n, err, "the fields of a sample");
 }
@@ -274,13 +273,16 @@ static bool read_format(struct table *table, struct fields *fields, struct error
 static bool read_head(struct table *table, const struct word *name, double *head, struct error *err)
 {
     struct word word;
-    for (int i = 0; i < CGATS_WORDS; i++)
-        if (word_is(name, cgats_words[i]))
-            return text_expect(&table->text, &word, cgats_words[i], err) &&
-                   (word.quoted = false,
-                    word_number(&word, cgats_words[i], DBL_MIN, HUGE_VAL, &head[i], err)) &&
-                   text_end(&table->text, cgats_words[i], err);
-    return true;
+    int i = 0;
+    while (i < CGATS_WORDS && !word_is(name, cgats_words[i]))
+        i++;
+    if (i == CGATS_WORDS)
+        return true;
+    if (!text_expect(&table->text, &word, cgats_words[i], err))
+        return false;
+    word.quoted = false;
+    return word_number(&word, cgats_words[i], DBL_MIN, HUGE_VAL, &head[i], err) &&
+           text_end(&table->text, cgats_words[i], err);
 }
 
 bool cgats_read(struct table *table, struct error *err)

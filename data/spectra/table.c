@@ -481,6 +481,7 @@ bool set_read(struct text text, int sample, double highest, struct spectrum *out
                                               .place = text_whole(&text)},
                                     .count = 1,
                                     .first = sample,
+                                    .lowest = highest < HUGE_VAL ? 0 : -HUGE_VAL,
                                     .highest = highest,
                                     .factor = 1,
                                     .all = sample == 0};

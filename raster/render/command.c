@@ -9,10 +9,14 @@
 
 /* ---- checks before anything is drawn ---- */
 
-/* Refuses the name of a stack that ends like that of a picture. */
+/* Refuses the name of a stack that ends like that of another format. */
 static bool check_stack_name(const char *path, struct error *err)
 {
-    return !path || !picture_is_png(path) ||
+    static const char *const others[] = {".png", ".exr", ".jpg", ".jpeg", ".hdr", ".bmp",
+                                         ".gif", ".pfm", ".ppm", ".html", ".svg", NULL};
+    struct error unknown = {0};
+    int other;
+    return !path || !output_ending(path, others, &other, &unknown) || other < 0 ||
            error_at(err, (struct place){path, 0, 0},
                     "render writes a stack, which is a TIFF; expected .tif (spectral view writes "
                     "pictures)");

@@ -82,13 +82,21 @@ static bool add_samples(struct curves *curves, const char *path, struct error *e
     return done;
 }
 
-/* Adds what a name stands for: a built-in material, a spectrum, a detector; or the samples of a
+/* Tries a detector, the samples of a table and a material. */
+static bool add_other(struct curves *curves, const char *name, const char *path)
+{
+    struct error first = {0}, second = {0}, third = {0};
+    return add_detector(curves, name, &first) ||
+           (!file_is_missing(path) &&
+            (add_samples(curves, path, &second) || add_material(curves, name, path, &third)));
+}
+
+/* Adds the curves of a name: a built-in material, a spectrum, a detector; or the samples of a
  * table, or a material, of a file. If it is none of them, the error is that of a spectrum. */
 static bool add_named(struct curves *curves, const char *name, struct error *err)
 {
     const struct word word = {.start = name, .length = strlen(name)};
     struct spectrum spectrum = {0};
-    struct error other = {0};
     char *path;
     if (!word_file(&word, FILE_MATERIAL, &path, err))
         return false;
@@ -97,14 +105,10 @@ static bool add_named(struct curves *curves, const char *name, struct error *err
         free(path);
         return done;
     }
-    const bool is_file = !file_is_missing(path);
     bool done = spectrum_read(&word, -HUGE_VAL, HUGE_VAL, &spectrum, err) &&
                 add_curve(curves, name, "", &spectrum, err);
     spectrum_free(&spectrum);
-    if (!done && err->status == EXIT_INPUT &&
-        (add_detector(curves, name, &other) ||
-         (is_file && (other = (struct error){0}, add_samples(curves, path, &other))) ||
-         (is_file && (other = (struct error){0}, add_material(curves, name, path, &other))))) {
+    if (!done && err->status == EXIT_INPUT && add_other(curves, name, path)) {
         *err = (struct error){0};
         done = true;
     }

@@ -4,6 +4,7 @@
 """Pictures of other programs are read as these programs mean them: PNG and SGI textures, GDAL's nodata, overviews and missing
 blocks, the spellings of units, the order of OME's pages. All are written here, without libtiff. Prints TAP."""
 import json
+import os
 import struct
 import zlib
 
@@ -94,6 +95,12 @@ for channels in 1, 2, 3, 4:
             save(name, content)
             got = textured(name)
             check(np.array_equal(got, expected), f"{name} of {kind} is the TIFF of its samples", got)
+os.makedirs(f"{TMP}/rgb", exist_ok=True)
+save("rgb/wood0.rgb", sgi(RNG.integers(0, 255, (8, 8, 3), np.uint8), True))
+write("wood0.txt", "300 0.5\n760 0.5\ng 20\ns 300 0.2\ns 760 0.2\nt rgb/wood0.rgb\n")
+result = run("render", write("wood.list", "wood0.txt\n"), "--size", "60x40", "-o", f"{TMP}/wood.tif", "--json", "-", "--quiet")
+check(result.returncode == 0 and json.loads(result.stdout)["check"]["unexplained_pixels"] == 0,
+      "a material file of the thesis with its texture line, t rgb/wood0.rgb, is drawn and checked", result.stderr)
 whole = png(RNG.integers(0, 255, (7, 5, 3), np.uint8))
 for name, content, why in (
         ("cut.png", whole[:-30], "damaged or was cut"), ("bit.png", whole[:60] + bytes([whole[60] ^ 1]) + whole[61:], "damaged"),
