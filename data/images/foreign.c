@@ -133,10 +133,10 @@ enum { SGI_HEAD = 512 };
 static bool sgi_unpack(const struct foreign *of, size_t from, size_t length, unsigned char *to)
 {
     const size_t size = of->sample_bytes;
-    const unsigned char *at = of->bytes + from, *end = at + length;
     size_t left = of->width;
     if (from > of->length || length > of->length - from)
         return false;
+    const unsigned char *at = of->bytes + from, *end = at + length;
     while (left > 0) {
         if ((size_t)(end - at) < size)
             return false;

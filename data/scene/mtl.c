@@ -69,20 +69,23 @@ static bool is_numeric(const struct word *word)
     return word_number(word, "", -HUGE_VAL, HUGE_VAL, &value, &ignored);
 }
 
-/* Skips options such as `-s 1 1 1` and `-clamp on`. Returns whether one moves or scales the
- * picture.
- */
+/* Skips options such as `-s 1 1 1` and `-clamp on`. Returns whether one scales, moves or disturbs
+ * the picture: -s by another number than 1, -o or -t by another one than 0. */
 static bool skip_options(struct text *text)
 {
-    struct word option, word;
-    bool changed = false;
-    while (text_peek(*text, &option) && option.start[0] == '-' && text_word(text, &option))
-        for (const double plain = word_is(&option, "-s");
-             text_peek(*text, &word) &&
-             (is_numeric(&word) || word_is(&word, "on") || word_is(&word, "off"));)
-            changed = changed || (text_word(text, &word) && option.length == 2 &&
-                                  strtod(word.start, NULL) != plain);
-    return changed;
+    struct word option = {.length = 0}, word;
+    bool changes = false;
+    while (text_peek(*text, &word)) {
+        const bool number = is_numeric(&word);
+        if (!number && word.start[0] != '-' && !word_is(&word, "on") && !word_is(&word, "off"))
+            break;
+        text_word(text, &word);
+        if (!number && word.start[0] == '-')
+            option = word;
+        else if (number && option.length == 2)
+            changes = changes || strtod(word.start, NULL) != (word_is(&option, "-s") ? 1 : 0);
+    }
+    return changes;
 }
 
 /* Reads the file of map_Kd, which programs for Windows write with backslashes. It becomes the
@@ -118,14 +121,14 @@ static bool read_map(struct text *text, struct place place, struct material *out
 /* Notes other statements that change a picture: d below 1, Tr above 0, other maps. */
 static void note_lost(struct text *text, const struct word *first, struct material *out)
 {
-    struct word word = {.start = "1"};
-    const bool tr = word_is(first, "Tr");
+    const bool opacity = word_is(first, "d"), transparency = word_is(first, "Tr");
+    struct word word, last = {.start = ""};
     if (first->length > 4 && strncasecmp(first->start, "map_", 4) == 0)
         out->lost |= LOST_MAPS;
-    while ((tr || word_is(first, "d")) && text_word(text, &word))
-        ;
-    if (word.length > 0 && is_numeric(&word) && (strtod(word.start, NULL) < 1) != tr &&
-        (!tr || strtod(word.start, NULL) > 0))
+    while ((opacity || transparency) && text_word(text, &word))
+        last = word;
+    if (last.length > 0 && is_numeric(&last) &&
+        (opacity ? strtod(last.start, NULL) < 1 : strtod(last.start, NULL) > 0))
         out->lost |= LOST_TRANSPARENCY;
 }
 

@@ -90,6 +90,26 @@ result = run("show", f"{TMP}/tm27.spdx", "--csv")
 check([[float(v) for v in row] for row in list(csv.reader(io.StringIO(result.stdout)))[1:]] == [[400, 0.2], [500, 0.3], [700, 0.5]],
       "a spectrum of IES TM-27 is read", result.stdout, result.stderr)
 
+# ---- files of other formats are named ----
+TABLE = "nm,R\n400,0.1\n700,0.5\n"
+for name, content, why in (
+        ("le.csv", b"\xff\xfe" + TABLE.encode("utf-16-le"), "the text is UTF-16; save it as UTF-8"),
+        ("be.csv", b"\xfe\xff" + TABLE.encode("utf-16-be"), "the text is UTF-16; save it as UTF-8"),
+        ("a.json", b'{"main": {"400": [0.1]}}', "the file is JSON"), ("a.csv", b"\xef\xbb\xbf<?xml version='1.0'?><a/>", "no line begins"),
+        ("a.xlsx", b"PK\x03\x04\x14\0\0\0", "it looks like ZIP"), ("a.mat", b"MATLAB 5.0 MAT-file\0", "it looks like MATLAB"),
+        ("sekonic.csv", b"Title,x\nTLMF,---\n\nSpectral Data 400[nm],0.1\n", "no line begins with a wavelength")):
+    with open(f"{TMP}/{name}", "wb") as file:
+        file.write(content)
+    got = stack("format", f"material m {{ diffuse {name} }}\nobject plane 12 8 material m\n")
+    check(isinstance(got, str) and name in got and why in got and got.count("\n") == 1, f"{name} is refused: {why}", got)
+write("cube.hdr", "ENVI\nsamples = 2\n")
+for name, content, why in (("cube.bin", b"\0\1" * 8, "gdal_translate"), ("b.mat", b"MATLAB 5.0\0", "has the format MATLAB"),
+                           ("b.npy", b"\x93NUMPY\1\0", "has the format NumPy"), ("b.h5", b"\x89HDF\r\n", "has the format HDF5")):
+    with open(f"{TMP}/{name}", "wb") as file:
+        file.write(content)
+    result = run("develop", f"{TMP}/{name}", "-o", f"{TMP}/none.png")
+    check(result.returncode == 2 and why in result.stderr, f"develop refuses {name}: {why}", result.stderr)
+
 # ---- show ----
 result = run("show", "d65", "cie1931", "metals/gold", f"{TMP}/rows.csv", "daylight:6504", "--csv")
 head, *body = csv.reader(io.StringIO(result.stdout))
