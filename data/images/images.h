@@ -209,11 +209,11 @@ bool pages_finish(struct pages *pages, const char *room, struct error *err);
 bool picture_accepts(const char *path, struct error *err);
 bool picture_is_png(const char *path); /* any other picture, as one of /dev/stdout, is a TIFF */
 
-enum { MOST_CHANNELS = 4 };
+enum { MOST_PAGES_OF_FLOATS = 4 };
 struct picture_options {
     int width, height; /* a TIFF above 4 GiB becomes a BigTIFF */
     int bits;          /* of a sample: 8, 16, or 32 of a float, which a PNG has not */
-    const char *channels[MOST_CHANNELS]; /* of a float picture: "X", "Y", "Z"; NULL: no more */
+    const char *channels[MOST_PAGES_OF_FLOATS]; /* of a float picture: "X", "Y", "Z"; NULL: no more */
     bool srgb;                    /* a PNG says so in chunks of its own, and needs no profile */
     const unsigned char *profile; /* ICC; NULL: none */
     size_t profile_length;

@@ -46,7 +46,7 @@ bool picture_open(struct picture_writer *out, const char *path,
 {
     const bool floating = options->bits == 32;
     int n_channels = 0;
-    while (n_channels < MOST_CHANNELS && options->channels[n_channels])
+    while (n_channels < MOST_PAGES_OF_FLOATS && options->channels[n_channels])
         n_channels++;
     assert(options->width > 0 && options->height > 0);
     *out = (struct picture_writer){.options = *options,

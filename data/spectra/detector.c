@@ -46,12 +46,11 @@ static bool check_sensitivity(const struct spectrum *s, int column, bool is_y, s
 }
 
 /* The places are in a file that is closed at the end: their path becomes the detector's name. */
-bool detector_read(const char *name, struct detector *out, struct error *err)
+bool channels_read(const char *name, struct detector *out, struct error *err)
 {
     *out = (struct detector){.name = NULL};
-    bool done = string_copy(name, &out->name, err);
-    done = done && spectra_read(name, out->sensitivity, &out->observer, err);
-    for (int channel = 0; channel < 3; channel++) {
+    bool done = string_copy(name, &out->name, err) && spectra_read(name, 0, NULL, out, err);
+    for (int channel = 0; channel < out->n; channel++) {
         struct spectrum *s = &out->sensitivity[channel];
         s->place.path = out->name;
         done = done && check_sensitivity(s, channel + 1, out->observer && channel == 1, err);
@@ -59,11 +58,23 @@ bool detector_read(const char *name, struct detector *out, struct error *err)
     return done;
 }
 
+bool detector_read(const char *name, struct detector *out, struct error *err)
+{
+    return channels_read(name, out, err) &&
+           (out->n == 3 ||
+            error_usage(err,
+                        "%s has %d channel%s; expected 3, as 'wavelength,x,y,z' (develop --raw "
+                        "takes any number)",
+                        name, out->n, out->n == 1 ? "" : "s"));
+}
+
 void detector_free(struct detector *detector)
 {
-    for (int channel = 0; channel < 3; channel++)
+    for (int channel = 0; channel < detector->n; channel++) {
         spectrum_free(&detector->sensitivity[channel]);
-    free(detector->name);
+        free(detector->channel[channel]);
+    }
+    FREE_ALL(detector->sensitivity, detector->channel, detector->name);
     *detector = (struct detector){0};
 }
 
@@ -72,12 +83,12 @@ void detector_free(struct detector *detector)
 void detector_weights(const struct detector *detector, const double *wavelengths_nm, int n,
                       double *out)
 {
-    const struct spectrum *y = &detector->sensitivity[1];
-    const double k = detector->observer ? 100 / sum_outside(y, false, nowhere) : 1;
+    const double k =
+        detector->observer ? 100 / sum_outside(&detector->sensitivity[1], false, nowhere) : 1;
     for (int i = 0; i < n; i++) {
         const struct range range = range_of(wavelengths_nm, n, i);
         const double width = k * (range.last - range.first);
-        for (int channel = 0; channel < 3; channel++)
+        for (int channel = 0; channel < detector->n; channel++)
             out[channel * n + i] = width * spectrum_at(&detector->sensitivity[channel],
                                                        wavelengths_nm[i], SPECTRUM_ZERO);
     }
@@ -112,7 +123,7 @@ void detector_lost_outside(const struct detector *detector, double first_nm, dou
                            double out[3])
 {
     const struct range picture = {first_nm, last_nm};
-    for (int channel = 0; channel < 3; channel++) {
+    for (int channel = 0; channel < detector->n; channel++) {
         const struct spectrum *s = &detector->sensitivity[channel];
         out[channel] = sum_outside(s, true, picture) / sum_outside(s, true, nowhere);
     }

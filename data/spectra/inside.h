@@ -8,24 +8,25 @@
 /* The columns that are wanted of a table. */
 struct columns {
     struct word table;              /* a built-in name, or a file */
-    int count;                      /* 1, or the 3 of a detector */
+    int count;                      /* of values that are kept; 0: all, a detector's */
     long first;                     /* the number of a column or sample, from 1; 0: the only one */
     struct word sample;             /* its name, which goes before the number; length 0: none */
     bool all;                       /* all samples are counted and named, and none is read */
     double lowest, highest, factor; /* limits of a value times the factor */
     bool scaled;                    /* the factor was written */
 };
-/* Reads them into out[count], without the factor. *xyz: they are named x, y and z. On failure the
- * caller frees *out. spectra_read reads three columns without limits. */
-bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, struct error *err);
-bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);
+/* Reads them into out[count], without the factor; or all of them, with their names, into the
+ * channels of a detector. The caller frees *out or *detector, also after a failure. spectra_read
+ * reads n columns without limits, or a detector. */
+bool table_read(const struct columns *columns, struct spectrum *out, struct detector *detector,
+                struct error *err);
+bool spectra_read(const char *name, int n, struct spectrum *out, struct detector *detector,
+                  struct error *err);
 
 /* ---- table.c: a table that is being read ---- */
 
-enum { MOST_COLUMNS = 3 }; /* kept of a row: those of a detector */
-
 struct row {
-    double nm, value[MOST_COLUMNS];
+    double nm;
     struct place place;
 };
 
@@ -38,11 +39,12 @@ struct table {
     long first;      /* the column or sample that is wanted; 0: the only one */
     long n_columns;  /* of values */
     bool decreasing; /* the first wavelength is the longest */
-    bool xyz;        /* the values are named as an observer's x, y and z */
-    bool named;      /* a heading names three columns of values */
     bool of_rows;    /* each row is a sample, and the heading has the wavelengths */
     struct row *row; /* n_rows in the order of the file; owned */
-    int n_rows;
+    double *value;   /* n_values: those of a row, then those of the next; of samples, sample by
+                        sample; owned */
+    int n_rows, n_values;
+    bool by_samples;
     struct set_names names; /* of all samples so far; owned */
     int n_named;            /* samples that have the wanted name */
 };
@@ -53,6 +55,14 @@ const char *table_label(const struct table *table, char out[LABEL_SIZE]);
 /* Reads a value, divided by norm, and refuses it if it leaves the limits with the factor. */
 bool table_value(const struct table *table, const struct word *word, double norm, double *out,
                  struct error *err);
+
+/* ---- columns.c: a row a wavelength ---- */
+
+/* Reads the rows from the current line on. */
+bool columns_read(struct table *table, struct error *err);
+/* Returns whether a text, before its first line, has a line of wavelengths, or of a wavelength and
+ * values. */
+bool columns_found(struct text text);
 /* Reads the next field of the line without quotes, and without the blanks within. An unclosed quote
  * stays. Returns false behind the last field. */
 bool table_field(struct table *table, struct word *out);

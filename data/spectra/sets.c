@@ -79,19 +79,23 @@ static bool add_field(struct fields *fields, const struct word *heading, struct 
     return array_add(&fields->field, &fields->n, &field, sizeof field, err);
 }
 
-/* Makes the rows of the sample, one for each wavelength. */
+/* Keeps the values of the sample, in place of those of another, unless all are wanted. */
 static bool keep_sample(struct table *table, const struct fields *fields, struct error *err)
 {
-    table->n_rows = 0;
+    const bool more = table->wanted->count == 0 && table->n_rows > 0;
+    if (!more)
+        table->n_rows = table->n_values = 0;
     for (int i = 0; i < fields->n; i++) {
-        struct row row = {.nm = fields->field[i].nm, .place = fields->word[i].place};
+        const struct row row = {.nm = fields->field[i].nm, .place = fields->word[i].place};
+        double value;
         if (row.nm == 0)
             continue;
         if (table->n_rows == 1)
             table->decreasing = row.nm < table->row[0].nm;
         if (!table_mark(table, &fields->word[i], err) ||
-            !table_value(table, &fields->word[i], fields->norm, &row.value[0], err) ||
-            !array_add(&table->row, &table->n_rows, &row, sizeof row, err))
+            !table_value(table, &fields->word[i], fields->norm, &value, err) ||
+            !array_add(&table->value, &table->n_values, &value, sizeof value, err) ||
+            !(more || array_add(&table->row, &table->n_rows, &row, sizeof row, err)))
             return false;
     }
     return true;
@@ -116,9 +120,9 @@ static bool add_sample(struct table *table, const struct fields *fields, struct 
     table->n_named += found;
     if (!names_add(table, name, err))
         return false;
-    const bool only = wanted->sample.length == 0 && wanted->first == 0;
+    const bool all = wanted->count == 0, only = wanted->sample.length == 0 && wanted->first == 0;
     const bool numbered = wanted->first == table->names.n && table->n_named == 0;
-    return wanted->all || !(found || numbered || (only && table->names.n == 1)) ||
+    return wanted->all || !(all || found || numbered || (only && table->names.n == 1)) ||
            keep_sample(table, fields, err);
 }
 
@@ -127,12 +131,8 @@ static bool check_choice(const struct table *table, struct error *err)
 {
     const struct columns *wanted = table->wanted;
     char name[LABEL_SIZE];
-    if (wanted->count > 1)
-        return error_at(err, wanted->table.place,
-                        "'%s' has a sample a row; expected a row for each wavelength, with three "
-                        "values",
-                        table_label(table, name));
-    if (wanted->all || table->names.n == 0 || (table->n_rows > 0 && table->n_named == 1))
+    if (wanted->all || wanted->count == 0 || table->names.n == 0 ||
+        (table->n_rows > 0 && table->n_named == 1))
         return true;
     if (table->n_named > 1)
         return error_at(err, wanted->sample.place,
@@ -163,6 +163,7 @@ static bool read_line(struct table *table, struct fields *fields, int *n)
 bool samples_read(struct table *table, struct error *err)
 {
     struct fields fields = {.norm = 1};
+    table->by_samples = true;
     struct word word;
     int n;
     bool done = true;
@@ -291,6 +292,7 @@ bool cgats_read(struct table *table, struct error *err)
     struct fields fields = {.n = 0};
     struct word word;
     bool done = text_next_line(&table->text), read = false;
+    table->by_samples = true;
     while (done && !read && head_word(&table->text, &word)) {
         read = word_is(&word, "BEGIN_DATA");
         done = read ? find_bands(&fields, head, word.place, err) &&
@@ -314,12 +316,14 @@ bool spdx_read(struct table *table, struct error *err)
         for (const char *at = text->at; done && (at = strstr(at, mark)) && at < text->line_end;) {
             struct row row = {.place = text_place(text)};
             struct word word = {.start = at + strlen(mark), .place = row.place};
+            double value;
             word.length = strcspn(word.start, "\"");
             done = word_number(&word, "wavelength", DBL_MIN, HUGE_VAL, &row.nm, err);
             at = word.start + word.length + strcspn(word.start + word.length, ">\n");
             word.start = at + (*at == '>');
             word.length = strcspn(word.start, "<\n");
-            done = done && table_value(table, &word, 1, &row.value[0], err) &&
+            done = done && table_value(table, &word, 1, &value, err) &&
+                   array_add(&table->value, &table->n_values, &value, sizeof value, err) &&
                    array_add(&table->row, &table->n_rows, &row, sizeof row, err);
         }
     return done;

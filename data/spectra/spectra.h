@@ -61,15 +61,21 @@ bool table_is_detector(const struct builtin_file *file);
 
 /* ---- detector.c: the response of a detector to a spectrum ---- */
 
-/* Three sensitivities over wavelength. A channel has one. */
+enum { MOST_CHANNELS = 256 };
+/* Sensitivities over wavelength, one a channel. */
 struct detector {
-    char *name;    /* as written; owned */
-    bool observer; /* colour matching functions: its channels are tristimulus values X, Y and Z */
-    struct spectrum sensitivity[3];
+    char *name;     /* as written; owned */
+    bool observer;  /* colour matching functions: its channels are tristimulus values X, Y and Z */
+    int n;          /* channels */
+    char **channel; /* their names; owned */
+    struct spectrum *sensitivity; /* owned */
 };
-/* Reads a built-in detector (spectral list detectors), or a table of a wavelength and three values
- * a line. A table that names its columns x, y and z is an observer; any other is a camera. The
+/* Reads a built-in detector (spectral list detectors), or a table of a wavelength and a value for
+ * each channel a line, with their names in its heading; or a set of samples, each of them a
+ * channel. Three channels that are named x, y and z are an observer; others are a camera. The
  * caller frees *out, also after a failure. */
+bool channels_read(const char *name, struct detector *out, struct error *err);
+/* Reads a detector likewise, and refuses one without three channels. */
 bool detector_read(const char *name, struct detector *out, struct error *err);
 /* Reads a detector likewise, and refuses a camera. */
 bool observer_read(const char *name, struct detector *out, struct error *err);

@@ -188,8 +188,8 @@ static bool daylight_read(const struct word *temperature, struct spectrum *out, 
 {
     struct spectrum components[3] = {{0}};
     double kelvin, parts[2];
-    bool xyz, done = read_temperature(temperature, &kelvin, err) &&
-                     spectra_read("builtin:daylight/components.csv", components, &xyz, err);
+    bool done = read_temperature(temperature, &kelvin, err) &&
+                spectra_read("builtin:daylight/components.csv", 3, components, NULL, err);
     if (done)
         find_parts(kelvin, parts);
     for (int i = 0; done && i < components[0].count; i++)
@@ -245,7 +245,6 @@ static bool read_named(const struct word *word, struct columns *columns, struct 
                        struct error *err)
 {
     struct word before, sample;
-    bool xyz;
     columns->table = *word;
     if (split(word, ':', &before, &sample) && sample.length > 0) {
         const bool number = strspn(sample.start, "0123456789") >= sample.length;
@@ -256,7 +255,7 @@ static bool read_named(const struct word *word, struct columns *columns, struct 
         if (number && !word_integer(&sample, "column", 1, INT_MAX, &columns->first, err))
             return false;
     }
-    return table_read(columns, out, &xyz, err);
+    return table_read(columns, out, NULL, err);
 }
 
 static bool read_gaussian(const struct word *word, double parameter[2], struct error *err)

@@ -51,11 +51,12 @@ static void put_facts(struct json *json, const struct image *image, const struct
     json_string(json, "verdict", image->verdict);
 }
 
-/* Puts the facts of a stack of another program, or of a picture: no record, but a description,
- * unless that is XML. */
-static void put_foreign(struct json *json, const struct image *image)
+/* Puts the facts of a stack of another program, or of a picture or raw values: no record, but a
+ * description. */
+static void put_foreign(struct json *json, const struct image *image, struct error *err)
 {
-    const char *description = image->description[0] != '<' ? image->description : "";
+    char *own = description_text(image->description, err);
+    const char *description = own ? own : image->description[0] != '<' ? image->description : "";
     json_string(json, "record", json->words ? "none: no render of spectral 0.2.0 or later" : NULL);
     json_count(json, "width", (uint64_t)image->width);
     json_count(json, "height", (uint64_t)image->height);
@@ -67,6 +68,7 @@ static void put_foreign(struct json *json, const struct image *image)
         json_string(json, "description", description);
     else if (description[0] != '\0')
         print(&json->printed, "description:\n%s\n", description);
+    free(own);
 }
 
 static bool run_info(struct options *options, struct error *err)
@@ -78,13 +80,12 @@ static bool run_info(struct options *options, struct error *err)
         return error_usage(err, "info takes a STACK; see spectral info --help");
     bool done = scene_refuse(options->operand, err) &&
                 image_open(options->operand, NOWHERE, tags_read, &image, err);
-    const bool foreign =
-        done && image.verdict[0] == '\0' && !strstr(image.description, "scene_sha256: ");
+    const bool foreign = done && !strstr(image.description, "scene_sha256: ");
     done = done && (foreign || record_read(&image, &record, err));
     (options->json ? json_begin : words_begin)(&json);
     if (done) {
         if (foreign)
-            put_foreign(&json, &image);
+            put_foreign(&json, &image, err);
         else
             put_facts(&json, &image, &record);
         done = json_write(&json, options->json, &options->outputs, err);

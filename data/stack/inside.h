@@ -7,6 +7,9 @@
 
 /* Reads the record in the description of a stack's first page. Refuses an image without a record,
  * or with a record that contradicts itself. */
+/* Returns the text of the OME-XML's element Description, unescaped; allocated. NULL: there is none,
+ * or an error. */
+char *description_text(const char *xml, struct error *err);
 bool record_read(const struct image *image, struct record *out, struct error *err);
 
 /* ---- stack.c: the verdict on a stack, in numbers ---- */

@@ -343,9 +343,7 @@ static void unescape(char *text)
     *to = '\0';
 }
 
-/* Returns the text of the OME-XML's element Description, unescaped; allocated. NULL: there is none,
- * or an error. */
-static char *description_text(const char *xml, struct error *err)
+char *description_text(const char *xml, struct error *err)
 {
     static const char begin[] = "<Description>";
     const char *from = strstr(xml, begin), *to = from != NULL ? strstr(from, "</") : NULL;

@@ -21,7 +21,7 @@ static bool check_options(const struct stack_options *options, struct error *err
         return error_usage(err,
                            "a full scale of %g cannot be written; expected a positive radiance",
                            options->full_scale);
-    for (int page = 0; !options->components && page < n_pages; page++) {
+    for (int page = 0; !options->components && !options->names && page < n_pages; page++) {
         /* Tag 65000 takes floats. Labels have 10 digits: closer wavelengths could share one. */
         double nm = options->wavelengths_nm[page];
         double before = page > 0 ? options->wavelengths_nm[page - 1] : 0;

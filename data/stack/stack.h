@@ -115,6 +115,8 @@ struct stack_options {
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
     /* names the pages, which then have no wavelengths; NULL: they have */
     const struct sampling_method *components;
+    const char *const *names; /* of pages that are raw values, no radiances; NULL: there are none */
+    const char *unit;         /* of these values */
 };
 /* A stack that is being written: laid out at once, then filled by pages_write with uint8_t or
  * uint16_t counts, or floats. Page n_wavelengths is the object map, of uint8_t or uint16_t. */

@@ -33,22 +33,47 @@ static int largest_count(const struct stack_options *options)
     return options->bits == 8 ? 255 : 65535;
 }
 
-/* Writes how samples become radiances, or components. */
+static bool has_wavelengths(const struct stack_options *options)
+{
+    return !options->components && !options->names;
+}
+
+/* Returns the unit of values; NULL: they have none. */
+static const char *unit_of(const struct stack_options *options)
+{
+    return options->components ? NULL : options->names ? options->unit : RADIANCE_UNIT;
+}
+
+/* Writes how samples become radiances, components or raw values. */
 static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE])
 {
     char value[40] = "sample";
     if (options->bits != 32)
         snprintf(value, sizeof value, "count x full_scale / %d", largest_count(options));
-    snprintf(text, TEXT_SIZE, "full_scale: %.*g\nscale: %s = %s%s\n",
+    snprintf(text, TEXT_SIZE, "full_scale: %.*g\nscale: %s = %s%s%s\n",
              exact_digits(options->full_scale), options->full_scale,
-             options->components ? "component" : "radiance", value,
-             options->components ? "" : " " RADIANCE_UNIT);
+             options->components ? "component"
+             : options->names    ? "raw value"
+                                 : "radiance",
+             value, unit_of(options) ? " " : "", unit_of(options) ? unit_of(options) : "");
+}
+
+/* Writes a name in ASCII, and without what XML would have to escape. */
+static void name_label(const char *name, char out[TEXT_SIZE])
+{
+    size_t n = 0;
+    for (; *name && n < TEXT_SIZE / 2; name++)
+        if (*name >= ' ' && *name <= '~')
+            out[n++] = strchr("<>&\"'", *name) ? '_' : *name;
+    out[n] = '\0';
 }
 
 static void page_label(const struct stack_options *options, int page, char out[TEXT_SIZE])
 {
     if (options->components)
         sampling_label(options->components, page, out);
+    else if (options->names)
+        name_label(options->names[page], out);
     else
         snprintf(out, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
 }
@@ -58,7 +83,7 @@ static void put_channel(struct printed *stream, const struct stack_options *opti
     char label[TEXT_SIZE];
     page_label(options, page, label);
     print(stream, "<Channel ID=\"Channel:0:%d\" Name=\"%s\" SamplesPerPixel=\"1\"", page, label);
-    if (!options->components)
+    if (has_wavelengths(options))
         print(stream, " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"",
               options->wavelengths_nm[page]);
     print_text(stream, "/>\n");
@@ -72,8 +97,8 @@ static void put_description(struct printed *stream, const struct stack_writer *w
     char text[TEXT_SIZE];
     if (page > 0) {
         page_label(options, page, text);
-        if (options->components)
-            print(stream, "component=%s", text);
+        if (!has_wavelengths(options))
+            print(stream, "%s=%s", options->names ? "channel" : "component", text);
         else
             print(stream, "wavelength_nm=%.10g", options->wavelengths_nm[page]);
         return;
@@ -138,16 +163,16 @@ static void put_gdal(struct printed *stream, const struct stack_writer *writer, 
     char label[TEXT_SIZE];
     page_label(options, page, label);
     print_text(stream, "<GDALMetadata>\n");
-    if (!options->components)
+    if (has_wavelengths(options))
         put_gdal_wavelength(stream, options, page);
     print(stream,
           "<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">%s</Item>\n"
           "<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
           "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n",
           label, exact_digits(scale), scale);
-    if (!options->components)
-        print_text(stream, "<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" RADIANCE_UNIT
-                           "</Item>\n");
+    if (unit_of(options))
+        print(stream, "<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">%s</Item>\n",
+              unit_of(options));
     print_text(stream, "</GDALMetadata>\n");
 }
 
@@ -221,7 +246,7 @@ static bool set_first_page(TIFF *tiff, const struct stack_writer *writer, struct
     snprintf(room, sizeof room, "%-*s", STACK_VERDICT - 1, STACK_UNFINISHED);
     return set_printed(tiff, TAG_IMAGEJ_SIZES, writer, 0, put_imagej_sizes, err) &&
            set_printed(tiff, TAG_IMAGEJ_TEXTS, writer, 0, put_imagej_texts, err) &&
-           (writer->options.components ||
+           (!has_wavelengths(&writer->options) ||
             set_printed(tiff, TAG_WAVELENGTHS, writer, 0, put_wavelengths, err)) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) && TIFFSetField(tiff, TAG_VERDICT, room);
 }

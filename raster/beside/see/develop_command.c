@@ -8,7 +8,7 @@
 
 struct develop_own {
     const char *adaptation, *display, *exposure, *bits;
-    bool xyz, lab;
+    bool xyz, lab, raw;
 };
 
 /* Reads the value of one of the options below. */
@@ -99,13 +99,44 @@ static bool write_json(struct options *options, const struct development *of, st
 static bool name_picture(struct options *options, const char *stack, struct error *err)
 {
     const struct develop_own *own = options->own;
-    const char *floats = own->xyz ? "--xyz" : own->lab ? "--lab" : NULL;
+    const char *floats = own->xyz ? "--xyz" : own->lab ? "--lab" : own->raw ? "--raw" : NULL;
     if (!options_name_output(options, stack, floats ? "-developed.tif" : "-developed.png", err) ||
         !picture_accepts(options->output, err))
         return false;
     return !floats || !picture_is_png(options->output) ||
            error_at(err, (struct place){options->output, 0, 0},
                     "%s writes floats, and a PNG has none; expected .tif or .tiff", floats);
+}
+
+/* Writes raw values. Refuses the options of pictures. */
+static bool run_raw(struct options *options, const struct development *settings, struct error *err)
+{
+    const struct develop_own *own = options->own;
+    const char *other = own->xyz            ? "--xyz"
+                        : own->lab          ? "--lab"
+                        : own->adaptation   ? "--adaptation"
+                        : own->display      ? "--display"
+                        : options->white    ? "--white"
+                        : options->sampling ? "--sampling"
+                        : options->json     ? "--json"
+                                            : NULL;
+    struct raw of = {.bits = own->bits ? settings->bits : 32,
+                     .threads = options->threads,
+                     .exposure = settings->exposure,
+                     .automatic = settings->automatic,
+                     .outputs = &options->outputs};
+    struct printed printed = {.text = NULL};
+    if (other)
+        return error_usage(err, "--raw takes no %s", other);
+    if (of.bits == 8)
+        return error_usage(err, "--raw writes floats, or counts of --bits 16");
+    const bool done =
+        scene_refuse(options->operand, err) &&
+        develop_raw(&of, settings->detector_name, options->operand, options->output, err);
+    if (done && !options->quiet)
+        raw_print(&of, options->output, &printed);
+    raw_free(&of);
+    return printed_show(&printed, options_table(options, options->output), err) && done;
 }
 
 static bool run_develop(struct options *options, struct error *err)
@@ -118,6 +149,8 @@ static bool run_develop(struct options *options, struct error *err)
         return error_usage(err, "develop takes a STACK; see spectral develop --help");
     if (!name_picture(options, stack, err) || !read_options(options, &method, &of, err))
         return false;
+    if (((const struct develop_own *)options->own)->raw)
+        return run_raw(options, &of, err);
     const bool done = scene_refuse(stack, err) && output_can_open(options->json, err) &&
                       develop(&of, stack, options->output, err) &&
                       (!options->json || write_json(options, &of, err));
@@ -144,6 +177,8 @@ static const struct option develop_rows[] = {
      .choices = picture_bits},
     {"--xyz", "writes float tristimulus values instead of RGB", OWN(FLAG, develop_own, xyz)},
     {"--lab", "writes float CIELAB instead of RGB", OWN(FLAG, develop_own, lab)},
+    {"--raw", "writes a page for each channel of the detector, linear floats or --bits 16 counts",
+     OWN(FLAG, develop_own, raw)},
     {"--sampling METHOD", "as if the spectra were sampled so (not basis, rgb or xyz)",
      SHARED(TEXT, sampling)},
 };

@@ -105,6 +105,30 @@ void develop_free(struct development *of);
  * a detector that sees none of the wavelengths of a stack. */
 bool develop_weights(struct development *of, struct error *err);
 
+/* ---- raw.c: raw values of a detector ---- */
+
+struct raw {
+    /* The caller sets these, and zeroes all others. */
+    int bits;        /* 32 of floats, 16 of counts of the largest value */
+    int threads;     /* 0: one a processor */
+    double exposure; /* factor of all values */
+    bool automatic;  /* the exposure makes the largest value 1 */
+    struct outputs *outputs;
+    /* The findings. */
+    struct cube cube;
+    struct detector detector;
+    double *weights, *lost; /* detector_weights, detector_lost; owned */
+    double largest;         /* at exposure 1; found if the exposure or the counts need it */
+    double full_scale;      /* of counts: the largest value */
+    uint64_t below_0;       /* values */
+};
+/* Reads a stack and writes the raw values of a detector of any number of channels. Refuses a stack
+ * that was sampled. The caller frees *of, also after a failure. */
+bool develop_raw(struct raw *of, const char *detector, const char *stack, const char *output,
+                 struct error *err);
+void raw_print(const struct raw *of, const char *output, struct printed *to);
+void raw_free(struct raw *of);
+
 /* ---- compare.c: the differences of two stacks ---- */
 
 /* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour

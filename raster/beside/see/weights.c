@@ -154,7 +154,9 @@ static bool check_detector(const struct development *of, struct error *err)
                            " white; %s is for observers",
                            detector->name, adaptation_names[of->adaptation.kind]);
     if (!detector->observer && of->values != DEVELOP_RGB)
-        return error_usage(err, "%s is a camera or film, which has no %s; expected an observer",
+        return error_usage(err,
+                           "%s is a camera or film, which has no %s; expected an observer, or "
+                           "--raw for the camera's own values",
                            detector->name,
                            of->values == DEVELOP_XYZ ? "tristimulus values" : "CIELAB");
     return true;

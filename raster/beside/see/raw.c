@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: MIT */
+/* Raw values of a detector of any number of channels: one page a channel, linear, without balance,
+ * adaptation or display. The value of a channel is the sum over pages of radiance x sensitivity x
+ * width of the page in nm (detector_weights), times the exposure. Each pixel is summed in the order
+ * of the pages, so that chunks and threads do not change its bits. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/beside/see/inside.h"
+
+enum { CHUNK_VALUES = 1 << 22, BLOCK_PIXELS = 1 << 12 };
+
+static const char unit[] = "W sr-1 m-2 (relative)";
+
+/* The rows at hand. */
+struct raw_chunk {
+    struct raw *of;
+    int page;
+    size_t n_pixels;
+    float *radiance; /* of the page; owned */
+    double *sums;    /* [channel][pixel]; owned */
+    void *samples;   /* of a channel: floats or counts; owned */
+};
+
+static bool chunk_make(struct raw *of, int rows, struct raw_chunk *out, struct error *err)
+{
+    *out = (struct raw_chunk){.of = of, .n_pixels = (size_t)rows * (size_t)of->cube.image.width};
+    return MAKE_ARRAY(out->radiance, out->n_pixels, err, "rows of the stack") &&
+           MAKE_ARRAY(out->sums, out->n_pixels * (size_t)of->detector.n, err, "rows of %d channels",
+                      of->detector.n) &&
+           (memory_make(&out->samples, out->n_pixels, sizeof(float)) ||
+            memory_lacks(err, 4 * (double)out->n_pixels, "rows of the picture"));
+}
+
+static void chunk_free(struct raw_chunk *chunk)
+{
+    FREE_ALL(chunk->radiance, chunk->sums, chunk->samples);
+}
+
+/* Adds the page to some pixels of all channels. */
+static void add_page(void *context, size_t first, size_t end)
+{
+    const struct raw_chunk *chunk = context;
+    const int n_pages = chunk->of->cube.image.n_pages;
+    for (int channel = 0; channel < chunk->of->detector.n; channel++) {
+        const double weight = chunk->of->weights[channel * n_pages + chunk->page];
+        double *sums = chunk->sums + (size_t)channel * chunk->n_pixels;
+        for (size_t i = first; i < end; i++)
+            sums[i] += weight * (double)chunk->radiance[i];
+    }
+}
+
+static bool sum_rows(struct raw_chunk *chunk, int y, int rows, struct error *err)
+{
+    struct image *image = &chunk->of->cube.image;
+    const size_t n = (size_t)rows * (size_t)image->width;
+    memset(chunk->sums, 0, chunk->n_pixels * (size_t)chunk->of->detector.n * sizeof(double));
+    for (chunk->page = 0; chunk->page < image->n_pages; chunk->page++) {
+        if (!image_read(image, chunk->page, y, rows, chunk->radiance, err))
+            return false;
+        threads_blocks(chunk->of->threads, n, BLOCK_PIXELS, add_page, chunk);
+    }
+    return true;
+}
+
+/* Stores a channel's n pixels as floats, or as counts of the full scale: none is below 0. */
+static void store(struct raw *of, const double *sums, size_t n, void *samples)
+{
+    for (size_t i = 0; i < n; i++) {
+        const double value = of->exposure * sums[i], count = 65535 * value / of->full_scale;
+        of->below_0 += value < 0;
+        if (of->bits == 32)
+            ((float *)samples)[i] = (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
+        else
+            ((uint16_t *)samples)[i] = (uint16_t)fmax(0, fmin(floor(count + 0.5), 65535));
+    }
+}
+
+/* Goes over the rows in chunks. Without a writer it only finds the largest value. */
+static bool each_chunk(struct raw *of, struct stack_writer *writer, struct error *err)
+{
+    const struct image *image = &of->cube.image;
+    const double values = (double)image->width * of->detector.n;
+    int rows = (int)fmax(1, fmin(CHUNK_VALUES / values, image->height));
+    struct raw_chunk chunk;
+    bool done = chunk_make(of, rows, &chunk, err);
+    of->below_0 = 0;
+    for (int y = 0; done && y < image->height; y += rows) {
+        rows = rows < image->height - y ? rows : image->height - y;
+        done = sum_rows(&chunk, y, rows, err);
+        for (int channel = 0; done && channel < of->detector.n; channel++) {
+            const double *sums = chunk.sums + (size_t)channel * chunk.n_pixels;
+            const size_t n = (size_t)rows * (size_t)image->width;
+            const struct page_rectangle to = {channel, 0, y, image->width, rows};
+            for (size_t i = 0; !writer && i < n; i++)
+                of->largest = sums[i] > of->largest ? sums[i] : of->largest;
+            if (writer) {
+                store(of, sums, n, chunk.samples);
+                done = pages_write(&writer->pages, &to, chunk.samples, err);
+            }
+        }
+    }
+    chunk_free(&chunk);
+    return done;
+}
+
+/* ---- the file ---- */
+
+static char *provenance(const struct raw *of, const char *stack, struct error *err)
+{
+    struct printed to = {.text = NULL};
+    print(&to, "program: " PROGRAM "\nraw values of: ");
+    print_printable(&to, stack);
+    print_text(&to, "\ndetector: ");
+    print_printable(&to, of->detector.name);
+    print(&to, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure, unit);
+    return printed_take(&to, err);
+}
+
+static bool write_pages(struct raw *of, const char *stack, const char *output, struct error *err)
+{
+    char *text = provenance(of, stack, err);
+    const struct stack_options options = {.width = of->cube.image.width,
+                                          .height = of->cube.image.height,
+                                          .n_wavelengths = of->detector.n,
+                                          .names = (const char *const *)of->detector.channel,
+                                          .unit = unit,
+                                          .full_scale = of->full_scale,
+                                          .bits = of->bits,
+                                          .scene = stack,
+                                          .provenance = text};
+    struct stack_writer writer;
+    bool done = text && stack_open(&writer, output, &options, err);
+    free(text);
+    if (!done)
+        return false;
+    done = each_chunk(of, &writer, err) &&
+           stack_finish(&writer, "raw values have no check of their own", err) &&
+           output_pass(&writer.pages.output, of->outputs, err);
+    stack_discard(&writer);
+    return done;
+}
+
+/* ---- the weights ---- */
+
+static bool check_cube(const struct cube *cube, struct error *err)
+{
+    return cube_needs_radiance(cube, "--raw", err) &&
+           (!cube->record.sampling ||
+            error_usage(err, "%s was sampled by %s; --raw takes a stack of plain wavelengths",
+                        cube->image.path, cube->record.sampling));
+}
+
+static bool find_weights(struct raw *of, struct error *err)
+{
+    const struct image *image = &of->cube.image;
+    const size_t n = (size_t)of->detector.n * (size_t)image->n_pages;
+    bool sees = false;
+    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", image->path) ||
+        !MAKE_ARRAY(of->lost, of->detector.n, err, "the weights of %s", image->path))
+        return false;
+    detector_weights(&of->detector, image->wavelengths_nm, image->n_pages, of->weights);
+    detector_lost(&of->detector, image->wavelengths_nm, image->n_pages, of->lost);
+    for (size_t i = 0; i < n; i++)
+        sees = sees || of->weights[i] != 0;
+    return sees || error_usage(err, "%s: %s sees nothing of its wavelengths", image->path,
+                               of->detector.name);
+}
+
+bool develop_raw(struct raw *of, const char *detector, const char *stack, const char *output,
+                 struct error *err)
+{
+    of->threads = threads_count(of->threads);
+    of->full_scale = 1;
+    if (!cube_open(stack, &of->cube, err) || !check_cube(&of->cube, err) ||
+        !channels_read(detector, &of->detector, err) || !find_weights(of, err))
+        return false;
+    if ((of->automatic || of->bits == 16) && !each_chunk(of, NULL, err))
+        return false;
+    if (of->automatic)
+        of->exposure = of->largest > 0 ? 1 / of->largest : 1;
+    if (of->bits == 16 && of->largest > 0)
+        of->full_scale = of->exposure * of->largest;
+    return write_pages(of, stack, output, err);
+}
+
+void raw_print(const struct raw *of, const char *output, struct printed *to)
+{
+    print(to, "detector          %s (%d channel%s)\n", of->detector.name, of->detector.n,
+          of->detector.n == 1 ? "" : "s");
+    print(to, "values            raw, %s, %s\n", of->bits == 32 ? "float" : "16-bit counts", unit);
+    if (of->bits == 16)
+        print(to, "full scale        %.10g\n", of->full_scale);
+    print(to, "exposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
+    for (int i = 0; i < of->detector.n; i++)
+        print(to, "channel %-9d %s: %.4g %% of its sensitivity lies outside\n", i + 1,
+              of->detector.channel[i], 100 * of->lost[i]);
+    if (of->below_0 > 0)
+        print(to, "below 0           %llu values%s\n", (unsigned long long)of->below_0,
+              of->bits == 32 ? "" : ", which become 0");
+    print_fact(to, "picture", output);
+}
+
+void raw_free(struct raw *of)
+{
+    cube_close(&of->cube);
+    detector_free(&of->detector);
+    FREE_ALL(of->weights, of->lost);
+}
