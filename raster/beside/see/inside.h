@@ -214,6 +214,17 @@ struct probe {
         bool begun, several;
     } shown;
 };
+/* Mean and standard deviation of values. Zero it before use. The sums are of differences from the
+ * first value, so that the mean of equal values is exact and their deviation is 0. */
+struct moments {
+    uint64_t n;
+    double first, sum, sum_of_squares;
+};
+void moments_add(struct moments *moments, double value);
+void moments_end(const struct moments *moments, double *mean, double *spread); /* of one or more */
+/* probe_objects.c: prints the values of each object of the stack that is the operand, as text, CSV
+ * or JSON. edges: pixels whose neighbours show other objects count, too. */
+bool probe_objects(struct options *options, bool csv, bool edges, struct error *err);
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
  * frees *probe, here and below, also after a failure. */
 bool probe_stack(struct probe *probe, const char *path, struct error *err);

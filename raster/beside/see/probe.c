@@ -10,24 +10,26 @@
 
 /* ---- any probe ---- */
 
-/* Mean and standard deviation of samples that come in runs. Zero it before use. The sums are of
- * differences from the first sample, so that the mean of equal samples is exact and their deviation
- * is 0. */
-struct moments {
-    uint64_t n;
-    double first, sum, sum_of_squares;
-};
-
-static void moments_add(struct moments *moments, const float *values, size_t n)
+void moments_add(struct moments *moments, double value)
 {
-    if (moments->n == 0 && n > 0)
-        moments->first = (double)values[0];
-    for (size_t i = 0; i < n; i++) {
-        const double difference = (double)values[i] - moments->first;
-        moments->sum += difference;
-        moments->sum_of_squares += difference * difference;
-    }
-    moments->n += n;
+    if (moments->n++ == 0)
+        moments->first = value;
+    const double difference = value - moments->first;
+    moments->sum += difference;
+    moments->sum_of_squares += difference * difference;
+}
+
+void moments_end(const struct moments *moments, double *mean, double *spread)
+{
+    const double n = (double)moments->n, off = moments->sum / n;
+    *mean = moments->first + off;
+    *spread = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
+}
+
+static void add_values(struct moments *moments, const float *values, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        moments_add(moments, (double)values[i]);
 }
 
 /* Adds a column of zeros. Returns it; NULL: no memory. */
@@ -79,13 +81,9 @@ static bool probe_end(struct probe *probe, const struct cube *cube, struct error
 {
     const struct white_request white = {probe->white, false};
     struct sight sight = {.weights = NULL};
-    for (int band = 0; band < probe->n; band++) {
-        const struct moments *moments = &probe->moments[band];
-        const double n = (double)moments->n, off = moments->sum / n;
-        probe->columns[MEAN].values[band] = moments->first + off;
-        probe->columns[SPREAD].values[band] =
-            sqrt(fmax(0, moments->sum_of_squares / n - off * off));
-    }
+    for (int band = 0; band < probe->n; band++)
+        moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
+                    &probe->columns[SPREAD].values[band]);
     const bool done = sight_make(cube, probe->observer, &white, &sight, err);
     if (done) {
         detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
@@ -114,10 +112,10 @@ static bool read_bands(struct stack_rows *rows, struct probe *probe, struct erro
             return false;
         for (int page = 0; page < probe->n; page++)
             for (int row = 0; row < rows->n; row++)
-                moments_add(&probe->moments[page],
-                            rows->samples + (size_t)page * rows->stride + (size_t)row * width +
-                                probe->x,
-                            (size_t)probe->width);
+                add_values(&probe->moments[page],
+                           rows->samples + (size_t)page * rows->stride + (size_t)row * width +
+                               probe->x,
+                           (size_t)probe->width);
     }
     return true;
 }
@@ -166,7 +164,7 @@ static void add_band(void *context, const struct drawn_band *drawn)
     struct region *region = context;
     const struct picture *picture = drawn->picture;
     const size_t n = (size_t)drawn->pixels.width * (size_t)drawn->pixels.height;
-    moments_add(&region->probe->moments[drawn->band], drawn->radiance, n);
+    add_values(&region->probe->moments[drawn->band], drawn->radiance, n);
     for (int i = 0; drawn->band == 0 && i < picture->at.width * picture->at.height; i++)
         note_shown(region->probe, picture->surface[i]);
 }

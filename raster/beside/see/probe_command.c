@@ -7,7 +7,7 @@
 #include "raster/render/render.h"
 
 struct probe_own {
-    bool csv, svg;
+    bool csv, svg, objects, edges;
 };
 
 /* ---- operands ---- */
@@ -177,6 +177,11 @@ static bool run_probe(struct options *options, struct error *err)
     const struct probe_own *own = options->own;
     struct probe probe = {
         .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
+    if (own->objects && (options->n_operands != 1 || own->svg))
+        return error_usage(err, "--objects takes a STACK alone, and no --svg");
+    if (own->objects)
+        return scene_refuse(options->operand, err) &&
+               probe_objects(options, own->csv, own->edges, err);
     if (!region_read(options, &probe, err))
         return false;
     if (own->csv + own->svg + (options->json != NULL) > 1)
@@ -191,6 +196,9 @@ static const struct option probe_rows[] = {
      .writes = true},
     {"--csv", "writes a table instead of text", OWN(FLAG, probe_own, csv)},
     {"--svg", "writes a plot instead of text", OWN(FLAG, probe_own, svg)},
+    {"--objects", "prints the mean of each object of a stack, and of a detector's channels",
+     OWN(FLAG, probe_own, objects)},
+    {"--edges", "--objects counts pixels beside another object, too", OWN(FLAG, probe_own, edges)},
 };
 static const struct option_list probe_list = OPTION_LIST(probe_rows);
 static const struct option_list *const lists[] = {

@@ -80,9 +80,9 @@ void chart_axes(const struct chart_area *area, const char *const labels[3], int 
 
 /* ---- command.c: spectral develop ---- */
 
-/* Writes the picture of a stack that a detector sees. */
 /* Plots spectra; without an option for that it is show_command. */
 extern const struct command curves_command;
+/* Writes the picture of a stack that a detector sees. */
 extern const struct command develop_command;
 
 /* Draws a scene by the reference, as cie1931 sees it without adaptation on an sRGB display at

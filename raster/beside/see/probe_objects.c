@@ -1,0 +1,290 @@
+/* SPDX-License-Identifier: MIT */
+/* The values of each object of a stack: mean and standard deviation of its pixels in each band, in
+ * XYZ and CIELAB, and in the channels of a camera of any number of channels. Pixels at an edge,
+ * where a neighbour shows another object, are left out unless they are wanted. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/beside/see/inside.h"
+
+/* Objects that are measured. */
+struct measured {
+    struct stack_rows rows;
+    struct sight sight;
+    struct detector detector; /* whose channels are measured; n 0: those of an observer are not */
+    double *weights;          /* of its channels; owned */
+    double *channels;         /* of a pixel; owned */
+    bool edges;
+    int n_objects, n_columns; /* bands, then channels */
+    struct moments *moments;  /* [object][column]; owned */
+    int *map[3];              /* of the row before, the row at hand and the row behind; owned */
+};
+
+/* ---- pixels ---- */
+
+/* Returns whether all neighbours of a pixel show its object. Beyond the picture they do. */
+static bool is_inside(const struct measured *of, int x, int width)
+{
+    const int number = of->map[1][x];
+    for (int row = 0; row < 3; row++)
+        for (int column = x > 0 ? x - 1 : 0; column <= x + 1 && column < width; column++)
+            if (of->map[row][column] != number)
+                return false;
+    return true;
+}
+
+/* Adds the pixel of the chunk to its object. */
+static void add_pixel(struct measured *of, int object, const float *samples)
+{
+    struct moments *moments = of->moments + (size_t)object * (size_t)of->n_columns;
+    const int n_bands = of->rows.cube.image.n_pages;
+    memset(of->channels, 0, (size_t)of->detector.n * sizeof *of->channels);
+    for (int band = 0; band < n_bands; band++) {
+        const float value = samples[(size_t)band * of->rows.stride];
+        moments_add(&moments[band], (double)value);
+        for (int channel = 0; channel < of->detector.n; channel++)
+            of->channels[channel] += of->weights[channel * n_bands + band] * (double)value;
+    }
+    for (int channel = 0; channel < of->detector.n; channel++)
+        moments_add(&moments[n_bands + channel], of->channels[channel]);
+}
+
+/* Reads the rows of the map around row y. The first and the last row repeat beyond the border. */
+static bool read_map(struct measured *of, int y, struct error *err)
+{
+    const struct image *image = &of->rows.cube.image;
+    for (int i = 0; i < 3; i++) {
+        const int row = y + i - 1 < 0 ? 0 : y + i - 1 >= image->height ? y : y + i - 1;
+        if (!cube_objects(&of->rows.cube, 0, row, image->width, of->map[i], err))
+            return false;
+    }
+    return true;
+}
+
+static bool measure(struct measured *of, struct error *err)
+{
+    const struct image *image = &of->rows.cube.image;
+    const int width = image->width;
+    of->rows.end = image->height;
+    for (int y = 0; y < image->height; y += of->rows.n) {
+        if (!rows_read(&of->rows, y, err))
+            return false;
+        for (int row = 0; row < of->rows.n; row++) {
+            if (!read_map(of, y + row, err))
+                return false;
+            for (int x = 0; x < width; x++)
+                if (of->map[1][x] > 0 && (of->edges || is_inside(of, x, width)))
+                    add_pixel(of, of->map[1][x] - 1,
+                              of->rows.samples + (size_t)row * (size_t)width + x);
+        }
+    }
+    return true;
+}
+
+/* ---- before ---- */
+
+/* Finds the channels of a camera, which the stack is seen with, too; its colours are cie1931's. */
+static bool find_channels(struct measured *of, const char *detector, struct error *err)
+{
+    const struct cube *cube = &of->rows.cube;
+    if (!channels_read(detector, &of->detector, err))
+        return false;
+    if (of->detector.observer) {
+        detector_free(&of->detector);
+        return true;
+    }
+    const size_t n = (size_t)of->detector.n * (size_t)cube->image.n_pages;
+    if (cube->record.sampling)
+        return error_usage(err, "%s was sampled by %s; expected a stack of plain wavelengths",
+                           cube->image.path, cube->record.sampling);
+    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", detector))
+        return false;
+    detector_weights(&of->detector, cube->image.wavelengths_nm, cube->image.n_pages, of->weights);
+    return true;
+}
+
+static bool prepare(struct measured *of, const char *path, const char *detector, const char *white,
+                    struct error *err)
+{
+    struct cube *cube = &of->rows.cube;
+    const struct white_request request = {white, false};
+    if (!cube_open(path, cube, err) || !cube_needs_radiance(cube, "a probe", err))
+        return false;
+    if (cube->record.map_bytes == 0)
+        return error_usage(err, "%s has no map of objects; expected a stack of spectral render",
+                           path);
+    if (!find_channels(of, detector, err) ||
+        !sight_make(cube, of->detector.n > 0 ? "cie1931" : detector, &request, &of->sight, err))
+        return false;
+    const size_t width = (size_t)cube->image.width, n_pages = (size_t)cube->image.n_pages;
+    of->n_objects = cube->record.objects.n;
+    of->n_columns = cube->image.n_pages + of->detector.n;
+    for (int i = 0; i < 3; i++)
+        if (!MAKE_ARRAY(of->map[i], width, err, "a row of %s", path))
+            return false;
+    return MAKE_ARRAY(of->channels, of->detector.n + 1, err, "%d channels", of->detector.n) &&
+           MAKE_ARRAY(of->moments, (size_t)of->n_objects * (size_t)of->n_columns, err,
+                      "the values of %d objects", of->n_objects) &&
+           rows_allocate(
+               &of->rows,
+               (size_t)fmin((double)width * (double)n_pages * cube->image.height, 1 << 24), err);
+}
+
+static void measured_free(struct measured *of)
+{
+    rows_close(&of->rows);
+    sight_free(&of->sight);
+    detector_free(&of->detector);
+    FREE_ALL(of->weights, of->channels, of->moments, of->map[0], of->map[1], of->map[2]);
+}
+
+/* ---- out ---- */
+
+/* An object's values. */
+struct values {
+    const char *name;
+    uint64_t pixels;
+    double *mean, *spread; /* of each column; owned by the caller */
+    double xyz[3], lab[3];
+};
+
+static void find_values(const struct measured *of, int object, struct values *out)
+{
+    const struct moments *moments = of->moments + (size_t)object * (size_t)of->n_columns;
+    const int n_bands = of->rows.cube.image.n_pages;
+    out->name = of->rows.cube.record.objects.text[object];
+    out->pixels = moments[0].n;
+    for (int i = 0; i < of->n_columns; i++)
+        moments_end(&moments[i], &out->mean[i], &out->spread[i]);
+    detector_response(of->sight.weights, out->mean, n_bands, out->xyz);
+    if (of->sight.has_white)
+        cielab(out->xyz, of->sight.white, out->lab);
+}
+
+/* Names a band or a channel. */
+static void column_label(const struct measured *of, int column, char out[96])
+{
+    const struct image *image = &of->rows.cube.image;
+    if (column < image->n_pages)
+        snprintf(out, 96, "%.10g nm", image->wavelengths_nm[column]);
+    else
+        snprintf(out, 96, "%s", of->detector.channel[column - image->n_pages]);
+}
+
+static void print_csv_head(const struct measured *of, struct printed *to)
+{
+    char label[96];
+    print_text(to, "\"object\",\"pixels\",\"X\",\"Y\",\"Z\",\"L\",\"a\",\"b\"");
+    for (int part = 0; part < 2; part++)
+        for (int i = 0; i < of->n_columns; i++) {
+            column_label(of, i, label);
+            print_text(to, ",\"");
+            csv_text(label, to);
+            print_text(to, part == 0 ? "\"" : " standard deviation\"");
+        }
+    print_text(to, "\n");
+}
+
+static void print_numbers(const double *values, int n, bool known, struct printed *to)
+{
+    for (int i = 0; i < n; i++)
+        if (known)
+            print(to, ",%.*g", exact_digits(values[i]), values[i]);
+        else
+            print_text(to, ",");
+}
+
+static void print_csv(const struct measured *of, const struct values *values, struct printed *to)
+{
+    print_text(to, "\"");
+    csv_text(values->name, to);
+    print(to, "\",%llu", (unsigned long long)values->pixels);
+    print_numbers(values->xyz, 3, values->pixels > 0, to);
+    print_numbers(values->lab, 3, values->pixels > 0 && of->sight.has_white, to);
+    print_numbers(values->mean, of->n_columns, values->pixels > 0, to);
+    print_numbers(values->spread, of->n_columns, values->pixels > 0, to);
+    print_text(to, "\n");
+}
+
+static void print_line(const struct measured *of, const struct values *values, struct printed *to)
+{
+    const int n_bands = of->rows.cube.image.n_pages;
+    const bool seen = values->pixels > 0;
+    print_printable(to, values->name);
+    print(to, "\n  pixels          %llu\n", (unsigned long long)values->pixels);
+    if (seen)
+        print(to, "  XYZ             %.4f %.4f %.4f\n", values->xyz[0], values->xyz[1],
+              values->xyz[2]);
+    if (seen && of->sight.has_white)
+        print(to, "  Lab             %.4f %.4f %.4f\n", values->lab[0], values->lab[1],
+              values->lab[2]);
+    for (int i = n_bands; seen && i < of->n_columns; i++)
+        print(to, "  %-15s %.6g, standard deviation %.3g\n", of->detector.channel[i - n_bands],
+              values->mean[i], values->spread[i]);
+}
+
+static void put_json(const struct measured *of, const struct values *values, struct json *json)
+{
+    const int n_bands = of->rows.cube.image.n_pages;
+    const bool seen = values->pixels > 0;
+    json_open(json, NULL, '{');
+    json_string(json, "name", values->name);
+    json_count(json, "pixels", values->pixels);
+    json_numbers(json, "XYZ", seen ? values->xyz : NULL, 3);
+    json_numbers(json, "Lab", seen && of->sight.has_white ? values->lab : NULL, 3);
+    json_numbers(json, "radiance", seen ? values->mean : NULL, n_bands);
+    json_numbers(json, "standard_deviation", seen ? values->spread : NULL, n_bands);
+    json_numbers(json, "channels", seen ? values->mean + n_bands : NULL, of->detector.n);
+    json_numbers(json, "channels_standard_deviation", seen ? values->spread + n_bands : NULL,
+                 of->detector.n);
+    json_close(json, '}');
+}
+
+/* Prints all objects in the form that the command asks for. */
+static void put_objects(const struct measured *of, struct values *values, bool csv,
+                        struct json *json, struct printed *to)
+{
+    if (csv)
+        print_csv_head(of, to);
+    if (json)
+        json_open(json, "objects", '[');
+    for (int object = 0; object < of->n_objects; object++) {
+        find_values(of, object, values);
+        if (json)
+            put_json(of, values, json);
+        else
+            (csv ? print_csv : print_line)(of, values, to);
+    }
+    if (json)
+        json_close(json, ']');
+}
+
+bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)
+{
+    struct measured of = {.edges = edges};
+    struct values values = {.name = NULL};
+    struct printed printed = {.text = NULL};
+    struct json json;
+    bool done = prepare(&of, options->operand, options_detector(options), options->white, err) &&
+                measure(&of, err) &&
+                MAKE_ARRAY(values.mean, of.n_columns, err, "the values of an object") &&
+                MAKE_ARRAY(values.spread, of.n_columns, err, "the values of an object");
+    if (done && options->json) {
+        json_begin(&json);
+        json_string(&json, "source", options->operand);
+        json_numbers(&json, "wavelengths_nm", of.rows.cube.image.wavelengths_nm,
+                     of.rows.cube.image.n_pages);
+        json_strings(&json, "channel_names", (const char *const *)of.detector.channel,
+                     of.detector.n);
+        put_objects(&of, &values, false, &json, NULL);
+        done = json_write(&json, options->json, &options->outputs, err);
+    } else if (done) {
+        put_objects(&of, &values, csv, NULL, &printed);
+        done = printed_write(&printed, options->output ? options->output : "-", &options->outputs,
+                             err);
+    }
+    FREE_ALL(values.mean, values.spread);
+    measured_free(&of);
+    return done;
+}
