@@ -165,9 +165,6 @@ static bool check_columns(struct table *table, long n_columns, struct place plac
                         word_shown(&wanted->table), wanted->table.start, table->first, n_columns);
     if (wanted->all)
         return true;
-    if (wanted->count == 0 && n_columns > MOST_CHANNELS)
-        return error_at(err, place, "%ld value columns; a detector has at most %d", n_columns,
-                        MOST_CHANNELS);
     if (wanted->count == 0 && n_columns == 3 && !named)
         return error_at(err, place,
                         "the columns have no names; write a heading, 'wavelength,x,y,z' for an "

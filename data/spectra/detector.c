@@ -50,6 +50,9 @@ bool channels_read(const char *name, struct detector *out, struct error *err)
 {
     *out = (struct detector){.name = NULL};
     bool done = string_copy(name, &out->name, err) && spectra_read(name, 0, NULL, out, err);
+    if (done && out->n > MOST_CHANNELS)
+        return error_usage(err, "%s has %d channels; a detector has at most %d", name, out->n,
+                           MOST_CHANNELS);
     for (int channel = 0; channel < out->n; channel++) {
         struct spectrum *s = &out->sensitivity[channel];
         s->place.path = out->name;

@@ -56,6 +56,8 @@ bool sample_unknown(const struct table *table, struct error *err)
 struct field {
     double nm;
     bool is_name; /* its heading says so */
+    bool
+        is_label; /* a name, a number or a place of the sample, as its heading says; or the first */
 };
 struct fields {
     struct field *field; /* owned */
@@ -70,11 +72,23 @@ static void fields_free(struct fields *fields)
     FREE_ALL(fields->field, fields->word);
 }
 
+/* Returns whether a heading has a part, in capitals or not. */
+static bool says(const struct word *heading, const char *part)
+{
+    const size_t length = strlen(part);
+    bool found = false;
+    for (size_t i = 0; i + length <= heading->length; i++)
+        found = found || strncasecmp(heading->start + i, part, length) == 0;
+    return found;
+}
+
 static bool add_field(struct fields *fields, const struct word *heading, struct error *err)
 {
-    struct field field = {.nm = name_wavelength(heading)};
-    for (size_t i = 0; i + 4 <= heading->length; i++)
-        field.is_name = field.is_name || strncasecmp(heading->start + i, "name", 4) == 0;
+    const struct field field = {.nm = name_wavelength(heading),
+                                .is_name = says(heading, "name"),
+                                .is_label = fields->n == 0 || says(heading, "name") ||
+                                            says(heading, "id") || says(heading, "sample") ||
+                                            says(heading, "loc") || says(heading, "patch")};
     fields->n_bands += field.nm > 0;
     return array_add(&fields->field, &fields->n, &field, sizeof field, err);
 }
@@ -107,14 +121,14 @@ static bool add_sample(struct table *table, const struct fields *fields, struct 
 {
     const struct columns *wanted = table->wanted;
     const struct word *name = NULL;
-    bool found = false, says = false;
+    bool found = false, named = false;
     for (int i = 0; i < fields->n; i++) {
         const struct field *field = &fields->field[i];
-        if (field->nm > 0)
+        if (field->nm > 0 || !field->is_label)
             continue;
-        if (!name || (field->is_name && !says))
+        if (!name || (field->is_name && !named))
             name = &fields->word[i];
-        says = says || field->is_name;
+        named = named || field->is_name;
         found = found || is_sample(table, &fields->word[i]);
     }
     table->n_named += found;
@@ -150,7 +164,7 @@ static bool check_choice(const struct table *table, struct error *err)
 
 /* ---- a sample a row ---- */
 
-/* Reads the fields of the current line. Returns false after an error; *n: how many there are. */
+/* Reads the fields of the current line; *n: how many there are. Returns false for a blank line. */
 static bool read_line(struct table *table, struct fields *fields, int *n)
 {
     *n = 0;
@@ -163,10 +177,10 @@ static bool read_line(struct table *table, struct fields *fields, int *n)
 bool samples_read(struct table *table, struct error *err)
 {
     struct fields fields = {.norm = 1};
-    table->by_samples = true;
     struct word word;
     int n;
     bool done = true;
+    table->by_samples = true;
     while (done && table_field(table, &word))
         done = add_field(&fields, &word, err);
     done = done && MAKE_ARRAY(fields.word, fields.n, err, "the fields of %s", table->text.path);
