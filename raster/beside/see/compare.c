@@ -111,10 +111,7 @@ static void measure_end(struct pixel_difference *of, uint64_t n_pixels)
 
 /* ---- a pixel ---- */
 
-/* Returns the angle in degrees: 0 if both are black, 90 if one is. b is the sum of a multiple of a
- * and of a rest at right angles to a. The rest gives the sine, so that small angles keep their
- * digits. */
-static double spectral_angle(const double *a, const double *b, int n)
+double spectral_angle(const double *a, const double *b, int n)
 {
     double aa = 0, bb = 0, ab = 0, rest = 0;
     for (int i = 0; i < n; i++) {

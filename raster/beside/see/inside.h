@@ -225,6 +225,14 @@ void moments_end(const struct moments *moments, double *mean, double *spread); /
 /* probe_objects.c: prints the values of each object of the stack that is the operand, as text, CSV
  * or JSON. edges: pixels whose neighbours show other objects count, too. */
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err);
+/* Returns the angle in degrees: 0 if both are black, 90 if one is. b is the sum of a multiple of a
+ * and of a rest at right angles to a. The rest gives the sine, so that small angles keep their
+ * digits. */
+double spectral_angle(const double *a, const double *b, int n);
+/* against.c: prints how two regions of the stack that is the operand differ. The caller sets of the
+ * probes what probe_stack needs. */
+bool probe_against(struct options *options, const struct probe *first, const struct probe *second,
+                   bool csv, struct error *err);
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
  * frees *probe, here and below, also after a failure. */
 bool probe_stack(struct probe *probe, const char *path, struct error *err);

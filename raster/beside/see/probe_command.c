@@ -8,6 +8,7 @@
 
 struct probe_own {
     bool csv, svg, objects, edges;
+    const char *against;
 };
 
 /* ---- operands ---- */
@@ -25,6 +26,18 @@ static bool region_read(const struct options *options, struct probe *out, struct
                           err))
             return false;
     return true;
+}
+
+/* Reads --against X Y: its value is X, and Y the last operand, behind those of the first region. */
+static bool read_against(struct options *options, struct probe *second, struct error *err)
+{
+    const struct probe_own *own = options->own;
+    int *y = &second->y;
+    if (options->n_operands != 4 && options->n_operands != 6)
+        return error_usage(err, "--against takes X and Y: probe STACK X Y --against X Y");
+    options->n_operands--;
+    return option_count("--against", own->against, 0, INT32_MAX, &second->x, err) &&
+           option_count("--against", options->operands[options->n_operands], 0, INT32_MAX, y, err);
 }
 
 /* ---- a probe ---- */
@@ -182,8 +195,16 @@ static bool run_probe(struct options *options, struct error *err)
     if (own->objects)
         return scene_refuse(options->operand, err) &&
                probe_objects(options, own->csv, own->edges, err);
-    if (!region_read(options, &probe, err))
+    struct probe second = probe;
+    if ((own->against && !read_against(options, &second, err)) ||
+        !region_read(options, &probe, err))
         return false;
+    if (own->against) {
+        second.width = probe.width;
+        second.height = probe.height;
+        return scene_refuse(options->operand, err) &&
+               probe_against(options, &probe, &second, own->csv, err);
+    }
     if (own->csv + own->svg + (options->json != NULL) > 1)
         return error_usage(err, "--csv, --svg and --json exclude each other; give one of them");
     bool done = probe_operand(options, &probe, err) && probe_write(options, &probe, err);
@@ -196,6 +217,8 @@ static const struct option probe_rows[] = {
      .writes = true},
     {"--csv", "writes a table instead of text", OWN(FLAG, probe_own, csv)},
     {"--svg", "writes a plot instead of text", OWN(FLAG, probe_own, svg)},
+    {"--against X Y", "compares with another region of the stack, also under each --light",
+     OWN(TEXT, probe_own, against)},
     {"--objects", "prints the mean of each object of a stack, and of a detector's channels",
      OWN(FLAG, probe_own, objects)},
     {"--edges", "--objects counts pixels beside another object, too", OWN(FLAG, probe_own, edges)},

@@ -1,0 +1,166 @@
+/* SPDX-License-Identifier: MIT */
+/* Two regions of a stack: the difference of their spectra, and CIEDE2000 under the light that the
+ * stack records and under others. Another light multiplies the quotient of radiance and white,
+ * which is a reflectance where nothing fluoresces or emits. The metamerism index is that of ISO
+ * 18314-4 with CIEDE2000: the second region's XYZ under the other light are multiplied, as that
+ * standard recommends, by the quotients of both regions' XYZ under the recorded light. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/beside/see/inside.h"
+
+/* The colours of both regions under a light. */
+struct match {
+    double xyz[2][3], white[3], difference; /* CIEDE2000 */
+    double index;                           /* of metamerism; NaN: some XYZ is 0 */
+};
+struct pair {
+    struct probe probes[2];
+    struct cube cube;
+    struct sight sight;
+    double *white, *light, *lit; /* of each page; owned */
+    int n;
+};
+
+/* ---- colours ---- */
+
+static double difference(const double a[3], const double b[3], const double white[3])
+{
+    double lab[2][3];
+    cielab(a, white, lab[0]);
+    cielab(b, white, lab[1]);
+    return ciede2000_difference(lab[0], lab[1]);
+}
+
+/* Finds the colours under pair->light. */
+static void match_under(struct pair *pair, struct match *out)
+{
+    for (int k = 0; k < 2; k++) {
+        const double *mean = pair->probes[k].columns[MEAN].values;
+        for (int i = 0; i < pair->n; i++)
+            pair->lit[i] = pair->white[i] > 0 ? mean[i] / pair->white[i] * pair->light[i] : 0;
+        detector_response(pair->sight.weights, pair->lit, pair->n, out->xyz[k]);
+    }
+    detector_response(pair->sight.weights, pair->light, pair->n, out->white);
+    out->difference = difference(out->xyz[0], out->xyz[1], out->white);
+}
+
+/* Finds the index of a light beside the recorded one. */
+static void find_index(const struct match *recorded, struct match *out)
+{
+    double corrected[3];
+    for (int i = 0; i < 3; i++)
+        corrected[i] = out->xyz[1][i] * recorded->xyz[0][i] / recorded->xyz[1][i];
+    out->index = difference(out->xyz[0], corrected, out->white);
+}
+
+/* ---- before ---- */
+
+static bool open_pair(struct pair *pair, const struct options *options, struct error *err)
+{
+    const struct white_request request = {NULL, true};
+    const char *stack = options->operand;
+    bool done = true;
+    for (int k = 0; done && k < 2; k++)
+        done = probe_stack(&pair->probes[k], stack, err);
+    if (!done || !cube_open(stack, &pair->cube, err) ||
+        !sight_make(&pair->cube, options_detector(options), &request, &pair->sight, err))
+        return false;
+    pair->n = pair->cube.image.n_pages;
+    return MAKE_ARRAY(pair->white, pair->n, err, "a white of %d bands", pair->n) &&
+           MAKE_ARRAY(pair->light, pair->n, err, "a light of %d bands", pair->n) &&
+           MAKE_ARRAY(pair->lit, pair->n, err, "a spectrum of %d bands", pair->n) &&
+           cube_white(&pair->cube, NULL, pair->white, err);
+}
+
+static void pair_free(struct pair *pair)
+{
+    for (int k = 0; k < 2; k++)
+        probe_free(&pair->probes[k]);
+    sight_free(&pair->sight);
+    cube_close(&pair->cube);
+    FREE_ALL(pair->white, pair->light, pair->lit);
+}
+
+/* ---- out ---- */
+
+static void print_difference(const struct pair *pair, struct printed *to)
+{
+    const double *a = pair->probes[0].columns[MEAN].values,
+                 *b = pair->probes[1].columns[MEAN].values;
+    double squares = 0;
+    int largest = 0;
+    for (int i = 0; i < pair->n; i++) {
+        squares += (b[i] - a[i]) * (b[i] - a[i]);
+        largest = fabs(b[i] - a[i]) > fabs(b[largest] - a[largest]) ? i : largest;
+    }
+    print(to, "difference        rms %.6g, largest %.6g at %.10g nm\n", sqrt(squares / pair->n),
+          b[largest] - a[largest], pair->probes[0].columns[WAVELENGTH].values[largest]);
+    print(to, "spectral angle    %.6g degrees\n", spectral_angle(a, b, pair->n));
+}
+
+static void print_rows(const struct pair *pair, bool csv, struct printed *to)
+{
+    if (csv)
+        print_text(to, "\"wavelength (nm)\",\"first\",\"second\",\"difference\"\n");
+    for (int i = 0; i < pair->n; i++) {
+        const double nm = pair->probes[0].columns[WAVELENGTH].values[i],
+                     a = pair->probes[0].columns[MEAN].values[i],
+                     b = pair->probes[1].columns[MEAN].values[i];
+        if (csv)
+            print(to, "%.*g,%.*g,%.*g,%.*g\n", exact_digits(nm), nm, exact_digits(a), a,
+                  exact_digits(b), b, exact_digits(b - a), b - a);
+        else
+            print(to, "%-17.10g %-12.6g %-12.6g %-12.6g\n", nm, a, b, b - a);
+    }
+}
+
+/* Prints a line for each light that the command line names. */
+static bool print_lights(struct pair *pair, const struct options *options, struct printed *to,
+                         struct error *err)
+{
+    struct match recorded, other;
+    memcpy(pair->light, pair->white, (size_t)pair->n * sizeof *pair->light);
+    match_under(pair, &recorded);
+    print(to, "CIEDE2000         %.4f under the recorded light\n", recorded.difference);
+    for (int i = 0; i < options->n_changes; i++) {
+        const char *value = options->changes[i].value, *equals = strchr(value, '=');
+        const char *name = equals ? equals + 1 : value;
+        if (options->changes[i].apply != scene_set_light)
+            return error_usage(err, "--against takes --light, and no other change of a scene");
+        if (!cube_white(&pair->cube, name, pair->light, err))
+            return false;
+        match_under(pair, &other);
+        find_index(&recorded, &other);
+        print(to, "CIEDE2000         %.4f under %s, metamerism index %.4f\n", other.difference,
+              name, other.index);
+    }
+    return true;
+}
+
+bool probe_against(struct options *options, const struct probe *first, const struct probe *second,
+                   bool csv, struct error *err)
+{
+    struct pair pair = {.probes = {*first, *second}};
+    struct printed printed = {.text = NULL};
+    char region[2][96];
+    bool done = open_pair(&pair, options, err);
+    if (done && !csv) {
+        for (int k = 0; k < 2; k++)
+            region_text(&pair.probes[k], region[k], sizeof region[k]);
+        print_fact(&printed, "source", options->operand);
+        print(&printed, "regions           %s and %s\n", region[0], region[1]);
+        print_difference(&pair, &printed);
+        done = print_lights(&pair, options, &printed, err);
+    }
+    if (done)
+        print_rows(&pair, csv, &printed);
+    if (done)
+        done = printed_write(&printed, options->output ? options->output : "-", &options->outputs,
+                             err);
+    else
+        free(printed_end(&printed));
+    pair_free(&pair);
+    return done;
+}

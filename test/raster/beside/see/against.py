@@ -1,0 +1,75 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
+"""`probe --against`: a metameric pair on the two halves of a plane agrees under the recorded light and differs under others by the
+CIEDE2000 and the metamerism index of ISO 18314-4 that are computed here from the reflectances. Prints TAP."""
+import re
+
+import numpy as np
+import tifffile
+
+from rendered import TMP, built_in, check, cielab, ciede2000, done, run, weights, write
+
+NM = np.arange(400.0, 701.0, 10)
+RNG = np.random.default_rng(3)
+FIRST = 0.4 + 0.2 * np.sin(NM / 40)
+W = weights("cie1931", NM)
+LIGHTS = {name: np.interp(NM, *built_in(name), 0, 0) for name in ("d65", "a", "f11")}
+# the second reflectance: a metameric black under d65, and then a small step away, so that the pair does not match exactly
+seen = (W * LIGHTS["d65"]).T
+black = RNG.uniform(-1, 1, len(NM))
+black -= seen @ np.linalg.solve(seen.T @ seen, seen.T @ black)
+SECOND = FIRST + 0.15 * black / np.abs(black).max() + 0.002
+for name, values in ("first", FIRST), ("second", SECOND):
+    write(f"{name}.csv", "nm,R\n" + "".join(f"{nm:g},{value:.9f}\n" for nm, value in zip(NM, values)))
+run("render", write("a.scene", """wavelengths 400 700 10
+size 40 20
+camera ortho 4 eye 0 0 5 look 0 0 0
+light d65 1 direction 0 0 1
+material a { diffuse first.csv metamer b }
+material b { diffuse second.csv }
+object plane 4 2 material a
+"""), "-o", f"{TMP}/a.tif", "--depth", "32f", "--quiet")
+radiance = tifffile.imread(f"{TMP}/a.tif").astype(float)
+pixels = radiance[:, 10, 5], radiance[:, 10, 35]
+if abs(pixels[0] - FIRST * LIGHTS["d65"]).max() > 1e-5:
+    pixels = pixels[::-1]
+    places = "35", "10", "--against", "5", "10"
+else:
+    places = "5", "10", "--against", "35", "10"
+check(np.allclose(pixels, [FIRST * LIGHTS["d65"], SECOND * LIGHTS["d65"]], rtol=1e-5), "the halves show the pair")
+result = run("probe", f"{TMP}/a.tif", *places, "--light", "a", "--light", "1=f11")
+
+
+def xyz(values, light):
+    return W @ (values * light)
+
+
+def delta(one, other, light):
+    white = W @ light
+    return ciede2000(cielab(one, white), cielab(other, white))
+
+
+printed = dict(re.findall(r"CIEDE2000 +([\d.]+) under (.*)", result.stdout) and
+               [(where.split(",")[0], (float(value), where)) for value, where in re.findall(r"CIEDE2000 +([\d.]+) under (.*)", result.stdout)])
+at = {name: [xyz(values, light) for values in (FIRST, SECOND)] for name, light in LIGHTS.items()}
+check(abs(printed["the recorded light"][0] - delta(*at["d65"], LIGHTS["d65"])) < 2e-3, "CIEDE2000 under the recorded light", result.stdout[:500])
+for name in "a", "f11":
+    value, where = printed[name]
+    check(abs(value - delta(*at[name], LIGHTS[name])) < 2e-3, f"CIEDE2000 under {name}", value, delta(*at[name], LIGHTS[name]))
+    corrected = at[name][1] * at["d65"][0] / at["d65"][1]
+    index = float(where.split()[-1])
+    check(abs(index - delta(at[name][0], corrected, LIGHTS[name])) < 2e-3 and abs(index - value) > 0.01,
+          f"the metamerism index under {name} corrects the mismatch", index, value)
+difference = pixels[1] - pixels[0]
+check(f"rms {np.sqrt(np.mean(difference ** 2)):.6g}" in result.stdout, "the rms of the spectra's difference", result.stdout[:300])
+cosine = pixels[0] @ pixels[1] / np.linalg.norm(pixels[0]) / np.linalg.norm(pixels[1])
+check(abs(float(re.search("spectral angle +([\\d.e-]+)", result.stdout).group(1)) - np.degrees(np.arccos(cosine))) < 1e-4, "spectral angle")
+rows = run("probe", f"{TMP}/a.tif", *places, "--csv").stdout.split("\n")[1:-1]
+check(np.allclose([[float(v) for v in row.split(",")] for row in rows], np.transpose([NM, *pixels, difference]), rtol=1e-9, atol=1e-12),
+      "CSV has both spectra and their difference")
+for words, why in ((["5", "10", "--against", "35"], "--against takes X and Y"), (["5", "10", "--against", "35", "10", "--size", "9x9"], "no other change"),
+                   (["5", "10", "--against", "99", "10"], "reaches")):
+    result = run("probe", f"{TMP}/a.tif", *words)
+    check(result.returncode == 2 and why in result.stderr, f"refused: {' '.join(words)}", result.stderr)
+done()
