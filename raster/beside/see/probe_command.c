@@ -33,6 +33,8 @@ static bool read_against(struct options *options, struct probe *second, struct e
 {
     const struct probe_own *own = options->own;
     int *y = &second->y;
+    if (own->svg || options->json || options->white)
+        return error_usage(err, "--against takes no --svg, --json or --white");
     if (options->n_operands != 4 && options->n_operands != 6)
         return error_usage(err, "--against takes X and Y: probe STACK X Y --against X Y");
     options->n_operands--;

@@ -68,7 +68,7 @@ check(abs(float(re.search("spectral angle +([\\d.e-]+)", result.stdout).group(1)
 rows = run("probe", f"{TMP}/a.tif", *places, "--csv").stdout.split("\n")[1:-1]
 check(np.allclose([[float(v) for v in row.split(",")] for row in rows], np.transpose([NM, *pixels, difference]), rtol=1e-9, atol=1e-12),
       "CSV has both spectra and their difference")
-for words, why in ((["5", "10", "--against", "35"], "--against takes X and Y"), (["5", "10", "--against", "35", "10", "--size", "9x9"], "no other change"),
+for words, why in ((["5", "10", "--against", "35"], "--against takes X and Y"), (["5", "10", "--against", "35", "10", "--svg"], "no --svg"), (["5", "10", "--against", "35", "10", "--size", "9x9"], "no other change"),
                    (["5", "10", "--against", "99", "10"], "reaches")):
     result = run("probe", f"{TMP}/a.tif", *words)
     check(result.returncode == 2 and why in result.stderr, f"refused: {' '.join(words)}", result.stderr)
