@@ -46,7 +46,7 @@ static bool is_no_number(const struct word *word)
 static bool read_coordinate(const struct word *word, bool of_position, double *out,
                             struct error *err)
 {
-    *out = NAN;
+    *out = (double)NAN;
     return (!of_position && is_no_number(word)) ||
            word_number(word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, out, err);
 }
