@@ -44,7 +44,7 @@ struct material {
     struct material *partner; /* from the m lines of a material file; owned; NULL: none */
     struct place partner_place;
     bool from_rgb; /* an entry of an MTL file: spectra are made of three numbers, not measured */
-    int lost;      /* of that entry: the sum of those lost */
+    int lost;      /* parts of that entry, as a sum of LOST_... */
 };
 
 /* Reads a material file, which the place `from` names. */

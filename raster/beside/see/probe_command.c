@@ -28,6 +28,13 @@ static bool region_read(const struct options *options, struct probe *out, struct
     return true;
 }
 
+/* Refuses changes of a scene beside a stack. */
+static bool refuse_changes(const struct options *options, struct error *err)
+{
+    return options->n_recorded == 0 || error_usage(err, "%s is a stack; %s needs a scene",
+                                                   options->operand, options->recorded[0]);
+}
+
 /* Reads --against X Y: its value is X, and Y the last operand, behind those of the first region. */
 static bool read_against(struct options *options, struct probe *second, struct error *err)
 {
@@ -35,6 +42,8 @@ static bool read_against(struct options *options, struct probe *second, struct e
     int *y = &second->y;
     if (own->svg || options->json || options->white)
         return error_usage(err, "--against takes no --svg, --json or --white");
+    if (own->csv && !refuse_changes(options, err)) /* the table has no colours */
+        return false;
     if (options->n_operands != 4 && options->n_operands != 6)
         return error_usage(err, "--against takes X and Y: probe STACK X Y --against X Y");
     options->n_operands--;
@@ -60,10 +69,7 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
         return false;
     if (!is_stack)
         return probe_picture(options, probe, err);
-    if (options->n_recorded > 0)
-        return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
-                           options->recorded[0]);
-    return probe_stack(probe, options->operand, err);
+    return refuse_changes(options, err) && probe_stack(probe, options->operand, err);
 }
 
 /* ---- out ---- */
@@ -195,7 +201,7 @@ static bool run_probe(struct options *options, struct error *err)
     if (own->objects && (options->n_operands != 1 || own->svg))
         return error_usage(err, "--objects takes a STACK alone, and no --svg");
     if (own->objects)
-        return scene_refuse(options->operand, err) &&
+        return scene_refuse(options->operand, err) && refuse_changes(options, err) &&
                probe_objects(options, own->csv, own->edges, err);
     struct probe second = probe;
     if ((own->against && !read_against(options, &second, err)) ||

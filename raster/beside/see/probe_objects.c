@@ -84,24 +84,15 @@ static bool measure(struct measured *of, struct error *err)
 
 /* ---- before ---- */
 
-/* Finds the channels of a camera, which the stack is seen with, too; its colours are cie1931's. */
-static bool find_channels(struct measured *of, const char *detector, struct error *err)
+/* Finds the channels of a camera. An observer's are XYZ, which each object has in any case. */
+static bool find_channels(struct measured *of, const char *name, struct error *err)
 {
-    const struct cube *cube = &of->rows.cube;
-    if (!channels_read(detector, &of->detector, err))
+    struct detector *detector = &of->detector;
+    if (!channels_read(name, detector, err))
         return false;
-    if (of->detector.observer) {
-        detector_free(&of->detector);
-        return true;
-    }
-    const size_t n = (size_t)of->detector.n * (size_t)cube->image.n_pages;
-    if (cube->record.sampling)
-        return error_usage(err, "%s was sampled by %s; expected a stack of plain wavelengths",
-                           cube->image.path, cube->record.sampling);
-    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", detector))
-        return false;
-    detector_weights(&of->detector, cube->image.wavelengths_nm, cube->image.n_pages, of->weights);
-    return true;
+    const bool observer = detector->observer;
+    detector_free(detector);
+    return observer || raw_weights(&of->rows.cube, name, detector, &of->weights, err);
 }
 
 static bool prepare(struct measured *of, const char *path, const char *detector, const char *white,

@@ -145,25 +145,31 @@ static bool write_pages(struct raw *of, const char *stack, const char *output, s
 
 /* ---- the weights ---- */
 
-static bool check_cube(const struct cube *cube, struct error *err)
+bool raw_weights(const struct cube *cube, const char *name, struct detector *detector,
+                 double **weights, struct error *err)
 {
-    return cube_needs_radiance(cube, "--raw", err) &&
-           (!cube->record.sampling ||
-            error_usage(err, "%s was sampled by %s; --raw takes a stack of plain wavelengths",
-                        cube->image.path, cube->record.sampling));
+    const struct image *image = &cube->image;
+    if (cube->record.sampling)
+        return error_usage(err,
+                           "%s was sampled by %s; a detector's own channels need plain wavelengths",
+                           image->path, cube->record.sampling);
+    if (!channels_read(name, detector, err) ||
+        !MAKE_ARRAY(*weights, (size_t)detector->n * (size_t)image->n_pages, err,
+                    "the weights of %s", image->path))
+        return false;
+    detector_weights(detector, image->wavelengths_nm, image->n_pages, *weights);
+    return true;
 }
 
-static bool find_weights(struct raw *of, struct error *err)
+/* Finds what is lost. Refuses a detector that sees nothing of the stack. */
+static bool check_sight(struct raw *of, struct error *err)
 {
     const struct image *image = &of->cube.image;
-    const size_t n = (size_t)of->detector.n * (size_t)image->n_pages;
     bool sees = false;
-    if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", image->path) ||
-        !MAKE_ARRAY(of->lost, of->detector.n, err, "the weights of %s", image->path))
+    if (!MAKE_ARRAY(of->lost, of->detector.n, err, "the weights of %s", image->path))
         return false;
-    detector_weights(&of->detector, image->wavelengths_nm, image->n_pages, of->weights);
     detector_lost(&of->detector, image->wavelengths_nm, image->n_pages, of->lost);
-    for (size_t i = 0; i < n; i++)
+    for (int i = 0; i < of->detector.n * image->n_pages; i++)
         sees = sees || of->weights[i] != 0;
     return sees || error_usage(err, "%s: %s sees nothing of its wavelengths", image->path,
                                of->detector.name);
@@ -174,8 +180,9 @@ bool develop_raw(struct raw *of, const char *detector, const char *stack, const 
 {
     of->threads = threads_count(of->threads);
     of->full_scale = 1;
-    if (!cube_open(stack, &of->cube, err) || !check_cube(&of->cube, err) ||
-        !channels_read(detector, &of->detector, err) || !find_weights(of, err))
+    if (!cube_open(stack, &of->cube, err) || !cube_needs_radiance(&of->cube, "--raw", err) ||
+        !raw_weights(&of->cube, detector, &of->detector, &of->weights, err) ||
+        !check_sight(of, err))
         return false;
     if ((of->automatic || of->bits == 16) && !each_chunk(of, NULL, err))
         return false;

@@ -119,7 +119,7 @@ write("quad.obj", "mtllib two words.mtl\nv -1.2 -0.8 0\nv 1.2 -0.8 0\nv 1.2 0.8 
 colours = np.zeros((16, 24, 3), np.uint8)
 colours[..., 0], colours[..., 1], colours[..., 2] = 255, 51, 102
 save("tex.png", png(colours))
-write("two words.mtl", "newmtl my wood\nKd 1 1 0.5\nmap_Kd -s 1 1 1 pictures\\tex.png\n".replace("pictures\\", ".\\"))
+write("two words.mtl", "newmtl my wood\nKd 1 1 0.5\nmap_Kd -s 1 1 1 .\\tex.png\n")
 got = drawn("quad", "object mesh quad.obj\n")
 check(np.allclose([page[8, 12] for page in got], [0.2, 0.2, 1], atol=1e-6), "map_Kd is a picture of colours, times Kd", got)
 result = run("render", write("note.scene", SCENE + "object mesh quad.obj\n"), "-o", f"{TMP}/note.tif")

@@ -50,8 +50,7 @@ def delta(one, other, light):
     return ciede2000(cielab(one, white), cielab(other, white))
 
 
-printed = dict(re.findall(r"CIEDE2000 +([\d.]+) under (.*)", result.stdout) and
-               [(where.split(",")[0], (float(value), where)) for value, where in re.findall(r"CIEDE2000 +([\d.]+) under (.*)", result.stdout)])
+printed = {where.split(",")[0]: (float(value), where) for value, where in re.findall(r"CIEDE2000 +([\d.]+) under (.*)", result.stdout)}
 at = {name: [xyz(values, light) for values in (FIRST, SECOND)] for name, light in LIGHTS.items()}
 check(abs(printed["the recorded light"][0] - delta(*at["d65"], LIGHTS["d65"])) < 2e-3, "CIEDE2000 under the recorded light", result.stdout[:500])
 for name in "a", "f11":
@@ -68,7 +67,8 @@ check(abs(float(re.search("spectral angle +([\\d.e-]+)", result.stdout).group(1)
 rows = run("probe", f"{TMP}/a.tif", *places, "--csv").stdout.split("\n")[1:-1]
 check(np.allclose([[float(v) for v in row.split(",")] for row in rows], np.transpose([NM, *pixels, difference]), rtol=1e-9, atol=1e-12),
       "CSV has both spectra and their difference")
-for words, why in ((["5", "10", "--against", "35"], "--against takes X and Y"), (["5", "10", "--against", "35", "10", "--svg"], "no --svg"), (["5", "10", "--against", "35", "10", "--size", "9x9"], "no other change"),
+for words, why in ((["5", "10", "--against", "35"], "--against takes X and Y"), (["5", "10", "--against", "35", "10", "--svg"], "no --svg"), (
+        ["5", "10", "--against", "35", "10", "--csv", "--light", "a"], "needs a scene"), (["5", "10", "--against", "35", "10", "--size", "9x9"], "no other change"),
                    (["5", "10", "--against", "99", "10"], "reaches")):
     result = run("probe", f"{TMP}/a.tif", *words)
     check(result.returncode == 2 and why in result.stderr, f"refused: {' '.join(words)}", result.stderr)

@@ -57,7 +57,7 @@ rows = list(csv.reader(io.StringIO(run("probe", STACK, "--objects", "--csv").std
 check(len(rows) == 4 and len(rows[0]) == 8 + 2 * 31 and rows[0][8] == "400 nm", "CSV has a row an object", rows[0])
 lines = run("probe", STACK, "--objects").stdout
 check("m\n  pixels" in lines and "Lab" in lines, "words name objects, pixels and colours", lines)
-for words, why in ((["1", "1"], "takes a STACK alone"), (["--svg"], "no --svg")):
+for words, why in ((["1", "1"], "takes a STACK alone"), (["--svg"], "no --svg"), (["--size", "9x9"], "needs a scene")):
     result = run("probe", STACK, *words, "--objects")
     check(result.returncode == 2 and why in result.stderr, f"--objects {words} is refused", result.stderr)
 result = run("probe", f"{TMP}/raw.tif", "--objects")
