@@ -79,6 +79,10 @@ struct chunk {
 
 /* ---- chunk.c: the loop over tiles ---- */
 
+/* Finds the parts of a triangle between the near and the far plane, as the reference draws them. */
+int shown_parts(const struct view *view, const struct surface *surface, int triangle,
+                struct screen_triangle out[SCREEN_TRIANGLES]);
+
 /* A tile of a region of the picture. */
 struct tile {
     const struct lit_scene *lit;

@@ -290,6 +290,14 @@ static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct 
     return done;
 }
 
+int shown_parts(const struct view *view, const struct surface *surface, int triangle,
+                struct screen_triangle out[SCREEN_TRIANGLES])
+{
+    /* near, then far */
+    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
+    return screen_triangles(view, surface, triangle, depth_planes, 2, out);
+}
+
 bool tiles_each(const struct lit_scene *lit, const struct rectangle *region, tile_work *work,
                 void *context, struct error *err)
 {

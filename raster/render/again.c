@@ -33,6 +33,8 @@ static bool again_options(const struct options *options, const struct record *re
     if (!recorded_options(options, own->again, record, out, err))
         return false;
     struct render_options *made = out->own;
+    made->maps = own->maps;
+    made->illumination = own->illumination;
     if (!made->renderer || strcmp(made->renderer, "raster") != 0)
         return !(own->no_check || own->strict || own->unchecked) ||
                error_usage(err,

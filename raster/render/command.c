@@ -34,6 +34,18 @@ static bool check_asked(const struct options *options, const struct render_outpu
            (!output->check_map || picture_accepts(output->check_map, err));
 }
 
+/* Refuses maps that have no place, and of several positions a pixel: means of weights and of
+ * spectra do not multiply where objects meet. */
+static bool check_maps(const struct render_options *own, const struct scene *scene,
+                       struct error *err)
+{
+    if (own->illumination && !own->maps)
+        return error_usage(err, "--illumination adds pages to --maps FILE.tif; add it");
+    if (own->maps && scene->positions > 1)
+        return error_usage(err, "--maps shows the middle of each pixel; leave out --samples");
+    return check_stack_name(own->maps, err) && output_can_open(own->maps, err);
+}
+
 /* Refuses to make OpenGL's pixels again in a program without OpenGL. */
 static bool check_again(const struct render_options *own, const struct render_output *output,
                         struct error *err)
@@ -117,6 +129,7 @@ static bool put_verbose(const struct rendered *of, struct json *words, struct er
 static bool print_report(const struct rendered *of, struct printed *to, struct error *err)
 {
     const struct render_output *output = of->output;
+    const struct render_options *own = of->options->own;
     const struct stack_difference *difference = &of->result.difference;
     report_print(of->plan, &of->result, to);
     if (output->check_map && picture_is_png(output->check_map)) {
@@ -129,6 +142,8 @@ static bool print_report(const struct rendered *of, struct printed *to, struct e
               difference->found ? "not the same" : "the same", output->again);
     if (of->stored)
         print(to, "stack             %s\n", of->stored);
+    if (own->maps)
+        print(to, "maps              %s\n", own->maps);
     return !of->stored || print_header(of->stored, output->envi, to, err);
 }
 
@@ -167,9 +182,11 @@ static bool conclude(const struct rendered *of, struct error *err)
 static bool render_job(const struct render_job *job, struct rendered *of, struct error *err)
 {
     const struct render_output *output = of->output;
+    const struct render_options *own = of->options->own;
     struct progress_line line;
     const bool shown = progress_start(&line, of->options->quiet);
-    if (!render(of->plan, output, shown ? &line : NULL, &of->result, err))
+    if (!render(of->plan, output, shown ? &line : NULL, &of->result, err) ||
+        (own->maps && !maps_write(job, of->options, output->outputs, err)))
         return false;
     of->result.seconds.read += job->seconds.read;
     of->result.seconds.plan = job->seconds.plan;
@@ -198,7 +215,8 @@ bool render_with_options(const struct options *options, const struct render_outp
         check_same_scene(options, &job.scene, output->again, made, err) &&
         (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err)) &&
         job_plan(options, &job, err) && output_can_open(options->json, err) &&
-        output_can_open(own->check_map, err) && render_job(&job, &rendered, err);
+        output_can_open(own->check_map, err) && check_maps(own, &job.scene, err) &&
+        render_job(&job, &rendered, err);
     job_free(&job);
     return done;
 }
@@ -252,8 +270,9 @@ static bool render_scene(struct options *options, struct error *err)
 {
     const struct render_options *own = options->own;
     struct picture_part part = {.count = 0};
-    if (own->part && own->check_map)
-        return error_usage(err, "--part takes no --check-map, which shows the whole picture");
+    if (own->part && (own->check_map || own->maps))
+        return error_usage(err, "--part takes no %s, which shows the whole picture",
+                           own->maps ? "--maps" : "--check-map");
     if (!choose_renderer(options, err) || (own->part && !part_read(own->part, &part, err)) ||
         !name_stack(options, &part, err))
         return false;
@@ -324,6 +343,11 @@ static const struct option render_rows[] = {
     {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, render_options, envi)},
     {"--part I/N", "draws part I of N as a stack of some rows of the picture; see join",
      OWN(TEXT, render_options, part)},
+    {"--maps FILE.tif",
+     "writes the weight of each light, textures, places and normals, by the reference",
+     OWN(TEXT, render_options, maps), .writes = true},
+    {"--illumination", "--maps also holds the radiance of a white diffuser in each band",
+     OWN(FLAG, render_options, illumination)},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      OWN(TEXT, render_options, depth), .choices = depths, .recorded = true},
 };

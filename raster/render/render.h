@@ -154,9 +154,9 @@ bool report_disagreement(const struct plan *plan, const struct check_verdict *ve
 extern const struct command render_command;
 /* The own options of render; of commands that render, too, they are the first member of theirs. */
 struct render_options {
-    const char *again, *check_map, *renderer, *gl, *buffer, *depth, *unchecked, *part;
+    const char *again, *check_map, *renderer, *gl, *buffer, *depth, *unchecked, *part, *maps;
     double full_scale;
-    bool trust, no_check, strict, keep, envi;
+    bool trust, no_check, strict, keep, envi, illumination;
 };
 /* Options of these, which other commands take, too. `judged`: what may stay unchecked. */
 extern const struct option_list renderer_options, library_option, judged_options, map_option,

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "raster/beside/accuracy/inside.h"
+#include "raster/candidates/candidates.h"
 
 /* ---- some pixels ---- */
 
@@ -134,14 +135,12 @@ static void draw_triangle(const struct estimating *of, int surface,
 
 static void draw_surface(const struct estimating *of, int index)
 {
-    /* near, then far */
-    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
     struct screen_triangle parts[SCREEN_TRIANGLES];
     const struct surface *surface = &of->surfaces[index];
     for (int i = 0; i < surface->instance->n_triangles; i++) {
         if (lies_between(&of->lattice, surface, surface->instance->triangles[i]))
             continue;
-        const int n = screen_triangles(&of->plan->view, surface, i, depth_planes, 2, parts);
+        const int n = shown_parts(&of->plan->view, surface, i, parts);
         for (int part = 0; part < n; part++)
             draw_triangle(of, index, &parts[part]);
     }

@@ -1,0 +1,379 @@
+/* SPDX-License-Identifier: MIT */
+/* Maps of a picture, by the reference: what each light gives to a pixel, and where its point lies.
+ * The radiance of a pixel in a band is the sum over the terms of its material of weight x spectrum,
+ * times its texture. The pages hold the weights and the texture, and the lines of the record hold
+ * the spectra. Each light has terms of its own here, and a texture stays apart from the weights. So
+ * the picture is drawn once more, from a plan of its own: the stack does not depend on its maps. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/render/inside.h"
+
+enum { MAP_NAME = BAND_NAME + 32, BLOCK_PIXELS = 1 << 10 };
+
+/* The pages behind the weights. Lengths are those of the scene. */
+enum { DEPTH, EYE, WORLD = EYE + 3, NORMAL = WORLD + 3, S = NORMAL + 3, T, OBJECT, TRIANGLE };
+static const char *const place_names[] = {"depth",   "eye x",   "eye y",    "eye z",    "world x",
+                                          "world y", "world z", "normal x", "normal y", "normal z",
+                                          "s",       "t",       "object",   "triangle", "material"};
+enum { MAP_MATERIAL = TRIANGLE + 1, PLACES };
+
+struct maps {
+    struct render_job job; /* its plan; scene and sampling are those of the render */
+    struct lit_scene lit;
+    struct material_terms white; /* of a perfect diffuser: constant, then a term a light */
+    char (*names)[MAP_NAME];     /* of the pages; owned */
+    const char **labels;         /* the same; owned */
+    int n_pages, n_weights, n_textures, n_illumination; /* in this order, places after weights */
+    struct stack_writer writer;
+    float *values; /* of a chunk: [page of those that are written together][pixel]; owned */
+    /* The rows at hand. */
+    const struct picture *picture;
+    int first_band, end_band;
+};
+
+/* ---- the pages ---- */
+
+/* Counts the pages, and names them. */
+static bool name_pages(struct maps *of, bool illumination, struct error *err)
+{
+    const struct plan *plan = &of->job.plan;
+    for (int i = 0; i < plan->n_textures; i++)
+        of->n_textures = plan->textures[i].spectral || of->n_textures > 1 ? plan->n_bands : 1;
+    of->n_weights = 1 + 2 * plan->n_lights;
+    of->n_illumination = illumination ? plan->n_bands : 0;
+    of->n_pages = of->n_weights + PLACES + of->n_textures + of->n_illumination;
+    if (!MAKE_ARRAY(of->names, of->n_pages, err, "the names of maps") ||
+        !MAKE_ARRAY(of->labels, of->n_pages, err, "the names of maps"))
+        return false;
+    char(*name)[MAP_NAME] = of->names, band[BAND_NAME];
+    snprintf(*name++, MAP_NAME, "constant");
+    for (int i = 0; i < 2 * plan->n_lights; i++)
+        snprintf(*name++, MAP_NAME, "light %d %s", 1 + i / 2, i % 2 ? "specular" : "diffuse");
+    for (int i = 0; i < PLACES; i++)
+        snprintf(*name++, MAP_NAME, "%s", place_names[i]);
+    for (int i = 0; i < of->n_textures + of->n_illumination; i++) {
+        const bool lit = i >= of->n_textures, alone = !lit && of->n_textures == 1;
+        band_name(plan, lit ? i - of->n_textures : i, band);
+        snprintf(*name++, MAP_NAME, "%s%s%s", lit ? "illumination" : "texture", alone ? "" : " ",
+                 alone ? "" : band);
+    }
+    for (int i = 0; i < of->n_pages; i++)
+        of->labels[i] = of->names[i];
+    return true;
+}
+
+/* ---- the point of a pixel ---- */
+
+static size_t pixels_of(const struct picture *picture)
+{
+    return (size_t)picture->at.width * (size_t)picture->at.height;
+}
+
+/* Finds the point of the mesh that a pixel shows: of the triangle's parts, the one whose depth is
+ * the pixel's. Returns the side that is seen. */
+static int find_point(const struct maps *of, size_t pixel, struct vertex *out)
+{
+    const struct picture *picture = of->picture;
+    const struct surface *surface = &of->lit.surfaces[picture->surface[pixel]];
+    const double x = picture->at.x + (int)(pixel % (size_t)picture->at.width) + 0.5,
+                 y = picture->at.y + (int)(pixel / (size_t)picture->at.width) + 0.5;
+    struct screen_triangle parts[SCREEN_TRIANGLES];
+    const int n = shown_parts(&of->job.plan.view, surface, picture->triangle[pixel], parts);
+    int shown = 0;
+    double share[3];
+    while (shown < n - 1 && covered_depth(&parts[shown], x, y) != picture->depth[pixel])
+        shown++;
+    shares_at(&parts[shown], x, y, share);
+    *out = (struct vertex){.s = 0};
+    for (int j = 0; j < 3; j++) {
+        const struct vertex *vertex = &surface->instance->vertices[parts[shown].vertex[j]];
+        out->position = vector_add(out->position, vector_scale(vertex->position, share[j]));
+        out->normal = vector_add(out->normal, vector_scale(vertex->normal, share[j]));
+        out->s += share[j] * vertex->s;
+        out->t += share[j] * vertex->t;
+    }
+    return parts[shown].side;
+}
+
+/* Turns a direction in eye space into one of the world, of the same length. */
+static struct vector to_world(const struct plan *plan, struct vector eye)
+{
+    const struct vector scaled = vector_scale(eye, plan->unit);
+    const double(*row)[4] = plan->world_to_eye.row;
+    return (struct vector){row[0][0] * scaled.x + row[1][0] * scaled.y + row[2][0] * scaled.z,
+                           row[0][1] * scaled.x + row[1][1] * scaled.y + row[2][1] * scaled.z,
+                           row[0][2] * scaled.x + row[1][2] * scaled.y + row[2][2] * scaled.z};
+}
+
+static void put_vector(float *values, size_t n, struct vector vector)
+{
+    values[0] = (float)vector.x;
+    values[n] = (float)vector.y;
+    values[2 * n] = (float)vector.z;
+}
+
+static void put_place(const struct maps *of, size_t pixel, float *values)
+{
+    const struct plan *plan = &of->job.plan;
+    const size_t n = pixels_of(of->picture);
+    const int surface = of->picture->surface[pixel];
+    const struct instance *instance = &plan->instances[surface].instance;
+    struct vertex point;
+    const int side = find_point(of, pixel, &point);
+    const struct vector eye = vector_scale(matrix_point(&instance->model_view, point.position),
+                                           plan->unit),
+                        normal = vector_normalise(
+                            matrix_direction(&instance->normal_matrix, point.normal));
+    values[DEPTH * n] = (float)-eye.z;
+    put_vector(values + EYE * n, n, eye);
+    put_vector(values + WORLD * n, n, vector_add(plan->scene->camera.eye, to_world(plan, eye)));
+    put_vector(values + NORMAL * n, n, to_world(plan, vector_scale(normal, side == 1 ? -1 : 1)));
+    values[S * n] = (float)point.s;
+    values[T * n] = (float)point.t;
+    values[OBJECT * n] = (float)(surface + 1);
+    values[TRIANGLE * n] = (float)(of->picture->triangle[pixel] + 1);
+    values[MAP_MATERIAL * n] = (float)(plan->instances[surface].shaded + 1);
+}
+
+/* Finds weights and places of some pixels. */
+static void put_pixels(void *context, size_t first, size_t end)
+{
+    const struct maps *of = context;
+    const size_t n = pixels_of(of->picture);
+    for (size_t i = first; i < end; i++) {
+        for (size_t page = 0; page < (size_t)of->n_weights + PLACES; page++)
+            of->values[page * n + i] = 0;
+        if (of->picture->surface[i] < 0)
+            continue;
+        const struct shaded_material *shaded = of->lit.bounds[of->picture->surface[i]].shaded;
+        for (int t = 0; t < shaded->n_terms; t++) {
+            const struct term *term = &shaded->terms[t];
+            const int page = term->reflection == CONSTANT
+                                 ? 0
+                                 : 1 + 2 * term->light + (term->reflection == SPECULAR);
+            of->values[(size_t)page * n + i] = (float)of->picture->rows[(size_t)t * n + i];
+        }
+        put_place(of, i, of->values + (size_t)of->n_weights * n + i);
+    }
+}
+
+/* ---- textures and illumination ---- */
+
+/* Returns the value of a pixel's texture in a band; 1: it has none. */
+static double texture_at(const struct maps *of, const struct shaded_material *shaded, size_t pixel,
+                         int band)
+{
+    const size_t n = pixels_of(of->picture), across = (size_t)shaded->n_terms * n + pixel;
+    if (!shaded->texture)
+        return 1;
+    const struct texels texels =
+        plan_texels(shaded->texture, shaded->texture->spectral ? band % BANDS_PER_PASS : 0);
+    const double place[2] = {of->picture->rows[across], of->picture->rows[across + n]};
+    return texel_at(&texels, place);
+}
+
+/* Returns the radiance of a perfect diffuser in a pixel's place. */
+static double illumination_at(const struct maps *of, const struct shaded_material *shaded,
+                              size_t pixel, int band)
+{
+    const size_t n = pixels_of(of->picture);
+    double sum = 0;
+    for (int t = 0; t < shaded->n_terms; t++) {
+        const struct term *term = &shaded->terms[t];
+        const int white = term->reflection == CONSTANT ? 0 : 1 + term->light;
+        if (term->reflection != SPECULAR)
+            sum += of->picture->rows[(size_t)t * n + pixel] *
+                   of->white.spectra[white * of->job.plan.n_bands + band];
+    }
+    return sum;
+}
+
+/* Finds texture and illumination of some pixels in the bands at hand. */
+static void put_bands(void *context, size_t first, size_t end)
+{
+    const struct maps *of = context;
+    const size_t n = pixels_of(of->picture);
+    float *values = of->values;
+    for (int band = of->first_band; band < of->end_band; band++, values += 2 * n)
+        for (size_t i = first; i < end; i++) {
+            const int surface = of->picture->surface[i];
+            const struct shaded_material *shaded =
+                surface >= 0 ? of->lit.bounds[surface].shaded : NULL;
+            values[i] = shaded ? (float)texture_at(of, shaded, i, band) : 0;
+            values[n + i] = shaded ? (float)illumination_at(of, shaded, i, band) : 0;
+        }
+}
+
+/* ---- tiles ---- */
+
+static bool write_page(const struct maps *of, int page, const float *values, struct error *err)
+{
+    const struct rectangle *at = &of->picture->at;
+    const struct page_rectangle to = {page, at->x, at->y, at->width, at->height};
+    return pages_write(&of->writer.pages, &to, values, err);
+}
+
+static bool write_pixels(struct maps *of, struct error *err)
+{
+    const size_t n = pixels_of(of->picture);
+    bool done = true;
+    threads_blocks(of->job.plan.options.threads, n, BLOCK_PIXELS, put_pixels, of);
+    for (int page = 0; done && page < of->n_weights + PLACES; page++)
+        done = write_page(of, page, of->values + (size_t)page * n, err);
+    return done;
+}
+
+static bool write_bands(struct maps *of, struct error *err)
+{
+    const size_t n = pixels_of(of->picture);
+    const int first = of->n_weights + PLACES;
+    const float *values = of->values;
+    bool done = true;
+    threads_blocks(of->job.plan.options.threads, n, BLOCK_PIXELS, put_bands, of);
+    for (int band = of->first_band; done && band < of->end_band; band++, values += 2 * n)
+        done = (band >= of->n_textures || write_page(of, first + band, values, err)) &&
+               (band >= of->n_illumination ||
+                write_page(of, first + of->n_textures + band, values + n, err));
+    return done;
+}
+
+static bool write_tile(void *context, const struct tile *tile, struct error *err)
+{
+    struct maps *of = context;
+    const struct plan *plan = &of->job.plan;
+    const int n_bands = of->n_textures > of->n_illumination ? of->n_textures : of->n_illumination;
+    bool done = true;
+    for (int i = 0; done && i < tile->n_chunks; i++) {
+        of->picture = &tile->chunks[i].picture;
+        done = write_pixels(of, err);
+    }
+    for (int band = 0; done && band < n_bands; band += BANDS_PER_PASS) {
+        of->first_band = band;
+        of->end_band = n_bands - band < BANDS_PER_PASS ? n_bands : band + BANDS_PER_PASS;
+        done = plan_load_textures(plan, band, err);
+        for (int i = 0; done && i < tile->n_chunks; i++) {
+            of->picture = &tile->chunks[i].picture;
+            done = write_bands(of, err);
+        }
+    }
+    return done;
+}
+
+/* ---- the record ---- */
+
+static void put_numbers(struct printed *to, const char *key, const double *numbers, int n)
+{
+    print(to, "%s:", key);
+    for (int i = 0; i < n; i++)
+        print(to, " %.*g", exact_digits(numbers[i]), numbers[i]);
+    print_text(to, "\n");
+}
+
+/* Prints the spectra of terms in lines "WHOSE constant: ..." and "WHOSE light N diffuse: ...". */
+static void put_terms(const struct plan *plan, const char *whose, const struct material_terms *made,
+                      struct printed *to)
+{
+    static const char *const kinds[] = {[TERM_DIFFUSE] = "diffuse", [TERM_SPECULAR] = "specular"};
+    char key[MAP_NAME];
+    for (int t = 0; t < made->n; t++) {
+        const struct spectral_term *term = &made->terms[t];
+        if (term->kind == TERM_CONSTANT)
+            snprintf(key, sizeof key, "%s constant", whose);
+        else
+            snprintf(key, sizeof key, "%s light %d %s", whose, term->light + 1, kinds[term->kind]);
+        put_numbers(to, key, made->spectra + (size_t)t * (size_t)plan->n_bands, plan->n_bands);
+    }
+}
+
+/* Returns the record as text, allocated; NULL on failure. */
+static char *make_record(const struct maps *of, const struct options *options, struct error *err)
+{
+    const struct plan *plan = &of->job.plan;
+    const struct recorded made = {.scene = plan->scene,
+                                  .sampling = plan->sampling,
+                                  .detector = options->detector,
+                                  .renderer = "raster",
+                                  .options = options->recorded,
+                                  .n_options = options->n_recorded};
+    struct printed lines = {.text = NULL};
+    char whose[32];
+    const bool done = record_put_scene(&lines, &made, err);
+    for (int i = 0; i < plan->n_instances; i++)
+        record_put_object(&lines, object_name(plan, i));
+    if (!has_components(plan))
+        put_numbers(&lines, "wavelengths", plan->scene->wavelengths_nm, plan->n_bands);
+    put_terms(plan, "white", &of->white, &lines);
+    for (int i = 0; i < plan->n_materials; i++) {
+        snprintf(whose, sizeof whose, "material %d", i + 1);
+        put_terms(plan, whose, &plan->materials[i].made, &lines);
+    }
+    if (done)
+        return printed_take(&lines, err);
+    free(printed_end(&lines));
+    return NULL;
+}
+
+/* ---- the file ---- */
+
+/* Plans the picture anew, with all lights apart, and keeps textures apart from weights. */
+static bool plan_maps(struct maps *of, const struct options *options, struct error *err)
+{
+    static const struct material white = {
+        .diffuse = {.kind = SPECTRUM_CONSTANT, .parameter = {1}, .factor = 1}};
+    struct plan *plan = &of->job.plan;
+    if (!job_plan(options, &of->job, err) ||
+        !material_terms_make(&plan->illumination, &white, &of->white, err))
+        return false;
+    for (int i = 0; i < plan->n_instances; i++)
+        plan->instances[i].instance.varied = plan->instances[i].instance.textured;
+    plan->max_rows += 2;
+    return lit_make(plan, driver_of(NULL), &of->lit, err);
+}
+
+static bool write_file(struct maps *of, const struct options *options, struct outputs *outputs,
+                       struct error *err)
+{
+    const struct plan *plan = &of->job.plan;
+    const struct render_options *own = options->own;
+    const struct rectangle picture = plan_picture(plan);
+    const size_t most = (size_t)of->n_weights + PLACES + 2 * BANDS_PER_PASS;
+    char *record = make_record(of, options, err);
+    const struct stack_options layout = {.width = plan->scene->width,
+                                         .height = plan->scene->height,
+                                         .n_wavelengths = of->n_pages,
+                                         .names = of->labels,
+                                         .full_scale = 1,
+                                         .bits = 32,
+                                         .scene = plan->scene->path,
+                                         .provenance = record};
+    bool done = record &&
+                MAKE_ARRAY(of->values, most * (size_t)plan->tile_width * (size_t)plan->chunk_rows,
+                           err, "the rows of maps") &&
+                stack_open(&of->writer, own->maps, &layout, err);
+    free(record);
+    if (!done)
+        return false;
+    done = tiles_each(&of->lit, &picture, write_tile, of, err) &&
+           stack_finish(&of->writer, "maps by the reference", err) &&
+           output_pass(&of->writer.pages.output, outputs, err);
+    stack_discard(&of->writer);
+    return done;
+}
+
+bool maps_write(const struct render_job *job, const struct options *options,
+                struct outputs *outputs, struct error *err)
+{
+    const struct render_options *own = options->own;
+    struct maps of = {.job = {.scene = job->scene, .sampling = job->sampling}};
+    of.job.options = (struct plan_options){
+        .exchangeable = true, .store_raster = true, .threads = options->threads};
+    const bool done = plan_maps(&of, options, err) && name_pages(&of, own->illumination, err) &&
+                      write_file(&of, options, outputs, err);
+    lit_free(&of.lit);
+    material_terms_free(&of.white);
+    notes_free(&of.job.notes);
+    plan_free(&of.job.plan);
+    FREE_ALL(of.names, of.labels, of.values);
+    return done;
+}
