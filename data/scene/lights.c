@@ -22,12 +22,40 @@ static bool read_radiation(struct text *text, struct light *out, struct error *e
            text_number(text, "intensity", 0, HUGE_VAL, &out->intensity, err);
 }
 
+static bool read_unit(struct text *text, struct light *out, struct error *err)
+{
+    static const char *const units[] = {"W", "relative", NULL};
+    const int chosen = text_choose(text, "W or relative", units, "unit", err);
+    out->absolute = chosen == 0;
+    return chosen >= 0;
+}
+
+/* Refuses a light whose unit is not that of the others: their sums would have none. */
+static bool check_unit(const struct scene *scene, const struct light *light, struct error *err)
+{
+    static const char *const words[] = {"relative", "W"};
+    const bool absolute = scene_is_absolute(scene);
+    return light->absolute == absolute ||
+           error_at(err, light->place,
+                    "the unit of this light is %s, of those before it %s; "
+                    "expected 'unit %s' here, too",
+                    words[light->absolute], words[absolute], words[absolute]);
+}
+
 bool ambient_read(struct scene_reader *reader, struct error *err)
 {
+    static const char *const words[] = {"unit", NULL};
     struct scene *scene = reader->scene;
     struct light *ambient = add_light(&scene->ambients, &scene->n_ambients, reader->place, err);
-    return ambient && read_radiation(reader->text, ambient, err) &&
-           text_end(reader->text, "ambient", err);
+    struct place given[1] = {{0}};
+    struct word word;
+    if (!ambient || !read_radiation(reader->text, ambient, err))
+        return false;
+    while (text_word(reader->text, &word))
+        if (word_choose_once(&word, words, "word for ambient light", given, err) < 0 ||
+            !read_unit(reader->text, ambient, err))
+            return false;
+    return check_unit(scene, ambient, err);
 }
 
 static bool read_source(struct text *text, struct light *out, struct error *err)
@@ -71,19 +99,21 @@ static bool read_spot(struct text *text, struct light *out, struct error *err)
 
 static bool read_light_options(struct text *text, struct light *light, struct error *err)
 {
-    static const char *const words[] = {"attenuation", "spot", NULL};
-    struct place given[2] = {{0}};
+    static const char *const words[] = {"attenuation", "spot", "unit", NULL};
+    struct place given[3] = {{0}};
     struct word word;
     while (text_word(text, &word)) {
         int option = word_choose_once(&word, words, "word for a light", given, err);
         if (option < 0)
             return false;
         light->attenuation_place = given[0];
-        if (light->directional)
+        if (light->directional && option < 2)
             return error_at(err, word.place,
                             "%s needs a light with a position; a direction has no distance",
                             words[option]);
-        if (option == 0 ? !read_attenuation(text, light, err) : !read_spot(text, light, err))
+        if (!(option == 0   ? read_attenuation(text, light, err)
+              : option == 1 ? read_spot(text, light, err)
+                            : read_unit(text, light, err)))
             return false;
     }
     return true;
@@ -94,7 +124,8 @@ bool light_read(struct scene_reader *reader, struct error *err)
     struct scene *scene = reader->scene;
     struct light *light = add_light(&scene->lights, &scene->n_lights, reader->place, err);
     return light && read_radiation(reader->text, light, err) &&
-           read_source(reader->text, light, err) && read_light_options(reader->text, light, err);
+           read_source(reader->text, light, err) && read_light_options(reader->text, light, err) &&
+           check_unit(scene, light, err);
 }
 
 /* ---- options of the command line ---- */
@@ -145,11 +176,15 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
 bool scene_set_ambient(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;
+    const bool absolute = scene_is_absolute(scene);
     if (!option_open(scene, "--ambient", value, &text, err))
         return false;
     for (int i = 0; i < scene->n_ambients; i++)
         spectrum_free(&scene->ambients[i].spectrum);
     scene->n_ambients = 0;
     struct light *ambient = add_light(&scene->ambients, &scene->n_ambients, text_place(&text), err);
-    return ambient && read_light_option(&text, text.at, ambient, err);
+    if (!ambient)
+        return false;
+    ambient->absolute = absolute;
+    return read_light_option(&text, text.at, ambient, err);
 }

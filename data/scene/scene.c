@@ -188,6 +188,11 @@ const struct light *scene_light(const struct scene *scene, int i)
     return i < scene->n_lights ? &scene->lights[i] : &scene->ambients[i - scene->n_lights];
 }
 
+bool scene_is_absolute(const struct scene *scene)
+{
+    return scene->n_lights + scene->n_ambients > 0 && scene_light(scene, 0)->absolute;
+}
+
 void scene_free(struct scene *scene)
 {
     for (int i = 0; i < scene->n_ambients; i++)

@@ -62,6 +62,7 @@ struct light {
     struct vector spot_direction;
     double spot_cutoff_deg, spot_exponent;
     struct place attenuation_place;
+    bool absolute; /* spectrum x intensity is in W sr-1 m-2 nm-1; otherwise relative */
 };
 struct camera {
     bool perspective;
@@ -121,6 +122,8 @@ bool scene_is_missing(const char *name); /* neither built in nor a file */
 void scene_free(struct scene *scene);
 /* Returns light i of n_lights + n_ambients: the ambient ones come last. */
 const struct light *scene_light(const struct scene *scene, int i);
+/* Returns whether the lights have the unit W sr-1 m-2 nm-1: all of them have the same. */
+bool scene_is_absolute(const struct scene *scene);
 /* Returns the metameric partner of a material of the scene; NULL: it has none. */
 const struct material *scene_partner(const struct scene *scene, const struct material *material);
 /* Options: the value `text` replaces what the scene file says. Messages name option and column. */

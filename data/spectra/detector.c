@@ -97,6 +97,11 @@ void detector_weights(const struct detector *detector, const double *wavelengths
     }
 }
 
+double detector_luminance(const struct detector *detector)
+{
+    return 683 * sum_outside(&detector->sensitivity[1], false, nowhere) / 100;
+}
+
 bool observer_read(const char *name, struct detector *out, struct error *err)
 {
     return detector_read(name, out, err) &&

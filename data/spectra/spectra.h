@@ -88,6 +88,9 @@ void detector_free(struct detector *detector);
  * cover only a part of the table. A camera's weights are not scaled. */
 void detector_weights(const struct detector *detector, const double *wavelengths_nm, int n,
                       double *out);
+/* Returns the factor by which an observer's weights give cd m-2 of radiances in W sr-1 m-2 nm-1:
+ * 683 lm/W (CIE 15) over k. */
+double detector_luminance(const struct detector *detector);
 /* Computes the response to n radiances by such weights: XYZ, or a camera's channels. `radiance`
  * NULL: 1 everywhere. */
 void detector_response(const double *weights, const double *radiance, int n, double out[3]);

@@ -44,9 +44,14 @@ static void put_facts(struct json *json, const struct image *image, const struct
     json_numbers(json, "wavelengths_nm", image->wavelengths_nm, image->n_pages);
     if (json->words)
         print_meaning(record, &json->printed);
-    else
+    else {
+        json_string(json, "unit",
+                    record->components ? NULL
+                    : record->unit     ? record->unit
+                                       : RELATIVE_UNIT);
         json_numbers(json, "white", record->white.n > 0 ? record->white.value : NULL,
                      record->white.n);
+    }
     json_number(json, "radiance_of_full_count", image->scale);
     json_string(json, "verdict", image->verdict);
 }

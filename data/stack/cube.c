@@ -43,6 +43,11 @@ bool cube_open(const char *path, struct cube *out, struct error *err)
                path, image->coloured ? "its pages are RGB" : image->no_wavelengths);
 }
 
+const char *cube_unit(const struct cube *cube)
+{
+    return cube->record.unit ? cube->record.unit : RELATIVE_UNIT;
+}
+
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err)
 {
     return !cube->components ||

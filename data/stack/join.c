@@ -149,6 +149,7 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                                           .scene = part->record.scene,
                                           .provenance = provenance,
                                           .map_bytes = part->record.map_bytes,
+                                          .unit = part->record.unit,
                                           .components = part->components ? &method : NULL};
     done = done && stack_open(&joined->writer, path, &options, err);
     free(provenance);

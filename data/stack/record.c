@@ -33,6 +33,7 @@ static const struct field fields[] = {
     {"renderer", FIELD_TEXT, AT(renderer), 0, 0},
     {"light", FIELD_TEXTS, AT(lights), 0, 0},
     {"ambient", FIELD_TEXTS, AT(ambients), 0, 0},
+    {"unit", FIELD_TEXT, AT(unit), 0, 0},
     {"illumination", FIELD_NUMBERS, AT(illumination), 0, 1},
     {"white", FIELD_NUMBERS, AT(white), 0, 0},
     {"sampling", FIELD_TEXT, AT(sampling), 0, 0},
@@ -248,6 +249,8 @@ bool record_put_scene(struct printed *to, const struct recorded *made, struct er
     put_line(to, "renderer", made->renderer);
     put_lights(to, "light", scene->lights, scene->n_lights);
     put_lights(to, "ambient", scene->ambients, scene->n_ambients);
+    if (scene_is_absolute(scene))
+        put_line(to, "unit", ABSOLUTE_UNIT);
     return put_light(to, scene, made->sampling, err);
 }
 

@@ -27,6 +27,8 @@ void inputs_free(struct inputs *inputs);
 enum { SHA256_DIGITS = 64 };
 const char *input_path(const char *file);
 
+#define ABSOLUTE_UNIT "W sr-1 m-2 nm-1"
+#define RELATIVE_UNIT ABSOLUTE_UNIT " (relative)"
 struct texts {
     const char **text; /* the array is owned, the texts are not */
     int n;
@@ -49,6 +51,7 @@ struct record {
     const char *renderer;          /* "raster", or OpenGL's GL_RENDERER */
     struct texts options;          /* each one word: "--size=300x200" */
     struct texts lights, ambients; /* of the scene, each as SPECTRUM*INTENSITY */
+    const char *unit;              /* of radiances: ABSOLUTE_UNIT; NULL: they are relative */
     /* scene_white, on each page; none where nothing shines, in pages of components, or in a stack
      * without this record. */
     struct numbers white;
@@ -116,7 +119,7 @@ struct stack_options {
     /* names the pages, which then have no wavelengths; NULL: they have */
     const struct sampling_method *components;
     const char *const *names; /* of pages that are raw values, no radiances; NULL: there are none */
-    const char *unit;         /* of these values */
+    const char *unit;         /* of these values, or of radiances; NULL: RELATIVE_UNIT */
 };
 /* A stack that is being written: laid out at once, then filled by pages_write with uint8_t or
  * uint16_t counts, or floats. Page n_wavelengths is the object map, of uint8_t or uint16_t. */
@@ -173,6 +176,7 @@ struct cube {
 /* Reads no samples. Messages name the path; their status is EXIT_INPUT. The caller closes *out,
  * also after a failure. */
 bool cube_open(const char *path, struct cube *out, struct error *err);
+const char *cube_unit(const struct cube *cube); /* of radiances */
 /* Refuses a cube of components: "WHAT needs radiances ...". */
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);
 void cube_close(struct cube *cube);

@@ -7,7 +7,6 @@
 
 #include "data/stack/inside.h"
 
-#define RADIANCE_UNIT "W sr-1 m-2 nm-1 (relative)"
 #define OME_SCHEMA "http://www.openmicroscopy.org/Schemas/OME/2016-06"
 
 enum {
@@ -41,7 +40,9 @@ static bool has_wavelengths(const struct stack_options *options)
 /* Returns the unit of values; NULL: they have none. */
 static const char *unit_of(const struct stack_options *options)
 {
-    return options->components ? NULL : options->names ? options->unit : RADIANCE_UNIT;
+    return options->components               ? NULL
+           : options->names || options->unit ? options->unit
+                                             : RELATIVE_UNIT;
 }
 
 /* Writes how samples become radiances, components or raw values. */

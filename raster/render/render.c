@@ -110,6 +110,7 @@ static bool open_stack(struct rendering *of, struct error *err)
         .scene = plan->scene->path,
         .provenance = provenance,
         .map_bytes = plan->map_bytes,
+        .unit = scene_is_absolute(plan->scene) ? ABSOLUTE_UNIT : NULL,
         .components = has_components(plan) ? &plan->sampling->method : NULL};
     const bool done = provenance && stack_open(&of->stack, of->output->path, &options, err);
     free(provenance);

@@ -345,12 +345,13 @@ void probe_svg(const struct probe *probe, struct printed *to)
              probe->width > 0 ? ": " : "", probe->source);
     chart_head(to, title, legend + CHART_LEGEND_ROW * legend_of(&plot).rows);
     draw_visible(&plot);
-    chart_axes(
-        &plot.area,
-        (const char *const[]){"wavelength (nm)",
-                              probe->width > 0 ? "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)" : "value",
-                              right ? "reflectance, excitation, emission" : NULL},
-        STRIP);
+    chart_axes(&plot.area,
+               (const char *const[]){"wavelength (nm)",
+                                     probe->width == 0 ? "value"
+                                     : probe->absolute ? "radiance (W sr⁻¹ m⁻² nm⁻¹)"
+                                                       : "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
+                                     right ? "reflectance, excitation, emission" : NULL},
+               STRIP);
     for (int line = lines_of(probe) - 1; line >= 0; line--) /* the first one on top */
         draw_line(&plot, line);
     draw_legend(&plot, legend);

@@ -288,8 +288,9 @@ static bool check_sizes(const struct image *a, const struct image *b, struct err
     return true;
 }
 
-/* Refuses components of different samplings: the same number means something else in each. A basis
- * belongs to its scene, so the responses are compared, too. */
+/* Refuses components of different samplings, and radiances in different units: the same number
+ * means something else in each. A basis belongs to its scene, so the responses are compared, too.
+ */
 static bool check_samplings(const struct cube *a, const struct cube *b, struct error *err)
 {
     const struct record *of_a = &a->record, *of_b = &b->record;
@@ -298,6 +299,9 @@ static bool check_samplings(const struct cube *a, const struct cube *b, struct e
                            (a->components ? a : b)->image.path,
                            (a->components ? of_a : of_b)->sampling,
                            (a->components ? b : a)->image.path);
+    if (of_a->text && of_b->text && !of_a->unit != !of_b->unit)
+        return error_usage(err, "the radiances of %s are in %s, those of %s in %s", a->image.path,
+                           cube_unit(a), b->image.path, cube_unit(b));
     if (!a->components)
         return true;
     const bool alike = strcmp(of_a->sampling, of_b->sampling) == 0 &&

@@ -65,7 +65,7 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
 {
     const struct image *image = &of->a.cube.image;
     const bool components = of->a.cube.components;
-    const char *unit = components ? "" : " W sr-1 m-2 nm-1 (relative)";
+    const char *unit = components ? "" : cube_unit(&of->a.cube), *blank = components ? "" : " ";
     const struct band_difference *all = &of->all;
     char pixel[32];
     if (all->largest > 0)
@@ -75,11 +75,11 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
         print_fact(to, "result", "the stacks are equal");
     print(to, "stacks            %d x %d pixels, %d %s\n", image->width, image->height,
           image->n_pages, components ? "components" : "wavelengths");
-    print(to, "largest           %.6g%s at %s%.10g%s, at pixel %s\n", all->largest, unit,
+    print(to, "largest           %.6g%s%s at %s%.10g%s, at pixel %s\n", all->largest, blank, unit,
           components ? "component " : "", image->wavelengths_nm[of->largest_band],
           components ? "" : " nm", name_of_pixel(all->largest, all->x, all->y, pixel));
-    print(to, "RMS               %.6g%s\n", all->rms, unit);
-    print(to, "largest of A      %.6g%s\n", of->largest_radiance, unit);
+    print(to, "RMS               %.6g%s%s\n", all->rms, blank, unit);
+    print(to, "largest of A      %.6g%s%s\n", of->largest_radiance, blank, unit);
     print_pixels(of, to);
     if (of->sight.has_white) {
         print_fact(to, "observer", of->observer);

@@ -206,7 +206,8 @@ void develop_print_settings(const struct development *of, struct printed *to)
     print(to, "adaptation        %s", adaptation_names[of->adaptation.kind]);
     if (of->adaptation.kind == ADAPTATION_FAIRCHILD)
         print(to, " to %.6g cd/m2", of->adaptation.luminance);
-    print(to, "\nvalues            %s", values[of->values]);
+    print(to, "\nvalues            %s%s", values[of->values],
+          of->cube.record.unit && of->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
     if (of->values == DEVELOP_RGB)
         print(to, " of %d bits\ndisplay           %s", of->bits, display_names[of->display]);
     print(to, "\nexposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
@@ -269,7 +270,8 @@ bool develop(struct development *of, const char *stack, const char *output, stru
 
 struct cube scene_cube(const struct scene *scene)
 {
-    return (struct cube){.image = {.path = scene->path,
+    return (struct cube){.record.unit = scene_is_absolute(scene) ? ABSOLUTE_UNIT : NULL,
+                         .image = {.path = scene->path,
                                    .width = scene->width,
                                    .height = scene->height,
                                    .n_pages = scene->n_wavelengths,

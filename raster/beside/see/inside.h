@@ -206,9 +206,10 @@ struct probe {
                                      there is none, but curves, in all columns but SPREAD */
     const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
     /* The findings. */
-    char *source; /* stack or scene; owned */
-    int n;        /* wavelengths */
-    char *object; /* name of the only object in the region; owned; NULL: unknown, or several */
+    char *source;  /* stack or scene; owned */
+    int n;         /* wavelengths */
+    char *object;  /* name of the only object in the region; owned; NULL: unknown, or several */
+    bool absolute; /* radiances are in W sr-1 m-2 nm-1, and Y in cd m-2 */
     bool has_white;
     double xyz[3], of_white[3]; /* of the mean, and of the white */
     struct probe_column columns[MAX_PROBE_COLUMNS];

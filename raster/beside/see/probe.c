@@ -89,6 +89,7 @@ static bool probe_end(struct probe *probe, const struct cube *cube, struct error
         detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
         memcpy(probe->of_white, sight.white, sizeof probe->of_white);
         probe->has_white = sight.has_white;
+        probe->absolute = cube->record.unit != NULL;
     }
     sight_free(&sight);
     return done;

@@ -80,7 +80,8 @@ static void print_colour(const struct probe *probe, struct printed *to)
     const double *xyz = probe->xyz, *white = probe->of_white;
     chromaticity(xyz, xy);
     print_fact(to, "observer", probe->observer);
-    print(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
+    print(to, "XYZ               %.4f %.4f %.4f%s\n", xyz[0], xyz[1], xyz[2],
+          probe->absolute ? ", Y in cd/m2" : "");
     print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
     if (!probe->has_white) {
         print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
@@ -108,7 +109,8 @@ static void column_name(const struct probe *probe, int column, char *out, size_t
     snprintf(out, capacity, "%s (%s)", of->name,
              column == WAVELENGTH ? "nm"
              : of->relative       ? "1"
-                                  : "W sr-1 m-2 nm-1, relative");
+             : probe->absolute    ? ABSOLUTE_UNIT
+                                  : ABSOLUTE_UNIT ", relative");
 }
 
 static void probe_print(const struct probe *probe, struct printed *to)
@@ -161,6 +163,7 @@ static void probe_json(const struct probe *probe, struct json *json)
     json_count(json, "height", (uint64_t)probe->height);
     json_string(json, "object", probe->object);
     json_string(json, "observer", probe->observer);
+    json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
     json_numbers(json, "XYZ", probe->xyz, 3);
     json_numbers(json, "white_XYZ", probe->has_white ? probe->of_white : NULL, 3);
     if (probe->has_white)

@@ -205,8 +205,8 @@ static void print_line(const struct measured *of, const struct values *values, s
     print_printable(to, values->name);
     print(to, "\n  pixels          %llu\n", (unsigned long long)values->pixels);
     if (seen)
-        print(to, "  XYZ             %.4f %.4f %.4f\n", values->xyz[0], values->xyz[1],
-              values->xyz[2]);
+        print(to, "  XYZ             %.4f %.4f %.4f%s\n", values->xyz[0], values->xyz[1],
+              values->xyz[2], of->rows.cube.record.unit ? ", Y in cd/m2" : "");
     if (seen && of->sight.has_white)
         print(to, "  Lab             %.4f %.4f %.4f\n", values->lab[0], values->lab[1],
               values->lab[2]);
@@ -264,6 +264,7 @@ bool probe_objects(struct options *options, bool csv, bool edges, struct error *
     if (done && options->json) {
         json_begin(&json);
         json_string(&json, "source", options->operand);
+        json_string(&json, "unit", cube_unit(&of.rows.cube));
         json_numbers(&json, "wavelengths_nm", of.rows.cube.image.wavelengths_nm,
                      of.rows.cube.image.n_pages);
         json_strings(&json, "channel_names", (const char *const *)of.detector.channel,

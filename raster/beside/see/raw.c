@@ -12,7 +12,13 @@
 
 enum { CHUNK_VALUES = 1 << 22, BLOCK_PIXELS = 1 << 12 };
 
-static const char unit[] = "W sr-1 m-2 (relative)";
+/* Returns the unit of the values. */
+static const char *unit_of(const struct raw *of)
+{
+    return !of->cube.record.unit   ? "W sr-1 m-2 (relative)"
+           : of->detector.observer ? "cd m-2"
+                                   : "W sr-1 m-2";
+}
 
 /* The rows at hand. */
 struct raw_chunk {
@@ -115,7 +121,8 @@ static char *provenance(const struct raw *of, const char *stack, struct error *e
     print_printable(&to, stack);
     print_text(&to, "\ndetector: ");
     print_printable(&to, of->detector.name);
-    print(&to, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure, unit);
+    print(&to, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure,
+          unit_of(of));
     return printed_take(&to, err);
 }
 
@@ -126,7 +133,7 @@ static bool write_pages(struct raw *of, const char *stack, const char *output, s
                                           .height = of->cube.image.height,
                                           .n_wavelengths = of->detector.n,
                                           .names = (const char *const *)of->detector.channel,
-                                          .unit = unit,
+                                          .unit = unit_of(of),
                                           .full_scale = of->full_scale,
                                           .bits = of->bits,
                                           .scene = stack,
@@ -158,6 +165,8 @@ bool raw_weights(const struct cube *cube, const char *name, struct detector *det
                     "the weights of %s", image->path))
         return false;
     detector_weights(detector, image->wavelengths_nm, image->n_pages, *weights);
+    for (int i = 0; i < detector->n * image->n_pages; i++)
+        (*weights)[i] *= cube_luminance(cube, detector);
     return true;
 }
 
@@ -197,7 +206,8 @@ void raw_print(const struct raw *of, const char *output, struct printed *to)
 {
     print(to, "detector          %s (%d channel%s)\n", of->detector.name, of->detector.n,
           of->detector.n == 1 ? "" : "s");
-    print(to, "values            raw, %s, %s\n", of->bits == 32 ? "float" : "16-bit counts", unit);
+    print(to, "values            raw, %s, %s\n", of->bits == 32 ? "float" : "16-bit counts",
+          unit_of(of));
     if (of->bits == 16)
         print(to, "full scale        %.10g\n", of->full_scale);
     print(to, "exposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");

@@ -187,6 +187,11 @@ bool cube_white_response(const struct cube *cube, const struct white_request *re
 
 /* ---- as an observer sees it ---- */
 
+double cube_luminance(const struct cube *cube, const struct detector *detector)
+{
+    return cube->record.unit && detector->observer ? detector_luminance(detector) : 1;
+}
+
 bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
                 struct sight *out, struct error *err)
 {
@@ -198,6 +203,11 @@ bool sight_make(const struct cube *cube, const char *observer, const struct whit
         observer_read(observer, &detector, err) &&
         cube_weights(cube, &detector, out->weights, err) &&
         cube_white_response(cube, white, out->weights, &out->has_white, out->white, err);
+    const double luminance = done ? cube_luminance(cube, &detector) : 1;
+    for (size_t i = 0; done && i < n; i++)
+        out->weights[i] *= luminance;
+    for (int i = 0; done && i < 3; i++)
+        out->white[i] *= luminance;
     detector_free(&detector);
     return done;
 }

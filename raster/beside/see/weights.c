@@ -180,7 +180,7 @@ static bool balance(const struct development *of, struct error *err)
 }
 
 /* Adapts the weights, and the white. As in the thesis, the luminance of Fairchild's adaptation is
- * ten times the light's intensity. */
+ * ten times the light's intensity; of absolute radiances, the white's. */
 static bool adapt(struct development *of, struct error *err)
 {
     const double recorded = record_illumination(&of->cube.record);
@@ -188,7 +188,9 @@ static bool adapt(struct development *of, struct error *err)
     struct adaptation *adaptation = &of->adaptation;
     double m[3][3];
     if (adaptation->kind == ADAPTATION_FAIRCHILD && !(adaptation->luminance > 0))
-        adaptation->luminance = 10 * (recorded > 0 ? recorded : 1);
+        adaptation->luminance = of->cube.record.unit
+                                    ? (recorded > 0 ? recorded : 1) * of->seen_white[1]
+                                    : 10 * (recorded > 0 ? recorded : 1);
     if (!adaptation_matrix(adaptation, of->seen_white, of->equal, m, err))
         return false;
     tristimulus_apply_all(m, n, of->weights);
@@ -235,8 +237,17 @@ static bool channel_weights(struct development *of, struct error *err)
         !check_detector(of, err))
         return false;
     const double *of_white = of->of_white != NULL ? of->of_white : of->weights;
-    return cube_white_response(cube, &request, of_white, &of->has_white, of->seen_white, err) &&
-           cube_equal_response(cube, &of->detector, of_white, of->equal, err);
+    if (!cube_white_response(cube, &request, of_white, &of->has_white, of->seen_white, err) ||
+        !cube_equal_response(cube, &of->detector, of_white, of->equal, err))
+        return false;
+    const double luminance = cube_luminance(cube, &of->detector);
+    for (int i = 0; i < 3 * cube->image.n_pages; i++)
+        of->weights[i] *= luminance;
+    for (int i = 0; i < 3; i++) {
+        of->seen_white[i] *= luminance;
+        of->equal[i] *= luminance;
+    }
+    return true;
 }
 
 bool develop_weights(struct development *of, struct error *err)
