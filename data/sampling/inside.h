@@ -35,7 +35,8 @@ enum {
     NEEDS_OBSERVER = 1,
     ANY_DETECTOR = 2, /* the pages are chosen without looking at the detector */
     FIXED = 4,        /* as in struct sampling */
-    COMPONENTS = 8    /* pages have no wavelengths */
+    COMPONENTS = 8,   /* pages have no wavelengths */
+    ANY_CHANNELS = 16 /* the detector may have any number of channels */
 };
 struct sampling_traits {
     const char *name, *functions; /* the words before and behind the number */

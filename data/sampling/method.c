@@ -13,9 +13,11 @@ static const char *const colours[] = {"red", "green", "blue"}, *const tristimulu
                                                                                        "Z"};
 const struct sampling_traits sampling_kinds[] = {
     [SAMPLING_BOX] = {"box", "", sample_box, &boxes, NEEDS_OBSERVER, NULL},
-    [SAMPLING_RIEMANN] = {"riemann", "", sample_riemann, &wavelengths, ANY_DETECTOR, NULL},
-    [SAMPLING_GAUSS] = {"gauss", "", sample_gauss, &wavelengths, 0, NULL},
-    [SAMPLING_GAUSS_OPEN] = {"gauss", ",open", sample_gauss, &wavelengths, ANY_DETECTOR, NULL},
+    [SAMPLING_RIEMANN] = {"riemann", "", sample_riemann, &wavelengths, ANY_DETECTOR | ANY_CHANNELS,
+                          NULL},
+    [SAMPLING_GAUSS] = {"gauss", "", sample_gauss, &wavelengths, ANY_CHANNELS, NULL},
+    [SAMPLING_GAUSS_OPEN] = {"gauss", ",open", sample_gauss, &wavelengths,
+                             ANY_DETECTOR | ANY_CHANNELS, NULL},
     [SAMPLING_GAUSS_XYZ] = {"gauss", ",xyz", sample_gauss_functions, &wavelengths,
                             NEEDS_OBSERVER | FIXED, NULL},
     [SAMPLING_GAUSS_LMS] = {"gauss", ",lms", sample_gauss_functions, &wavelengths,

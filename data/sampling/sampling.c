@@ -15,7 +15,7 @@ bool sampling_room(struct sampling *out, int n, int arrays, struct error *err)
     const size_t cells = (size_t)n * (size_t)out->fine.n;
     out->pages.n = n;
     out->pages.wavelength_nm = sampling_numbers((size_t)n, err);
-    out->weights = sampling_numbers(3 * (size_t)n, err);
+    out->weights = sampling_numbers((size_t)out->fine.n_channels * (size_t)n, err);
     return out->pages.wavelength_nm && out->weights &&
            (!(arrays & SEGMENTS) || MAKE_ARRAY(out->segment_nm, n, err, "%d segments", n)) &&
            (!(arrays & ANALYSIS) || (out->pages.analysis = sampling_numbers(cells, err))) &&
@@ -25,7 +25,8 @@ bool sampling_room(struct sampling *out, int n, int arrays, struct error *err)
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,
                         struct fine_detector *out, struct error *err)
 {
-    *out = (struct fine_detector){n, .nm = sampling_numbers(4 * (size_t)n, err)};
+    *out = (struct fine_detector){
+        n, detector->n, .nm = sampling_numbers((1 + (size_t)detector->n) * (size_t)n, err)};
     if (!out->nm)
         return false;
     out->weights = out->nm + n;
@@ -38,8 +39,10 @@ bool fine_detector_make(const struct detector *detector, double first_nm, int n,
 double sampling_seen(const struct sampling *sampling, int j)
 {
     const struct fine_detector *fine = &sampling->fine;
-    return fabs(fine->weights[j]) + fabs(fine->weights[fine->n + j]) +
-           fabs(fine->weights[2 * fine->n + j]);
+    double sum = 0;
+    for (int channel = 0; channel < fine->n_channels; channel++)
+        sum += fabs(fine->weights[channel * fine->n + j]);
+    return sum;
 }
 
 /* ---- between wavelengths ---- */
@@ -75,7 +78,7 @@ double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, in
 static bool sees(const struct detector *detector, double nm)
 {
     bool seen = false;
-    for (int channel = 0; channel < 3; channel++)
+    for (int channel = 0; channel < detector->n; channel++)
         seen = seen || spectrum_at(&detector->sensitivity[channel], nm, SPECTRUM_ZERO) != 0;
     return seen;
 }
@@ -90,17 +93,17 @@ static void weigh_segment(const struct detector *detector, const double *nm,
 {
     const int cells = (int)fmax(0, fmin(floor(segment[1] - segment[0] + 0.5), MOST_CELLS));
     for (int i = 0; i < pages; i++)
-        for (int channel = 0; channel < 3; channel++)
+        for (int channel = 0; channel < detector->n; channel++)
             out[channel * n + i] = 0;
     for (int j = 0; j < cells; j++) {
         const double x = segment[0] + 0.5 + j;
-        double cell[3];
+        double cell[MOST_CHANNELS];
         if (!sees(detector, x))
             continue;
         detector_weights(detector, &x, 1, cell);
         for (int i = 0; i < pages; i++) {
             const double part = quadrature_lagrange(nm, pages, i, x);
-            for (int channel = 0; channel < 3; channel++)
+            for (int channel = 0; channel < detector->n; channel++)
                 out[channel * n + i] += cell[channel] * part;
         }
     }
@@ -127,6 +130,11 @@ static bool check_detector(const struct sampling_task *task, struct error *err)
     bool sees = kind->flags & ANY_DETECTOR;
     for (int j = 0; j < out->fine.n; j++)
         sees = sees || sampling_seen(out, j) > 0;
+    if (task->detector->n != 3 && !(kind->flags & ANY_CHANNELS))
+        return error_usage(err,
+                           "%s needs three channels, and %s has %d; riemann, gauss:N and "
+                           "gauss:N,open take any number",
+                           task->name, out->detector, task->detector->n);
     if (kind->flags & NEEDS_OBSERVER && !task->detector->observer)
         return error_usage(err, "%s needs an observer; %s is a camera or film", task->name,
                            out->detector);
@@ -163,7 +171,7 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
                              .pages = {.first_nm = spectra->first_nm, .n_nm = spectra->n_nm}};
     sampling_name(method, task.name);
     const bool done =
-        detector_read(detector, &sees, err) && string_copy(sees.name, &out->detector, err) &&
+        channels_read(detector, &sees, err) && string_copy(sees.name, &out->detector, err) &&
         fine_detector_make(&sees, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
         check_detector(&task, err) && sampling_kinds[method->kind].make(&task, err) &&
         complete(&task, err);
@@ -244,10 +252,10 @@ void sampling_label(const struct sampling_method *method, int page, char out[24]
  * that see nothing, or as much negative as positive, have no parts. */
 static void print_negative(const struct sampling *sampling, struct printed *to)
 {
-    const int n = sampling->pages.n;
+    const int n = sampling->pages.n, n_channels = sampling->fine.n_channels;
     double most_negative = 0;
     int n_negative = 0;
-    for (int channel = 0; channel < 3; channel++) {
+    for (int channel = 0; channel < n_channels; channel++) {
         const double *weights = sampling->weights + channel * n;
         double sum = 0, least = 0;
         for (int page = 0; page < n; page++) {
@@ -259,7 +267,8 @@ static void print_negative(const struct sampling *sampling, struct printed *to)
             most_negative = fmin(most_negative, least / sum);
     }
     if (n_negative > 0)
-        print(to, ", %d of %d weights negative (%.2g %%)", n_negative, 3 * n, 100 * most_negative);
+        print(to, ", %d of %d weights negative (%.2g %%)", n_negative, n_channels * n,
+              100 * most_negative);
 }
 
 static void print_peaks(const struct sampling *sampling, struct printed *to)

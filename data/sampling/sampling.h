@@ -149,7 +149,7 @@ void fine_spectra_free(struct fine_spectra *spectra);
 
 /* A detector at first_nm, first_nm + 1, ... nm. */
 struct fine_detector {
-    int n;
+    int n, n_channels;
     double *nm;      /* owned, with the weights behind them */
     double *weights; /* detector_weights there: [channel * n + j] */
 };

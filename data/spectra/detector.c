@@ -121,14 +121,14 @@ void detector_response(const double *weights, const double *radiance, int n, dou
 }
 
 void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
-                   double out[3])
+                   double *out)
 {
     detector_lost_outside(detector, range_of(wavelengths_nm, n, 0).first,
                           range_of(wavelengths_nm, n, n - 1).last, out);
 }
 
 void detector_lost_outside(const struct detector *detector, double first_nm, double last_nm,
-                           double out[3])
+                           double *out)
 {
     const struct range picture = {first_nm, last_nm};
     for (int channel = 0; channel < detector->n; channel++) {

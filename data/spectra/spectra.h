@@ -94,14 +94,14 @@ double detector_luminance(const struct detector *detector);
 /* Computes the response to n radiances by such weights: XYZ, or a camera's channels. `radiance`
  * NULL: 1 everywhere. */
 void detector_response(const double *weights, const double *radiance, int n, double out[3]);
-/* Computes the part, 0 to 1, of each channel's sensitivity (of its magnitude, if it is negative)
- * that lies outside the wavelengths: before half a step below the first, or beyond half a step
- * above the last. */
+/* Computes the part, 0 to 1, of each channel's sensitivity (of its magnitude, if it is negative),
+ * n values of a detector of n channels, that lies outside the wavelengths: before half a step below
+ * the first, or beyond half a step above the last. */
 void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
-                   double out[3]);
+                   double *out);
 /* Computes the part that lies outside the range from first_nm to last_nm. */
 void detector_lost_outside(const struct detector *detector, double first_nm, double last_nm,
-                           double out[3]);
+                           double *out);
 
 /* ---- quadrature.c: Gaussian quadrature ---- */
 

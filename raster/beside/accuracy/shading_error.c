@@ -17,7 +17,7 @@ static bool find_weights(const struct plan *plan, const char *observer, double *
 {
     const struct sampling *sampling = plan->sampling;
     struct detector detector = {.name = NULL};
-    const bool done = detector_read(sampling ? sampling->detector : observer, &detector, err);
+    const bool done = channels_read(sampling ? sampling->detector : observer, &detector, err);
     *known = done && detector.observer;
     if (*known && sampling)
         memcpy(out, sampling->weights, 3 * (size_t)plan->n_bands * sizeof *out);

@@ -117,18 +117,18 @@ struct raw {
     /* The findings. */
     struct cube cube;
     struct detector detector;
-    double *weights, *lost; /* detector_weights, detector_lost; owned */
+    double *weights, *lost; /* raw_weights, cube_lost; owned */
     double largest;         /* at exposure 1; found if the exposure or the counts need it */
     double full_scale;      /* of counts: the largest value */
     uint64_t below_0;       /* values */
 };
 /* Reads a detector of any number of channels, and finds the weights of the cube's pages,
- * [channel * n_pages + page], as detector_weights. Refuses a stack that was sampled. The caller
- * frees both, also after a failure. */
+ * [channel * n_pages + page]: cube_weights times cube_luminance. Refuses a stack whose sampling is
+ * fixed. The caller frees both, also after a failure. */
 bool raw_weights(const struct cube *cube, const char *name, struct detector *detector,
                  double **weights, struct error *err);
-/* Reads a stack and writes the raw values of a detector of any number of channels. Refuses a stack
- * that was sampled. The caller frees *of, also after a failure. */
+/* Reads a stack and writes the raw values of a detector of any number of channels. The caller frees
+ * *of, also after a failure. */
 bool develop_raw(struct raw *of, const char *detector, const char *stack, const char *output,
                  struct error *err);
 void raw_print(const struct raw *of, const char *output, struct printed *to);

@@ -156,15 +156,17 @@ bool raw_weights(const struct cube *cube, const char *name, struct detector *det
                  double **weights, struct error *err)
 {
     const struct image *image = &cube->image;
-    if (cube->record.sampling)
+    if (cube->record.response.n > 0)
         return error_usage(err,
-                           "%s was sampled by %s; a detector's own channels need plain wavelengths",
-                           image->path, cube->record.sampling);
+                           "%s was sampled by %s for %s alone, and has no raw values; riemann, "
+                           "gauss:N, gauss:N,open, box and adaptive have",
+                           image->path, cube->record.sampling, cube->record.sampling_detector);
     if (!channels_read(name, detector, err) ||
         !MAKE_ARRAY(*weights, (size_t)detector->n * (size_t)image->n_pages, err,
                     "the weights of %s", image->path))
         return false;
-    detector_weights(detector, image->wavelengths_nm, image->n_pages, *weights);
+    if (!cube_weights(cube, detector, *weights, err))
+        return false;
     for (int i = 0; i < detector->n * image->n_pages; i++)
         (*weights)[i] *= cube_luminance(cube, detector);
     return true;
@@ -177,7 +179,7 @@ static bool check_sight(struct raw *of, struct error *err)
     bool sees = false;
     if (!MAKE_ARRAY(of->lost, of->detector.n, err, "the weights of %s", image->path))
         return false;
-    detector_lost(&of->detector, image->wavelengths_nm, image->n_pages, of->lost);
+    cube_lost(&of->cube, &of->detector, of->lost);
     for (int i = 0; i < of->detector.n * image->n_pages; i++)
         sees = sees || of->weights[i] != 0;
     return sees || error_usage(err, "%s: %s sees nothing of its wavelengths", image->path,

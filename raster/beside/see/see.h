@@ -106,7 +106,7 @@ bool cube_weights(const struct cube *cube, const struct detector *detector, doub
 bool cube_equal_response(const struct cube *cube, const struct detector *detector,
                          const double *weights, double out[3], struct error *err);
 /* Finds the part of each sensitivity outside the range of the pages, as detector_lost. */
-void cube_lost(const struct cube *cube, const struct detector *detector, double out[3]);
+void cube_lost(const struct cube *cube, const struct detector *detector, double *out);
 /* Finds the white's radiance at each page's wavelength (for box its mean), n_pages values. The
  * white is the SPECTRUM that the word of a command line names; NULL: the one that the stack
  * records. Refuses a stack that records none, and a white that is 0 everywhere. */

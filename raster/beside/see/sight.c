@@ -20,9 +20,10 @@ static bool is_for(const struct cube *cube, const struct detector *detector, str
 /* Weights and whites have this limit: no sum of them is infinite. */
 static const double largest_number = (double)FLT_MAX;
 
-static bool weights_are_finite(const struct cube *cube, const double *weights, struct error *err)
+static bool weights_are_finite(const struct cube *cube, const struct detector *detector,
+                               const double *weights, struct error *err)
 {
-    for (int i = 0; i < 3 * cube->image.n_pages; i++)
+    for (int i = 0; i < detector->n * cube->image.n_pages; i++)
         if (!(fabs(weights[i]) <= largest_number))
             return error_usage(err, "%s: weight %g of page %d cannot be used; expected %g at most",
                                cube->image.path, weights[i], i % cube->image.n_pages + 1,
@@ -44,10 +45,10 @@ bool cube_weights(const struct cube *cube, const struct detector *detector, doub
                          image->n_pages, out);
     else
         detector_weights(detector, image->wavelengths_nm, image->n_pages, out);
-    return weights_are_finite(cube, out, err);
+    return weights_are_finite(cube, detector, out, err);
 }
 
-void cube_lost(const struct cube *cube, const struct detector *detector, double out[3])
+void cube_lost(const struct cube *cube, const struct detector *detector, double *out)
 {
     const struct record *record = &cube->record;
     if (record->response.n > 0)
