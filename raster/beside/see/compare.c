@@ -191,13 +191,23 @@ static void map_pixel(struct comparison *of, size_t at, double largest)
 
 /* ---- rows ---- */
 
+/* Finds the camera's channels behind the n pages of a pixel. */
+static void find_channels(const struct comparison *of, double *spectrum, int n)
+{
+    for (int i = 0; i < of->camera.n; i++) {
+        spectrum[n + i] = 0;
+        for (int page = 0; page < n; page++)
+            spectrum[n + i] += of->camera_weights[i * n + page] * spectrum[page];
+    }
+}
+
 static void compare_row(void *context, int row)
 {
     struct comparison *of = context;
-    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
-    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
-    double *a = of->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
-    memset(bands, 0, (size_t)n * sizeof *bands);
+    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width, all = of->n_bands;
+    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)all;
+    double *a = of->spectra + (size_t)row * 2 * (size_t)all, *b = a + all;
+    memset(bands, 0, (size_t)all * sizeof *bands);
     of->largest_a[row] = 0;
     for (int x = 0; x < width; x++) {
         const size_t at = (size_t)row * (size_t)width + (size_t)x;
@@ -207,6 +217,9 @@ static void compare_row(void *context, int row)
             of->largest_a[row] = fmax(of->largest_a[row], a[band]);
         }
         const double largest = compare_bands(a, b, n, x, of->a.first + row, bands);
+        find_channels(of, a, n);
+        find_channels(of, b, n);
+        compare_bands(a + n, b + n, of->camera.n, x, of->a.first + row, bands + n);
         memset(of->measures[at], 0, sizeof of->measures[at]);
         if (largest > 0)
             of->measures[at][SPECTRAL_ANGLE] = spectral_angle(a, b, n);
@@ -218,7 +231,7 @@ static void compare_row(void *context, int row)
 
 static void add_row(struct comparison *of, int row)
 {
-    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
+    const int n = of->n_bands, width = of->a.cube.image.width;
     const struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
     for (int band = 0; band < n; band++) {
         const double sum = of->bands[band].rms + bands[band].rms;
@@ -239,12 +252,13 @@ static void conclude(struct comparison *of)
     const struct image *image = &of->a.cube.image;
     const uint64_t n_pixels = (uint64_t)image->width * (uint64_t)image->height;
     double sum = 0;
-    for (int band = 0; band < image->n_pages; band++) {
-        if (of->bands[band].largest > of->all.largest) {
+    for (int band = 0; band < of->n_bands; band++) {
+        const bool is_page = band < image->n_pages;
+        if (is_page && of->bands[band].largest > of->all.largest) {
             of->all = of->bands[band];
             of->largest_band = band;
         }
-        sum += of->bands[band].rms;
+        sum += is_page ? of->bands[band].rms : 0;
         of->bands[band].rms = sqrt(of->bands[band].rms / (double)n_pixels);
     }
     of->all.rms = sqrt(sum / (double)n_pixels / image->n_pages);
@@ -322,7 +336,7 @@ static bool allocate(struct comparison *of, struct error *err)
 {
     if (!rows_allocate(&of->a, chunk_samples, err) || !rows_allocate(&of->b, chunk_samples, err))
         return false;
-    const size_t n = (size_t)of->a.cube.image.n_pages, rows = (size_t)of->a.most;
+    const size_t n = (size_t)of->n_bands, rows = (size_t)of->a.most;
     for (int i = 0; i < PIXEL_MEASURES; i++)
         if (!MAKE_ARRAY(of->pixels[i].bins, N_BINS, err, "a distribution of differences"))
             return false;
@@ -334,12 +348,24 @@ static bool allocate(struct comparison *of, struct error *err)
            MAKE_ARRAY(of->samples, 3 * of->a.stride, err, "rows of the map");
 }
 
+/* Finds how the detector sees the stacks: an observer by colours, a camera by its channels, while
+ * cie1931 sees the colours. */
+static bool find_eyes(struct comparison *of, const struct white_request *white, struct error *err)
+{
+    const struct cube *cube = &of->a.cube;
+    if (!camera_weights(cube, of->observer, &of->camera, &of->camera_weights, err))
+        return false;
+    of->n_bands = cube->image.n_pages + of->camera.n;
+    of->observer = of->camera.n > 0 ? "cie1931" : of->observer;
+    return sight_make(cube, of->observer, white, &of->sight, err);
+}
+
 static bool prepare(struct comparison *of, struct error *err)
 {
     const struct white_request white = {of->white, of->tolerance.unit >= TOLERANCE_CIE76};
     return check_samplings(&of->a.cube, &of->b.cube, err) &&
-           check_sizes(&of->a.cube.image, &of->b.cube.image, err) &&
-           sight_make(&of->a.cube, of->observer, &white, &of->sight, err) && allocate(of, err);
+           check_sizes(&of->a.cube.image, &of->b.cube.image, err) && find_eyes(of, &white, err) &&
+           allocate(of, err);
 }
 
 static bool open_map(struct comparison *of, struct error *err)
@@ -392,8 +418,10 @@ void comparison_free(struct comparison *of)
     rows_close(&of->a);
     rows_close(&of->b);
     sight_free(&of->sight);
+    detector_free(&of->camera);
     picture_discard(&of->picture); /* a committed picture stays */
     for (int i = 0; i < PIXEL_MEASURES; i++)
         free(of->pixels[i].bins);
-    FREE_ALL(of->bands, of->spectra, of->row_bands, of->largest_a, of->measures, of->samples);
+    FREE_ALL(of->camera_weights, of->bands, of->spectra, of->row_bands, of->largest_a, of->measures,
+             of->samples);
 }

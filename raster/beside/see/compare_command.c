@@ -47,6 +47,17 @@ static void print_pixels(const struct comparison *of, struct printed *to)
     }
 }
 
+/* Prints the differences of a camera's channels. */
+static void print_channels(const struct comparison *of, struct printed *to)
+{
+    const struct band_difference *channel = of->bands + of->a.cube.image.n_pages;
+    char pixel[32];
+    for (int i = 0; i < of->camera.n; i++, channel++)
+        print(to, "%-17s %.6g (largest, at pixel %s), %.6g (RMS)\n", of->camera.channel[i],
+              channel->largest, name_of_pixel(channel->largest, channel->x, channel->y, pixel),
+              channel->rms);
+}
+
 static void print_map(const struct comparison *of, struct printed *to)
 {
     if (!of->map)
@@ -81,6 +92,7 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
     print(to, "RMS               %.6g%s%s\n", all->rms, blank, unit);
     print(to, "largest of A      %.6g%s%s\n", of->largest_radiance, blank, unit);
     print_pixels(of, to);
+    print_channels(of, to);
     if (of->sight.has_white) {
         print_fact(to, "observer", of->observer);
         print_white(to, of->sight.white, true,
@@ -131,6 +143,14 @@ static bool write_json(struct options *options, const struct comparison *of, str
     for (int i = 0; i < image->n_pages; i++) {
         json_open(&json, NULL, '{');
         json_band(&json, &of->bands[i]);
+        json_close(&json, '}');
+    }
+    json_close(&json, ']');
+    json_open(&json, "channels", '[');
+    for (int i = 0; i < of->camera.n; i++) {
+        json_open(&json, NULL, '{');
+        json_string(&json, "name", of->camera.channel[i]);
+        json_band(&json, &of->bands[image->n_pages + i]);
         json_close(&json, '}');
     }
     json_close(&json, ']');

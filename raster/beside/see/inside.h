@@ -127,6 +127,10 @@ struct raw {
  * fixed. The caller frees both, also after a failure. */
 bool raw_weights(const struct cube *cube, const char *name, struct detector *detector,
                  double **weights, struct error *err);
+/* Does the same for a camera or film. An observer's channels are XYZ, which all have in any case:
+ * it becomes a detector without channels. */
+bool camera_weights(const struct cube *cube, const char *name, struct detector *detector,
+                    double **weights, struct error *err);
 /* Reads a stack and writes the raw values of a detector of any number of channels. The caller frees
  * *of, also after a failure. */
 bool develop_raw(struct raw *of, const char *detector, const char *stack, const char *output,
@@ -162,8 +166,11 @@ struct comparison {
     struct outputs *outputs; /* get the map; NULL: it appears at once */
     /* Two stacks, and how they differ. */
     struct stack_rows a, b;
-    struct sight sight; /* of A; it holds for B too; without a white there are no colours */
-    struct band_difference *bands; /* of each page; owned */
+    struct sight sight;     /* of A; it holds for B too; without a white there are no colours */
+    struct detector camera; /* camera_weights */
+    double *camera_weights; /* owned */
+    int n_bands;            /* pages, and channels of the camera */
+    struct band_difference *bands; /* of each page, then of each channel; owned */
     struct band_difference all;
     int largest_band;        /* the band that has all.largest */
     double largest_radiance; /* of A */

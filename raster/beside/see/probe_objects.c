@@ -84,17 +84,6 @@ static bool measure(struct measured *of, struct error *err)
 
 /* ---- before ---- */
 
-/* Finds the channels of a camera. An observer's are XYZ, which each object has in any case. */
-static bool find_channels(struct measured *of, const char *name, struct error *err)
-{
-    struct detector *detector = &of->detector;
-    if (!channels_read(name, detector, err))
-        return false;
-    const bool observer = detector->observer;
-    detector_free(detector);
-    return observer || raw_weights(&of->rows.cube, name, detector, &of->weights, err);
-}
-
 static bool prepare(struct measured *of, const char *path, const char *detector, const char *white,
                     struct error *err)
 {
@@ -105,7 +94,7 @@ static bool prepare(struct measured *of, const char *path, const char *detector,
     if (cube->record.map_bytes == 0)
         return error_usage(err, "%s has no map of objects; expected a stack of spectral render",
                            path);
-    if (!find_channels(of, detector, err) ||
+    if (!camera_weights(cube, detector, &of->detector, &of->weights, err) ||
         !sight_make(cube, of->detector.n > 0 ? "cie1931" : detector, &request, &of->sight, err))
         return false;
     const size_t width = (size_t)cube->image.width, n_pages = (size_t)cube->image.n_pages;

@@ -172,6 +172,16 @@ bool raw_weights(const struct cube *cube, const char *name, struct detector *det
     return true;
 }
 
+bool camera_weights(const struct cube *cube, const char *name, struct detector *detector,
+                    double **weights, struct error *err)
+{
+    if (!channels_read(name, detector, err))
+        return false;
+    const bool observer = detector->observer;
+    detector_free(detector);
+    return observer || raw_weights(cube, name, detector, weights, err);
+}
+
 /* Finds what is lost. Refuses a detector that sees nothing of the stack. */
 static bool check_sight(struct raw *of, struct error *err)
 {

@@ -3,12 +3,13 @@
 # level: first; packages: python3-numpy python3-tifffile
 """Raw values of detectors of 1 to 31 channels are the sums over pages of radiance x sensitivity x width, to the rounding of a float or of
 a count; their pages have the channels' names and unit. Prints TAP."""
+import json
 import re
 
 import numpy as np
 import tifffile
 
-from rendered import TMP, check, done, run, write
+from rendered import TMP, check, done, output_of, run, widths, write
 
 NM = np.arange(400.0, 701.0, 10)
 OWN = np.arange(380.0, 721.0, 20)
@@ -78,4 +79,55 @@ result = run("develop", f"{TMP}/a.tif", "--detector", "dcs200-camera", "--xyz", 
 check(result.returncode == 2 and "--raw" in result.stderr, "--xyz of a camera names --raw", result.stderr)
 result = run("info", f"{TMP}/raw.tif")
 check("raw values of" in result.stdout, "info prints how raw values were made", result.stdout)
+
+# ---- two stacks ----
+
+output_of("render", f"{TMP}/a.scene", "--light", "1=a", "-o", f"{TMP}/b.tif", "--depth", "32f", "--quiet")
+other = np.array([np.tensordot(np.interp(NM, OWN, curve) * 10, tifffile.imread(f"{TMP}/b.tif").astype(float), 1) for curve in sensitivity])
+differences = np.abs(other - expected)
+compared = run("compare", f"{TMP}/a.tif", f"{TMP}/b.tif", "--detector", f"{TMP}/31.csv", "--json", f"{TMP}/c.json")
+seen = json.load(open(f"{TMP}/c.json"))["channels"]
+check([channel["name"] for channel in seen] == names, "compare names the channels of a camera", compared.stderr)
+check(np.allclose([channel["largest"] for channel in seen], differences.max((1, 2)), rtol=1e-5) and
+      np.allclose([channel["rms"] for channel in seen], np.sqrt((differences ** 2).mean((1, 2))), rtol=1e-5),
+      "its differences of channels are those of the raw values")
+y, x = np.unravel_index(differences[0].argmax(), differences[0].shape)
+check(f"{differences[0].max():.4g}" in compared.stdout and (seen[0]["x"], seen[0]["y"]) == (x, y), "with the pixel of the largest", compared.stdout)
+
+# ---- samplings ----
+
+six, names = table("6.csv", np.clip(1 - np.abs(OWN - np.linspace(430, 680, 6)[:, None]) / 60, 0, 1))
+output_of("render", f"{TMP}/a.scene", "--wavelengths", "400:700:1", "-o", f"{TMP}/a.tif", "--depth", "32f", "--quiet")
+fine = pages(raw(six)[1])
+for sampling, tolerance in (("gauss:16", 0.015), ("gauss:16,open", 0.015), ("riemann:10", 0.01)):
+    output_of("render", f"{TMP}/a.scene", "--wavelengths", "400:700:1", "--sampling", sampling, "--detector", six, "-o", f"{TMP}/a.tif", "-q")
+    result, file = raw(six)
+    off = np.abs(pages(file) - fine).max((1, 2)) / fine.max((1, 2))
+    off = off[1:5]  # the ends of the range cut the outer two
+    check(off.max() < tolerance, f"{sampling} for six channels keeps their values", result.stderr, off)
+output_of("render", f"{TMP}/a.scene", "--sampling", "xyz", "-o", f"{TMP}/a.tif", "--quiet")
+check("radiances" in raw(six)[0].stderr, "components have no raw values", raw(six)[0].stderr)
+output_of("render", f"{TMP}/a.scene", "--sampling", "gauss:6,xyz", "-o", f"{TMP}/a.tif", "--quiet")
+check("for cie1931 alone" in raw(six)[0].stderr, "nor has a sampling for one observer", raw(six)[0].stderr)
+refused = run("render", f"{TMP}/a.scene", "--sampling", "box:6", "--detector", six, "-o", f"{TMP}/no.tif")
+check(refused.returncode == 2 and "needs three channels" in refused.stderr, "boxes need three channels", refused.stderr)
+
+# ---- the error of a raw value ----
+
+output_of("render", "pasture", "--size", "90x60", "--depth", "32f", "-o", f"{TMP}/a.tif", "--check-map", f"{TMP}/map.tif", "--quiet")
+seen = pages(raw(six)[1])
+with tifffile.TiffFile(f"{TMP}/a.tif") as file:
+    nm = np.array([float(page.tags["PageName"].value.split()[0]) for page in file.pages])
+    full_scale = float(re.search("full_scale: (\\S+)", file.pages[0].description).group(1))
+output_of("render", "pasture", "--size", "90x60", "--depth", "32f", "-o", f"{TMP}/a.tif", "--renderer", "raster", "--quiet")
+reference = pages(raw(six)[1])
+floor, _, _, kind = tifffile.imread(f"{TMP}/map.tif").astype(float)
+sensitivity = np.clip(1 - np.abs(OWN - np.linspace(430, 680, 6)[:, None]) / 60, 0, 1)
+weight = np.array([(np.interp(nm, OWN, np.round(curve, 6), 0, 0) * widths(nm)).sum() for curve in sensitivity])[:, None, None]
+bound = np.maximum(floor, 0) * full_scale / 65535 * weight + 2e-7 * reference
+checked = kind == 0
+check(checked.mean() > 0.9 and (np.abs(seen - reference) <= bound)[:, checked].all(),
+      "at pixels that the map calls checked, raw values of OpenGL are as near to the reference's as its floor says",
+      (np.abs(seen - reference) / bound)[:, checked].max())
+check((np.abs(seen - reference) > bound / 300)[:, checked].any(), "and the bound is not idle", (np.abs(seen - reference) / bound)[:, checked].max())
 done()
