@@ -63,7 +63,7 @@ static bool open_pair(struct pair *pair, const struct options *options, struct e
     const char *stack = options->operand;
     bool done = true;
     for (int k = 0; done && k < 2; k++)
-        done = probe_stack(&pair->probes[k], stack, err);
+        done = (pair->probes[k].wanted ? probe_object : probe_stack)(&pair->probes[k], stack, err);
     if (!done || !cube_open(stack, &pair->cube, err) ||
         !sight_make(&pair->cube, options_detector(options), &request, &pair->sight, err))
         return false;

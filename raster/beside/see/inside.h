@@ -212,6 +212,7 @@ struct probe {
     int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more; or 0:
                                      there is none, but curves, in all columns but SPREAD */
     const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
+    const char *wanted; /* an object, by its name or number, in place of a region; NULL: none */
     /* The findings. */
     char *source;  /* stack or scene; owned */
     int n;         /* wavelengths */
@@ -246,6 +247,11 @@ double spectral_angle(const double *a, const double *b, int n);
  * probes what probe_stack needs. */
 bool probe_against(struct options *options, const struct probe *first, const struct probe *second,
                    bool csv, struct error *err);
+/* Begins a probe of a stack or scene: copies the wavelengths, and makes room for means and
+ * deviations. The image gives these and the size. Refuses a region that is not within it. */
+bool probe_begin(struct probe *probe, const struct image *image, struct error *err);
+/* probe_objects.c: finds the means of the object that is wanted, without its edges. */
+bool probe_object(struct probe *probe, const char *path, struct error *err);
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
  * frees *probe, here and below, also after a failure. */
 bool probe_stack(struct probe *probe, const char *path, struct error *err);

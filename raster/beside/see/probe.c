@@ -51,9 +51,7 @@ static void note_shown(struct probe *probe, int number)
     shown->begun = true;
 }
 
-/* Begins a probe of a stack or scene: copies the wavelengths, and makes room for means and
- * deviations. The image gives these and the size. Refuses a region that is not within it. */
-static bool probe_begin(struct probe *probe, const struct image *image, struct error *err)
+bool probe_begin(struct probe *probe, const struct image *image, struct error *err)
 {
     probe->n = image->n_pages;
     if (!string_copy(image->path, &probe->source, err))

@@ -35,8 +35,10 @@ static bool refuse_changes(const struct options *options, struct error *err)
                                                    options->operand, options->recorded[0]);
 }
 
-/* Reads --against X Y: its value is X, and Y the last operand, behind those of the first region. */
-static bool read_against(struct options *options, struct probe *second, struct error *err)
+/* Reads --against X Y: its value is X, and Y the last operand, behind those of the first region. Or
+ * the value is an object, as the operand behind the stack. */
+static bool read_against(struct options *options, struct probe *first, struct probe *second,
+                         struct error *err)
 {
     const struct probe_own *own = options->own;
     int *y = &second->y;
@@ -44,11 +46,19 @@ static bool read_against(struct options *options, struct probe *second, struct e
         return error_usage(err, "--against takes no --svg, --json or --white");
     if (own->csv && !refuse_changes(options, err)) /* the table has no colours */
         return false;
+    if (options->n_operands == 2) {
+        first->wanted = options->operands[1];
+        second->wanted = own->against;
+        return true;
+    }
     if (options->n_operands != 4 && options->n_operands != 6)
-        return error_usage(err, "--against takes X and Y: probe STACK X Y --against X Y");
+        return error_usage(err, "--against takes X and Y: probe STACK X Y --against X Y; or an "
+                                "object: probe STACK OBJECT --against OBJECT");
     options->n_operands--;
     return option_count("--against", own->against, 0, INT32_MAX, &second->x, err) &&
-           option_count("--against", options->operands[options->n_operands], 0, INT32_MAX, y, err);
+           option_count("--against", options->operands[options->n_operands], 0, INT32_MAX, y,
+                        err) &&
+           region_read(options, first, err);
 }
 
 /* ---- a probe ---- */
@@ -96,7 +106,9 @@ static void print_colour(const struct probe *probe, struct printed *to)
 
 void region_text(const struct probe *probe, char *out, size_t capacity)
 {
-    if (probe->width == 1 && probe->height == 1)
+    if (probe->wanted)
+        snprintf(out, capacity, "object %.80s", probe->wanted);
+    else if (probe->width == 1 && probe->height == 1)
         snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
     else
         snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->width, probe->height, probe->x,
@@ -207,8 +219,8 @@ static bool run_probe(struct options *options, struct error *err)
         return scene_refuse(options->operand, err) && refuse_changes(options, err) &&
                probe_objects(options, own->csv, own->edges, err);
     struct probe second = probe;
-    if ((own->against && !read_against(options, &second, err)) ||
-        !region_read(options, &probe, err))
+    if (own->against ? !read_against(options, &probe, &second, err)
+                     : !region_read(options, &probe, err))
         return false;
     if (own->against) {
         second.width = probe.width;
@@ -228,7 +240,8 @@ static const struct option probe_rows[] = {
      .writes = true},
     {"--csv", "writes a table instead of text", OWN(FLAG, probe_own, csv)},
     {"--svg", "writes a plot instead of text", OWN(FLAG, probe_own, svg)},
-    {"--against X Y", "compares with another region of the stack, also under each --light",
+    {"--against X Y",
+     "compares with another region or object of the stack, also under each --light",
      OWN(TEXT, probe_own, against)},
     {"--objects", "prints the mean of each object of a stack, and of a detector's channels",
      OWN(FLAG, probe_own, objects)},

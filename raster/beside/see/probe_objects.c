@@ -119,6 +119,52 @@ static void measured_free(struct measured *of)
     FREE_ALL(of->weights, of->channels, of->moments, of->map[0], of->map[1], of->map[2]);
 }
 
+/* ---- one object ---- */
+
+/* Returns the number of the object that is named, or that has this number, from 0; -1: there is
+ * none, or several have the name. */
+static int find_named(const struct record *record, const char *wanted, struct error *err)
+{
+    struct error ignored = {.status = EXIT_AGREED};
+    const struct word word = {.start = wanted, .length = strlen(wanted)};
+    int found = -1, n = 0;
+    long number;
+    for (int i = record->objects.n - 1; i >= 0; i--)
+        if (strcmp(record->objects.text[i], wanted) == 0) {
+            found = i;
+            n++;
+        }
+    if (n == 0 && word_integer(&word, "it", 1, record->objects.n, &number, &ignored))
+        return (int)number - 1;
+    if (n > 1)
+        error_usage(err,
+                    "%d objects are named '%.100s'; expected a number from 1 to %d, in the "
+                    "order of --objects",
+                    n, wanted, record->objects.n);
+    else if (n == 0)
+        error_usage(err, "there is no object '%.100s'; --objects lists them", wanted);
+    return n == 1 ? found : -1;
+}
+
+bool probe_object(struct probe *probe, const char *path, struct error *err)
+{
+    struct measured of = {.edges = false};
+    const bool done = prepare(&of, path, probe->observer, NULL, err) &&
+                      probe_begin(probe, &of.rows.cube.image, err);
+    const int object = done ? find_named(&of.rows.cube.record, probe->wanted, err) : -1;
+    bool found = object >= 0 && measure(&of, err);
+    const struct moments *moments =
+        of.moments + (size_t)(found ? object : 0) * (size_t)of.n_columns;
+    if (found && moments->n == 0)
+        found =
+            error_usage(err, "%s: no pixel shows '%.100s' but at its edges", path, probe->wanted);
+    for (int i = 0; found && i < probe->n; i++)
+        moments_end(&moments[i], &probe->columns[MEAN].values[i],
+                    &probe->columns[SPREAD].values[i]);
+    measured_free(&of);
+    return found;
+}
+
 /* ---- out ---- */
 
 /* An object's values. */

@@ -3,12 +3,13 @@
 # level: first; packages: python3-numpy python3-tifffile
 """`probe --against`: a metameric pair on the two halves of a plane agrees under the recorded light and differs under others by the
 CIEDE2000 and the metamerism index of ISO 18314-4 that are computed here from the reflectances. Prints TAP."""
+import json
 import re
 
 import numpy as np
 import tifffile
 
-from rendered import TMP, built_in, check, cielab, ciede2000, done, run, weights, write
+from rendered import TMP, built_in, check, cielab, ciede2000, done, output_of, run, weights, write
 
 NM = np.arange(400.0, 701.0, 10)
 RNG = np.random.default_rng(3)
@@ -71,5 +72,20 @@ for words, why in ((["5", "10", "--against", "35"], "--against takes X and Y"), 
         ["5", "10", "--against", "35", "10", "--csv", "--light", "a"], "needs a scene"), (["5", "10", "--against", "35", "10", "--size", "9x9"], "no other change"),
                    (["5", "10", "--against", "99", "10"], "reaches")):
     result = run("probe", f"{TMP}/a.tif", *words)
+    check(result.returncode == 2 and why in result.stderr, f"refused: {' '.join(words)}", result.stderr)
+
+# objects: without their edges, as probe --objects has them
+output_of("render", "patches", "--size", "120x80", "-o", f"{TMP}/p.tif", "--quiet")
+values = {entry["name"]: np.array(entry["radiance"]) for entry in json.loads(output_of("probe", f"{TMP}/p.tif", "--objects", "--json", "-"))["objects"]}
+rows = run("probe", f"{TMP}/p.tif", "15-red", "--against", "14-green", "--csv").stdout.split("\n")[1:-1]
+seen = np.array([[float(v) for v in row.split(",")] for row in rows])
+check(np.array_equal(seen[:, 1:3], np.transpose([values["15-red"], values["14-green"]])), "two objects are compared by their means")
+number = list(values).index("14-green") + 1
+check(run("probe", f"{TMP}/p.tif", "15-red", "--against", number, "--csv").stdout.split("\n")[1:-1] == rows, "an object has its number in --objects, too")
+check("object 15-red and object 14-green" in run("probe", f"{TMP}/p.tif", "15-red", "--against", "14-green").stdout, "the table names both objects")
+output_of("render", write("twins.scene", "size 60 40\nlight d65 1 direction 0 0 1\nmaterial m { diffuse 0.5 }\nobject sphere 1 material m translate -2 0 0\n"
+                          "object sphere 1 material m translate 2 0 0\ncamera ortho 8\n"), "-o", f"{TMP}/t.tif", "--quiet")
+for words, why in ((["m", "--against", "2"], "2 objects are named 'm'"), (["no", "--against", "2"], "there is no object 'no'"), (["0", "--against", "1"], "no object '0'")):
+    result = run("probe", f"{TMP}/t.tif", *words)
     check(result.returncode == 2 and why in result.stderr, f"refused: {' '.join(words)}", result.stderr)
 done()
