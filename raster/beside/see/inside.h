@@ -29,6 +29,12 @@ struct axis axis_linear(double low, double high, int steps);
 /* Makes a linear axis that contains 0 and ends at whole steps. */
 struct axis axis_from_zero(double low, double high, int steps);
 
+/* ---- sight.c ---- */
+
+/* Returns the factor that takes an observer's XYZ to cd m-2, if the radiances of the cube are
+ * absolute; otherwise, and for a camera, 1. */
+double cube_luminance(const struct cube *cube, const struct detector *detector);
+
 /* ---- radiances.c ---- */
 
 /* A band of some rows of a tile. */
@@ -122,11 +128,6 @@ struct raw {
     double full_scale;      /* of counts: the largest value */
     uint64_t below_0;       /* values */
 };
-/* Reads a detector of any number of channels, and finds the weights of the cube's pages,
- * [channel * n_pages + page]: cube_weights times cube_luminance. Refuses a stack whose sampling is
- * fixed. The caller frees both, also after a failure. */
-bool raw_weights(const struct cube *cube, const char *name, struct detector *detector,
-                 double **weights, struct error *err);
 /* Does the same for a camera or film. An observer's channels are XYZ, which all have in any case:
  * it becomes a detector without channels. */
 bool camera_weights(const struct cube *cube, const char *name, struct detector *detector,

@@ -152,8 +152,9 @@ static bool write_pages(struct raw *of, const char *stack, const char *output, s
 
 /* ---- the weights ---- */
 
-bool raw_weights(const struct cube *cube, const char *name, struct detector *detector,
-                 double **weights, struct error *err)
+/* Finds the weights of any detector. */
+static bool raw_weights(const struct cube *cube, const char *name, struct detector *detector,
+                        double **weights, struct error *err)
 {
     const struct image *image = &cube->image;
     if (cube->record.response.n > 0)

@@ -120,9 +120,6 @@ struct white_request {
  * needed or named, and a white too large to compute with. */
 bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err);
-/* Returns the factor that takes an observer's XYZ to cd m-2, if the radiances of the cube are
- * absolute; otherwise, and for a camera, 1. */
-double cube_luminance(const struct cube *cube, const struct detector *detector);
 /* How an observer sees a stack. */
 struct sight {
     double *weights; /* of X, Y and Z, as cube_weights, times cube_luminance; owned */
