@@ -63,7 +63,7 @@ _spectral_add_usage() {
         SPECTRUM*) _spectral_add "$(_spectral_names illuminants)"; _spectral_add_files .csv .txt .sp ;;
         METHOD) _spectral_add "$(_spectral_names samplings)" ;;
         DETECTOR) _spectral_add "$(_spectral_names detectors)"; _spectral_add_files .csv ;;
-        NAME) _spectral_add "$(_spectral_names)" ;;
+        NAME | NAME...) _spectral_add "$(_spectral_names)" ;;
         KIND) _spectral_add "$("$program" list 2>/dev/null | sed -n '/^[a-z]/p')" ;;
         SCENE) _spectral_add "$(_spectral_names scenes)"; _spectral_add_files .scene .list ;;
         *STACK* | *.tif) _spectral_add_files .tif .tiff ;;

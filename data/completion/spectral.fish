@@ -40,7 +40,7 @@ function __spectral_usage --argument-names program usage word
             case DETECTOR
                 __spectral_names $program detectors
                 __spectral_files "$word" .csv
-            case NAME
+            case NAME NAME...
                 __spectral_names $program
             case KIND
                 $program list 2>/dev/null | string match --regex '^[a-z].*'

@@ -178,7 +178,7 @@ expected = -3 - x * np.tan(np.pi / 6)
 check(np.abs(pages["world z"] - expected)[plane].max() < 1e-6, "plane: world z", np.abs(pages["world z"] - expected)[plane].max())
 check(np.abs(pages["normal x"][plane] - 0.5).max() < 1e-7 and np.abs(pages["normal z"][plane] - np.sqrt(0.75)).max() < 1e-7, "plane: normal")
 
-# ---- what is refused ----
+# ---- refusals ----
 
 for options, words in ((("--samples", "4"), "--samples"), (("--part", "1/2"), "--part takes no --maps")):
     refused = run("render", "spheres", "--maps", MAPS, "-o", f"{TMP}/no.tif", *options)
