@@ -30,20 +30,8 @@ static bool check_asked(const struct options *options, const struct render_outpu
     const char *checks = own->no_check ? asks_check(own) : NULL;
     if (checks)
         return error_usage(err, "%s needs the check that --no-check leaves out", checks);
-    return check_stack_name(output->path, err) &&
+    return check_stack_name(output->path, err) && check_stack_name(own->maps, err) &&
            (!output->check_map || picture_accepts(output->check_map, err));
-}
-
-/* Refuses maps that have no place, and of several positions a pixel: means of weights and of
- * spectra do not multiply where objects meet. */
-static bool check_maps(const struct render_options *own, const struct scene *scene,
-                       struct error *err)
-{
-    if (own->illumination && !own->maps)
-        return error_usage(err, "--illumination adds pages to --maps FILE.tif; add it");
-    if (own->maps && scene->positions > 1)
-        return error_usage(err, "--maps shows the middle of each pixel; leave out --samples");
-    return check_stack_name(own->maps, err) && output_can_open(own->maps, err);
 }
 
 /* Refuses to make OpenGL's pixels again in a program without OpenGL. */
@@ -186,7 +174,7 @@ static bool render_job(const struct render_job *job, struct rendered *of, struct
     struct progress_line line;
     const bool shown = progress_start(&line, of->options->quiet);
     if (!render(of->plan, output, shown ? &line : NULL, &of->result, err) ||
-        (own->maps && !maps_write(job, of->options, output->outputs, err)))
+        (own->maps && !map_maker->write(of->options, job, output->outputs, err)))
         return false;
     of->result.seconds.read += job->seconds.read;
     of->result.seconds.plan = job->seconds.plan;
@@ -215,7 +203,8 @@ bool render_with_options(const struct options *options, const struct render_outp
         check_same_scene(options, &job.scene, output->again, made, err) &&
         (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err)) &&
         job_plan(options, &job, err) && output_can_open(options->json, err) &&
-        output_can_open(own->check_map, err) && check_maps(own, &job.scene, err) &&
+        output_can_open(own->check_map, err) &&
+        (!map_maker || map_maker->check(options, &job.scene, err)) &&
         render_job(&job, &rendered, err);
     job_free(&job);
     return done;
@@ -343,11 +332,6 @@ static const struct option render_rows[] = {
     {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, render_options, envi)},
     {"--part I/N", "draws part I of N as a stack of some rows of the picture; see join",
      OWN(TEXT, render_options, part)},
-    {"--maps FILE.tif",
-     "writes the weight of each light, textures, places and normals, by the reference",
-     OWN(TEXT, render_options, maps), .writes = true},
-    {"--illumination", "--maps also holds the radiance of a white diffuser in each band",
-     OWN(FLAG, render_options, illumination)},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      OWN(TEXT, render_options, depth), .choices = depths, .recorded = true},
 };
@@ -357,11 +341,23 @@ const struct option_list renderer_options = OPTION_LIST(renderer_rows),
                          judged_options = OPTION_LIST(judged_rows),
                          map_option = OPTION_LIST(map_rows), scale_option = OPTION_LIST(scale_rows),
                          verbose_option = OPTION_LIST(verbose_rows);
-static const struct option_list *const lists[] = {
-    &render_list,      &scene_options,    &shading_options, &accuracy_options,
-    &sampling_options, &renderer_options, &library_option,  &judged_options,
-    &map_option,       &scale_option,     &threads_option,  &json_option,
-    &verbose_option,   &quiet_option,     &common_options,  NULL};
+static const struct option_list *const lists[] = {&render_list,
+                                                  &scene_options,
+                                                  &shading_options,
+                                                  &accuracy_options,
+                                                  &sampling_options,
+                                                  &renderer_options,
+                                                  &library_option,
+                                                  &judged_options,
+                                                  &map_option,
+                                                  &maps_options,
+                                                  &scale_option,
+                                                  &threads_option,
+                                                  &json_option,
+                                                  &verbose_option,
+                                                  &quiet_option,
+                                                  &common_options,
+                                                  NULL};
 const struct command render_command = {
     .name = "render",
     .operands = "[SCENE] [-o STACK.tif]",

@@ -27,14 +27,6 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
 void check_map_discard(struct check_map *map); /* safe after commit */
 
-/* ---- maps.c ---- */
-
-/* Draws the scene of a job by the reference and writes its maps to the file that --maps names:
- * float pages of the weights of all lights, textures, places, and with --illumination the radiance
- * of a perfect diffuser in each band; their record has the spectra of all terms. */
-bool maps_write(const struct render_job *job, const struct options *options,
-                struct outputs *outputs, struct error *err);
-
 /* ---- render.c: everything before the first pixel, and after the last one ---- */
 
 /* A render on its way, in the order in which it is made. */

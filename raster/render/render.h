@@ -141,6 +141,16 @@ bool job_read(const struct options *options, bool foreign, struct render_job *jo
 bool job_plan(const struct options *options, struct render_job *job, struct error *err);
 void job_free(struct render_job *job);
 
+/* Maps of a picture, beside its stack: see raster/beside/see/maps.c. */
+struct map_maker {
+    /* Refuses options that do not go together, or not with the scene. */
+    bool (*check)(const struct options *options, const struct scene *scene, struct error *err);
+    /* Draws the scene of a job, and writes the maps that the options ask for. */
+    bool (*write)(const struct options *options, const struct render_job *job,
+                  struct outputs *outputs, struct error *err);
+};
+extern const struct map_maker *const map_maker; /* NULL: this program has none */
+
 /* ---- verdict_words.c: the verdict in words ---- */
 
 /* Returns false with EXIT_DIFFERENT. The message names the first pixel where the pictures differ,
@@ -161,8 +171,8 @@ struct render_options {
 /* Options of these, which other commands take, too. `judged`: what may stay unchecked. */
 extern const struct option_list renderer_options, library_option, judged_options, map_option,
     scale_option, verbose_option;
-/* Options of the judge of shading; empty without it. */
-extern const struct option_list accuracy_options;
+/* Options of the judge of shading, and of the maker of maps; empty without them. */
+extern const struct option_list accuracy_options, maps_options;
 /* Reads, plans and renders the scene of the options, and reports the result. The own options begin
  * with struct render_options. made: the record of the stack that is made again; NULL: the stack is
  * new. */

@@ -95,6 +95,12 @@ bool develop_scene(const struct lit_scene *lit, const char *output, struct outpu
 /* Returns a scene as if it were a stack without a record. Nothing of it is owned. */
 struct cube scene_cube(const struct scene *scene);
 
+/* ---- maps.c: maps of a picture ---- */
+
+/* Writes float pages of the weights of all lights, textures, places, and with --illumination the
+ * radiance of a perfect diffuser in each band. Their record has the spectra of all terms. */
+extern const struct map_maker reference_maps;
+
 /* ---- sight.c: how a detector sees a stack ---- */
 
 /* Finds the weights of the pages in each channel: out[channel * n_pages + page]. They follow from

@@ -7,7 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "raster/render/inside.h"
+#include "raster/beside/see/inside.h"
+#include "raster/render/render.h"
 
 enum { MAP_NAME = BAND_NAME + 32, BLOCK_PIXELS = 1 << 10 };
 
@@ -361,8 +362,8 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
     return done;
 }
 
-bool maps_write(const struct render_job *job, const struct options *options,
-                struct outputs *outputs, struct error *err)
+static bool maps_write(const struct options *options, const struct render_job *job,
+                       struct outputs *outputs, struct error *err)
 {
     const struct render_options *own = options->own;
     struct maps of = {.job = {.scene = job->scene, .sampling = job->sampling}};
@@ -377,3 +378,26 @@ bool maps_write(const struct render_job *job, const struct options *options,
     FREE_ALL(of.names, of.labels, of.values);
     return done;
 }
+
+/* ---- the options ---- */
+
+/* Means of weights and of spectra do not multiply where objects meet. */
+static bool maps_check(const struct options *options, const struct scene *scene, struct error *err)
+{
+    const struct render_options *own = options->own;
+    if (own->illumination && !own->maps)
+        return error_usage(err, "--illumination adds pages to --maps FILE.tif; add it");
+    if (own->maps && scene->positions > 1)
+        return error_usage(err, "--maps shows the middle of each pixel; leave out --samples");
+    return output_can_open(own->maps, err);
+}
+
+static const struct option rows[] = {
+    {"--maps FILE.tif",
+     "writes the weight of each light, textures, places and normals, by the reference",
+     OWN(TEXT, render_options, maps), .writes = true},
+    {"--illumination", "--maps also holds the radiance of a white diffuser in each band",
+     OWN(FLAG, render_options, illumination)},
+};
+const struct option_list maps_options = OPTION_LIST(rows);
+const struct map_maker reference_maps = {maps_check, maps_write};
