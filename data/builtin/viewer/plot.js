@@ -64,7 +64,7 @@ function draw_axes(svg, frame) {
   draw(svg, "rect", {class: "axis", x: frame.left, y: frame.top, width: frame.across, height: frame.down});
   draw(svg, "text", {x: frame.left + frame.across / 2, y: frame.bottom + 38, "text-anchor": "middle"},
     "wavelength (nm)");
-  draw(svg, "text", {x: 2, y: 12}, `radiance (${scene.unit || "relative"})`);
+  draw(svg, "text", {x: 2, y: 12}, `radiance (${scene.radiance_unit || "relative"})`);
   if (frame.relative_end)
     draw(svg, "text", {x: frame.width - 2, y: 12, "text-anchor": "end"}, "reflectance, excitation");
 }

@@ -380,7 +380,7 @@ char *description_make(struct viewing *view, struct error *err)
     json_begin(json);
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
-    json_string(json, "unit", scene_is_absolute(scene) ? ABSOLUTE_UNIT : NULL);
+    json_string(json, "radiance_unit", scene_is_absolute(scene) ? ABSOLUTE_UNIT : NULL);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
     put_camera(json, &scene->camera);
     add_builtins(&describer);

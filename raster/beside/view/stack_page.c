@@ -140,7 +140,7 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     json_string(&json, "program", PROGRAM);
     json_string(&json, "stack", path_name(name));
     json_string(&json, "scene", cube->record.scene);
-    json_string(&json, "unit", cube->record.unit);
+    json_string(&json, "radiance_unit", cube->record.unit);
     put_size(stack, &json);
     json_strings(&json, "objects", objects->text, objects->n);
     put_white(cube, &json, err);

@@ -384,8 +384,8 @@ class Writer:
         dice = self.dice
         first = dice.whole(300, 400)
         columns = [first + 20 * i for i in range(dice.whole(1, 6))]
-        rows = [line(430 + 30 * j, *(0.05 + 0.08 * dice.share() for _ in columns))
-                for j in range(5)]
+        rows = [line(to, *((nm != to) * (0.05 + 0.08 * dice.share()) for nm in columns))  # the diagonal would be a reflectance
+                for to in range(430, 551, 30)]
         return "\n".join([line("nm", *columns), *rows]) + "\n"
 
     # -- objects --
