@@ -287,19 +287,21 @@ static void put_terms(const struct plan *plan, const char *whose, const struct m
     }
 }
 
-/* Returns the record as text, allocated; NULL on failure. */
+/* Returns the record as text, allocated; NULL on failure. It is not that of a stack, which could be
+ * made again. */
 static char *make_record(const struct maps *of, const struct options *options, struct error *err)
 {
     const struct plan *plan = &of->job.plan;
-    const struct recorded made = {.scene = plan->scene,
-                                  .sampling = plan->sampling,
-                                  .detector = options->detector,
-                                  .renderer = "raster",
-                                  .options = options->recorded,
-                                  .n_options = options->n_recorded};
     struct printed lines = {.text = NULL};
     char whose[32];
-    const bool done = record_put_scene(&lines, &made, err);
+    print_text(&lines, "program: " PROGRAM "\nmaps of: ");
+    print_printable(&lines, plan->scene->path);
+    print(&lines, "\nSHA-256 of the scene: %s\n", plan->scene->sha256);
+    for (int i = 0; i < options->n_recorded; i++) {
+        print_text(&lines, "option: ");
+        print_printable(&lines, options->recorded[i]);
+        print_text(&lines, "\n");
+    }
     for (int i = 0; i < plan->n_instances; i++)
         record_put_object(&lines, object_name(plan, i));
     if (!has_components(plan))
@@ -309,10 +311,7 @@ static char *make_record(const struct maps *of, const struct options *options, s
         snprintf(whose, sizeof whose, "material %d", i + 1);
         put_terms(plan, whose, &plan->materials[i].made, &lines);
     }
-    if (done)
-        return printed_take(&lines, err);
-    free(printed_end(&lines));
-    return NULL;
+    return printed_take(&lines, err);
 }
 
 /* ---- the file ---- */
