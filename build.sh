@@ -177,8 +177,7 @@ build() {
 
 # The first picture of a new user: a stack, what a person sees, and a page for the browser.
 first_minute() {
-    for command in 'render colorchecker -o colorchecker.tif' 'develop colorchecker.tif -o colorchecker.png -q' \
-        'view colorchecker --size 600x400 -o colorchecker.html -q'; do
+    for command in 'render colorchecker --size 600x400' 'develop colorchecker.tif -q' 'view colorchecker --size 600x400 -q'; do
         echo "\$ $BUILD/spectral $command"
         "$BUILD/spectral" $command
     done
@@ -188,7 +187,7 @@ Look at them:  $PWD/colorchecker.png
                $PWD/colorchecker.html
                $PWD/colorchecker.tif  (a page a wavelength)
 Try next:      $BUILD/spectral probe colorchecker.tif 100 100
-               $BUILD/spectral show spheres -o my.scene && $BUILD/spectral view my.scene -o my.html
+               $BUILD/spectral show spheres -o my.scene && $BUILD/spectral view my.scene -o my.png
 END
 }
 

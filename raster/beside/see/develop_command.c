@@ -100,8 +100,10 @@ static bool name_picture(struct options *options, const char *stack, struct erro
 {
     const struct develop_own *own = options->own;
     const char *floats = own->xyz ? "--xyz" : own->lab ? "--lab" : own->raw ? "--raw" : NULL;
-    if (!options_name_output(options, stack, floats ? "-developed.tif" : "-developed.png", err) ||
-        !picture_accepts(options->output, err))
+    char ending[16] = ".png";
+    if (floats)
+        snprintf(ending, sizeof ending, "%s.tif", floats + 1); /* "-xyz.tif" */
+    if (!options_name_output(options, stack, ending, err) || !picture_accepts(options->output, err))
         return false;
     return !floats || !picture_is_png(options->output) ||
            error_at(err, (struct place){options->output, 0, 0},
@@ -163,7 +165,7 @@ static bool run_develop(struct options *options, struct error *err)
 static const char *const picture_bits[] = {"8", "16", NULL};
 static const struct option develop_rows[] = {
     {"-o, --output PICTURE.png",
-     "writes there, PNG or .tif; - is standard output (default: STACK's name + -developed.png)",
+     "writes there, PNG or .tif; - is standard output (default: STACK's name + .png)",
      SHARED(TEXT, output), .writes = true},
     {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
      "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",

@@ -410,7 +410,7 @@ def endings(stack):
 
 
 def named_by_default(stack):
-    for options, name in ((), "lights-developed.png"), (("--xyz",), "lights-developed.tif"):
+    for options, name in ((), "lights.png"), (("--xyz",), "lights-xyz.tif"), (("--lab",), "lights-lab.tif"), (("--raw",), "lights-raw.tif"):
         result = develop(os.path.basename(stack.path), *options, cwd=TMP)
         check(result.returncode == 0 and os.path.exists(path_of(name)), f"without -o the picture is {name}", result.stderr)
 
