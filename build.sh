@@ -33,7 +33,7 @@ called_from=$PWD
 cd "$(dirname "$0")"
 : "${CC:=gcc}" "${CPPFLAGS=}" "${LDFLAGS=}" "${GL:=osmesa}" "${TIER:=full}" "${BUILD:=build}"
 [ "$*" != minimal ] || TIER=minimal
-[ "$TIER" = full ] || small='-Os -ffunction-sections -fdata-sections'
+[ "$TIER" = full ] || small='-Os -ffunction-sections -fdata-sections -fno-asynchronous-unwind-tables'
 : "${CFLAGS:=${small:--O3}}"
 # These come after $CFLAGS, which may ask for arithmetic that changes pictures. No floating-point traps
 # are taken and no errno is read after sqrt: both let loops be done several samples at once and change

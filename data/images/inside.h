@@ -47,4 +47,10 @@ int png_paeth(int left, int above, int corner);
 /* foreign.c: decodes an open file of such a format, and lets its client read the samples. */
 bool foreign_read(struct image *image, const char *format, struct error *err);
 
+/* ---- legend.c ---- */
+
+/* Makes the rows of a legend, of RGB, below a picture of this width. The caller frees *out. */
+bool legend_make(const struct picture_legend *legend, int width, uint8_t **out, int *rows,
+                 struct error *err);
+
 #endif

@@ -58,8 +58,14 @@ bool picture_open(struct picture_writer *out, const char *path,
     if (!picture_accepts(path, err))
         return false;
     assert(!floating || !picture_is_png(path));
-    return picture_is_png(path) ? png_open(&out->png, &out->pages.output, path, options, err)
-                                : pages_open(&out->pages, path, set_tags, options, err);
+    if (!picture_is_png(path))
+        return pages_open(&out->pages, path, set_tags, options, err);
+    struct picture_options all = *options;
+    if (options->legend &&
+        !legend_make(options->legend, options->width, &out->legend, &out->legend_rows, err))
+        return false;
+    all.height += out->legend_rows;
+    return png_open(&out->png, &out->pages.output, path, &all, err);
 }
 
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err)
@@ -117,8 +123,11 @@ bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
 bool picture_finish(struct picture_writer *writer, struct error *err)
 {
     assert(writer->options.bits == 32 || writer->row == writer->options.height);
-    writer->finished =
-        writer->png ? png_finish(writer->png, err) : pages_finish(&writer->pages, NULL, err);
+    writer->finished = writer->png
+                           ? (writer->legend_rows == 0 ||
+                              png_write(writer->png, writer->legend, writer->legend_rows, err)) &&
+                                 png_finish(writer->png, err)
+                           : pages_finish(&writer->pages, NULL, err);
     return writer->finished;
 }
 
@@ -134,6 +143,6 @@ void picture_discard(struct picture_writer *writer)
 {
     png_free(writer->png);
     output_discard(&writer->pages.output);
-    free(writer->strip.samples);
+    FREE_ALL(writer->strip.samples, writer->legend);
     *writer = (struct picture_writer){.row = 0};
 }

@@ -9,7 +9,6 @@
 enum {
     WIDTH = CHART_WIDTH - CHART_LEFT - CHART_MARGIN, /* of the area */
     HEIGHT = 440,
-    NUMBER_SIZE = 10, /* font size of numbers off the frontier */
     NAME_LENGTH = 60, /* characters of a name */
     SAMPLE = 26,      /* width of a number in the legend */
     PAST_DECADES = 3  /* errors smaller by more decades than this lie on the edge */
@@ -90,18 +89,13 @@ static void draw_marker(struct printed *to, double x, double y, bool best, bool 
           best ? "4.5" : "2.8", best ? strong : "#fff", best ? strong : pale);
 }
 
-/* Writes the number of a point. No other point lies below and left of one of the frontier: there is
- * room for its number. */
-static void draw_number(const struct chart_area *area, const struct cost_entry *point, int number,
-                        double x, double y)
+/* Writes the number of a point of the frontier. No other point lies below and left of it: there is
+ * room. */
+static void draw_number(const struct chart_area *area, int number, double x, double y)
 {
     const double lowest = CHART_TOP + HEIGHT - 4;
-    if (point->best)
-        print(area->to, "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>",
-              x - 6, fmin(y + CHART_TEXT_SIZE, lowest), strong, number);
-    else
-        print(area->to, "<text x=\"%.2f\" y=\"%.2f\" font-size=\"%d\" fill=\"#555\">%d</text>",
-              x + 4, y - 3, NUMBER_SIZE, number);
+    print(area->to, "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>", x - 6,
+          fmin(y + CHART_TEXT_SIZE, lowest), strong, number);
 }
 
 static void draw_point(const struct chart_area *area, const struct cost_entry *point, int number)
@@ -113,20 +107,23 @@ static void draw_point(const struct chart_area *area, const struct cost_entry *p
           point->best ? strong : pale, chart_x(area, point->fastest), y,
           chart_x(area, point->slowest));
     draw_marker(area->to, x, y, point->best, point->uncertain);
-    draw_number(area, point, number, x, y);
+    if (point->best)
+        draw_number(area, number, x, y);
     print_text(area->to, "</g>\n");
 }
 
 /* ---- the legend ---- */
 
+/* The legend names the points of the frontier; the table has all. */
 static struct chart_legend legend_of(const struct cost *cost)
 {
-    int longest = 1;
+    int longest = 1, n = 0;
     for (int i = 0; i < cost->n; i++) {
-        const int length = chart_text_length(cost->entries[i].name);
+        const int length = cost->entries[i].best ? chart_text_length(cost->entries[i].name) : 0;
         longest = length > longest ? length : longest;
+        n += cost->entries[i].best;
     }
-    return chart_legend(cost->n, longest < NAME_LENGTH ? longest : NAME_LENGTH, SAMPLE);
+    return chart_legend(n, longest < NAME_LENGTH ? longest : NAME_LENGTH, SAMPLE);
 }
 
 /* Draws the legend of the markers, in one row. */
@@ -145,13 +142,15 @@ static void draw_legend(const struct cost *cost, struct printed *to, int top)
 {
     const struct chart_legend legend = legend_of(cost);
     const int fitting = chart_fitting(legend.column - SAMPLE - 8, CHART_TEXT_SIZE);
-    for (int i = 0; i < cost->n; i++) {
-        const double x = legend_x(&legend, i);
-        const double y = legend_y(&legend, top, i) + 0.35 * CHART_TEXT_SIZE;
+    for (int i = 0, cell = 0; i < cost->n; i++) {
+        if (!cost->entries[i].best)
+            continue;
+        const double x = legend_x(&legend, cell);
+        const double y = legend_y(&legend, top, cell++) + 0.35 * CHART_TEXT_SIZE;
         print(to,
               "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"%s\">%d</text>"
               "<text x=\"%.2f\" y=\"%.2f\">",
-              x + SAMPLE - 8, y, cost->entries[i].best ? strong : "#555", i + 1, x + SAMPLE, y);
+              x + SAMPLE - 8, y, strong, i + 1, x + SAMPLE, y);
         chart_text(to, cost->entries[i].name, fitting < NAME_LENGTH ? fitting : NAME_LENGTH);
         print_text(to, "</text>\n");
     }

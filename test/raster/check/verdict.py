@@ -256,7 +256,7 @@ def coloured_map():
     wrong = Render("patches", fault=43, mapped=True).map["class"] == DIFFERS
     environment = {**os.environ, "GALLIUM_DRIVER": "llvmpipe", "FAULT": "43", "LD_PRELOAD": FAULTS}
     for seen in read_colours("patches", env=environment):
-        check(((seen == 0xff00ff) == wrong).all() and wrong.sum() == 1, "the pixel that differs is magenta in the PNG")
+        check(((seen[:len(wrong)] == 0xff00ff) == wrong).all() and wrong.sum() == 1, "the pixel that differs is magenta in the PNG")
 
 
 def main():
