@@ -274,9 +274,6 @@ void picture_discard(struct picture_writer *writer); /* safe after commit */
  * least) to dark red (up to 4096 x least); all others, also infinity, are maroon. Blue and red stay
  * apart for colour-blind readers. */
 void scale_colour(double value, double least, uint8_t out[3]);
-/* Finds colour number `step` of the scale, and a label: the largest number that has it, or "> 64".
- * Returns false beyond the last one. */
-bool scale_step(int step, double least, uint8_t out[3], char label[32]);
 /* Prints the meaning of the colours but black, in a line without its end. */
 void scale_print(double least, struct printed *to);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The scale of colours in which pictures show floors and differences. */
-#include "data/images/images.h"
+#include "data/images/inside.h"
 
 static const struct {
     uint8_t rgb[3];
