@@ -10,8 +10,8 @@ shipped() {
     echo data/completion/spectral.bash share/bash-completion/completions/spectral
     echo data/completion/_spectral share/zsh/site-functions/_spectral
     echo data/completion/spectral.fish share/fish/vendor_completions.d/spectral.fish
-    for file in README.md LICENSE CHANGELOG.md data/doc/*.md; do
-        [ ! -f "$file" ] || echo "$file share/doc/spectral/${file##*/}"
+    for file in README.md LICENSE CHANGELOG.md SECURITY.md CITATION.cff data/doc/*.md data/gallery/*.png; do
+        echo "$file share/doc/spectral/$file" # links between them lead on
     done
     for file in data/builtin/scenes/*.scene data/samples/*; do
         echo "$file share/spectral/samples/${file##*/}"

@@ -9,7 +9,7 @@
 tmp=$(realpath "$tmp")
 made_in() (
     mkdir -p "$tmp/$1"
-    cp -R build.sh spectral.c spectral.h spectral.1 README.md LICENSE CHANGELOG.md data raster "$tmp/$1"
+    cp -R build.sh spectral.c spectral.h spectral.1 README.md LICENSE CHANGELOG.md SECURITY.md CITATION.cff data raster "$tmp/$1"
     umask "$3"
     export XDG_CACHE_HOME="$tmp/$1/cache"
     BUILD=$2 TZ=Asia/Kathmandu "$tmp/$1/build.sh" dist >"$tmp/$1/log" 2>&1 || cat "$tmp/$1/log" >&2

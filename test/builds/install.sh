@@ -15,7 +15,9 @@ share/bash-completion/completions/spectral
 share/doc/spectral/CHANGELOG.md
 share/doc/spectral/LICENSE
 share/doc/spectral/README.md
-share/doc/spectral/scenes.md
+share/doc/spectral/data/doc/scenes.md
+share/doc/spectral/data/gallery/room.png
+share/doc/spectral/SECURITY.md
 share/fish/vendor_completions.d/spectral.fish
 share/man/man1/spectral.1
 share/spectral/installed
@@ -34,6 +36,13 @@ grep -v '/$' "$prefix/share/spectral/installed" | diff - "$tmp/out" >"$tmp/err"
 ok $? "share/spectral/installed lists each file"
 [ -z "$(find "$tmp/staged" -type d ! -perm 755 -o -type f ! -perm 644 ! -path '*/bin/spectral')" ] && [ -x "$prefix/bin/spectral" ]
 ok $? "everybody can read them"
+lost=$(cd "$prefix/share/doc/spectral" && for page in *.md data/doc/*.md; do
+    sed -n 's/](\([^)#]*\)[^)]*)/\n@\1\n/gp' "$page" | sed -n 's/^@\([^:]*\)$/\1/p' | while read -r link; do
+        [ -z "$link" ] || [ -e "$(dirname "$page")/$link" ] || echo "$page: $link"
+    done
+done)
+[ -z "$lost" ]
+ok $? "each link of the installed pages leads to an installed file$lost"
 cmp -s "$SPECTRAL" "$prefix/bin/spectral"
 ok $? "the program is the one that was built"
 exits 0 "the manual page has no fault" mandoc -Tlint "$prefix/share/man/man1/spectral.1"
