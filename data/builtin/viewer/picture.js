@@ -208,6 +208,26 @@ function cielab(xyz, white) {
   return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
 }
 
+/* Returns CIEDE2000 of two colours (CIE 142-2001; Sharma, Wu and Dalal, Color Research and Application 30, 2005). */
+function ciede2000([l1, a1, b1], [l2, a2, b2]) {
+  const degrees = Math.PI / 180, seventh = x => Math.sqrt(x ** 7 / (x ** 7 + 25 ** 7));
+  const g = 0.5 * (1 - seventh((Math.hypot(a1, b1) + Math.hypot(a2, b2)) / 2));
+  const c1 = Math.hypot(a1 * (1 + g), b1), c2 = Math.hypot(a2 * (1 + g), b2);
+  const hue = (a, b) => a === 0 && b === 0 ? 0 : (Math.atan2(b, a) / degrees + 360) % 360;
+  const h1 = hue(a1 * (1 + g), b1), h2 = hue(a2 * (1 + g), b2), grey = c1 * c2 === 0;
+  let turn = grey ? 0 : h2 - h1;
+  if (turn > 180) turn -= 360;
+  if (turn < -180) turn += 360;
+  const hues = h1 + h2, l = (l1 + l2) / 2, c = (c1 + c2) / 2;
+  const h = grey ? hues : Math.abs(h1 - h2) <= 180 ? hues / 2 : hues < 360 ? (hues + 360) / 2 : (hues - 360) / 2;
+  const t = 1 - 0.17 * Math.cos((h - 30) * degrees) + 0.24 * Math.cos(2 * h * degrees) +
+    0.32 * Math.cos((3 * h + 6) * degrees) - 0.2 * Math.cos((4 * h - 63) * degrees);
+  const dl = (l2 - l1) / (1 + 0.015 * (l - 50) ** 2 / Math.sqrt(20 + (l - 50) ** 2));
+  const dc = (c2 - c1) / (1 + 0.045 * c), dh = 2 * Math.sqrt(c1 * c2) * Math.sin(turn / 2 * degrees) / (1 + 0.015 * c * t);
+  const rotation = -Math.sin(60 * Math.exp(-(((h - 275) / 25) ** 2)) * degrees) * 2 * seventh(c);
+  return Math.sqrt(dl * dl + dc * dc + dh * dh + rotation * dc * dh);
+}
+
 function chromaticity(xyz) {
   const sum = total(xyz);
   return [0, 1].map(i => sum !== 0 ? xyz[i] / sum : 0);

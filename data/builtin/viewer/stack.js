@@ -22,7 +22,20 @@ function read_stack(bytes) {
 
 const stack_spectrum = pixel => Float64Array.from(stack.pages, page => page[pixel] * stack.unit);
 
+/* A large stack is shown as means of factor x factor pixels. Places and names are those of the stack. */
+const corner_of = pixel => place_of(pixel).map(value => value * stack.facts.factor);
+
+function pixel_text(pixel) {
+  const {factor} = stack.facts;
+  return `pixel ${corner_of(pixel).join(", ")}` + (factor > 1 ? ` (mean of ${factor} × ${factor})` : "");
+}
+
 /* ---- regions ---- */
+
+function region_text() {
+  const {factor} = stack.facts;
+  return factor > 1 ? `${region.n} means of ${factor} × ${factor} pixels` : `${region.n} pixels`;
+}
 
 /* Returns whether a pixel's middle lies in a polygon. */
 function in_polygon(points, x, y) {
@@ -60,28 +73,6 @@ function statistics_of(pixels) {
     spread.push(Math.sqrt(Math.max(0, squares / pixels.length - (sum / pixels.length) ** 2)));
   }
   return {mean: Float64Array.from(mean), spread: Float64Array.from(spread)};
-}
-
-/* ---- colour differences ---- */
-
-/* Returns CIEDE2000 of two colours (CIE 142-2001; Sharma, Wu and Dalal, Color Research and Application 30, 2005). */
-function ciede2000([l1, a1, b1], [l2, a2, b2]) {
-  const degrees = Math.PI / 180, seventh = x => Math.sqrt(x ** 7 / (x ** 7 + 25 ** 7));
-  const g = 0.5 * (1 - seventh((Math.hypot(a1, b1) + Math.hypot(a2, b2)) / 2));
-  const c1 = Math.hypot(a1 * (1 + g), b1), c2 = Math.hypot(a2 * (1 + g), b2);
-  const hue = (a, b) => a === 0 && b === 0 ? 0 : (Math.atan2(b, a) / degrees + 360) % 360;
-  const h1 = hue(a1 * (1 + g), b1), h2 = hue(a2 * (1 + g), b2), grey = c1 * c2 === 0;
-  let turn = grey ? 0 : h2 - h1;
-  if (turn > 180) turn -= 360;
-  if (turn < -180) turn += 360;
-  const hues = h1 + h2, l = (l1 + l2) / 2, c = (c1 + c2) / 2;
-  const h = grey ? hues : Math.abs(h1 - h2) <= 180 ? hues / 2 : hues < 360 ? (hues + 360) / 2 : (hues - 360) / 2;
-  const t = 1 - 0.17 * Math.cos((h - 30) * degrees) + 0.24 * Math.cos(2 * h * degrees) +
-    0.32 * Math.cos((3 * h + 6) * degrees) - 0.2 * Math.cos((4 * h - 63) * degrees);
-  const dl = (l2 - l1) / (1 + 0.015 * (l - 50) ** 2 / Math.sqrt(20 + (l - 50) ** 2));
-  const dc = (c2 - c1) / (1 + 0.045 * c), dh = 2 * Math.sqrt(c1 * c2) * Math.sin(turn / 2 * degrees) / (1 + 0.015 * c * t);
-  const rotation = -Math.sin(60 * Math.exp(-(((h - 275) / 25) ** 2)) * degrees) * 2 * seventh(c);
-  return Math.sqrt(dl * dl + dc * dc + dh * dh + rotation * dc * dh);
 }
 
 /* ---- pictures ---- */
@@ -266,13 +257,22 @@ function redraw_stack() {
   show_picture(painted);
   exposure = painted.exposure;
   show_message(painted.lacks || (painted.balanced ? "" : "The detector has no white to adapt to here. The picture stays black."));
-  set_text("map-scale", map ? `0 (dark) to ${with_digits(4).format(map.largest)} ${MAP_UNITS[view]} (bright)` : "");
+  show_map_legend(MAP_UNITS[view]);
   element("band-row").hidden = view !== "band";
   element("bands-row").hidden = view !== "bands";
   element("against-row").hidden = !MAPS[view];
   set_text("band-nm", nm_text(Number(element("band").value)));
   show_stack_facts(painted);
   show_stack_pixel();
+}
+
+/* Shows the colours of a map below it, with the least value, the middle one and the largest. */
+function show_map_legend(unit) {
+  const legend = element("map-legend"), value = part => with_digits(4).format(part * map.largest);
+  legend.hidden = !map;
+  if (!map) return;
+  legend.style.background = `linear-gradient(to right, ${RAMP.map(rgb => `rgb(${rgb})`).join()}) no-repeat 0 0 / 100% 0.9rem`;
+  legend.replaceChildren(...["0", value(0.5), `${value(1)} ${unit}`].map(text => Object.assign(document.createElement("span"), {textContent: text})));
 }
 
 function show_stack_facts({outside}) {
@@ -299,13 +299,13 @@ function stack_curves() {
   const curves = [];
   if (region) {
     const {mean, spread} = region.statistics;
-    curves.push({name: `mean of ${region.n} pixels`, style: "radiance", values: mean},
+    curves.push({name: `mean of ${region_text()}`, style: "radiance", values: mean},
       {name: "mean + spread", style: "specular", values: mean.map((value, i) => value + spread[i])},
       {name: "mean − spread", style: "specular", values: mean.map((value, i) => Math.max(0, value - spread[i]))});
-  } else curves.push({name: `pixel ${place_of(pixel).join(", ")}`, style: "radiance", values: stack_spectrum(pixel)});
+  } else curves.push({name: pixel_text(pixel), style: "radiance", values: stack_spectrum(pixel)});
   if (hovered !== null && hovered !== pixel)
     curves.push({name: "under the pointer", style: "light dashed", values: stack_spectrum(hovered)});
-  if (beside) curves.push({name: `${beside.facts.stack}, pixel ${place_of(pixel).join(", ")}`, style: "fluorescence",
+  if (beside) curves.push({name: `${beside.facts.stack}, ${pixel_text(pixel)}`, style: "fluorescence",
     values: Float64Array.from(beside.pages, page => page[pixel] * beside.unit)});
   kept_spectra.forEach(({name, values}, i) => curves.push({name, style: KEPT_STYLES[i % KEPT_STYLES.length], values}));
   return eye.detector ? curves.concat(detector_curves()) : curves;
@@ -327,7 +327,7 @@ function stack_rows(values) {
 function show_stack_pixel() {
   if (pixel === null || pixel >= n_pixels) return;
   const curves = stack_curves(), name = stack.facts.objects[shown[pixel] - 1];
-  set_text("picked", region ? `Region of ${region.n} pixels` : `Pixel ${place_of(pixel).join(", ")}${name ? ": " + name : ""}` +
+  set_text("picked", region ? `Region of ${region_text()}` : `P${pixel_text(pixel).slice(1)}${name ? ": " + name : ""}` +
     (map ? `: ${with_digits(4).format(map.values[pixel])}` : ""));
   show_numbers(stack_rows(curves[0].values));
   show_plot(curves);
@@ -376,18 +376,18 @@ function end_region(kind, points) {
   show_stack_pixel();
 }
 
-/* The fields of a rectangle: left, top, width and height in pixels. */
+/* The fields of a rectangle: left, top, width and height in pixels of the stack. */
 const RECTANGLE = ["region-x", "region-y", "region-w", "region-h"];
 
 function show_rectangle(points) {
   const [left, right] = points.map(([x]) => clamp(Math.floor(x), 0, shape.width - 1)).sort((a, b) => a - b);
   const [top, bottom] = points.map(([, y]) => clamp(Math.floor(y), 0, shape.height - 1)).sort((a, b) => a - b);
-  [left, top, right - left + 1, bottom - top + 1].forEach((value, i) => { element(RECTANGLE[i]).value = value; });
+  [left, top, right - left + 1, bottom - top + 1].forEach((value, i) => { element(RECTANGLE[i]).value = value * stack.facts.factor; });
 }
 
 function take_rectangle() {
-  const [x, y, width, height] = RECTANGLE.map(id => element(id).valueAsNumber);
-  if (x >= 0 && y >= 0 && width >= 1 && height >= 1) end_region("rectangle", [[x, y], [x + width - 0.5, y + height - 0.5]]);
+  const [x, y, width, height] = RECTANGLE.map(id => element(id).valueAsNumber / stack.facts.factor);
+  if (x >= 0 && y >= 0 && width > 0 && height > 0) end_region("rectangle", [[x, y], [x + width - 0.01, y + height - 0.01]]);
 }
 
 function show_region() {

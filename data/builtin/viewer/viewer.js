@@ -210,7 +210,7 @@ function colour_rows(radiance) {
   const rows = [["XYZ", figures(xyz, 4)], ["x, y", figures(chromaticity(xyz), 5)]];
   if (lab) rows.push(["L*a*b*", figures(lab, 3)]);
   if (lab && other)
-    rows.push(["ΔE*ab to the kept", figures([Math.hypot(...lab.map((value, i) => value - other[i]))], 3)]);
+    rows.push(["ΔE00 to the kept", figures([ciede2000(other, lab)], 3)]);
   return rows;
 }
 
@@ -286,14 +286,77 @@ function pick_by_key(event) {
 
 /* A click has the corner of a screen pixel. Its middle is meant. */
 function pick_by_pointer(event) {
+  if (panned) return;
   const box = canvas.getBoundingClientRect();
   choose(Math.floor((event.clientX + 0.5 - box.left) / box.width * shape.width),
     Math.floor((event.clientY + 0.5 - box.top) / box.height * shape.height));
 }
 
+/* ---- zooming in; in a live page the camera moves instead ---- */
+
+const zoom = {scale: 1, x: 0, y: 0}, MOST_ZOOM = 64;
+const fingers = new Map(); /* pointers on the picture: where each was last */
+let panned = false;        /* a drag has moved the picture: its end is no click */
+
+/* Moves and scales the frame, so that it covers its place. */
+function show_zoom() {
+  const {offsetWidth: width, offsetHeight: height} = element("frame");
+  zoom.x = clamp(zoom.x, width * (1 - zoom.scale), 0);
+  zoom.y = clamp(zoom.y, height * (1 - zoom.scale), 0);
+  for (const frame of [element("frame"), element("frame-2")].filter(one => one))
+    frame.style.transform = `translate(${zoom.x}px, ${zoom.y}px) scale(${zoom.scale})`;
+  for (const cross of document.querySelectorAll("#cross, #cross-2")) cross.style.transform = `scale(${1 / zoom.scale})`;
+  canvas.style.touchAction = zoom.scale > 1 ? "none" : "";
+  choose_scaling();
+}
+
+/* Zooms by a factor; the point under the pointer stays where it is. */
+function zoom_at(x, y, factor) {
+  const box = element("frame").getBoundingClientRect(), before = zoom.scale;
+  zoom.scale = clamp(before * factor, 1, MOST_ZOOM);
+  zoom.x += (x - box.left) * (1 - zoom.scale / before);
+  zoom.y += (y - box.top) * (1 - zoom.scale / before);
+  show_zoom();
+}
+
+function zoom_by_wheel(event) {
+  if (is_live()) return;
+  event.preventDefault();
+  zoom_at(event.clientX, event.clientY, 2 ** (-event.deltaY * (event.deltaMode === 1 ? 16 : 1) / 240));
+}
+
+/* Follows one pointer, which shifts a picture that is zoomed in, or two, which zoom. */
+function follow_finger(event) {
+  const last = fingers.get(event.pointerId), others = [...fingers].filter(([id]) => id !== event.pointerId);
+  if (is_live() || !last) return;
+  const [dx, dy] = [event.clientX - last.x, event.clientY - last.y];
+  if (others.length === 1) {
+    const [[, other]] = others, apart = ({x, y}) => Math.hypot(x - other.x, y - other.y) || 1;
+    const now = {x: event.clientX, y: event.clientY};
+    zoom_at((now.x + other.x) / 2, (now.y + other.y) / 2, apart(now) / apart(last));
+    panned = true;
+  } else if (zoom.scale > 1 && (panned || Math.hypot(dx, dy) > 4) && !(is_stack() && pointing() !== "pick")) {
+    Object.assign(zoom, {x: zoom.x + dx, y: zoom.y + dy});
+    show_zoom();
+    panned = true;
+  } else return;
+  fingers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+}
+
+function listen_to_zoom() {
+  const leave = event => fingers.delete(event.pointerId);
+  canvas.addEventListener("wheel", zoom_by_wheel, {passive: false});
+  canvas.addEventListener("pointerdown", event => {
+    if (fingers.size === 0) panned = false;
+    fingers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+  });
+  canvas.addEventListener("pointermove", follow_finger);
+  for (const name of ["pointerup", "pointercancel", "pointerleave"]) canvas.addEventListener(name, leave);
+}
+
 /* Shows an enlarged picture without smoothing, so that pixels keep their colours. */
 function choose_scaling() {
-  const enlarged = canvas.clientWidth * devicePixelRatio / shape.width;
+  const enlarged = canvas.clientWidth * zoom.scale * devicePixelRatio / shape.width;
   canvas.style.imageRendering = enlarged >= 1.5 ? "pixelated" : "auto";
 }
 
@@ -377,6 +440,7 @@ function listen() {
   element("controls").addEventListener("submit", event => event.preventDefault());
   element("objects").addEventListener("change", pick_object);
   canvas.addEventListener("click", pick_by_pointer);
+  listen_to_zoom();
   canvas.addEventListener("keydown", pick_by_key);
   element("values-shown").addEventListener("toggle", show_pixel);
   element("keep").addEventListener("click", () => is_stack() ? keep_spectrum() : keep());

@@ -82,6 +82,10 @@ def spectra(browser, which, stack):
           np.abs(shown - angle)[length > 0].max())
     browser.choose("stack-view", "difference")
     difference = np.array(browser.evaluate("[...map.values]")).reshape(angle.shape)
+    legend = browser.evaluate("(() => { const {hidden, style, children} = element('map-legend');"
+                              " return [hidden, style.background, ...[...children].map(({textContent}) => textContent)]; })()")
+    check(not legend[0] and "gradient" in legend[1] and legend[2] == "0" and legend[4].endswith("CIEDE2000") and
+          abs(float(legend[4].split()[0]) - difference.max()) < 1e-3 * difference.max(), f"{which}: a legend below a map has its colours and values", legend)
     check(difference[10, 20] < 1e-9 and difference.max() > 10, f"{which}: the map of CIEDE2000 is 0 where the spectrum was kept",
           difference[10, 20])
     browser.evaluate("document.querySelector('#kept-list button').click()")
@@ -155,6 +159,28 @@ def unseen(browser, which):
     check(np.allclose(browser.evaluate("[...stack_curves()[0].values]"), values[:, 10, 20]), f"{which}: and their spectra")
 
 
+def zoomed(browser, which, stack, values):
+    """The wheel enlarges the picture about the pointer; a click then picks the pixel that is seen there, and a drag shifts it."""
+    browser.open(view(stack))
+    x, y = browser.at(20.5, 10.5)
+    browser.evaluate(f"""for (let i = 0; i < 6; i++)
+        canvas.dispatchEvent(new WheelEvent('wheel', {{clientX: {x}, clientY: {y}, deltaY: -120, bubbles: true, cancelable: true}}))""")
+    scale, rendering = browser.evaluate("[zoom.scale, canvas.style.imageRendering]")
+    check(abs(scale - 8) < 1e-9 and rendering == "pixelated", f"{which}: the wheel zooms in to pixels", scale, rendering)
+    browser.click(x, y)
+    check(browser.text("picked").startswith("Pixel 20, 10"), f"{which}: the pixel under the pointer stays there", browser.text("picked"))
+    step, before = browser.evaluate("(({left, width}) => [width / shape.width, left])(canvas.getBoundingClientRect())")
+    browser.click(x + step, y + step)
+    check(browser.text("picked").startswith("Pixel 21, 11"), f"{which}: its neighbour is picked beside it", browser.text("picked"))
+    browser.evaluate(f"""for (const [name, dx] of [['pointerdown', 0], ['pointermove', 30], ['pointerup', 30], ['click', 30]])
+        canvas.dispatchEvent(new PointerEvent(name, {{pointerId: 1, clientX: {x} + dx, clientY: {y}, bubbles: true}}))""")
+    moved = browser.evaluate("canvas.getBoundingClientRect().left") - before
+    check(browser.text("picked").startswith("Pixel 21, 11") and abs(moved - 30) < 0.01, f"{which}: a drag shifts it, and picks nothing",
+          browser.text("picked"), moved)
+    browser.evaluate("zoom_at(0, 0, 1e-3)")
+    check(browser.evaluate("[zoom.scale, zoom.x, zoom.y]") == [1, 0, 0], f"{which}: zoomed out, the picture has its place again")
+
+
 def budgets(browser, which, stack, values):
     page = view(stack, "--budget", "1")
     browser.open(page)
@@ -167,6 +193,19 @@ def budgets(browser, which, stack, values):
     blocks = blocks.reshape(len(values), -1, factor, blocks.shape[2] // factor, factor).mean((2, 4))
     seen = np.array(browser.evaluate("[...stack.pages[77]]")).reshape(-1, width)[:blocks.shape[1], :blocks.shape[2]]
     check(np.allclose(seen, blocks[77], rtol=1e-6), f"{which}: its pixels are means")
+    browser.click(*browser.at(10.5, 5.5))
+    x, y = 10 * factor, 5 * factor
+    probed = [float(line.split(",")[1]) for line in output_of("probe", stack, x, y, factor, factor, "--csv").splitlines()[1:]]
+    csv = browser.evaluate("values_csv(stack_curves())").splitlines()
+    check(browser.text("picked").startswith(f"Pixel {x}, {y} (mean of {factor} × {factor})") and f"pixel {x}, {y} (mean" in csv[0],
+          f"{which}: a reduced page names places of the stack", browser.text("picked"), csv[0])
+    check(np.allclose([float(line.split(",")[1]) for line in csv[1:]], probed, rtol=2e-6), f"{which}: and its CSV has the values of probe there")
+    browser.evaluate(f"""['{2 * factor}', '{3 * factor}', '{8 * factor}', '{4 * factor}'].forEach((value, i) => {{ element(RECTANGLE[i]).value = value; }});
+        take_rectangle()""")
+    probed = [float(line.split(",")[1]) for line in
+              output_of("probe", stack, 2 * factor, 3 * factor, 8 * factor, 4 * factor, "--csv").splitlines()[1:]]
+    check(np.allclose(browser.evaluate("[...region.statistics.mean]"), probed, rtol=2e-6) and
+          f"32 means of {factor} × {factor} pixels" in browser.text("picked"), f"{which}: so has a rectangle", browser.text("picked"))
     browser.drop(stack)
     browser.wait("stack.facts.factor === 1")
     seen = np.array(browser.evaluate("[...stack.pages[77]]"), np.float32).reshape(values[77].shape)
@@ -235,6 +274,7 @@ def main():
         if which == "Chromium":
             alone(browser, which, stack)
         kind[0] = LIVE
+        zoomed(browser, which, stack, values)
         budgets(browser, which, stack, values)
         two(browser, which, own, other)
         if which == "Chromium":

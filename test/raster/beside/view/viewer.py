@@ -15,6 +15,7 @@ from PIL import Image
 from osgeo import gdal
 
 from browser import Browser
+from colours import ciede2000
 from rendered import LIVE, SPECTRAL, TMP, built_in, check, developed, done, objects_of, output_of, pages_of, path_of, reference, write
 
 gdal.UseExceptions()
@@ -300,7 +301,7 @@ def causes():
 
 
 def difference(one, other):
-    """ΔE*ab of two pixels, as the page shows it if one is kept and the other picked."""
+    """CIEDE2000 of two pixels, as the page shows it if one is kept and the other picked."""
     click_pixel(*one)
     browser.press("keep")
     kept = numbers()["L*a*b*"]
@@ -308,8 +309,8 @@ def difference(one, other):
     shown = numbers()
     beside = any(name.startswith("kept") for name in values())
     browser.press("keep")
-    expected = np.sqrt(np.sum((shown["L*a*b*"] - kept) ** 2))
-    return shown["ΔE*ab to the kept"][0], expected, beside
+    expected = float(ciede2000(kept, shown["L*a*b*"]))
+    return shown["ΔE00 to the kept"][0], expected, beside
 
 
 def metamers():
@@ -320,12 +321,12 @@ def metamers():
         return [Math.floor(at / shape.width) + 3, at % shape.width];
     })()""")
     alike, expected, beside = difference((left, y), (left + 1, y))
-    check(abs(alike - expected) < 2e-3 and beside, "a kept pixel is compared by ΔE*ab and its spectrum",
+    check(abs(alike - expected) < 2e-3 and beside, "a kept pixel is compared by CIEDE2000 and its spectrum",
           alike, expected, beside)
     browser.press("keep")
     for detector in ("cie1964", "cie2006-2", "cie1931"):
         browser.choose("detector", detector)
-        check(numbers()["ΔE*ab to the kept"] == [0], f"{detector}: a pixel does not differ from itself")
+        check(numbers()["ΔE00 to the kept"] == [0], f"{detector}: a pixel does not differ from itself")
     browser.press("keep")
     browser.choose("lights-1", "a")
     apart, _, _ = difference((left, y), (left + 1, y))
