@@ -9,21 +9,26 @@
 
 /* ---- samples ---- */
 
-/* Text of a page for each byte of samples, before they are compressed (base64). */
-static const double text_per_byte = 4.0 / 3;
+/* Text of a page for each byte of samples: base64. Samples that do not compress at all need all of
+ * it; of those that compress by more than this, the least factor may be missed. */
+static const double text_per_byte = 4.0 / 3, most_compressed = 4;
 
+/* Finds the size of the page for the next factor. */
 static void find_size(struct stack_page *out)
 {
     const struct image *image = &out->rows.cube.image;
     out->counts = !image_is_float(image);
-    const double pixel = image->n_pages * (out->counts ? 2 : 4) * text_per_byte;
-    do {
-        out->factor++;
-        out->width = (image->width + out->factor - 1) / out->factor;
-        out->height = (image->height + out->factor - 1) / out->factor;
-    } while (pixel * out->width * out->height > out->budget_bytes && out->width * out->height > 1);
+    out->factor++;
+    out->width = (image->width + out->factor - 1) / out->factor;
+    out->height = (image->height + out->factor - 1) / out->factor;
     out->n_pixels = (size_t)out->width * (size_t)out->height;
     out->n_bytes = out->n_pixels * (size_t)image->n_pages * (out->counts ? 2 : 4);
+}
+
+static bool may_fit(const struct stack_page *of, double compressed)
+{
+    return (double)of->n_bytes * text_per_byte <= compressed * of->budget_bytes ||
+           of->n_pixels == 1;
 }
 
 /* Stores a mean as a float, or as a count of scale / LARGEST_SAMPLE. */
@@ -170,26 +175,54 @@ static void put_stack(const struct stack_page *stack, const char *name, struct p
         print_bytes(to, stack->objects, stack->n_pixels * sizeof *stack->objects);
 }
 
-bool stack_page_write(struct stack_page *of, struct options *options, bool alone, struct error *err)
+/* Makes the data for the next factor that may fit, if they are compressed by so much: as a text,
+ * of->bytes long; NULL: see err. */
+static char *make_data(struct stack_page *of, const char *stack, double compressed,
+                       struct error *err)
 {
-    const char *stack = options->operand;
-    struct printed data = {.text = NULL}, bytes = {.text = NULL};
-    if (!cube_open(stack, &of->rows.cube, err))
-        return false;
-    find_size(of);
+    struct printed bytes = {.text = NULL};
+    do
+        find_size(of);
+    while (!may_fit(of, compressed));
+    FREE_ALL(of->samples, of->objects, of->rows.samples);
+    of->samples = of->objects = NULL;
+    of->rows.samples = NULL;
     if (!read_samples(of, err) || !read_objects(of, err))
-        return false;
+        return NULL;
     put_stack(of, stack, &bytes, err);
     char *text = printed_take(&bytes, err);
     of->bytes = bytes.length;
-    bool done = err->status == EXIT_AGREED;
-    if (done && alone)
-        done = file_write(options->output, text, bytes.length, &options->outputs, err);
-    else if (done) {
-        put_packed(&data, "stack", text, bytes.length, err);
-        done =
-            page_write(has_live_pages() ? PAGE_LIVE : PAGE_STACK, &data, options, &of->bytes, err);
+    return text;
+}
+
+/* Packs the data with the least factor that keeps to the budget. */
+static bool put_smallest(struct stack_page *of, const char *stack, struct printed *data,
+                         struct error *err)
+{
+    do {
+        free(printed_end(data));
+        *data = (struct printed){.text = NULL};
+        char *text = make_data(of, stack, most_compressed, err);
+        put_packed(data, "stack", text, text ? of->bytes : 0, err);
+        free(text);
+    } while (err->status == EXIT_AGREED && (double)data->length > of->budget_bytes &&
+             of->n_pixels > 1);
+    return err->status == EXIT_AGREED;
+}
+
+bool stack_page_write(struct stack_page *of, struct options *options, bool alone, struct error *err)
+{
+    const char *stack = options->operand;
+    struct printed data = {.text = NULL};
+    if (!cube_open(stack, &of->rows.cube, err))
+        return false;
+    if (!alone) {
+        put_smallest(of, stack, &data, err); /* page_write ends the data, also after a failure */
+        return page_write(has_live_pages() ? PAGE_LIVE : PAGE_STACK, &data, options, &of->bytes,
+                          err);
     }
+    char *text = make_data(of, stack, 1, err);
+    const bool done = text && file_write(options->output, text, of->bytes, &options->outputs, err);
     free(text);
     return done;
 }

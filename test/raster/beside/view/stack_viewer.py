@@ -247,6 +247,14 @@ def alone(browser, which, header):
           f"{which}: its policy allows none", policy)
 
 
+def packed():
+    """The budget is one of the page: samples that compress well are not reduced."""
+    stack = path_of("flat.tif")
+    output_of("render", "patches", "--size", "300x200", "-o", stack, "--quiet")
+    facts = json.loads(output_of("view", stack, "-o", path_of("x.html"), "--quiet", "--json", "-", "--budget", "3"))
+    check(facts["factor"] == 1 and facts["bytes"] < 3e6 < 300 * 200 * 71 * 2, "a stack that fits compressed is not reduced", facts)
+
+
 def refusals():
     stack = path_of("own.tif")
     facts = json.loads(output_of("view", stack, "-o", path_of("x.html"), "--quiet", "--json", "-"))
@@ -281,6 +289,7 @@ def main():
             check(not browser.complaints and all(one.startswith(("file:", "blob:", "data:")) for one in browser.requests),
                   "Chromium: no page fetches or complains", *browser.complaints)
         browser.close()
+    packed()
     refusals()
     done()
 
