@@ -136,8 +136,8 @@ static bool read_numbers(const struct drawn *of, const char *name, size_t n, voi
     struct stat status;
     int descriptor;
     snprintf(path, sizeof path, "%.4095s/%s%s", of->pixels->path, of->pixels->prefix, name);
-    if (found && !(*found = !file_is_missing(path)))
-        return true;
+    if (found && !(*found = stat(path, &status) == 0))
+        return errno == ENOENT || error_cause(err, place, "cannot read");
     if (!file_open(path, place, &descriptor, &builtin, err))
         return false;
     bool done = fstat(descriptor, &status) == 0 || error_cause(err, place, "cannot read");
