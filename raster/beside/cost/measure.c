@@ -117,6 +117,13 @@ static bool measure_job(void *context, void *out, struct error *err)
 
 /* ---- configurations ---- */
 
+/* Removes the stack, if there is one: the next one gets its name. */
+static bool remove_stack(const struct measurement *measurement, struct error *err)
+{
+    return unlink(measurement->stack) == 0 || errno == ENOENT ||
+           error_system(err, "cannot remove %s", measurement->stack);
+}
+
 /* Renders the standard, and summarizes its stack. A failure that names a temporary file is for want
  * of room. */
 static bool make_standard(struct measurement *measurement, struct error *err)
@@ -129,8 +136,9 @@ static bool make_standard(struct measurement *measurement, struct error *err)
         run_program(measurement->options, &entry, measurement->stack, &seconds, &own) &&
         standard_summarize(measurement->stack, &measurement->standard, &own);
     measurement->cost->standard_seconds = seconds.wall;
-    unlink(measurement->stack);
     cost_entry_free(&entry);
+    if (!remove_stack(measurement, err))
+        return false;
     if (strstr(own.text, measurement->folder.path))
         error_failed(err, "%s; set TMPDIR to a folder with more room", error_words(&own));
     else if (!done)
@@ -148,7 +156,8 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
         return false;
     const bool done =
         process_run(measure_job, measurement, &entry->accuracy, sizeof entry->accuracy, &own);
-    unlink(measurement->stack);
+    if (!remove_stack(measurement, err))
+        return false;
     step(measurement, 2);
     if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
         *err = own;
@@ -253,9 +262,9 @@ static bool run_round(struct measurement *measurement, int round, struct error *
     for (int i = 0; i < measurement->cost->n; i++) {
         struct cost_entry *entry = &measurement->cost->entries[i];
         if (!run_program(measurement->options, entry, measurement->stack, &entry->times[round],
-                         err))
+                         err) ||
+            !remove_stack(measurement, err))
             return false;
-        unlink(measurement->stack);
         step(measurement, 1);
     }
     return true;
