@@ -163,8 +163,8 @@ def zoomed(browser, which, stack, values):
     """The wheel enlarges the picture about the pointer; a click then picks the pixel that is seen there, and a drag shifts it."""
     browser.open(view(stack))
     x, y = browser.at(20.5, 10.5)
-    browser.evaluate(f"""for (let i = 0; i < 6; i++)
-        canvas.dispatchEvent(new WheelEvent('wheel', {{clientX: {x}, clientY: {y}, deltaY: -120, bubbles: true, cancelable: true}}))""")
+    browser.evaluate(f"""Array(6).fill(-120).forEach(deltaY =>
+        canvas.dispatchEvent(new WheelEvent('wheel', {{clientX: {x}, clientY: {y}, deltaY, bubbles: true, cancelable: true}})))""")
     scale, rendering = browser.evaluate("[zoom.scale, canvas.style.imageRendering]")
     check(abs(scale - 8) < 1e-9 and rendering == "pixelated", f"{which}: the wheel zooms in to pixels", scale, rendering)
     browser.click(x, y)
@@ -172,8 +172,8 @@ def zoomed(browser, which, stack, values):
     step, before = browser.evaluate("(({left, width}) => [width / shape.width, left])(canvas.getBoundingClientRect())")
     browser.click(x + step, y + step)
     check(browser.text("picked").startswith("Pixel 21, 11"), f"{which}: its neighbour is picked beside it", browser.text("picked"))
-    browser.evaluate(f"""for (const [name, dx] of [['pointerdown', 0], ['pointermove', 30], ['pointerup', 30], ['click', 30]])
-        canvas.dispatchEvent(new PointerEvent(name, {{pointerId: 1, clientX: {x} + dx, clientY: {y}, bubbles: true}}))""")
+    browser.evaluate(f"""[['pointerdown', 0], ['pointermove', 30], ['pointerup', 30], ['click', 30]].forEach(([name, dx]) =>
+        canvas.dispatchEvent(new PointerEvent(name, {{pointerId: 1, clientX: {x} + dx, clientY: {y}, bubbles: true}})))""")
     moved = browser.evaluate("canvas.getBoundingClientRect().left") - before
     check(browser.text("picked").startswith("Pixel 21, 11") and abs(moved - 30) < 0.01, f"{which}: a drag shifts it, and picks nothing",
           browser.text("picked"), moved)
@@ -200,8 +200,10 @@ def budgets(browser, which, stack, values):
     check(browser.text("picked").startswith(f"Pixel {x}, {y} (mean of {factor} × {factor})") and f"pixel {x}, {y} (mean" in csv[0],
           f"{which}: a reduced page names places of the stack", browser.text("picked"), csv[0])
     check(np.allclose([float(line.split(",")[1]) for line in csv[1:]], probed, rtol=2e-6), f"{which}: and its CSV has the values of probe there")
-    browser.evaluate(f"""['{2 * factor}', '{3 * factor}', '{8 * factor}', '{4 * factor}'].forEach((value, i) => {{ element(RECTANGLE[i]).value = value; }});
-        take_rectangle()""")
+    browser.evaluate(f"""(() => {{
+        [{2 * factor}, {3 * factor}, {8 * factor}, {4 * factor}].forEach((value, i) => {{ element(RECTANGLE[i]).value = value; }});
+        take_rectangle();
+    }})()""")
     probed = [float(line.split(",")[1]) for line in
               output_of("probe", stack, 2 * factor, 3 * factor, 8 * factor, 4 * factor, "--csv").splitlines()[1:]]
     check(np.allclose(browser.evaluate("[...region.statistics.mean]"), probed, rtol=2e-6) and
