@@ -223,8 +223,7 @@ enum { MOST_PAGES_OF_FLOATS = 4 };
 struct picture_options {
     int width, height; /* a TIFF above 4 GiB becomes a BigTIFF */
     int bits;          /* of a sample: 8, 16, or 32 of a float, which a PNG has not */
-    const char
-        *channels[MOST_PAGES_OF_FLOATS]; /* of a float picture: "X", "Y", "Z"; NULL: no more */
+    const char *channels[MOST_PAGES_OF_FLOATS]; /* of floats: "X", "Y", "Z"; NULL: no more */
     bool srgb;                    /* a PNG says so in chunks of its own, and needs no profile */
     const unsigned char *profile; /* ICC; NULL: none */
     size_t profile_length;

@@ -49,7 +49,7 @@ bool foreign_read(struct image *image, const char *format, struct error *err);
 
 /* ---- scale.c ---- */
 
-/* Finds colour number `step` of the scale, and a label: the largest number that has it, or "> 64".
+/* Finds colour number `step` of the scale, and a label: the largest number that has it, or ">64".
  * Returns false beyond the last one. */
 bool scale_step(int step, double least, uint8_t out[3], char label[32]);
 

@@ -128,8 +128,10 @@ struct raw {
     double full_scale;      /* of counts: the largest value */
     uint64_t below_0;       /* values */
 };
-/* Does the same for a camera or film. An observer's channels are XYZ, which all have in any case:
- * it becomes a detector without channels. */
+/* Reads a camera or film of any number of channels, and finds the weights of the cube's pages,
+ * [channel * n_pages + page]. An observer becomes a detector without channels: its channels are
+ * XYZ, which are printed in any case. Refuses a stack whose sampling is fixed. The caller frees
+ * both, also after a failure. */
 bool camera_weights(const struct cube *cube, const char *name, struct detector *detector,
                     double **weights, struct error *err);
 /* Reads a stack and writes the raw values of a detector of any number of channels. The caller frees

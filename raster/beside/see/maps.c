@@ -201,8 +201,10 @@ static void put_bands(void *context, size_t first, size_t end)
             const int surface = of->picture->surface[i];
             const struct shaded_material *shaded =
                 surface >= 0 ? of->lit.bounds[surface].shaded : NULL;
-            values[i] = shaded ? (float)texture_at(of, shaded, i, band) : 0;
-            values[n + i] = shaded ? (float)illumination_at(of, shaded, i, band) : 0;
+            if (band < of->n_textures)
+                values[i] = shaded ? (float)texture_at(of, shaded, i, band) : 0;
+            if (band < of->n_illumination)
+                values[n + i] = shaded ? (float)illumination_at(of, shaded, i, band) : 0;
         }
 }
 

@@ -168,8 +168,9 @@ static bool raw_weights(const struct cube *cube, const char *name, struct detect
         return false;
     if (!cube_weights(cube, detector, *weights, err))
         return false;
+    const double luminance = cube_luminance(cube, detector);
     for (int i = 0; i < detector->n * image->n_pages; i++)
-        (*weights)[i] *= cube_luminance(cube, detector);
+        (*weights)[i] *= luminance;
     return true;
 }
 
