@@ -34,12 +34,14 @@ static bool read_unit(struct text *text, struct light *out, struct error *err)
 static bool check_unit(const struct scene *scene, const struct light *light, struct error *err)
 {
     static const char *const words[] = {"relative", "W"};
-    const bool absolute = scene_is_absolute(scene);
-    return light->absolute == absolute ||
-           error_at(err, light->place,
-                    "the unit of this light is %s, of those before it %s; "
-                    "expected 'unit %s' here, too",
-                    words[light->absolute], words[absolute], words[absolute]);
+    for (int i = 0; i < scene->n_lights + scene->n_ambients; i++)
+        if (scene_light(scene, i)->absolute != light->absolute)
+            return error_at(err, light->place,
+                            "the unit of this light is %s, of those before it %s; "
+                            "expected 'unit %s' here, too",
+                            words[light->absolute], words[!light->absolute],
+                            words[!light->absolute]);
+    return true;
 }
 
 bool ambient_read(struct scene_reader *reader, struct error *err)

@@ -78,7 +78,9 @@ for sampling in "gauss:4", "gauss:4,xyz", "box:6", "xyz":
     xyz = tifffile.imread(f"{TMP}/x.tif")[:, 5, 5]
     check(np.allclose(xyz, seen["XYZ"], rtol=1e-3), f"--sampling {sampling} keeps the luminance", xyz)
 
-for scene, words in ((SCENE.replace("direction 0 0 1 {1}", "direction 0 0 1"), "a.scene:5:1: error: the unit of this light is W"),
+AMBIENT_FIRST = "ambient e 0.1\n" + SCENE
+for scene, words in ((AMBIENT_FIRST, "a.scene:5:1: error: the unit of this light is W, of those before it relative"),
+                     (SCENE.replace("direction 0 0 1 {1}", "direction 0 0 1"), "a.scene:5:1: error: the unit of this light is W"),
                      (SCENE.replace("{1}", "{1} unit W", 1), "a.scene:4:37: error: unit is given twice"), (SCENE.replace("{1}", "unit nm"), "a.scene:4:35: error: unknown unit")):
     refused = run("render", write("a.scene", scene.format("e", "unit W")), "-o", f"{TMP}/no.tif")
     check(refused.returncode == 2 and words in refused.stderr, f"refused: {words}", refused.stderr)
