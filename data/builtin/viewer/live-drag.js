@@ -228,6 +228,7 @@ function show_handles() {
       const group = draw(svg, "g", {"data-light": i});
       draw(group, "circle", {});
       draw(group, "title", {}, `Light ${i + 1}: drag it`);
+      draw(group, "text", {"text-anchor": "middle"}, String(i + 1));
       group.addEventListener("pointerdown", event => drag_handle(i, event));
       return group;
     }));
@@ -238,6 +239,8 @@ function show_handles() {
     for (const [name, value] of Object.entries({cx: clamp(x, size, shape.width - size), cy: clamp(y, size, shape.height - size),
       r: size, fill: light_colour(light), opacity: inside ? 1 : 0.55, "stroke-dasharray": inside ? "none" : "3 2"}))
       circle.setAttribute(name, value);
+    for (const [name, value] of Object.entries({x: circle.getAttribute("cx"), y: +circle.getAttribute("cy") + 0.4 * size, "font-size": 1.2 * size}))
+      svg.children[i].lastChild.setAttribute(name, value);
   });
 }
 

@@ -176,7 +176,7 @@ async function pump() {
   drawer.whole = !moving;
   drawer.send_files(of.files);
   const answer = await drawer.ask({task: "draw", words: [of.scene, ...of.words], size: coarse_words(factor),
-    keys: {...keys}, eye: eye_names(), exposure: wanted_exposure(), whole: !moving});
+    keys: {...keys}, eye: eye_names(), exposure: moving ? exposure : wanted_exposure(), whole: !moving}); /* no flicker */
   drawer.since = null;
   if (moving && answer.ms) adapt_coarseness(factor, answer.ms);
   if (number > latest_shown && answer.error !== "stopped") {

@@ -146,19 +146,38 @@ function material_word(path) {
   return builtin ? builtin[1] : path;
 }
 
-/* Changes the statement of the chosen object: change(parts). Opens a checker first, so that each of its objects has a
- * statement of its own. */
-function edit_object(concerns, change, group) {
+/* Changes the text at the statement of the chosen object: change(text, line). Opens a checker first, so that each of its
+ * objects has a statement of its own. */
+function edit_at_object(concerns, change, group) {
   const number = chosen;
   if (!chosen_object()) return edits;
   return edit(concerns, (text, object) => {
     const found = statement_at(text, object.line);
-    if (found.words[0].text === "object") return with_object(text, object.line, change);
+    if (found.words[0].text === "object") return change(text, object.line);
     const group = same_checker(object), i = group.indexOf(object.object);
     const opened = with_checker_opened(text, object.line, checker_materials(group));
     const own = statements_of(opened).filter(({start, words}) => start >= found.start && words[0].text === "object")[i];
-    return with_object(opened, own.line, change);
+    return change(opened, own.line);
   }, () => scene.objects[number - 1], group);
+}
+
+/* Changes the parts of the chosen object: change(parts). */
+const edit_object = (concerns, change, group) =>
+  edit_at_object(concerns, (text, line) => with_object(text, line, change), group);
+
+/* Puts a copy of the chosen object beside it, to the right in the picture. */
+function copy_object() {
+  const by = way_of(shape.width / 8, 0, place_of_object(chosen_object()));
+  edit_at_object(GEOMETRY | SPECTRA, (text, line) => {
+    const found = statement_at(text, line), parts = object_parts(found);
+    move_object(parts, by);
+    return replaced(text, {start: found.end, end: found.end}, "\n" + parts_text(parts));
+  });
+}
+
+function remove_object() {
+  edit_at_object(GEOMETRY | SPECTRA, (text, line) => replaced(text, statement_at(text, line), ""));
+  choose_object(0);
 }
 
 /* The numbers of all objects of the checker that made this one. */

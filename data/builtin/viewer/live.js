@@ -115,6 +115,20 @@ function edit_light(kind, i, change) {
   } else edit(concerns, (text, {line}) => with_light(text, line, change), () => scene[kind][i]);
 }
 
+function button_of(id, text, act) {
+  const button = Object.assign(document.createElement("button"), {type: "button", id, textContent: text});
+  button.addEventListener("click", act);
+  return button;
+}
+
+/* A new light stands where the camera stands, so that it shines on what is seen. */
+function add_light() {
+  const unit = scene.radiance_unit ? " unit W" : "";
+  edit(GEOMETRY | SPECTRA, text => with_first_statement(text, `light d65 ${unit ? 0.01 : 0.5} position ${as_vector(camera.eye)}${unit}`));
+}
+
+const remove_light = (kind, i) => edit(GEOMETRY | SPECTRA, (text, {line}) => replaced(text, statement_at(text, line), ""), () => scene[kind][i]);
+
 /* Adds the rows of a light: spectrum and intensity as in every page; colour temperature; place. */
 function add_live_source(kind, i) {
   const id = `${kind}-${i + 1}`, name = (kind === "lights" ? "Light" : "Ambient") + number_of(kind, i);
@@ -128,7 +142,8 @@ function add_live_source(kind, i) {
     aria-label="Colour temperature of ${name}"> K</div>` +
     (kind === "lights" ? `<span id="${id}-label" class="dim">${scene.lights[i].position ? "Stands at" : "Shines from"}</span>
     <div id="${id}-place" role="group" aria-labelledby="${id}-label"></div>` : "");
-  element("sources").append(more);
+  menu.closest(".row").after(more);
+  if (scene[kind][i].line) more.append(Object.assign(button_of(id + "-remove", `Remove ${name.toLowerCase()}`, () => remove_light(kind, i)), {className: "second"}));
   on_change(id, value => {
     const lamp = LAMPS.find(([name]) => name === value);
     edit_light(kind, i, {spectrum: lamp ? `${lamp[0]}:${lamp[2]}` : value.startsWith("file ") ? value.slice(5)
@@ -150,6 +165,7 @@ function refresh_sources() {
     const typing = document.activeElement.matches("#sources input") && document.activeElement;
     element("sources").replaceChildren();
     for (const kind of ["ambients", "lights"]) scene[kind].forEach((_, i) => add_live_source(kind, i));
+    element("sources").append(button_of("add-light", "Add a light", add_light));
     element("sources").dataset.key = key;
     if (typing && element(typing.id)) { /* somebody types: the field stays, with half a number in it */
       element(typing.id).replaceWith(typing);
@@ -185,7 +201,7 @@ function object_facts() {
 
 function refresh_object() {
   const object = chosen_object(), facts = object_facts();
-  for (const control of element("object-group").querySelectorAll("input, select")) control.disabled = !object;
+  for (const control of element("object-group").querySelectorAll("input, select, button")) control.disabled = !object;
   set_text("chosen", object ? object_name(chosen) : "Click an object of the picture, or choose one under Spectrum.");
   const own = state.baked ? material_names(text_of(state)) : [];
   const named = object ? object.name : "";
@@ -210,6 +226,8 @@ function refresh_object() {
 }
 
 function listen_to_object() {
+  element("copy-object").addEventListener("click", copy_object);
+  element("remove-object").addEventListener("click", remove_object);
   on_change("material", value => {
     const [kind, name] = [value.slice(0, value.indexOf(" ")), value.slice(value.indexOf(" ") + 1)];
     kind === "own" ? choose_material(name) : choose_material(file_stem(name), name);
@@ -257,10 +275,7 @@ function listen_to_camera() {
   element("zoom-in").addEventListener("click", () => zoom_view(KEY_ZOOM));
   element("zoom-out").addEventListener("click", () => zoom_view(1 / KEY_ZOOM));
   for (const [name, key] of [["Left", "a"], ["Right", "d"], ["Up", "w"], ["Down", "s"]]) {
-    const button = document.createElement("button");
-    Object.assign(button, {type: "button", textContent: name});
-    button.addEventListener("click", () => KEYS[key]());
-    element("camera-buttons").append(button);
+    element("camera-buttons").append(button_of(`camera-${key}`, name, () => KEYS[key]()));
   }
 }
 
@@ -303,10 +318,7 @@ function show_text_error(message) {
   error.hidden = message === "";
   element("text").setAttribute("aria-invalid", message !== "");
   if (!place || !is_text(state) || !(place[1] in state.files)) return;
-  const button = document.createElement("button");
-  Object.assign(button, {type: "button", id: "to-error", textContent: `Show line ${place[2]}`});
-  button.addEventListener("click", () => select_line(place[1], Number(place[2])));
-  error.append(" ", button);
+  error.append(" ", button_of("to-error", `Show line ${place[2]}`, () => select_line(place[1], Number(place[2]))));
 }
 
 async function select_line(file, line) {

@@ -56,38 +56,44 @@ function draw_axes(svg, frame) {
     draw(svg, "text", {x: frame.x(nm), y: frame.bottom + 21, "text-anchor": "middle"}, short_number.format(nm));
   }
   for (const value of ticks(0, frame.end, 5)) {
-    draw(svg, "path", {class: "grid", d: `M${frame.left} ${frame.y(value)}H${frame.right}`});
-    draw(svg, "text", {x: frame.left - 6, y: frame.y(value) + 4, "text-anchor": "end"}, short_number.format(value));
+    const y = frame.y_of.radiance(value);
+    draw(svg, "path", {class: "grid", d: `M${frame.left} ${y}H${frame.right}`});
+    draw(svg, "text", {x: frame.left - 6, y: y + 4, "text-anchor": "end"}, short_number.format(value));
   }
-  for (const value of frame.relative_end ? ticks(0, frame.relative_end, 5) : [])
-    draw(svg, "text", {x: frame.right + 6, y: frame.y_relative(value) + 4}, short_number.format(value));
+  for (const {axis, place, end, title} of frame.right_axes) {
+    for (const value of ticks(0, end, 5))
+      draw(svg, "text", {class: `of-${axis}`, x: place, y: frame.y_of[axis](value) + 4}, short_number.format(value));
+    draw(svg, "text", {class: `of-${axis}`, x: place + AXIS_WIDTH - 8, y: 12, "text-anchor": "end"}, title);
+  }
   draw(svg, "rect", {class: "axis", x: frame.left, y: frame.top, width: frame.across, height: frame.down});
   draw(svg, "text", {x: frame.left + frame.across / 2, y: frame.bottom + 38, "text-anchor": "middle"},
     "wavelength (nm)");
   draw(svg, "text", {x: 2, y: 12}, `radiance (${scene.radiance_unit || "relative"})`);
-  if (frame.relative_end)
-    draw(svg, "text", {x: frame.width - 2, y: 12, "text-anchor": "end"}, "reflectance, excitation");
 }
+
+/* The axes on the right, from the inner one: the title, and the least value at the end. A curve without one of them is radiance. */
+const AXES = {relative: {title: "reflectance, excitation", least: 1}, light: {title: "light", least: 1e-3}};
+const AXIS_WIDTH = 36;
 
 /* Returns the layout of the plot, with functions from values to places. */
 function plot_frame(curves) {
   const width = clamp(element("chart").clientWidth, 280, 900), height = width > 500 ? 330 : 270;
-  const relative = curves.filter(curve => curve.relative), nm = scene.wavelengths, alone = n_bands > 1 ? 0 : 1;
-  const frame = {width, height, left: 46, right: width - (relative.length > 0 ? 36 : 12), top: 22,
-    bottom: height - 46, first: nm[0] - alone, last: nm[n_bands - 1] + alone,
-    end: axis_end(curves.filter(curve => !curve.relative), 1e-3),
-    relative_end: relative.length > 0 ? axis_end(relative, 1) : 0};
+  const nm = scene.wavelengths, alone = n_bands > 1 ? 0 : 1, of = axis => curves.filter(curve => curve.axis === axis);
+  const names = Object.keys(AXES).filter(axis => of(axis).length > 0), right = width - Math.max(12, AXIS_WIDTH * names.length);
+  const frame = {width, height, left: 46, right, top: 22, bottom: height - 46, first: nm[0] - alone, last: nm[n_bands - 1] + alone,
+    end: axis_end(of(undefined), 1e-3), y_of: {}, right_axes: names.map((axis, i) => ({axis, title: AXES[axis].title,
+      end: axis_end(of(axis), AXES[axis].least), place: right + 6 + AXIS_WIDTH * i}))};
   frame.across = frame.right - frame.left;
   frame.down = frame.bottom - frame.top;
   const rounded = place => +place.toFixed(2);
   frame.x = value => rounded(frame.left + (value - frame.first) / (frame.last - frame.first) * frame.across);
-  frame.y = value => rounded(frame.bottom - value / frame.end * frame.down);
-  frame.y_relative = value => rounded(frame.bottom - value / frame.relative_end * frame.down);
+  for (const {axis, end} of [{axis: "radiance", end: frame.end}, ...frame.right_axes])
+    frame.y_of[axis] = value => rounded(frame.bottom - value / end * frame.down);
   return frame;
 }
 
-function curve_path({values, relative}, frame) {
-  const y = relative ? frame.y_relative : frame.y;
+function curve_path({values, axis}, frame) {
+  const y = frame.y_of[axis || "radiance"];
   const points = Array.from(values, (value, i) => `${frame.x(scene.wavelengths[i])} ${y(value)}`);
   return n_bands > 1 ? "M" + points.join("L") : `M${points[0]}m-9 0h18`;
 }

@@ -11,6 +11,28 @@ function fill_select(select, names, selected) {
   names.forEach((name, i) => select.add(new Option(name, i, i === selected, i === selected)));
 }
 
+const FEW_SOURCES = 3;
+
+/* Returns the place for a light's controls. More than a few lights are a list, where one form is open at a time. */
+function place_of_source(id) {
+  if (scene.ambients.length + scene.lights.length <= FEW_SOURCES) return element("sources");
+  const item = document.createElement("details"), head = document.createElement("summary");
+  item.setAttribute("name", "source");
+  head.id = id + "-head";
+  item.append(head);
+  element("sources").append(item);
+  return item;
+}
+
+/* Names each light of a list, with what it shines. */
+function show_source_heads() {
+  for (const [kind, name] of SOURCES)
+    source_ids(kind).forEach((id, i) => {
+      const {illuminant, intensity} = sources[kind][i];
+      if (element(id + "-head")) set_text(id + "-head", `${name}${number_of(kind, i)}: ${scene.illuminants[illuminant].name} × ${+intensity.toPrecision(4)}`);
+    });
+}
+
 /* Adds a row of controls for one light. The ids of its controls begin with `id`. */
 function add_source(name, id, source) {
   const row = document.createElement("div");
@@ -19,7 +41,7 @@ function add_source(name, id, source) {
     <div><input type="range" id="${id}-slider" min="0" step="0.01" aria-label="Intensity of ${name}">
     <input type="number" id="${id}-intensity" min="0" step="any"
       aria-label="Intensity of ${name}, as a number"></div>`;
-  element("sources").append(row);
+  place_of_source(id).append(row);
   const slider = element(id + "-slider"), number = element(id + "-intensity");
   fill_select(element(id), scene.illuminants.map(({name}) => name === "1" ? "1 (equal energy)" : name),
     source.illuminant);
@@ -29,13 +51,14 @@ function add_source(name, id, source) {
   number.addEventListener("input", () => slider.value = amount(number.id));
 }
 
+const SOURCES = [["ambients", "Ambient"], ["lights", "Light"]];
 const source_ids = kind => scene[kind].map((_, i) => `${kind}-${i + 1}`);
 
 /* A single ambient light has no number. */
 const number_of = (kind, i) => kind === "lights" || scene[kind].length > 1 ? ` ${i + 1}` : "";
 
 function add_controls() {
-  for (const [kind, name] of [["ambients", "Ambient"], ["lights", "Light"]])
+  for (const [kind, name] of SOURCES)
     source_ids(kind).forEach((id, i) => add_source(name + number_of(kind, i), id, scene[kind][i]));
   fill_eye_menus();
 }
@@ -169,7 +192,7 @@ function light_curves() {
       if (intensity > 0 && !alike.has(key)) alike.set(key, {illuminant, intensity, names: []});
       if (intensity > 0) alike.get(key).names.push(name + number_of(kind, i));
     });
-  return [...alike.values()].map(({illuminant, intensity, names}, i) => ({style: style_of(i),
+  return [...alike.values()].map(({illuminant, intensity, names}, i) => ({style: style_of(i), axis: "light",
     name: `${names.join(", ")} (${scene.illuminants[illuminant].name})`,
     values: radiance_of({illuminant}).map(value => intensity * value)}));
 }
@@ -177,11 +200,11 @@ function light_curves() {
 /* Returns the detector's functions, so that the largest value is 1. They are not drawn until they are switched on. */
 function detector_curves() {
   const {name, weights, observer} = eye.detector, largest = Math.max(...weights.flat());
-  return weights.map((row, i) => ({name: `${name} ${(observer ? "xyz" : "rgb")[i]}`, style: `sees-${"rgb"[i]}`, relative: true,
+  return weights.map((row, i) => ({name: `${name} ${(observer ? "xyz" : "rgb")[i]}`, style: `sees-${"rgb"[i]}`, axis: "relative",
     off: true, values: row.map(value => value / largest)}));
 }
 
-/* Returns the curves of a pixel with their classes. Relative curves use the axis on the right. */
+/* Returns the curves of a pixel with their classes and axes: see AXES. */
 function curves_at(pixel) {
   const curves = [{name: "radiance", style: "radiance", values: radiance_at(pixel, sources, terms_of)}];
   const material = shown[pixel] > 0 ? material_of(shown[pixel]) : {};
@@ -194,7 +217,7 @@ function curves_at(pixel) {
   curves.push(...light_curves());
   if (material.glow) curves.push({name: "own light", style: "glow", values: material.glow});
   for (const [style, name] of named)
-    if (material[style]) curves.push({name, style, values: material[style], relative: true});
+    if (material[style]) curves.push({name, style, values: material[style], axis: "relative"});
   return curves.concat(detector_curves());
 }
 
@@ -409,6 +432,7 @@ function present(painted) {
     ? "The eye cannot adapt to this light, or the camera cannot be balanced for it. The picture stays black."
     : exposure > 0 ? "" : "The picture stays black: enter an exposure above 0.");
   show_title();
+  show_source_heads();
   show_facts(painted.outside);
   show_controls();
   set_text("commands", command_lines());

@@ -228,6 +228,31 @@ def lights(browser, which):
             lambda before, after: light(before)[4:7] != light(after)[4:7])
 
 
+def statements(text, word):
+    return [one for one in text.splitlines() if one.startswith(word)]
+
+
+def more_and_fewer(browser, which):
+    """Lights and objects come and go; the handles of lights carry their numbers."""
+    n = lambda text, word: len(statements(text, word))
+    changes(browser, f"{which}, a light more", lambda: browser.press("add-light"),
+            lambda before, after: n(after, "light") == n(before, "light") + 1)
+    numbers = browser.evaluate("[...document.querySelectorAll('#handles text')].map(node => node.textContent)")
+    check(numbers == ["1", "2"], f"{which}: handles have the numbers of their lights", numbers)
+    agrees(browser, "spheres", f"{which}, a light more")
+    changes(browser, f"{which}, a light fewer", lambda: browser.press("lights-1-remove"),
+            lambda before, after: statements(after, "light") == statements(before, "light")[1:])
+    browser.click(*browser.at(*pixel_of(browser, "plastic")))
+    browser.settle()
+    name = browser.evaluate("chosen_object().name")
+    of = lambda text: [one for one in statements(text, "object") if f"material {name}" in one]
+    changes(browser, f"{which}, an object more", lambda: browser.press("copy-object"),
+            lambda before, after: len(of(after)) == 2 and of(after)[0] == of(before)[0] and of(after)[1] != of(before)[0])
+    agrees(browser, "spheres", f"{which}, an object more")
+    changes(browser, f"{which}, an object fewer", lambda: browser.press("remove-object"), lambda before, after: len(of(after)) == 1)
+    check(browser.evaluate("element('copy-object').disabled"), f"{which}: no object is chosen then")
+
+
 def own(name):
     """A copy of a built-in scene."""
     live("show", name, "-o", path_of(name + ".scene"))
@@ -243,6 +268,8 @@ def controls(browser, which):
     objects(browser, which)
     lights(browser, which)
     agrees(browser, "spheres", f"{which}, after all other changes")
+    browser.open(view(own("spheres"), "--size", "150x100"))
+    more_and_fewer(browser, which)
     browser.open(view(own("colorchecker"), "--size", "150x100"))
     browser.click(*browser.at(*pixel_of(browser, "02-light-skin")))
     changes(browser, f"{which}, an object of a checker", lambda: fill(browser, "place-z", "1.5"),
