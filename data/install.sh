@@ -7,6 +7,7 @@
 # shipped prints each file that is installed beside the program, and its place below PREFIX.
 shipped() {
     echo spectral.1 share/man/man1/spectral.1
+    echo spectral.5 share/man/man5/spectral.5
     echo data/completion/spectral.bash share/bash-completion/completions/spectral
     echo data/completion/_spectral share/zsh/site-functions/_spectral
     echo data/completion/spectral.fish share/fish/vendor_completions.d/spectral.fish

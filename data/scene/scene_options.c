@@ -16,7 +16,7 @@ static const struct option changes[] = {
      CHANGES(scene_set_samples), .recorded = true},
 };
 static const struct option shading[] = {
-    {"--shading smooth|flat|phong", "replaces the scene's; phong needs --renderer raster",
+    {"--shading smooth|flat|phong", "replaces the scene's; phong lights each pixel",
      CHANGES(scene_set_shading), .recorded = true},
     {"--tessellation FACTOR", "multiplies the slices, stacks, ... of built-in shapes",
      CHANGES(scene_set_tessellation), .recorded = true},

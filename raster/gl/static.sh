@@ -62,7 +62,7 @@ dist() {
     rm -rf "${BUILD:?}/$name"
     mkdir "$BUILD/$name" "$BUILD/$name/data"
     cp "$BUILD/spectral-static-live" "$BUILD/$name/spectral"
-    cp README.md LICENSE CHANGELOG.md SECURITY.md CITATION.cff spectral.1 "$BUILD/$name"
+    cp README.md LICENSE CHANGELOG.md SECURITY.md CITATION.cff spectral.1 spectral.5 "$BUILD/$name"
     for folder in data/builtin data/gallery data/completion data/samples data/doc; do
         [ ! -d "$folder" ] || cp -R "$folder" "$BUILD/$name/data"
     done

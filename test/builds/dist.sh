@@ -9,7 +9,7 @@
 tmp=$(realpath "$tmp")
 made_in() (
     mkdir -p "$tmp/$1"
-    cp -R build.sh spectral.c spectral.h spectral.1 README.md LICENSE CHANGELOG.md SECURITY.md CITATION.cff data raster "$tmp/$1"
+    cp -R build.sh spectral.c spectral.h spectral.1 spectral.5 README.md LICENSE CHANGELOG.md SECURITY.md CITATION.cff data raster "$tmp/$1"
     umask "$3"
     export XDG_CACHE_HOME="$tmp/$1/cache"
     BUILD=$2 TZ=Asia/Kathmandu "$tmp/$1/build.sh" dist >"$tmp/$1/log" 2>&1 || cat "$tmp/$1/log" >&2
@@ -33,7 +33,7 @@ tar -C "$tmp" -xzf "$made/$archive"
 release=$tmp/${archive%.tar.gz}
 (cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
 ok $? "SHA256SUMS lists each file with its SHA-256"
-for file in spectral spectral.1 README.md LICENSE CHANGELOG.md data/builtin/scenes/room.scene data/gallery/room.png \
+for file in spectral spectral.1 spectral.5 README.md LICENSE CHANGELOG.md data/builtin/scenes/room.scene data/gallery/room.png \
     data/completion/spectral.bash data/completion/_spectral data/samples/my.scene data/doc/recipes.md; do
     [ -s "$release/$file" ]
     ok $? "the archive holds $file"

@@ -20,6 +20,7 @@ share/doc/spectral/data/gallery/room.png
 share/doc/spectral/SECURITY.md
 share/fish/vendor_completions.d/spectral.fish
 share/man/man1/spectral.1
+share/man/man5/spectral.5
 share/spectral/installed
 share/spectral/samples/house.obj
 share/spectral/samples/my.scene
@@ -45,7 +46,7 @@ done)
 ok $? "each link of the installed pages leads to an installed file$lost"
 cmp -s "$SPECTRAL" "$prefix/bin/spectral"
 ok $? "the program is the one that was built"
-exits 0 "the manual page has no fault" mandoc -Tlint "$prefix/share/man/man1/spectral.1"
+exits 0 "the manual pages have no fault" mandoc -Tlint "$prefix/share/man/man1/spectral.1" "$prefix/share/man/man5/spectral.5"
 for scene in "$prefix"/share/spectral/samples/*.scene; do
     exits 0 "the sample ${scene##*/} renders, and agrees with OpenGL" \
         "$prefix/bin/spectral" render "$scene" --size 60x40 --wavelengths 400:700:50 -o "$tmp/sample.tif"

@@ -67,7 +67,7 @@ def sources(top):
 
 GROUPS = {
     "the documents": ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"),
-    "the manual": ("spectral.1",),
+    "the manual": ("spectral.1", "spectral.5"),
     "the viewer's page": tuple(sorted(glob.glob("data/builtin/viewer/*"))),
     "the program": ("spectral.c", "spectral.h", "build.sh", *sources("data"), *sources("raster")),
     "the tests": sources("test"),

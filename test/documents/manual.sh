@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3 mandoc bsdextrautils
 # usage: test/documents/manual.sh [renew]
-# The manual page is well-formed and describes each option, command and list of the program. Its list of options
-# equals that of --help; renew writes this list into the page and keeps the page's own explanations.
+# The manual pages are well-formed; spectral(1) describes each option, command and list of the program, spectral(5) its
+# files. The list of options equals that of --help; renew writes this list into the page and keeps the page's own explanations.
 . test/shared/tap.sh
 renewed_page() { /usr/bin/python3 test/documents/manual_options.py "$SPECTRAL" spectral.1; }
 if [ "${1:-}" = renew ]; then
@@ -11,7 +11,7 @@ if [ "${1:-}" = renew ]; then
     exit
 fi
 
-exits 0 "the manual page has no fault" mandoc -Tlint spectral.1
+exits 0 "the manual pages have no fault" mandoc -Tlint spectral.1 spectral.5
 renewed_page | diff spectral.1 - >"$tmp/err"
 ok $? "the page lists the options of --help; test/documents/manual.sh renew renews the list"
 mandoc -Tascii spectral.1 | col -bx >"$tmp/page"
@@ -46,9 +46,9 @@ done >"$tmp/out"
 ok $? "no line of a help is longer than 80 columns$too_long"
 
 # The defaults of the page: a scene with them shows the same as a scene without.
-sed -n '/^[.]Ss Defaults/,/^[.]Ed/p' spectral.1 | sed '/^[.A]/d' >"$tmp/defaults"
+sed -n '/^[.]Ss Defaults/,/^[.]Ed/p' spectral.5 | sed '/^[.A]/d' >"$tmp/defaults"
 # words STATEMENT prints the words of the page's table that the statement may leave out.
-words() { sed -n 's/^[.]It '"$1"' Ta //p' spectral.1 | sed 's/[(,;].*//; s/\\-/-/g'; }
+words() { sed -n 's/^[.]It '"$1"' Ta //p' spectral.5 | sed 's/[(,;].*//; s/\\-/-/g'; }
 [ "$(wc -l <"$tmp/defaults")" = 5 ] && words material | grep -q '^gloss 0'
 ok $? "the page lists defaults"
 # same NAME: the files a.scene and b.scene show the same

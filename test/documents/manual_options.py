@@ -74,5 +74,5 @@ def renewed(explained):
 
 
 with open(sys.argv[2], encoding="utf-8") as file:
-    before, options, after = re.split(r"^(\.Ss .*)(?=\.Sh SCENES)", file.read(), flags=re.M | re.S)
+    before, options, after = re.split(r"^(\.Ss .*)(?=\.Sh ENVIRONMENT)", file.read(), flags=re.M | re.S)
 print(before + "\n".join(renewed(explanations(options.splitlines()))) + "\n" + after, end="")

@@ -121,7 +121,7 @@ function button_of(id, text, act) {
   return button;
 }
 
-/* A new light stands where the camera stands, so that it shines on what is seen. */
+/* A new light stands where the camera stands, so that it shines into the picture. */
 function add_light() {
   const unit = scene.radiance_unit ? " unit W" : "";
   edit(GEOMETRY | SPECTRA, text => with_first_statement(text, `light d65 ${unit ? 0.01 : 0.5} position ${as_vector(camera.eye)}${unit}`));
@@ -181,6 +181,7 @@ function refresh_sources() {
     if (kelvin) set_number(id + "-kelvin", Number(kelvin[1]));
     if (kind === "lights") add_triple(id + "-place", position || direction, vector => set_light_vector(i, vector));
   });
+  show_source_heads();
 }
 
 /* ---- controls of the object ---- */
