@@ -34,7 +34,7 @@ function pixel_length(camera, place) {
 /* Returns a place as [x, y] in pixels, and its depth. */
 function project(camera, place) {
   const {ahead, right, up} = view_axes(camera), from = add_vectors(place, camera.eye, -1), depth = dot(from, ahead);
-  const scale = camera.perspective ? shape.height / 2 / Math.tan(camera.extent * Math.PI / 360) / depth : shape.width / camera.extent;
+  const scale = camera.perspective ? shape.height / 2 / Math.tan(camera.extent * Math.PI / 360) / (depth || 1e-9) : shape.width / camera.extent;
   return {x: shape.width / 2 + dot(from, right) * scale, y: shape.height / 2 - dot(from, up) * scale, depth};
 }
 

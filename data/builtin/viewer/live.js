@@ -351,7 +351,7 @@ const eye_names = () => ({
   detector: element("detector").selectedOptions[0]?.text || "cie1931",
   adaptation: element("adaptation").selectedOptions[0]?.text || "none",
   display: element("display").selectedOptions[0]?.text || "srgb",
-  luminance: amount("luminance"),
+  luminance: amount("luminance"), view: element("scene-view").value, band: Number(element("scene-band").value),
 });
 
 /* ---- saving and opening ---- */
@@ -480,6 +480,8 @@ function take_eye({eye, exposure}) {
   for (const id of ["detector", "adaptation", "display"])
     element(id).value = Math.max(0, scene[id + "s"].findIndex(({name}) => name === eye[id]));
   element("luminance").value = eye.luminance || "";
+  element("scene-view").value = eye.view || "detector";
+  element("scene-band").value = eye.band || 0;
   element("auto").checked = exposure === null;
   if (exposure !== null) element("exposure").value = exposure;
 }
@@ -500,7 +502,7 @@ async function show_gallery() {
     button.addEventListener("click", () => open_builtin(name));
     element("gallery").append(button);
     const {painted} = await drawer.ask({task: "draw", words: [name], size: [`--size=${THUMBNAIL.width}x${THUMBNAIL.height}`, "--samples=2"],
-      keys: {geometry: name, spectra: name}, eye: eye_names(), exposure: 1, whole: false});
+      keys: {geometry: name, spectra: name}, eye: {...eye_names(), view: "detector"}, exposure: 1, whole: false});
     if (painted) small.getContext("2d").putImageData(new ImageData(painted.data, painted.width, painted.height), 0, 0);
   }
   drawer.end();

@@ -343,23 +343,45 @@ function develop(display, exposure) {
   return {data, outside: clipped.reduce((sum, one) => sum + one, 0)};
 }
 
+/* ---- one band, and false colours ---- */
+
+/* Returns channels that show one band in grey. At exposure 1 a radiance of 1 is the display's white. */
+const band_channels = (display, band) => display.largest.map(largest => spectrum(i => i === band ? largest : 0));
+
+/* Colours of maps from 0 to the largest value: dark blue, blue, green, yellow; even steps look alike. */
+const RAMP = [[20, 20, 70], [40, 90, 160], [30, 150, 140], [120, 195, 80], [250, 230, 60]];
+
+function ramp(part) {
+  const at = clamp(part, 0, 1) * (RAMP.length - 1), i = Math.min(Math.floor(at), RAMP.length - 2);
+  return RAMP[i].map((value, c) => value + (at - i) * (RAMP[i + 1][c] - value));
+}
+
+/* Returns the bytes of a picture of one band in false colours, from 0 to the radiance 1 / exposure. */
+function false_colours(display, exposure) {
+  const data = new Uint8ClampedArray(4 * n_pixels).fill(255), factor = exposure / display.largest[0];
+  linear[0].forEach((value, i) => data.set(ramp(value * factor), 4 * i));
+  return data;
+}
+
 /* Returns the eye of a choice: {detector, adaptation, display: their numbers, luminance}. */
 const eye_of = chosen => ({detector: scene.detectors[chosen.detector], adaptation: scene.adaptations[chosen.adaptation],
   display: scene.displays[chosen.display], luminance: chosen.luminance});
 
-/* Computes the picture under the sources, for a chosen eye. exposure null: automatic. `balanced` is false if the eye
- * cannot adapt: the picture is black then. */
+/* Computes the picture under the sources, for a chosen eye, or of one band: see choice_of. exposure null: automatic.
+ * `balanced` is false if the eye cannot adapt: the picture is black then. */
 function paint(sources, chosen, wanted_exposure) {
-  const eye = eye_of(chosen), channels = channel_weights(eye, white_of(sources));
+  const eye = eye_of(chosen);
+  const channels = chosen.view === "detector" ? channel_weights(eye, white_of(sources)) : band_channels(eye.display, chosen.band);
   compute_linear(sources, channels || [0, 1, 2].map(dark));
   const exposure = wanted_exposure === null ? automatic_exposure(eye.display) : wanted_exposure;
-  return {...develop(eye.display, exposure), exposure, balanced: channels !== null,
-    width: shape.width, height: shape.height};
+  const picture = {...develop(eye.display, exposure), exposure, balanced: channels !== null, width: shape.width, height: shape.height};
+  return chosen.view === "map" ? {...picture, data: false_colours(eye.display, exposure)} : picture;
 }
 
-/* Returns the choice of an eye by the names of detector, adaptation and display; unknown names are the first ones. */
-function choice_of({detector, adaptation, display, luminance}) {
+/* Returns the choice of an eye by the names of detector, adaptation and display; unknown names are the first ones. view:
+ * "detector", "band" (in grey) or "map" (a band in false colours). */
+function choice_of({detector, adaptation, display, luminance, view = "detector", band = 0}) {
   const number = (list, name) => Math.max(0, list.findIndex(one => one.name === name));
   return {detector: number(scene.detectors, detector), adaptation: number(scene.adaptations, adaptation),
-    display: number(scene.displays, display), luminance};
+    display: number(scene.displays, display), luminance, view, band: Math.min(band, n_bands - 1)};
 }

@@ -105,14 +105,6 @@ function paint_detector(chosen_eye, exposure) {
   return {...develop(chosen_eye.display, factor), exposure: factor, balanced: channels !== null};
 }
 
-/* Colours of maps from 0 to the largest value: dark blue, blue, green, yellow; even steps look alike. */
-const RAMP = [[20, 20, 70], [40, 90, 160], [30, 150, 140], [120, 195, 80], [250, 230, 60]];
-
-function ramp(part) {
-  const at = clamp(part, 0, 1) * (RAMP.length - 1), i = Math.min(Math.floor(at), RAMP.length - 2);
-  return RAMP[i].map((value, c) => value + (at - i) * (RAMP[i + 1][c] - value));
-}
-
 /* Returns the spectral angle of each pixel to a spectrum, in radians. */
 function angle_map({values}) {
   const along = new Float64Array(n_pixels), squares = new Float64Array(n_pixels), length = Math.hypot(...values);
@@ -257,22 +249,13 @@ function redraw_stack() {
   show_picture(painted);
   exposure = painted.exposure;
   show_message(painted.lacks || (painted.balanced ? "" : "The detector has no white to adapt to here. The picture stays black."));
-  show_map_legend(MAP_UNITS[view]);
+  show_map_legend(map && map.largest, MAP_UNITS[view]);
   element("band-row").hidden = view !== "band";
   element("bands-row").hidden = view !== "bands";
   element("against-row").hidden = !MAPS[view];
   set_text("band-nm", nm_text(Number(element("band").value)));
   show_stack_facts(painted);
   show_stack_pixel();
-}
-
-/* Shows the colours of a map below it, with the least value, the middle one and the largest. */
-function show_map_legend(unit) {
-  const legend = element("map-legend"), value = part => with_digits(4).format(part * map.largest);
-  legend.hidden = !map;
-  if (!map) return;
-  legend.style.background = `linear-gradient(to right, ${RAMP.map(rgb => `rgb(${rgb})`).join()}) no-repeat 0 0 / 100% 0.9rem`;
-  legend.replaceChildren(...["0", value(0.5), `${value(1)} ${unit}`].map(text => Object.assign(document.createElement("span"), {textContent: text})));
 }
 
 function show_stack_facts({outside}) {

@@ -70,6 +70,7 @@ function fill_eye_menus() {
     element(id).replaceChildren();
     fill_select(element(id), names, Math.max(0, names.indexOf(selected)));
   }
+  element("scene-band").max = n_bands - 1;
 }
 
 /* Returns the number in a field. A text that is no number, and a negative number, count as 0. */
@@ -85,7 +86,7 @@ function read_sources() {
 function read_choice() {
   const chosen = id => Number(element(id).value);
   return {detector: chosen("detector"), adaptation: chosen("adaptation"), display: chosen("display"),
-    luminance: amount("luminance")};
+    luminance: amount("luminance"), view: element("scene-view").value, band: chosen("scene-band")};
 }
 
 const wanted_exposure = () => element("auto").checked ? null : amount("exposure");
@@ -131,6 +132,8 @@ function show_facts(outside) {
 
 function show_controls() {
   const {detector, adaptation} = eye;
+  element("scene-band-row").hidden = element("scene-view").value === "detector";
+  set_text("scene-band-nm", `${scene.wavelengths[Number(element("scene-band").value)]} nm`);
   element("adaptation").disabled = !detector.observer;
   element("luminance-row").hidden = !detector.observer || !adaptation.incomplete;
   element("luminance").placeholder = white ? String(+(10 * white.intensity).toPrecision(6)) : "";
@@ -157,12 +160,14 @@ function command_lines() {
   const render = ["spectral render", quoted(scene.scene), "--renderer raster",
     `--size ${shape.width}x${shape.height}`, ...(side > 1 ? [`--samples ${side}`] : []),
     "--wavelengths", wavelengths_text()];
+  const {view, band} = read_choice();
   const develop = ["spectral develop picture.tif", "--detector", quoted(eye.detector.name),
     "--display", eye.display.name, "--exposure", element("auto").checked ? "auto" : exposure];
   sources.lights.forEach((light, i) => {
     if (changed("lights", i)) render.push("--light", quoted(`${i + 1}=${word_of(light)}`));
   });
   if (other_ambient) render.push("--ambient", quoted(word_of(sources.ambients[0])));
+  if (view !== "detector") return render.concat(`-o picture.tif  # page ${band + 1} is this band`).join(" ");
   if (eye.detector.observer)
     develop.push("--adaptation", eye.adaptation.name +
       (eye.adaptation.incomplete && eye.luminance ? `:${eye.luminance}` : ""));
@@ -270,7 +275,7 @@ function show_pixel() {
   if (pixel === null || pixel >= n_pixels) return;
   const curves = curves_at(pixel), surface = shown[pixel];
   set_text("picked", `Pixel ${place_of(pixel).join(", ")}: ${object_name(surface)}`);
-  show_numbers(colour_rows(curves[0].values).concat(channel_rows()));
+  show_numbers(colour_rows(curves[0].values).concat(element("scene-view").value === "detector" ? channel_rows() : []));
   show_plot(curves);
   show_legend(curves);
   show_values(curves);
@@ -424,6 +429,27 @@ function show_picture({width, height, data}) {
   canvas.getContext("2d").putImageData(new ImageData(data, width, height), 0, 0);
 }
 
+/* Shows the colours of a map below it, with the least value, the middle one and the largest; null: there is no map. */
+function show_map_legend(largest, unit) {
+  const legend = element("map-legend"), value = part => with_digits(4).format(part * largest);
+  legend.hidden = largest === null;
+  if (largest === null) return;
+  legend.style.background = `linear-gradient(to right, ${RAMP.map(rgb => `rgb(${rgb})`).join()}) no-repeat 0 0 / 100% 0.9rem`;
+  legend.replaceChildren(...["0", value(0.5), `${value(1)} ${unit}`].map(text => Object.assign(document.createElement("span"), {textContent: text})));
+}
+
+/* Keeps a copy of the picture beside the one that goes on changing, or takes it away. */
+function keep_picture() {
+  const second = element("picture-2"), keeps = element("frame-2").hidden;
+  element("frame-2").hidden = element("kept-title").hidden = !keeps;
+  document.body.classList.toggle("beside", keeps);
+  set_text("keep-picture", keeps ? "Take the kept picture away" : "Keep the picture beside");
+  if (!keeps) return;
+  Object.assign(second, {width: canvas.width, height: canvas.height});
+  second.getContext("2d").drawImage(canvas, 0, 0);
+  set_text("kept-title", `On the right: ${document.title.replace(/ – spectral$/, "")}.`);
+}
+
 /* Shows a painted picture, with its facts. */
 function present(painted) {
   show_picture(painted);
@@ -434,6 +460,7 @@ function present(painted) {
   show_title();
   show_source_heads();
   show_facts(painted.outside);
+  show_map_legend(element("scene-view").value === "map" ? 1 / exposure : null, "of radiance");
   show_controls();
   set_text("commands", command_lines());
   show_pixel();
@@ -468,6 +495,7 @@ function listen() {
   canvas.addEventListener("keydown", pick_by_key);
   element("values-shown").addEventListener("toggle", show_pixel);
   element("keep").addEventListener("click", () => is_stack() ? keep_spectrum() : keep());
+  element("keep-picture").addEventListener("click", keep_picture);
   element("save").addEventListener("click", () => canvas.toBlob(blob => save(blob, ".png")));
   element("save-values").addEventListener("click", () =>
     save(new Blob([values_csv(is_stack() ? stack_curves() : curves_at(pixel))], {type: "text/csv"}), ".csv"));

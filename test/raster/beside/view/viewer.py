@@ -211,6 +211,49 @@ def stills():
     subprocess.run(["pngcheck", "-q", path_of("still.png")], check=True)
 
 
+def encoded(part):
+    """IEC 61966-2-1, from 0 to 255."""
+    return np.round(255 * np.where(part <= 0.0031308, 12.92 * part, 1.055 * part ** (1 / 2.4) - 0.055))
+
+
+def bands(which):
+    """One band of a scene, in grey and in false colours, and two lights side by side."""
+    browser.open(view("fluorescence", "bands"))
+    page = pages_of(rendered("fluorescence", "--depth", "32f", "--light=1=a*0.7"))
+    set_lights({1: "a*0.7"})
+    browser.choose("scene-view", "band")
+    for band in (0, 40, len(page) - 1):
+        browser.put("scene-band", band)
+        expected = encoded(page[band] / page[band].max())[:, :, None].repeat(3, 2)
+        seen = browser.pixels()
+        check(distance(seen, expected) <= 1 and np.ptp(expected) > 100,
+              f"{which}: band {band} is shown in grey, its largest radiance white", distance(seen, expected))
+    check(browser.text("scene-band-nm") == "760 nm" and browser.text("commands").endswith(f"# page {len(page)} is this band"),
+          f"{which}: the page names the band", browser.text("scene-band-nm"), browser.text("commands"))
+    browser.choose("scene-view", "map")
+    browser.put("scene-band", 40)
+    ramp = np.array([[20, 20, 70], [40, 90, 160], [30, 150, 140], [120, 195, 80], [250, 230, 60]], float)
+    part = page[40] / page[40].max() * 4
+    expected, seen = np.stack([np.interp(part, range(5), column) for column in ramp.T], 2), browser.pixels()
+    legend = browser.evaluate("[...element('map-legend').children].map(one => one.textContent)")
+    check(distance(seen, expected) <= 1 and legend[0] == "0" and abs(float(legend[2].split()[0]) - page[40].max()) < 2e-3 * page[40].max(),
+          f"{which}: false colours have a legend up to the largest radiance",
+          distance(seen, expected), legend, page[40].max())
+    browser.choose("scene-view", "detector")
+    check(browser.evaluate("element('map-legend').hidden"), f"{which}: the detector's picture has none")
+    before, title = browser.pixels(), browser.evaluate("document.title")
+    browser.press("keep-picture")
+    set_lights({1: "uv*1"})
+    browser.settle()
+    kept = browser.evaluate("""(() => { const second = element("picture-2"), {width, height} = second;
+        return [...second.getContext("2d").getImageData(0, 0, width, height).data]; })()""")
+    check((np.array(kept, np.uint8).reshape(before.shape) == before).all() and distance(browser.pixels(), before) > 10 and
+          browser.text("kept-title")[14:-1] == title.replace(" – spectral", "") != browser.evaluate("document.title"),
+          f"{which}: a kept picture stays beside the one that changes", browser.text("kept-title"))
+    browser.press("keep-picture")
+    check(browser.evaluate("element('frame-2').hidden"), f"{which}: it is taken away again")
+
+
 def all_offered():
     """Checks that the combinations include every option."""
     options = [word for pairs in COMBINATIONS.values() for _, words in pairs for word in words]
@@ -612,6 +655,8 @@ def main():
         for scene in COMBINATIONS:
             if kind == [PROGRAM] or scene in ("fluorescence", "room") or os.environ.get("FULL"):
                 menus(scene)
+    for kind[:] in ([LIVE], [PROGRAM]):
+        bands("still" if kind == [PROGRAM] else "live")
     stills()
     all_offered()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
