@@ -359,7 +359,8 @@ class Firefox(Page):
         self.type("\ue007")
 
     def drop(self, *paths):
-        """Opens files by the page's input: Marionette drops none."""
+        """Opens files by the page's input: Marionette drops none, and adds to those of the time before."""
+        self.evaluate("(() => { element('opened').value = ''; })()")
         found = self.send("WebDriver:FindElement", using="css selector", value="#opened")["value"]
         self.send("WebDriver:ElementSendKeys", id=list(found.values())[0], text="\n".join(map(os.path.abspath, paths)))
 

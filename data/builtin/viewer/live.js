@@ -22,6 +22,7 @@ function show_whole(answer, of) {
   set_planes(answer.shape, answer.planes);
   linear = answer.linear;
   sources = {ambients: scene.ambients, lights: scene.lights};
+  refresh_detectors(answer.chosen);
   eye = eye_of(answer.chosen);
   white = white_of(sources);
   if (!gesture) camera = scene.camera;
@@ -347,8 +348,16 @@ function refresh(of) {
   element("builtin-scene").value = is_text(state) ? "" : state.scene;
 }
 
+/* Fills the menu of detectors where another one has been dropped. */
+function refresh_detectors({detector}) {
+  const menu = element("detector");
+  if ([...menu.options].map(({text}) => text).join("\n") === scene.detectors.map(({name}) => name).join("\n")) return;
+  menu.replaceChildren();
+  fill_select(menu, scene.detectors.map(({name}) => name), detector);
+}
+
 const eye_names = () => ({
-  detector: element("detector").selectedOptions[0]?.text || "cie1931",
+  detector: element("detector").selectedOptions[0]?.text,
   adaptation: element("adaptation").selectedOptions[0]?.text || "none",
   display: element("display").selectedOptions[0]?.text || "srgb",
   luminance: amount("luminance"), view: element("scene-view").value, band: Number(element("scene-band").value),
@@ -390,9 +399,23 @@ async function save_stack() {
   await all_edits();
   set_text("progress", "Rendering the stack …");
   const {bytes, error} = await ask_apart({task: "make", path: "/" + file_stem(state.scene) + ".tif",
-    words: ["render", state.scene, "--renderer=raster", "--no-check", ...state.words, "--quiet"]});
+    words: ["render", state.scene, "--renderer=raster", "--no-check", ...without_detector(state.words), "--quiet"]});
   set_text("progress", "");
   error ? show_refusal(error) : save_as(new Blob([bytes], {type: "image/tiff"}), file_stem(state.scene) + ".tif");
+}
+
+const without_detector = words => words.filter(word => !word.startsWith("--detector="));
+
+/* Returns whether a text is a table of three values at each wavelength. */
+function is_detector_table(text) {
+  const row = typeof text === "string" && text.split(/[\r\n]+/).find(line => /^\s*[\d.]/.test(line));
+  return Boolean(row) && row.trim().split(/[\s,;]+/).length === 4;
+}
+
+/* Returns a state that is seen by the detector of a file. */
+function seen_by(name, state) {
+  element("detector").add(new Option(name, "", true, true));
+  return {...state, words: [...without_detector(state.words), `--detector=${name}`]};
 }
 
 /* Opens files: the first scene or list among them becomes the scene; others become files that a scene can name. */
@@ -403,8 +426,10 @@ async function open_files(list) {
   if (large) return show_message(`${large.name} is too large for this page.`);
   for (const file of list) files[file.name] = await content_of(file);
   const scene_name = Object.keys(files).find(name => /[.](scene|list)$/i.test(name));
-  const next = {...state, files: {...state.files, ...files}};
-  return show_state(scene_name ? {...next, scene: scene_name, words: [], baked: false} : next);
+  const detector = Object.keys(files).find(name => /[.](csv|txt)$/i.test(name) && is_detector_table(files[name]));
+  if (detector && is_stack()) return show_message(`A page of a stack is made with a detector: spectral view STACK --detector ${detector}`);
+  const all = {...state, files: {...state.files, ...files}}, next = detector ? seen_by(detector, all) : all;
+  return show_state(scene_name ? {...next, scene: scene_name, words: detector ? next.words.slice(-1) : [], baked: false} : next);
 }
 
 /* Shows another scene, also where the page has shown a stack so far. */

@@ -382,6 +382,6 @@ function paint(sources, chosen, wanted_exposure) {
  * "detector", "band" (in grey) or "map" (a band in false colours). */
 function choice_of({detector, adaptation, display, luminance, view = "detector", band = 0}) {
   const number = (list, name) => Math.max(0, list.findIndex(one => one.name === name));
-  return {detector: number(scene.detectors, detector), adaptation: number(scene.adaptations, adaptation),
+  return {detector: number(scene.detectors, detector || scene.detector || "cie1931"), adaptation: number(scene.adaptations, adaptation),
     display: number(scene.displays, display), luminance, view, band: Math.min(band, n_bands - 1)};
 }

@@ -442,6 +442,7 @@ function open_stack(opened) {
   white = white_of_stack(stack);
   kept_spectra.length = 0;
   region = hovered = null;
+  if (!element("kept-title").hidden) keep_picture(); /* that of a scene goes away */
   document.body.classList.add("stack");
   document.body.classList.remove("live");
   show_names();

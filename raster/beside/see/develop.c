@@ -278,10 +278,10 @@ struct cube scene_cube(const struct scene *scene)
                                    .wavelengths_nm = scene->wavelengths_nm}};
 }
 
-bool develop_scene(const struct lit_scene *lit, const char *output, struct outputs *outputs,
-                   uint64_t *out_of_gamut, struct error *err)
+bool develop_scene(const struct lit_scene *lit, const char *detector, const char *output,
+                   struct outputs *outputs, uint64_t *out_of_gamut, struct error *err)
 {
-    struct development of = {.detector_name = "cie1931",
+    struct development of = {.detector_name = detector ? detector : "cie1931",
                              .display = DISPLAY_SRGB,
                              .bits = 8,
                              .threads = lit->plan->options.threads,
@@ -290,10 +290,17 @@ bool develop_scene(const struct lit_scene *lit, const char *output, struct outpu
                              .lit = lit,
                              .cube = scene_cube(lit->plan->scene),
                              .out_of_gamut = COUNTER};
-    const bool done =
-        develop_weights(&of, err) && prepare_chunk(&of, err) && write_picture(&of, output, err);
+    const struct spectral_pages *pages = &lit->plan->illumination.pages;
+    double *white;
+    bool done = MAKE_ARRAY(white, (size_t)pages->n, err, "the white of a picture");
+    if (done) /* the one that a stack of this scene records */
+        of.cube.record.white =
+            (struct numbers){white, scene_white(lit->plan->scene, pages, white) > 0 ? pages->n : 0};
+    done = done && develop_weights(&of, err) && prepare_chunk(&of, err) &&
+           write_picture(&of, output, err);
     *out_of_gamut = of.out_of_gamut.n;
     of.cube = (struct cube){.components = false}; /* the scene owns it */
+    free(white);
     develop_free(&of);
     return done;
 }

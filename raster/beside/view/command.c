@@ -96,15 +96,24 @@ static bool view_scene(struct options *options, enum output_kind kind, struct te
 
 /* ---- stacks ---- */
 
+/* Returns the first option that only a scene takes; NULL: there is none. */
+static const char *option_of_scene(const struct options *options)
+{
+    for (int i = 0; i < options->n_recorded; i++)
+        if (strncmp(options->recorded[i], "--detector=", strlen("--detector=")) != 0)
+            return options->recorded[i];
+    return NULL;
+}
+
 /* Refuses what only a scene can be asked for. */
 static bool refuse_for_stack(const struct options *options, enum output_kind kind,
                              struct error *err)
 {
     const struct view_options *own = options->own;
-    const char *stack = options->operand;
-    if (options->n_recorded > 0)
-        return error_usage(err, "%s is for scenes; the stack %s is rendered already",
-                           options->recorded[0], stack);
+    const char *stack = options->operand, *of_scene = option_of_scene(options);
+    if (of_scene)
+        return error_usage(err, "%s is for scenes; the stack %s is rendered already", of_scene,
+                           stack);
     if (own->still)
         return error_usage(err, "--still is for scenes; %s is a stack", stack);
     if (kind == PICTURE || kind == DESCRIPTION)
@@ -144,7 +153,7 @@ static bool view_stack(struct options *options, enum output_kind kind, struct te
     if (!refuse_for_stack(options, kind, err) ||
         (own->budget && !option_number("--budget", own->budget, 1, 1e6, &budget_mb, err)))
         return false;
-    struct stack_page page = {.budget_bytes = 1e6 * budget_mb};
+    struct stack_page page = {.detector = options->detector, .budget_bytes = 1e6 * budget_mb};
     const bool done = output_can_open(options->json, err) &&
                       stack_page_write(&page, options, kind == PLANES, err);
     if (done)
@@ -209,6 +218,8 @@ static const struct option view_rows[] = {
     {"--still", "the page draws one geometry, and cannot be edited",
      OWN(FLAG, view_options, still)},
     {"--gallery", "a live page of all built-in scenes", OWN(FLAG, view_options, gallery)},
+    {"--detector, --observer NAME", "sees with it, a built-in one or a file (default: cie1931)",
+     SHARED(TEXT, detector), .recorded = true},
     {"--budget MB", "samples in the page of a stack, at most (default: 40)",
      OWN(TEXT, view_options, budget)},
 };

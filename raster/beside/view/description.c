@@ -335,17 +335,22 @@ static void put_displays(struct json *json)
     json_close(json, ']');
 }
 
-int put_eyes(const struct cube *cube, bool is_stack, struct json *json, struct error *err)
+int put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
+             struct error *err)
 {
     char name[BUILTIN_NAME];
     double *row;
     int n = 0;
     if (!MAKE_ARRAY(row, 3 * (size_t)cube->image.n_pages, err, "the weights of a detector"))
         return 0;
+    json_string(json, "detector", chosen);
     json_open(json, "detectors", '[');
+    if (chosen && !put_detector(cube, is_stack, chosen, row, json, err))
+        error_usage(err, "%s: sees none of these wavelengths", chosen);
     for (size_t i = 0; next_table(&i, true, name); i++) {
         struct error refused = {.status = EXIT_AGREED};
-        n += put_detector(cube, is_stack, name, row, json, &refused);
+        n += !(chosen && strcmp(chosen, name) == 0) &&
+             put_detector(cube, is_stack, name, row, json, &refused);
         if (refused.status == EXIT_SYSTEM)
             *err = refused;
     }
@@ -394,7 +399,7 @@ char *description_make(struct viewing *view, struct error *err)
         put_lights(&describer, "lights", scene->lights, scene->n_lights, false);
         put_illuminants(&describer);
         put_surfaces(&describer);
-        view->n_detectors = put_eyes(&cube, false, json, err);
+        view->n_detectors = put_eyes(&cube, false, view->options->detector, json, err);
     }
     view->n_illuminants = describer.n_illuminants;
     for (int i = 0; i < describer.n_owned; i++)

@@ -283,8 +283,8 @@ bool still_write(struct viewing *view, struct error *err)
     plan.options.bits = 32; /* samples are radiances */
     const bool done = lit_make(&plan, driver_of(NULL), &lit, err) &&
                       notes_make(&lit, SOME_PIXELS, view->notes, err) &&
-                      develop_scene(&lit, view->options->output, &view->options->outputs,
-                                    &view->out_of_gamut, err);
+                      develop_scene(&lit, view->options->detector, view->options->output,
+                                    &view->options->outputs, &view->out_of_gamut, err);
     lit_free(&lit);
     return done;
 }

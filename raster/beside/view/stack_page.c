@@ -149,7 +149,7 @@ static char *describe(const struct stack_page *stack, const char *name, struct e
     put_size(stack, &json);
     json_strings(&json, "objects", objects->text, objects->n);
     put_white(cube, &json, err);
-    put_eyes(cube, true, &json, err);
+    put_eyes(cube, true, stack->detector, &json, err);
     return json_take(&json, err);
 }
 

@@ -12,7 +12,7 @@ import time
 import numpy as np
 
 from browser import Browser, Firefox
-from rendered import LIVE, TMP, bytes_of, check, done, output_of, path_of, run, write
+from rendered import LIVE, TMP, bytes_of, check, developed, done, output_of, path_of, run, write
 
 SCENES = ("colorchecker", "fluorescence", "metals", "metamers", "pasture", "patches", "room", "spheres", "textures")
 SIZE = "96x64"
@@ -357,6 +357,17 @@ def opening(browser, which):
 
     browser.choose("lights-1", "lamp.csv")
     check(words_of(browser, "light")[1] == "lamp.csv", f"{which}: a table that was dropped lights the scene", words_of(browser, "light"))
+    before = browser.pixels()
+    drop(browser, write("camera.csv", "nm,r,g,b\n400,0,0.1,0.9\n500,0.1,0.8,0.3\n600,0.9,0.2,0\n700,0.2,0,0\n"))
+    seen = browser.evaluate("[element('detector').selectedOptions[0].text, eye.detector.name]")
+    stack = browser.download("save-stack", "my.tif")
+    expected, _ = developed(stack, f"--detector={path_of('camera.csv')}", "--exposure=auto")
+    apart = np.abs(browser.pixels()[:, :, :3].astype(int) - expected).max()
+    check(seen == ["camera.csv"] * 2 and apart <= 1 and (browser.pixels() != before).any(),
+          f"{which}: a detector that was dropped sees the scene", seen, apart, browser.message())
+    browser.choose("detector", "cie1931")
+    seen = browser.pixels()
+    check((seen == before).all(), f"{which}: the others stay in the menu", np.abs(seen.astype(int) - before).max())
     drop(browser, path_of("tri.obj"))
     browser.click(*browser.at(*pixel_of(browser, "red")))
     browser.choose("object-shape", "mesh tri.obj")

@@ -30,6 +30,10 @@ def write_matrix():
     write("matrix.csv", "nm,360,400,440\n480,0.02,0.1,0.05\n520,0.05,0.2,0.1\n560,0.01,0.1,0.05\n")
 
 
+def write_camera():
+    return write("camera.csv", "nm,r,g,b\n400,0,0.1,0.9\n500,0.1,0.8,0.3\n600,0.9,0.2,0\n700,0.2,0,0\n")
+
+
 def scene_of_strange_names():
     """A scene with a light that is off, a light from a file, a surface that fluoresces by a matrix, and a back."""
     write_matrix()
@@ -203,6 +207,16 @@ def stills():
     expected, _ = developed(rendered("metamers", *lamp))
     seen, _ = still("metamers", "--size", SIZE, *lamp)
     check(distance(seen, expected) <= 1, "the PNG of view shows the lights of the command line")
+    camera = f"--detector={write_camera()}"
+    expected, _ = developed(rendered("metamers"), camera)
+    seen, _ = still("metamers", "--size", SIZE, camera)
+    check(distance(seen, expected) <= 1, "the PNG of view sees with a detector of one's own", distance(seen, expected))
+    for subject, words in (("metamers", ("--size", SIZE, camera)), (rendered("metamers"), (camera,))):
+        browser.open(view(subject, "camera", *words))
+        browser.tick("auto", False)
+        browser.put("exposure", 1)
+        check(distance(browser.pixels(), expected) <= 1 and browser.evaluate("eye.detector.name") == camera.split("=")[1],
+              f"and so does a page of {os.path.basename(subject)}", distance(browser.pixels(), expected))
     wide = "--size", "8300x20"  # two tiles side by side
     expected, _ = developed(rendered("room", *wide))
     pictures = [still("room", *wide, "--threads", threads) for threads in ("1", "2", "5")]
