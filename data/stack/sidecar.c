@@ -164,7 +164,8 @@ static bool run_envi(struct options *options, struct error *err)
     char *beside = sidecar_name(stack, err);
     const char *path = options->output ? options->output : beside;
     char *header = beside && scene_refuse(stack, err) ? header_make(stack, err) : NULL;
-    const bool done = header && file_write(path, header, strlen(header), &options->outputs, err);
+    const bool done = header && file_write(path, header, strlen(header), &options->outputs, err) &&
+                      options_show_output(options, "header", path, err);
     FREE_ALL(header, beside);
     return done;
 }
