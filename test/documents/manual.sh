@@ -35,6 +35,16 @@ for kind in $("$SPECTRAL" list | grep '^[a-z]'); do
     grep -Eqw "$kind" "$tmp/page"
     ok $? "the manual has the list of $kind"
 done
+# Each option in the help of a command is one that it has; join and its like may name one of render, with its command.
+foreign=
+for command in $commands; do
+    "$SPECTRAL" "$command" --help | sed 's/render --[a-z]*//g' >"$tmp/help"
+    options "$tmp/help" | grep '^--' | grep -vx -- --version >"$tmp/named" # spectral -V
+    sed -n 's/^  \(-.*\)/\1/p' "$tmp/help" | sed 's/   *.*//' | grep -Eo -- '--[a-z][a-z-]*' | LC_ALL=C sort -u >"$tmp/own"
+    foreign="$foreign$(comm -23 "$tmp/named" "$tmp/own" | sed "s/^/ $command /" | tr '\n' ' ')"
+done
+[ -z "$foreign" ]
+ok $? "no help names an option that its command does not have$foreign"
 # A terminal of 80 columns shows each help without broken lines.
 too_long=
 for command in '' $commands; do

@@ -31,7 +31,7 @@ function pixel_length(camera, place) {
   return camera.perspective ? 2 * depth * Math.tan(camera.extent * Math.PI / 360) / shape.height : camera.extent / shape.width;
 }
 
-/* Returns a place as [x, y] in pixels, and its depth. */
+/* Returns a place as [x, y] in pixels, and its depth. The eye itself is in the middle. */
 function project(camera, place) {
   const {ahead, right, up} = view_axes(camera), from = add_vectors(place, camera.eye, -1), depth = dot(from, ahead);
   const scale = camera.perspective ? shape.height / 2 / Math.tan(camera.extent * Math.PI / 360) / (depth || 1e-9) : shape.width / camera.extent;

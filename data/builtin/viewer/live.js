@@ -348,7 +348,7 @@ function refresh(of) {
   element("builtin-scene").value = is_text(state) ? "" : state.scene;
 }
 
-/* Fills the menu of detectors where another one has been dropped. */
+/* Fills the menu of detectors where the description has others than before. */
 function refresh_detectors({detector}) {
   const menu = element("detector");
   if ([...menu.options].map(({text}) => text).join("\n") === scene.detectors.map(({name}) => name).join("\n")) return;
@@ -426,7 +426,8 @@ async function open_files(list) {
   if (large) return show_message(`${large.name} is too large for this page.`);
   for (const file of list) files[file.name] = await content_of(file);
   const scene_name = Object.keys(files).find(name => /[.](scene|list)$/i.test(name));
-  const detector = Object.keys(files).find(name => /[.](csv|txt)$/i.test(name) && is_detector_table(files[name]));
+  const is_named = name => Object.values(files).some(text => typeof text === "string" && text.includes(name)); /* by a scene */
+  const detector = Object.keys(files).find(name => /[.](csv|txt)$/i.test(name) && is_detector_table(files[name]) && !is_named(name));
   if (detector && is_stack()) return show_message(`A page of a stack is made with a detector: spectral view STACK --detector ${detector}`);
   const all = {...state, files: {...state.files, ...files}}, next = detector ? seen_by(detector, all) : all;
   return show_state(scene_name ? {...next, scene: scene_name, words: detector ? next.words.slice(-1) : [], baked: false} : next);

@@ -378,10 +378,11 @@ function paint(sources, chosen, wanted_exposure) {
   return chosen.view === "map" ? {...picture, data: false_colours(eye.display, exposure)} : picture;
 }
 
-/* Returns the choice of an eye by the names of detector, adaptation and display; unknown names are the first ones. view:
- * "detector", "band" (in grey) or "map" (a band in false colours). */
+/* Returns the choice of an eye by the names of detector, adaptation and display. An unknown detector is the one that the
+ * page was made with, or cie1931; other unknown names are the first ones. view: "detector", "band" (in grey) or "map" (a band in false colours). */
 function choice_of({detector, adaptation, display, luminance, view = "detector", band = 0}) {
   const number = (list, name) => Math.max(0, list.findIndex(one => one.name === name));
-  return {detector: number(scene.detectors, detector || scene.detector || "cie1931"), adaptation: number(scene.adaptations, adaptation),
+  const is_known = scene.detectors.some(({name}) => name === detector);
+  return {detector: number(scene.detectors, is_known ? detector : scene.detector || "cie1931"), adaptation: number(scene.adaptations, adaptation),
     display: number(scene.displays, display), luminance, view, band: Math.min(band, n_bands - 1)};
 }

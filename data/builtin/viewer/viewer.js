@@ -11,6 +11,7 @@ function fill_select(select, names, selected) {
   names.forEach((name, i) => select.add(new Option(name, i, i === selected, i === selected)));
 }
 
+const SOURCES = [["ambients", "Ambient"], ["lights", "Light"]];
 const FEW_SOURCES = 3;
 
 /* Returns the place for a light's controls. More than a few lights are a list, where one form is open at a time. */
@@ -51,7 +52,6 @@ function add_source(name, id, source) {
   number.addEventListener("input", () => slider.value = amount(number.id));
 }
 
-const SOURCES = [["ambients", "Ambient"], ["lights", "Light"]];
 const source_ids = kind => scene[kind].map((_, i) => `${kind}-${i + 1}`);
 
 /* A single ambient light has no number. */
@@ -70,7 +70,6 @@ function fill_eye_menus() {
     element(id).replaceChildren();
     fill_select(element(id), names, Math.max(0, names.indexOf(selected)));
   }
-  element("scene-band").max = n_bands - 1;
 }
 
 /* Returns the number in a field. A text that is no number, and a negative number, count as 0. */
@@ -132,6 +131,7 @@ function show_facts(outside) {
 
 function show_controls() {
   const {detector, adaptation} = eye;
+  element("scene-band").max = n_bands - 1; /* a band beyond it becomes the last one */
   element("scene-band-row").hidden = element("scene-view").value === "detector";
   set_text("scene-band-nm", `${scene.wavelengths[Number(element("scene-band").value)]} nm`);
   element("adaptation").disabled = !detector.observer;

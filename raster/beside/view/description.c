@@ -345,8 +345,8 @@ int put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct 
         return 0;
     json_string(json, "detector", chosen);
     json_open(json, "detectors", '[');
-    if (chosen && !put_detector(cube, is_stack, chosen, row, json, err))
-        error_usage(err, "%s: sees none of these wavelengths", chosen);
+    if (chosen)
+        put_detector(cube, is_stack, chosen, row, json, err);
     for (size_t i = 0; next_table(&i, true, name); i++) {
         struct error refused = {.status = EXIT_AGREED};
         n += !(chosen && strcmp(chosen, name) == 0) &&

@@ -171,8 +171,9 @@ def test_sidecars():
               gains[:1])
         again = path("again.hdr")
         result = run("envi", stack, "-o", again)
-        check(result.returncode == 0 and open(again).read() == open(stack + ".hdr").read() and not result.stdout,
-              f"{name}: the command envi writes the same header", result.stderr)
+        check(result.returncode == 0 and open(again).read() == open(stack + ".hdr").read() and
+              result.stdout == f"header            {again}\n",
+              f"{name}: the command envi writes the same header, and prints where", result.stdout, result.stderr)
         image = spectral.envi.open(stack + ".hdr")
         check(np.array_equal(image.open_memmap(interleave="bsq"), pages) and (image.bands.centers or []) == nm and
               np.allclose(image.bands.bandwidths or [], widths) and image.scale_factor == 1,

@@ -87,7 +87,8 @@ def in_place(scene, *options, program=DRAW):
     """Exports a scene, and lets a program draw it into the same folder, as a renderer that is not known."""
     folder = path_of("room")
     shutil.rmtree(folder, ignore_errors=True)
-    output_of("export", scene, *options, "-o", folder)
+    said = output_of("export", scene, *options, "-o", folder)
+    check(said == f"folder            {folder}\n", "export prints the folder that it made", said)
     subprocess.run([program, folder], check=True, env={**os.environ, "GALLIUM_DRIVER": "llvmpipe"})
     for name in ("drawn.txt", "targets-drawn.txt"):
         with open(os.path.join(folder, name)) as file:

@@ -16,7 +16,7 @@ from osgeo import gdal
 
 from browser import Browser
 from colours import ciede2000
-from rendered import LIVE, SPECTRAL, TMP, built_in, check, developed, done, objects_of, output_of, pages_of, path_of, reference, write
+from rendered import LIVE, SPECTRAL, TMP, built_in, check, developed, done, objects_of, output_of, pages_of, path_of, reference, write, write_camera
 
 gdal.UseExceptions()
 SIZE = "120x80"
@@ -28,10 +28,6 @@ STRANGE = 'a </script><b>&amp; \\ <!-- <script>'  # a name with characters that 
 
 def write_matrix():
     write("matrix.csv", "nm,360,400,440\n480,0.02,0.1,0.05\n520,0.05,0.2,0.1\n560,0.01,0.1,0.05\n")
-
-
-def write_camera():
-    return write("camera.csv", "nm,r,g,b\n400,0,0.1,0.9\n500,0.1,0.8,0.3\n600,0.9,0.2,0\n700,0.2,0,0\n")
 
 
 def scene_of_strange_names():
@@ -605,12 +601,13 @@ def plot():
         "document.querySelector('#chart .radiance').getAttribute('d')")), float).reshape(-1, 2)
     nm = axis("middle", "x")(points[:, 0])
     radiance = axis("end", "y")(points[:, 1] + 4)
-    lights, shone = (np.array(re.findall(r"[\d.]+", browser.evaluate(
-        "document.querySelector('#chart .curve.light').getAttribute('d')")), float).reshape(-1, 2), seen["light 1 (d65)"])
+    lights = np.array(re.findall(r"[\d.]+", browser.evaluate(
+        "document.querySelector('#chart .curve.light').getAttribute('d')")), float).reshape(-1, 2)
     labels = np.array(browser.evaluate("[...document.querySelectorAll('#chart .of-light:not([text-anchor])')]"
                                        ".map(node => [Number(node.getAttribute('y')), Number(node.textContent)])"))
     light_at = np.polyval(np.polyfit(labels[:, 0] - 4, labels[:, 1], 1), lights[:, 1])
-    check(len(labels) > 2 and np.abs(light_at - shone).max() < 0.004, "an axis of its own shows the light", light_at, shone)
+    check(len(labels) > 2 and np.abs(light_at - seen["light 1 (d65)"]).max() < 0.004,
+          "an axis of its own shows the light", light_at, seen["light 1 (d65)"])
     check(np.abs(nm - seen["nm"]).max() < 0.02, "the plot's lower axis shows the wavelengths")
     left, width = browser.evaluate("['x', 'width'].map(name => Number(document.querySelector('#chart .axis')"
                                    ".getAttribute(name)))")
