@@ -159,7 +159,7 @@ char *output_name(const char *path, const char *ending, struct error *err);
  * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
 bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
 bool output_is_standard(const char *path); /* true of "-", standard output */
-bool output_is_stream(const char *path);   /* true of "-", and of what exists and is no file */
+bool output_is_stream(const char *path);   /* true of "-", a pipe and a device */
 
 /* ---- temporary.c: a folder for files that nobody keeps ---- */
 

@@ -153,5 +153,6 @@ bool output_is_standard(const char *path)
 bool output_is_stream(const char *path)
 {
     struct stat status;
-    return output_is_standard(path) || (stat(path, &status) == 0 && !S_ISREG(status.st_mode));
+    return output_is_standard(path) ||
+           (stat(path, &status) == 0 && !S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode));
 }

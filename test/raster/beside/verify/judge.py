@@ -47,7 +47,7 @@ def draw(scene, driver, *options):
     said = export(scene, *options)
     result = subprocess.run([DRAW, EXPORTED, DRAWN], check=False, stderr=subprocess.PIPE, text=True,
                             env={**os.environ, "GALLIUM_DRIVER": driver})
-    if result.returncode != 0 or said:
+    if result.returncode != 0 or said != f"folder            {EXPORTED}\n":
         bail_out("draw", scene, said, result.stderr)
 
 
@@ -87,8 +87,7 @@ def in_place(scene, *options, program=DRAW):
     """Exports a scene, and lets a program draw it into the same folder, as a renderer that is not known."""
     folder = path_of("room")
     shutil.rmtree(folder, ignore_errors=True)
-    said = output_of("export", scene, *options, "-o", folder)
-    check(said == f"folder            {folder}\n", "export prints the folder that it made", said)
+    output_of("export", scene, *options, "-o", folder)
     subprocess.run([program, folder], check=True, env={**os.environ, "GALLIUM_DRIVER": "llvmpipe"})
     for name in ("drawn.txt", "targets-drawn.txt"):
         with open(os.path.join(folder, name)) as file:

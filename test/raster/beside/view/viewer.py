@@ -266,6 +266,7 @@ def bands(which):
 
 def all_offered():
     """Checks that the combinations include every option."""
+    browser.open(view("metamers", "metamers"))
     options = [word for pairs in COMBINATIONS.values() for _, words in pairs for word in words]
     for menu in ("detector", "adaptation", "display"):
         offered = set(browser.evaluate(f"[...document.getElementById({menu!r}).options].map(o => o.text)"))
