@@ -229,6 +229,7 @@ struct picture_options {
     size_t profile_length;
     const char *description;             /* ASCII */
     const struct picture_legend *legend; /* of a PNG of 8 bits; NULL: none */
+    struct printed *memory; /* takes the bytes of a PNG, and no file is written; NULL: a file */
 };
 /* Replaces all but newlines and printable ASCII by '?', as a description needs it. Returns the
  * text; NULL is fine. */
@@ -249,7 +250,8 @@ struct picture_writer {
         int first, end; /* its rows */
     } strip;            /* rows that are not complete yet */
 };
-/* The path chooses the format, which picture_accepts. */
+/* The path chooses the format, which picture_accepts; in memory it is a PNG, and the path is a name
+ * in messages. */
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err);
 /* Writes the next rows: three samples a pixel of uint8_t or uint16_t; or floats, all rows of a

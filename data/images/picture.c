@@ -55,10 +55,11 @@ bool picture_open(struct picture_writer *out, const char *path,
                                              .height = options->height,
                                              .channels = floating ? 1 : 3,
                                              .bits = options->bits}};
-    if (!picture_accepts(path, err))
+    if (!options->memory && !picture_accepts(path, err))
         return false;
-    assert(!floating || !picture_is_png(path));
-    if (!picture_is_png(path))
+    const bool png = options->memory || picture_is_png(path);
+    assert(!floating || !png);
+    if (!png)
         return pages_open(&out->pages, path, set_tags, options, err);
     struct picture_options all = *options;
     if (options->legend &&
@@ -134,7 +135,7 @@ bool picture_finish(struct picture_writer *writer, struct error *err)
 bool picture_commit(struct picture_writer *writer, struct outputs *outputs, struct error *err)
 {
     const bool done = (writer->finished || picture_finish(writer, err)) &&
-                      output_pass(&writer->pages.output, outputs, err);
+                      (writer->options.memory || output_pass(&writer->pages.output, outputs, err));
     picture_discard(writer);
     return done;
 }

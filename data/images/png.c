@@ -9,7 +9,8 @@
 
 enum { CHUNK_BYTES = 1 << 16, LEVEL = 6, CHANNELS = 3 };
 struct png {
-    struct output *output; /* the picture writer's */
+    struct output *output;  /* the picture writer's */
+    struct printed *memory; /* takes the bytes in its place; NULL: none */
     z_stream stream;
     bool deflating; /* the stream is open */
     size_t pixel_bytes, row_bytes;
@@ -29,6 +30,10 @@ static void put_number(uint32_t number, unsigned char *out)
 
 static bool put_bytes(struct png *png, const void *bytes, size_t length, struct error *err)
 {
+    if (png->memory) {
+        print_bytes(png->memory, bytes, length);
+        return true; /* printed_take reports a lack of memory */
+    }
     return write_all(png->output->descriptor, bytes, length) ||
            error_system(err, "%s: cannot be written", png->output->path);
 }
@@ -242,13 +247,15 @@ bool png_open(struct png **out, struct output *output, const char *path,
         return false;
     png = *out;
     png->output = output;
+    png->memory = options->memory;
     png->pixel_bytes = (size_t)CHANNELS * ((size_t)options->bits / 8);
     png->row_bytes = png->pixel_bytes * (size_t)options->width;
     png->deflating = deflateInit(&png->stream, LEVEL) == Z_OK;
     png->stream.next_out = png->packed;
     png->stream.avail_out = sizeof png->packed;
     if ((png->deflating || memory_lacks(err, 0, "zlib, which writes %s", path)) &&
-        allocate_rows(png, err) && output_open(output, path, err) && put_head(png, options, err))
+        allocate_rows(png, err) && (options->memory || output_open(output, path, err)) &&
+        put_head(png, options, err))
         return true;
     output_discard(output);
     png_free(png);

@@ -195,10 +195,10 @@ class Browser(Page):
         self.send("Emulation.setEmulatedMedia",
                   features=[{"name": "prefers-color-scheme", "value": name}])
 
-    def open(self, path, fragment=""):
+    def open(self, path, fragment="", until="document.body?.dataset.ready === 'true'"):
         self.send("Page.navigate", url="about:blank")
         self.send("Page.navigate", url="file://" + os.path.abspath(path) + fragment)
-        self.wait("location.href !== 'about:blank' && document.body?.dataset.ready === 'true'")
+        self.wait("location.href !== 'about:blank' && " + until)
 
     def pointer(self, kind, x, y, buttons):
         self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, buttons=buttons, clickCount=1,

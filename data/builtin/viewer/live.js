@@ -599,7 +599,7 @@ function redraw_live(event) {
 
 async function start_live() {
   const since = performance.now();
-  document.body.classList.add("live");
+  if (location.hash) element("first")?.remove(); /* the link shows another picture */
   compiled = await WebAssembly.compile(await unpack(element("module").textContent, "gzip"));
   start_drawers();
   if (element("stack")) return start_opened_stack(since);

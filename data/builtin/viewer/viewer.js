@@ -427,6 +427,7 @@ function keep() {
 function show_picture({width, height, data}) {
   if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
   canvas.getContext("2d").putImageData(new ImageData(data, width, height), 0, 0);
+  element("first")?.remove();
 }
 
 /* Shows the colours of a map below it, with the least value, the middle one and the largest; null: there is no map. */

@@ -222,8 +222,8 @@ static bool open_picture(const struct development *of, const char *path, struct 
     if (of->lit)
         print(&printed,
               "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
-              "adaptation        none\ndisplay           %s\nexposure          1\n",
-              of->cube.image.path, of->detector_name, display_names[of->display]);
+              "adaptation        none\ndisplay           %s\nexposure          %.10g\n",
+              of->cube.image.path, of->detector_name, display_names[of->display], of->exposure);
     else {
         print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
               of->cube.image.path);
@@ -238,7 +238,8 @@ static bool open_picture(const struct development *of, const char *path, struct 
         .srgb = rgb && of->display == DISPLAY_SRGB,
         .profile = rgb ? profile : NULL,
         .profile_length = rgb ? profile_write(of->display, profile) : 0,
-        .description = text};
+        .description = text,
+        .memory = of->memory};
     const bool done = text && picture_open(out, path, &options, err);
     free(text);
     return done;
@@ -261,11 +262,16 @@ static bool write_picture(struct development *of, const char *path, struct error
     return done;
 }
 
+static bool expose_and_write(struct development *of, const char *path, struct error *err)
+{
+    return (!of->automatic || find_exposure(of, err)) && write_picture(of, path, err);
+}
+
 bool develop(struct development *of, const char *stack, const char *output, struct error *err)
 {
     of->out_of_gamut = (struct counter)COUNTER;
     return cube_open(stack, &of->cube, err) && develop_weights(of, err) && prepare_chunk(of, err) &&
-           (!of->automatic || find_exposure(of, err)) && write_picture(of, output, err);
+           expose_and_write(of, output, err);
 }
 
 struct cube scene_cube(const struct scene *scene)
@@ -278,15 +284,16 @@ struct cube scene_cube(const struct scene *scene)
                                    .wavelengths_nm = scene->wavelengths_nm}};
 }
 
-bool develop_scene(const struct lit_scene *lit, const char *detector, const char *output,
-                   struct outputs *outputs, uint64_t *out_of_gamut, struct error *err)
+bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err)
 {
-    struct development of = {.detector_name = detector ? detector : "cie1931",
+    struct development of = {.detector_name = picture->detector ? picture->detector : "cie1931",
                              .display = DISPLAY_SRGB,
                              .bits = 8,
                              .threads = lit->plan->options.threads,
                              .exposure = 1,
-                             .outputs = outputs,
+                             .automatic = picture->automatic,
+                             .outputs = picture->outputs,
+                             .memory = picture->memory,
                              .lit = lit,
                              .cube = scene_cube(lit->plan->scene),
                              .out_of_gamut = COUNTER};
@@ -297,8 +304,8 @@ bool develop_scene(const struct lit_scene *lit, const char *detector, const char
         of.cube.record.white =
             (struct numbers){white, scene_white(lit->plan->scene, pages, white) > 0 ? pages->n : 0};
     done = done && develop_weights(&of, err) && prepare_chunk(&of, err) &&
-           write_picture(&of, output, err);
-    *out_of_gamut = of.out_of_gamut.n;
+           expose_and_write(&of, picture->output, err);
+    picture->out_of_gamut = of.out_of_gamut.n;
     of.cube = (struct cube){.components = false}; /* the scene owns it */
     free(white);
     develop_free(&of);

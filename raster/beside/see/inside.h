@@ -73,6 +73,7 @@ struct development {
                                                stacks that were sampled, and for basis, rgb and
                                                xyz, which need lights and reflectances apart */
     struct outputs *outputs;                /* get the picture; NULL: it appears at once */
+    struct printed *memory;                 /* takes a PNG in place of a file; NULL: a file */
     const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
     /* The findings. */
     struct cube cube;

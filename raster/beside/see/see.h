@@ -85,13 +85,19 @@ extern const struct command curves_command;
 /* Writes the picture of a stack that a detector sees. */
 extern const struct command develop_command;
 
-/* Draws a scene by the reference, as a detector (NULL: cie1931) sees it without adaptation on an
- * sRGB display at exposure 1, and writes it as PNG. Samples of the scene's plan are floats. outputs
- * as output_pass takes them. Counts the pixels with a clipped channel. Memory does not grow with
- * the picture's height. */
+/* The picture of a scene, as a detector sees it without adaptation on an sRGB display. */
+struct scene_picture {
+    const char *detector;    /* NULL: cie1931 */
+    bool automatic;          /* at the exposure that "develop --exposure auto" finds; otherwise 1 */
+    const char *output;      /* the path of a PNG */
+    struct outputs *outputs; /* as output_pass takes them */
+    struct printed *memory;  /* takes the PNG in place of a file; NULL: a file */
+    uint64_t out_of_gamut;   /* found: pixels with a clipped channel */
+};
+/* Draws a scene by the reference, and writes its picture. Samples of the scene's plan are floats.
+ * Memory beside picture->memory does not grow with the picture's height. */
 struct lit_scene;
-bool develop_scene(const struct lit_scene *lit, const char *detector, const char *output,
-                   struct outputs *outputs, uint64_t *out_of_gamut, struct error *err);
+bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err);
 /* Returns a scene as if it were a stack without a record. Nothing of it is owned. */
 struct cube scene_cube(const struct scene *scene);
 

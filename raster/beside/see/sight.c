@@ -142,8 +142,8 @@ static bool find_white(const struct cube *cube, const char *spectrum, bool fixed
     bool shines = false;
     if (spectrum == NULL && recorded->n == 0)
         return error_usage(err,
-                           "%s: records no white, as stacks of scenes with lights do since spectral"
-                           " 0.3.0; name one by --white SPECTRUM",
+                           "%s has no white: no light of its scene shines at its wavelengths, or no"
+                           " scene is recorded; develop --white SPECTRUM names one",
                            cube->image.path);
     if (spectrum == NULL)
         memcpy(out, recorded->value, (size_t)n * sizeof *out);

@@ -212,16 +212,59 @@ static void put_planes(struct planes *planes, const struct scene *scene, struct 
     FREE_ALL(bytes, samples);
 }
 
+/* ---- the picture that a page shows first ---- */
+
+/* Draws it, and makes notes on the scene; NULL: none. */
+static bool draw_first(const struct viewing *view, struct notes *notes,
+                       struct scene_picture *picture, struct error *err)
+{
+    struct plan plan = *view->plan;
+    struct lit_scene lit = {.plan = &plan};
+    plan.options.bits = 32; /* samples are radiances */
+    picture->detector = view->options->detector;
+    const bool done = lit_make(&plan, driver_of(NULL), &lit, err) &&
+                      (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
+                      develop_scene(&lit, picture, err);
+    lit_free(&lit);
+    return done;
+}
+
+bool still_write(struct viewing *view, struct error *err)
+{
+    struct scene_picture picture = {.output = view->options->output,
+                                    .outputs = &view->options->outputs};
+    const bool done = draw_first(view, view->notes, &picture, err);
+    view->out_of_gamut = picture.out_of_gamut;
+    return done;
+}
+
+bool put_first(const struct viewing *view, struct page_parts *to, struct error *err)
+{
+    struct printed png = {.text = NULL};
+    struct scene_picture picture = {
+        .output = view->options->output, .automatic = true, .memory = &png};
+    const bool drawn = draw_first(view, NULL, &picture, err);
+    to->width = view->plan->scene->width;
+    to->height = view->plan->scene->height;
+    if (!drawn)
+        free(printed_end(&png));
+    to->first = drawn ? printed_take(&png, err) : NULL;
+    to->n_first = png.length;
+    return to->first != NULL;
+}
+
+/* ---- the page, and its data alone ---- */
+
 bool viewer_write(struct viewing *view, struct error *err)
 {
     struct planes planes = {.surface = NULL};
-    struct printed data = {.text = NULL};
-    if (planes_make(view->plan, &planes, view->notes, err)) {
-        put_json(&data, "scene", description_make(view, err));
-        put_planes(&planes, view->plan->scene, &data, err);
+    struct page_parts parts = {.kind = PAGE_STILL};
+    if (planes_make(view->plan, &planes, view->notes, err) && put_first(view, &parts, err)) {
+        put_json(&parts.data, "scene", description_make(view, err));
+        put_planes(&planes, view->plan->scene, &parts.data, err);
     }
     planes_free(&planes);
-    return page_write(PAGE_STILL, &data, view->options, &view->bytes, err);
+    return page_write(&parts, view->options, &view->bytes, err);
 }
 
 bool description_write(struct viewing *view, struct error *err)
@@ -271,20 +314,5 @@ bool weights_write(struct viewing *view, struct error *err)
            output_pass(&out, &view->options->outputs, err);
     planes_free(&planes);
     output_discard(&out);
-    return done;
-}
-
-/* ---- the picture that a page shows first ---- */
-
-bool still_write(struct viewing *view, struct error *err)
-{
-    struct plan plan = *view->plan;
-    struct lit_scene lit = {.plan = &plan};
-    plan.options.bits = 32; /* samples are radiances */
-    const bool done = lit_make(&plan, driver_of(NULL), &lit, err) &&
-                      notes_make(&lit, SOME_PIXELS, view->notes, err) &&
-                      develop_scene(&lit, view->options->detector, view->options->output,
-                                    &view->options->outputs, &view->out_of_gamut, err);
-    lit_free(&lit);
     return done;
 }

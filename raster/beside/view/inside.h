@@ -124,9 +124,18 @@ void put_json(struct printed *to, const char *id, char *json);
 void put_packed(struct printed *to, const char *id, const void *bytes, size_t length,
                 struct error *err);
 enum page_kind { PAGE_STILL, PAGE_STACK, PAGE_LIVE };
-/* Writes a page with these data, which it ends, to the options' output, unless *err has a failure
+struct page_parts {
+    enum page_kind kind;
+    struct printed data; /* elements that put_json and put_packed make */
+    char *first;         /* a PNG that the page shows while it starts; NULL: none; owned */
+    size_t n_first;
+    int width, height; /* of that */
+};
+/* Writes a page of these parts, which it frees, to the options' output, unless *err has a failure
  * already. */
-bool page_write(enum page_kind kind, struct printed *data, struct options *options, size_t *bytes,
+bool page_write(struct page_parts *parts, struct options *options, size_t *bytes,
                 struct error *err);
+/* drawing.c. Draws the picture that the page of a scene shows first, at its automatic exposure. */
+bool put_first(const struct viewing *view, struct page_parts *to, struct error *err);
 
 #endif

@@ -213,13 +213,12 @@ static bool put_smallest(struct stack_page *of, const char *stack, struct printe
 bool stack_page_write(struct stack_page *of, struct options *options, bool alone, struct error *err)
 {
     const char *stack = options->operand;
-    struct printed data = {.text = NULL};
+    struct page_parts parts = {.kind = has_live_pages() ? PAGE_LIVE : PAGE_STACK};
     if (!cube_open(stack, &of->rows.cube, err))
         return false;
     if (!alone) {
-        put_smallest(of, stack, &data, err); /* page_write ends the data, also after a failure */
-        return page_write(has_live_pages() ? PAGE_LIVE : PAGE_STACK, &data, options, &of->bytes,
-                          err);
+        put_smallest(of, stack, &parts.data, err); /* page_write ends them, also after a failure */
+        return page_write(&parts, options, &of->bytes, err);
     }
     char *text = make_data(of, stack, 1, err);
     const bool done = text && file_write(options->output, text, of->bytes, &options->outputs, err);

@@ -97,9 +97,8 @@ static const char policy[] =
     "img-src blob: data:%s; base-uri 'none'; form-action 'none'\">\n";
 
 struct page {
-    enum page_kind kind;
-    const char *data;
-    size_t n_data;
+    const struct page_parts *parts;
+    const char *data; /* of the parts */
     struct printed text;
     struct error *err;
 };
@@ -109,16 +108,39 @@ static void put_file(struct page *page, const char *name);
 /* Returns whether a file is for pages of other kinds. */
 static bool is_left_out(const struct page *page, const char *name)
 {
-    return (page->kind != PAGE_LIVE && strncmp(name, "live", 4) == 0) ||
-           (page->kind == PAGE_STILL && strncmp(name, "stack", 5) == 0);
+    return (page->parts->kind != PAGE_LIVE && strncmp(name, "live", 4) == 0) ||
+           (page->parts->kind == PAGE_STILL && strncmp(name, "stack", 5) == 0);
+}
+
+/* Opens the frame of the picture, with the first one in it: browsers show it before the program of
+ * the page runs. */
+static void put_frame(struct page *page)
+{
+    const struct page_parts *parts = page->parts;
+    if (!parts->first) {
+        print_text(&page->text, "<div id=\"frame\">\n");
+        return;
+    }
+    print(&page->text,
+          "<div id=\"frame\" style=\"--width: %dpx; --aspect: %.6g\">\n"
+          "<img id=\"first\" width=\"%d\" height=\"%d\" alt=\"Picture of the scene\"\n"
+          "  src=\"data:image/png;base64,",
+          parts->width < 300 ? 300 : parts->width, (double)parts->width / parts->height,
+          parts->width, parts->height);
+    print_base64((const unsigned char *)parts->first, parts->n_first, &page->text);
+    print_text(&page->text, "\">\n");
 }
 
 /* Puts what a mark stands for. */
 static void put_marked(struct page *page, const char *name)
 {
-    const bool live = page->kind == PAGE_LIVE;
+    const bool live = page->parts->kind == PAGE_LIVE;
     if (strcmp(name, "data") == 0)
-        print_bytes(&page->text, page->data, page->n_data);
+        print_bytes(&page->text, page->data, page->parts->data.length);
+    else if (strcmp(name, "body") == 0)
+        print_text(&page->text, live ? "<body class=\"live\">\n" : "<body>\n");
+    else if (strcmp(name, "frame") == 0)
+        put_frame(page);
     else if (strcmp(name, "policy") == 0)
         print(&page->text, policy, live ? " 'wasm-unsafe-eval'" : "",
               live ? "; worker-src blob:" : "");
@@ -145,16 +167,15 @@ static void put_file(struct page *page, const char *name)
     free(source);
 }
 
-bool page_write(enum page_kind kind, struct printed *data, struct options *options, size_t *bytes,
-                struct error *err)
+bool page_write(struct page_parts *parts, struct options *options, size_t *bytes, struct error *err)
 {
-    if (kind == PAGE_LIVE)
-        put_module(data);
-    char *owned = printed_take(data, err);
-    struct page page = {
-        .kind = kind, .data = owned, .n_data = owned ? data->length : 0, .err = err};
-    put_file(&page, "page.html");
-    free(owned);
+    if (parts->kind == PAGE_LIVE)
+        put_module(&parts->data);
+    char *data = printed_take(&parts->data, err);
+    struct page page = {.parts = parts, .data = data, .err = err};
+    if (data)
+        put_file(&page, "page.html");
+    FREE_ALL(data, parts->first);
     *bytes = page.text.length;
     if (err->status == EXIT_AGREED)
         return printed_write(&page.text, options->output, &options->outputs, err);

@@ -150,7 +150,7 @@ static void test_dark(void)
         CHECK(cube.record.white.n == 0 && record_illumination(&cube.record) == 0,
               "a scene without light has no white");
         CHECK(cube.record.lights.n == (i > 0), "the record lists a light even if it adds no light");
-        check_no_white(&cube, NULL, "records no white");
+        check_no_white(&cube, NULL, "has no white");
         check_white(&cube, "1", &one, "a white of the command line");
         cube_close(&cube);
     }
@@ -505,7 +505,7 @@ static void test_unseen(void)
         CHECK(responds(&cube, NULL, false, &found, white, &err) && !found,
               "%s: ultraviolet light makes no white %s", kinds[i], err.text);
         CHECK(!responds(&cube, NULL, true, &found, white, &err) &&
-                  strstr(err.text, "records no white") != NULL,
+                  strstr(err.text, "has no white") != NULL,
               "%s: an adaptation to its white is refused %s", kinds[i], err.text);
         CHECK(!responds(&cube, "lamp.csv", true, &found, white, &err) &&
                   strstr(err.text, "0 at all of the stack's wavelengths") != NULL,

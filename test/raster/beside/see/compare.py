@@ -250,7 +250,7 @@ def test_refusals():
     bad = PIXELS.copy()
     bad[2, 3, 4] = np.nan
     refused(A, stack("nan.tif", bad, NM), "nan.tif")
-    refused(A, A, "records no white", "--tolerance", "1dE00")
+    refused(A, A, "has no white", "--tolerance", "1dE00")
     printed = Printed(compare(A, stack("some.tif", PIXELS + 1, NM)).stdout)
     check(printed.ciede2000 is None and printed.angle is not None, "without a white there is no CIEDE2000")
 

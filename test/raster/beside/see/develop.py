@@ -537,7 +537,7 @@ def refusals(full, box, rgb, whiteless):
             ("was sampled when it was rendered, by rgb", rgb, "--sampling", "gauss:4"),
             ("need lights and reflectances apart", full, "--sampling", "basis:3"),
             ("need lights and reflectances apart", full, "--sampling", "rgb"),
-            ("records no white", whiteless, "--sampling", "adaptive:0.01"),
+            ("has no white", whiteless, "--sampling", "adaptive:0.01"),
             ("expected --detector cie1931", rgb, "--detector", "cie1964"),
             ("is -1; expected a finite number that is not negative", negative.path)):
         refuses(says, says, "develop", source, "-o", path, *options, absent=path)

@@ -4,6 +4,8 @@
 """Tests the viewer's page in a headless Chromium: its pixels, spectra and numbers equal those of the program's own
 commands for every choice in the menus. All of it is usable by pointer and keyboard, on a phone and in the dark.
 Prints TAP."""
+import base64
+import io
 import os
 import re
 import shutil
@@ -178,6 +180,30 @@ def menus(scene):
     browser.settle()
     expected, _ = developed(rendered(scene), "--exposure=auto")
     check(distance(browser.pixels(), expected) <= 1, f"{what_kind} {scene}: reset shows the original scene, its exposure automatic")
+
+
+# ---- the first picture ----
+
+def first_pictures():
+    """A page contains its first picture, at the place and in the size of the later ones, without any program."""
+    corners = "(b => [b.left, b.top, b.width, b.height])(document.getElementById('%s').getBoundingClientRect())"
+    expected, _ = developed(rendered("spheres"), "--exposure=auto")
+    for program, kind_of_page in ((PROGRAM, "still"), (LIVE, "live")):
+        path = path_of("first.html")
+        output_of("view", "spheres", "-o", path, "--quiet", "--size", SIZE, program=program)
+        packed = re.search('<img id="first"[^>]*src="data:image/png;base64,([^"]*)">', open(path).read())[1]
+        with Image.open(io.BytesIO(base64.b64decode(packed, validate=True))) as image:
+            seen = np.asarray(image)
+        check(distance(seen, expected) <= 1 and np.mean(seen != expected) < 0.01,
+              f"the {kind_of_page} page contains the picture of develop --exposure auto", distance(seen, expected))
+        browser.send("Emulation.setScriptExecutionDisabled", value=True)
+        browser.open(path, until="document.getElementById('first')?.complete && document.readyState === 'complete'")
+        before = browser.evaluate(corners % "first")
+        browser.send("Emulation.setScriptExecutionDisabled", value=False)
+        browser.open(path)
+        after = browser.evaluate(corners % "picture")
+        check(before[2] > 100 and np.allclose(before, after, atol=[20, 30, 0.1, 0.1]) and browser.evaluate("!element('first')"),
+              f"the {kind_of_page} page shows it without JavaScript, where its canvas stands later", before, after)
 
 
 # ---- still pictures ----
@@ -669,6 +695,7 @@ def main():
                 menus(scene)
     for kind[:] in ([LIVE], [PROGRAM]):
         bands("still" if kind == [PROGRAM] else "live")
+    first_pictures()
     stills()
     all_offered()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
