@@ -31,7 +31,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define SPECTRAL_VERSION "0.5.0"
+#define SPECTRAL_VERSION "0.6.0"
 #define PROGRAM "spectral " SPECTRAL_VERSION
 
 #if defined(__GNUC__)
