@@ -79,7 +79,7 @@ prepare() {
 # Sets $sources for $GL and $TIER; spectral.c, which has main, is the first. The tables in raster/beside
 # list what a program contains of the rooms in that folder, which the core does not know.
 find_sources() {
-    rooms='data raster/reference raster/renderers raster/plan raster/bounds raster/candidates raster/counts raster/check raster/render'
+    rooms='data raster/reference raster/visibility raster/renderers raster/plan raster/bounds raster/volumes raster/candidates raster/counts raster/check raster/render'
     all='raster/beside/colour raster/beside/accuracy raster/beside/verify raster/beside/see raster/beside/cost raster/beside/view'
     commands=commands ways=ways
     without='/no_[a-z]*[.]c$'

@@ -64,12 +64,14 @@ static int find_first(const struct light_list *list, int index, const char *key,
     return index;
 }
 
-/* Adds the light. A light that has no strength in numbers shares its spectrum with no other. */
+/* Adds the light. A light with shadows shares its spectrum with no other, and neither does one that
+ * has no strength in numbers. */
 static bool add_light(struct light_list *list, const struct light *light, struct error *err)
 {
     struct illumination *to = list->to;
     const int index = to->n_lights++;
-    const bool alone = to->exchangeable || !(strength(light) > 0 && isfinite(strength(light)));
+    const bool alone =
+        to->exchangeable || light->shadows || !(strength(light) > 0 && isfinite(strength(light)));
     int first = index, last = -1;
     char key[65];
     to->lights[index] = (struct shining_light){.light = light, .share = 1};

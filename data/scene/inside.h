@@ -108,5 +108,7 @@ void object_free(struct object *object);
  * their sizes. Refuses a scene without a list. */
 bool scene_set_shape(struct scene *scene, const char *text, struct error *err);
 bool scene_set_samples(struct scene *scene, const char *text, struct error *err);
+/* Gives all lights shadows; the text is of no matter. */
+bool scene_set_shadows(struct scene *scene, const char *text, struct error *err);
 
 #endif

@@ -101,8 +101,8 @@ static bool read_spot(struct text *text, struct light *out, struct error *err)
 
 static bool read_light_options(struct text *text, struct light *light, struct error *err)
 {
-    static const char *const words[] = {"attenuation", "spot", "unit", NULL};
-    struct place given[3] = {{0}};
+    static const char *const words[] = {"attenuation", "spot", "unit", "shadows", NULL};
+    struct place given[4] = {{0}};
     struct word word;
     while (text_word(text, &word)) {
         int option = word_choose_once(&word, words, "word for a light", given, err);
@@ -113,7 +113,9 @@ static bool read_light_options(struct text *text, struct light *light, struct er
             return error_at(err, word.place,
                             "%s needs a light with a position; a direction has no distance",
                             words[option]);
-        if (!(option == 0   ? read_attenuation(text, light, err)
+        light->shadows = light->shadows || option == 3;
+        if (!(option == 3   ? true
+              : option == 0 ? read_attenuation(text, light, err)
               : option == 1 ? read_spot(text, light, err)
                             : read_unit(text, light, err)))
             return false;
@@ -173,6 +175,14 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
     struct light *light = &scene->lights[n - 1];
     light->intensity = light->intensity > 0 ? light->intensity : 1;
     return read_light_option(&text, equals + 1, light, err);
+}
+
+bool scene_set_shadows(struct scene *scene, const char *value, struct error *err)
+{
+    (void)value, (void)err;
+    for (int i = 0; i < scene->n_lights; i++)
+        scene->lights[i].shadows = true;
+    return true;
 }
 
 bool scene_set_ambient(struct scene *scene, const char *value, struct error *err)

@@ -33,6 +33,7 @@ enum object_option {
     OBJECT_ROTATE,
     OBJECT_TRANSLATE,
     OBJECT_TWO_SIDED,
+    OBJECT_CASTS,
     OBJECT_PLANAR,
     OBJECT_REPEAT,
     OBJECT_UNITIZE,
@@ -40,8 +41,8 @@ enum object_option {
     OBJECT_OPTIONS
 };
 static const char *const option_words[] = {"material",  "materials", "scale",  "rotate",
-                                           "translate", "two-sided", "planar", "repeat",
-                                           "unitize",   "crease",    NULL};
+                                           "translate", "two-sided", "casts",  "planar",
+                                           "repeat",    "unitize",   "crease", NULL};
 
 static bool read_transform(struct text *text, int option, struct matrix *out, struct error *err)
 {
@@ -89,6 +90,14 @@ static bool read_material(struct text *text, struct place place, bool map, struc
            (!map || word_file(&out->material, FILE_MAP, &out->object.material_map, err));
 }
 
+/* Reads "no": an object casts shadows unless it says so. */
+static bool read_casts(struct text *text, bool *casts_none, struct error *err)
+{
+    static const char *const words[] = {"no", NULL};
+    *casts_none = text_choose(text, "no", words, "word behind casts", err) == 0;
+    return *casts_none;
+}
+
 static bool read_option(struct text *text, const struct word *word, struct description *out,
                         struct error *err)
 {
@@ -105,6 +114,8 @@ static bool read_option(struct text *text, const struct word *word, struct descr
                         shape_name(shape->kind));
     if (!place_once(&out->given[option], word->place, option_words[option], err))
         return false;
+    if (option == OBJECT_CASTS)
+        return read_casts(text, &out->object.casts_none, err);
     if (option == OBJECT_REPEAT)
         return text_number(text, "repeat along s", DBL_MIN, HUGE_VAL, &shape->repeat[0], err) &&
                text_number(text, "repeat along t", DBL_MIN, HUGE_VAL, &shape->repeat[1], err);

@@ -63,6 +63,7 @@ struct light {
     double spot_cutoff_deg, spot_exponent;
     struct place attenuation_place;
     bool absolute; /* spectrum x intensity is in W sr-1 m-2 nm-1; otherwise relative */
+    bool shadows;  /* objects throw shadows in this light */
 };
 struct camera {
     bool perspective;
@@ -83,6 +84,7 @@ struct object {
     struct material_assignment *assignments; /* its lines, or of the mesh's own mtllib; owned */
     int n_assignments;
     bool two_sided;
+    bool casts_none; /* it throws no shadow */
     bool background; /* a plane of 1 x 1 that the plan places behind the view, whatever transform is
                       */
     double

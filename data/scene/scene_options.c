@@ -10,6 +10,8 @@ static const struct option changes[] = {
      CHANGES(scene_set_light), .recorded = true},
     {"--ambient SPECTRUM[*INTENSITY]", "replaces the ambient light", CHANGES(scene_set_ambient),
      .recorded = true},
+    {"--shadows", "objects throw shadows in the light of all lights", CHANGES(scene_set_shadows),
+     .recorded = true},
     {"--shape SHAPE", "the shape of all objects of a list: sphere, teapot, 'mesh chair', ...",
      CHANGES(scene_set_shape), .recorded = true},
     {"--samples K", "stores the mean of K x K positions of each pixel: 1 (default), 2, 4, 8 or 16",

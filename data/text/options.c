@@ -172,6 +172,13 @@ static bool store_value(struct options *options, const struct option *option, co
     return true;
 }
 
+/* A change without a value has a usage of one word. */
+static bool takes_value(const struct option *option)
+{
+    return option->kind == OPTION_CHANGE ? strchr(option->usage, ' ') != NULL
+                                         : option->kind != OPTION_FLAG;
+}
+
 /* Reads one option with its value: behind the name in the same word, as in "--size=4x4" and "-j4",
  * or the next word. */
 static bool read_option(struct reading *reading, struct options *options, struct error *err)
@@ -185,11 +192,11 @@ static bool read_option(struct reading *reading, struct options *options, struct
         return refuse_option(reading, word, length, err);
     snprintf(name, sizeof name, "%.*s", (int)length, word);
     snprintf(first, sizeof first, "%.*s", (int)strcspn(option->usage, ", "), option->usage);
-    if (option->kind == OPTION_FLAG && value)
+    if (!takes_value(option) && value)
         return error_usage(err, "%s takes no value", name);
-    if (option->kind != OPTION_FLAG && !value && reading->at + 1 == reading->n_words)
+    if (takes_value(option) && !value && reading->at + 1 == reading->n_words)
         return error_usage(err, "%s needs a value: %s", name, option->usage);
-    if (option->kind != OPTION_FLAG && !value)
+    if (takes_value(option) && !value)
         value = reading->words[++reading->at];
     return (!option->recorded || options_record(options, first, value, err)) &&
            store_value(options, option, name, value, err);

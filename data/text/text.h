@@ -188,7 +188,8 @@ enum option_kind {
     OPTION_NUMBER, /* double, from lowest to highest */
     OPTION_COUNT,  /* int: a whole number from lowest to highest */
     OPTION_FLAG,   /* bool: takes no value */
-    OPTION_CHANGE  /* changes the scene, by the function `change` */
+    OPTION_CHANGE /* changes the scene, by the function `change`; with a value, if the usage has one
+                   */
 };
 
 /* An option. Rows of one command have names of their own. */

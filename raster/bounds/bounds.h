@@ -6,6 +6,7 @@
 #define RASTER_BOUNDS_BOUNDS_H
 
 #include "raster/plan/plan.h"
+#include "raster/visibility/visibility.h"
 
 /* A value of the reference; OpenGL's value is off from it by at most the error. */
 struct bounded {
@@ -43,14 +44,17 @@ struct surface_bounds {
 /* The weights that one group of lights adds to surface.weights; NULL: there is one group. */
 float *group_weights(const struct surface *surface, const struct surface_bounds *bounds, int group);
 /* A scene with all of its vertices in the window and lit, by the reference and with bounds. */
+struct volumes;
 struct lit_scene {
     const struct plan *plan;
     const struct driver *driver;
     struct surface *surfaces; /* one an instance, in drawing order */
     struct surface_bounds *bounds;
-    struct light_work work; /* of all vertices */
-    double full_scale;      /* the radiance of the largest count; 1 until find_full_scale */
-    bool clips;             /* a vertex is brighter than that */
+    struct occluders occluders;    /* none, where no light throws shadows into view */
+    const struct volumes *volumes; /* that OpenGL draws for them: see raster/volumes; NULL: none */
+    struct light_work work;        /* of all vertices */
+    double full_scale;             /* the radiance of the largest count; 1 until find_full_scale */
+    bool clips;                    /* a vertex is brighter than that */
 };
 /* Refuses NaN and infinity, by object. The plan must outlive *out; lit_free accepts what a failure
  * left. Without a check no errors of weights are bounded. */

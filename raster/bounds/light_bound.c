@@ -308,7 +308,7 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
         struct side_bounds out = {
             .errors = errors, .jumps = bounds->jumps ? bounds->jumps + at : NULL, .gated = -1};
         for (int i = 0; i < view->n_lights && view->shading != PHONG; i++) {
-            float *group = group_weights(of, bounds, i / LIGHTS_PER_PASS);
+            float *group = group_weights(of, bounds, group_of(lit->plan, i));
             out.group = group ? group + at : NULL;
             if (!lit->plan->is_idle[i] && reflects(of->instance, &view->lights[i]))
                 add_light(&view->lights[i], i, &vertex, &out);

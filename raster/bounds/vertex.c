@@ -304,6 +304,7 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
 {
     const struct placed_instance *placed = &lit->plan->instances[index];
     const bool is_lit = instance_is_lit(lit->plan, placed);
+    const bool checks_near = lit->plan->scene->camera.perspective && !lit->plan->clamps_depth;
     struct view unlit = lit->plan->view;
     unlit.n_lights = 0;
     struct bounding of = {.lit = lit,
@@ -322,11 +323,26 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
     for (int i = 0; i < placed->instance.n_vertices; i++)
         if (!check_vertex(of.surface, of.bounds, i, err))
             return false;
-    for (int i = 0; i < placed->instance.n_triangles && lit->plan->scene->camera.perspective; i++)
+    for (int i = 0; i < placed->instance.n_triangles && checks_near; i++)
         if (!check_near(lit->plan, of.surface, of.bounds, i, err))
             return false;
     find_extent(of.surface, of.bounds);
     return !(placed->in_view && lit->plan->options.use_gl) || find_hidden(lit, index, err);
+}
+
+/* Lists what throws shadows. */
+static bool find_occluders(struct lit_scene *lit, struct error *err)
+{
+    const struct plan *plan = lit->plan;
+    bool *casts;
+    if (!MAKE_ARRAY(casts, plan->n_instances, err, "%d objects", plan->n_instances))
+        return false;
+    for (int i = 0; i < plan->n_instances; i++)
+        casts[i] = plan->instances[i].casts != 0;
+    const bool done = occluders_make(lit->surfaces, plan->n_instances, casts, &lit->occluders) ||
+                      memory_lacks(err, 0, "the triangles that throw shadows");
+    free(casts);
+    return done;
 }
 
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
@@ -340,7 +356,7 @@ bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_s
     for (int i = 0; i < plan->n_instances; i++)
         if (!make_surface(out, i, err))
             return false;
-    return true;
+    return plan->n_shadowed == 0 || find_occluders(out, err);
 }
 
 void lit_free(struct lit_scene *lit)
@@ -350,6 +366,7 @@ void lit_free(struct lit_scene *lit)
         FREE_ALL(lit->bounds[i].vertices, lit->bounds[i].errors, lit->bounds[i].jumps,
                  lit->bounds[i].hidden, lit->bounds[i].group_weights);
     }
+    occluders_free(&lit->occluders);
     FREE_ALL(lit->surfaces, lit->bounds);
     *lit = (struct lit_scene){.plan = NULL};
 }

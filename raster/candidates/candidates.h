@@ -21,6 +21,7 @@ enum bound_cause {
     CAUSE_THIN,
     CAUSE_FAR,
     CAUSE_DEPTH,
+    CAUSE_SHADOW,
     BOUND_CAUSES
 };
 /* A bound in the mean of all bands, in parts of shaded_brightest: the part that follows from the
@@ -61,6 +62,7 @@ struct ambiguous_pixel {
     /* OpenGL may lose the triangle that the reference shows: its depth may round to that of the
      * near or the far plane */
     bool may_vanish;
+    bool shadow_in_doubt; /* a light may reach a candidate there, or not */
 };
 /* Some rows of a tile, which one thread draws: the reference's picture, and for a check the rest:
  */
@@ -70,6 +72,7 @@ struct chunk {
     float *own;    /* of the same: bounds on what each band rounds by itself, a part of errors */
     struct pixel_bounds *pixels; /* of each pixel; but for overdraw, unless it is ambiguous */
     bool *is_ambiguous;
+    uint32_t *dark; /* of each pixel: lights that do not reach it: see picture_shadow; NULL: none */
     struct ambiguous_pixel *ambiguous;
     struct candidate *candidates;
     double *candidate_rows;
@@ -78,10 +81,6 @@ struct chunk {
 };
 
 /* ---- chunk.c: the loop over tiles ---- */
-
-/* Finds the parts of a triangle between the near and the far plane, as the reference draws them. */
-int shown_parts(const struct view *view, const struct surface *surface, int triangle,
-                struct screen_triangle out[SCREEN_TRIANGLES]);
 
 /* A tile of a region of the picture. */
 struct tile {

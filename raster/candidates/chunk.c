@@ -48,7 +48,9 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
         pixel_errors(&bounding->pixel, out->candidate_rows + first, 1,
                      out->candidate_errors + first, out->candidate_own + first);
     if (fragment->loose)
-        mean.cause = fragment->depth_error < HUGE_VAL ? CAUSE_FAR : CAUSE_THIN;
+        mean.cause = fragment->has_no_shadow            ? CAUSE_SHADOW
+                     : fragment->depth_error < HUGE_VAL ? CAUSE_FAR
+                                                        : CAUSE_THIN;
     out->candidates[out->n_candidates++] = (struct candidate){
         .surface = (int32_t)(triangle->screen.surface - bounding->fragments.tile->lit->surfaces),
         .triangle = triangle->screen.triangle,
@@ -61,19 +63,79 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
     return true;
 }
 
-/* Adds a triangle that may be visible at a pixel: one candidate for each outcome of its gates and
- * each place in the texture that OpenGL may sample. */
-static bool add_candidates(struct bounding *bounding, const struct fragment *fragment, int x, int y)
+/* The point of the pixel's triangle that is nearest to the pixel's centre: OpenGL may show a
+ * triangle that only comes near it. */
+static void nearest_share(const double share[3], double out[3])
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++)
+        sum += out[i] = fmax(0, share[i]);
+    for (int i = 0; i < 3; i++)
+        out[i] /= sum;
+}
+
+/* Finds the lights that do not reach the pixel for sure, and those whose shadow OpenGL may count
+ * otherwise: their edge is near, or it is between the centre and the triangle. */
+static uint32_t find_dark(const struct bounding *bounding, const struct fragment *fragment,
+                          uint32_t *in_doubt)
+{
+    const struct bounded_pixel *pixel = &bounding->pixel;
+    const struct lit_scene *lit = pixel->lit;
+    const struct screen_triangle *screen = &pixel->triangle->screen;
+    const uint32_t shadowed = pixel_shadowed(pixel, pixel->attributes, 1);
+    double share[3];
+    uint32_t dark[2] = {0, 0};
+    *in_doubt = shadowed & fragment->in_doubt;
+    nearest_share(pixel->share, share);
+    for (int i = 0; i < (least_of(pixel->share) < 0 ? 2 : 1); i++) {
+        const struct seen_point point =
+            seen_point(lit->surfaces, screen, i == 0 ? share : pixel->share);
+        dark[1] = lights_blocked(&lit->occluders, &lit->plan->view, lit->plan->n_shadowed,
+                                 shadowed & ~*in_doubt, &point);
+        dark[0] = i == 0 ? dark[1] : dark[0];
+    }
+    *in_doubt |= dark[0] ^ dark[1];
+    return dark[0] & dark[1];
+}
+
+/* So many lights in doubt have a candidate each way; more leave the pixel without a bound. */
+enum { MOST_IN_DOUBT = 6 };
+
+/* Adds the pixel's triangle with its gates turned, in each way in which lights may reach it, and
+ * with each place in the texture that OpenGL may sample. */
+static bool add_shadowed(struct bounding *bounding, const struct fragment *fragment, unsigned gates,
+                         int x, int y)
 {
     struct texel_point choices[TEXEL_CHOICES];
+    struct fragment added = *fragment;
+    uint32_t in_doubt, more;
+    pixel_turn_gates(&bounding->pixel, gates);
+    const uint32_t dark = find_dark(bounding, fragment, &in_doubt);
+    added.has_no_shadow = count_bits(in_doubt) > MOST_IN_DOUBT;
+    added.loose = added.loose || added.has_no_shadow;
+    bounding->chunk->ambiguous[bounding->chunk->n_ambiguous - 1].shadow_in_doubt |= in_doubt != 0;
+    for (more = in_doubt = added.loose ? 0 : in_doubt;; more = (more - 1) & in_doubt) {
+        pixel_bound(&bounding->pixel, fragment, x, y, true);
+        pixel_turn_gates(&bounding->pixel, gates);
+        pixel_darken(&bounding->pixel, dark | more);
+        const int n = pixel_choices(&bounding->pixel, choices);
+        for (int i = 0; i < n; i++)
+            if (!add_candidate(bounding, &added, &choices[i]))
+                return false;
+        if (more == 0)
+            return true;
+    }
+}
+
+/* Adds a triangle that may be visible at a pixel: one candidate for each outcome of its gates and
+ * of its shadows, and each place in the texture that OpenGL may sample. */
+static bool add_candidates(struct bounding *bounding, const struct fragment *fragment, int x, int y)
+{
     unsigned gates = 0;
     do {
         pixel_bound(&bounding->pixel, fragment, x, y, true);
-        pixel_turn_gates(&bounding->pixel, gates);
-        int n = pixel_choices(&bounding->pixel, choices);
-        for (int i = 0; i < n; i++)
-            if (!add_candidate(bounding, fragment, &choices[i]))
-                return false;
+        if (!add_shadowed(bounding, fragment, gates, x, y))
+            return false;
     } while (++gates < 1U << bounding->pixel.n_gated);
     return true;
 }
@@ -120,6 +182,7 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
             struct fragment fragment = bounding->fragments.fragments[f];
             fragment.loose = fragment.loose || slivers;
             fragment.depth_error = slivers ? HUGE_VAL : fragment.depth_error;
+
             ambiguous->may_vanish = ambiguous->may_vanish ||
                                     (fragment.vanishes && is_shown(bounding, &fragment, index));
             if ((fragment.sliver || !slivers) && !add_candidates(bounding, &fragment, x, y))
@@ -156,7 +219,12 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
         return false;
     const struct fragment *only = &bounding->fragments.fragments[list->head];
     pixel_bound(&bounding->pixel, only, x, y, false);
-    if (bounding->pixel.n_gated > 0 || pixel_choices(&bounding->pixel, choices) > 1)
+    const uint32_t dark = bounding->pixel.dark = out->dark ? out->dark[index] : 0;
+    const uint32_t in_doubt =
+        only->in_doubt &
+        (dark | pixel_shadowed(&bounding->pixel, out->picture.rows + index, n_pixels));
+    if (bounding->pixel.n_gated > 0 || in_doubt != 0 ||
+        pixel_choices(&bounding->pixel, choices) > 1)
         return true;
     pixel_take_place(&bounding->pixel, &choices[0]);
     struct pixel_bounds *bounds = &out->pixels[index];
@@ -227,16 +295,23 @@ static bool chunk_draw(const struct tile *tile, int index)
     *out = (struct chunk){.picture = {.at = rows}};
     if (!plan->options.check && !plan->options.store_raster)
         return true;
-    return picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
-                        &out->picture) &&
-           (!plan->options.check || find_candidates(tile, out));
+    if (!picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
+                      &out->picture))
+        return false;
+    if (plan->n_shadowed > 0) {
+        const size_t n_pixels = (size_t)rows.width * (size_t)rows.height;
+        if (!memory_make(&out->dark, n_pixels, sizeof *out->dark))
+            return false;
+        picture_shadow(&plan->view, &lit->occluders, plan->n_shadowed, &out->picture, out->dark);
+    }
+    return !plan->options.check || find_candidates(tile, out);
 }
 
 static void chunk_free(struct chunk *chunk)
 {
     picture_free(&chunk->picture);
-    FREE_ALL(chunk->errors, chunk->own, chunk->pixels, chunk->is_ambiguous, chunk->ambiguous,
-             chunk->candidates, chunk->candidate_rows, chunk->candidate_errors,
+    FREE_ALL(chunk->dark, chunk->errors, chunk->own, chunk->pixels, chunk->is_ambiguous,
+             chunk->ambiguous, chunk->candidates, chunk->candidate_rows, chunk->candidate_errors,
              chunk->candidate_own);
     *chunk = (struct chunk){.errors = NULL};
 }
@@ -288,14 +363,6 @@ static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct 
         chunk_free(&tile->chunks[i]);
     free(tile->chunks);
     return done;
-}
-
-int shown_parts(const struct view *view, const struct surface *surface, int triangle,
-                struct screen_triangle out[SCREEN_TRIANGLES])
-{
-    /* near, then far */
-    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
-    return screen_triangles(view, surface, triangle, depth_planes, 2, out);
 }
 
 bool tiles_each(const struct lit_scene *lit, const struct rectangle *region, tile_work *work,

@@ -180,6 +180,7 @@ static bool add_fragment(struct visit *visit, const struct fragment *fragment, b
         place = (int32_t)of->n_fragments++;
     }
     of->fragments[place] = *fragment;
+    of->fragments[place].is_definite = definite;
     of->fragments[place].next = pixel->head;
     pixel->head = place;
     pixel->n_candidates++;
@@ -277,7 +278,7 @@ static bool may_fold(const struct visit *visit, unsigned clipped)
     return false;
 }
 
-static unsigned count_bits(unsigned bits)
+unsigned count_bits(unsigned bits)
 {
     unsigned n = 0;
     for (; bits != 0; bits &= bits - 1)
@@ -406,6 +407,126 @@ static bool visit_triangle(struct fragments *of, int surface, int triangle)
     return true;
 }
 
+/* ---- shadows ---- */
+
+/* A triangle of a shadow volume at pixels. */
+struct facet_visit {
+    struct visit visit; /* the first member */
+    const struct volume *volume;
+    int facet;
+};
+
+/* Returns whether two triangles of a mesh have a corner in common. */
+static bool share_corner(const struct surface *of, const int32_t a[3],
+                         const struct screen_triangle *b)
+{
+    for (int i = 0; i < 9; i++)
+        if (memcmp(of->vertices[a[i / 3]].clip, b->surface->vertices[b->vertex[i % 3]].clip,
+                   sizeof of->vertices->clip) == 0)
+            return true;
+    return false;
+}
+
+/* Returns whether a facet is the cap that a fragment's triangle is itself, and has its depth; or
+ * the cap of a neighbour that has the pixel only where the fragment's triangle has not. */
+static bool is_own_cap(const struct facet_visit *facet, const struct bounded_triangle *triangle,
+                       enum presence presence)
+{
+    const struct lit_scene *lit = facet->visit.of->tile->lit;
+    const struct occluder *cap = &facet->volume->caps[facet->facet];
+    if (cap->surface < 0 || (triangle->cut && !facet->volume->cuts_caps))
+        return false;
+    const struct surface *surface = &lit->surfaces[cap->surface];
+    if (surface == triangle->screen.surface && cap->triangle == triangle->screen.triangle)
+        return true;
+    return presence == POSSIBLE && lit->driver->watertight &&
+           triangle->screen.clockwise == visited(&facet->visit)->screen.clockwise &&
+           share_corner(surface, surface->instance->triangles[cap->triangle], &triangle->screen);
+}
+
+/* Doubts the shadow of each fragment that the facet may lie in front of or behind; and of one that
+ * OpenGL may not have, where the facet has an edge, too: they may be neighbours. A fragment is in
+ * a shadow by the number of facets behind it; where these meet, a driver that is not watertight may
+ * have none of them, or two. */
+static bool visit_facet(void *context, int x, int y)
+{
+    struct facet_visit *facet = context;
+    struct visit *visit = &facet->visit;
+    struct fragments *of = visit->of;
+    const struct bounded_triangle *triangle = visited(visit);
+    const struct rectangle *rows = &of->rows;
+    bool thin;
+    visit->x = x + 0.5;
+    visit->y = y + 0.5;
+    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
+    const enum presence presence = triangle_presence(visit);
+    const unsigned clipped = presence == IMPOSSIBLE ? 0 : clipped_at(visit);
+    if (clipped == 0)
+        return true;
+    is_loose(visit, clipped, &thin);
+    const double depth = depth_at(&triangle->screen, &visit->edges),
+                 error = thin ? HUGE_VAL : triangle->depth_error;
+    const bool leaks =
+        !of->tile->lit->driver->watertight && (presence == POSSIBLE || is_on_seam(visit));
+    int32_t f =
+        of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)].head;
+    for (; f >= 0; f = of->fragments[f].next) {
+        struct fragment *fragment = &of->fragments[f];
+        const double behind = depth - fragment->depth, either = error + fragment->depth_error;
+        const bool meets = presence == POSSIBLE && !fragment->is_definite;
+        if ((fabs(behind) <= either || meets || (leaks && behind > -either)) &&
+            (leaks || !is_own_cap(facet, &of->triangles[fragment->triangle], presence)))
+            fragment->in_doubt |= (uint32_t)1 << facet->volume->shadowed;
+    }
+    return true;
+}
+
+static bool visit_volume(struct fragments *of, const struct tile *tile, int index)
+{
+    const struct volume *volume = &of->tile->lit->volumes->list[index];
+    const bool watertight = of->tile->lit->driver->watertight;
+    struct triangle_part parts[TRIANGLE_PARTS];
+    for (int t = 0; t < volume->n; t++) {
+        if (t >= volume->first_far && t < volume->n_outward && watertight)
+            continue;
+        const struct occluder *cap = &volume->caps[t];
+        const bool is_cut = cap->surface >= 0 && volume->cuts_caps;
+        const int n = triangle_parts(is_cut ? of->tile : tile, is_cut ? cap->surface : index,
+                                     is_cut ? cap->triangle : t, &of->rows, parts);
+        for (int i = 0; i < n; i++) {
+            struct facet_visit facet = {.visit = {.of = of,
+                                                  .triangle = (int32_t)of->n_triangles,
+                                                  .most = most_slack(&parts[i].bounded)},
+                                        .volume = volume,
+                                        .facet = t};
+            if (!add_part(of, &parts[i]) ||
+                !scan_triangle(&parts[i].bounded.screen, &of->rows,
+                               most_of(parts[i].bounded.edge_px), visit_facet, &facet))
+                return false;
+        }
+    }
+    return true;
+}
+
+/* Finds the fragments whose shadows OpenGL may count otherwise: those that a facet of a volume may
+ * lie in front of as well as behind. */
+static bool doubt_shadows(struct fragments *of)
+{
+    const struct volumes *volumes = of->tile->lit->volumes;
+    const struct tile tile = {.lit = &volumes->lit, .at = of->tile->at};
+    for (int i = 0; i < volumes->n; i++) {
+        if (surface_reaches(&volumes->lit.bounds[i], &of->rows) && !visit_volume(of, &tile, i))
+            return false;
+        for (size_t f = 0; volumes->list[i].is_doubtful && f < of->n_fragments; f++)
+            of->fragments[f].in_doubt |= (uint32_t)1 << volumes->list[i].shadowed;
+    }
+    /* facets before the near plane have depth 0, which is not less than that */
+    for (size_t f = 0; f < of->n_fragments; f++)
+        if (of->fragments[f].depth <= of->fragments[f].depth_error)
+            of->fragments[f].in_doubt = UINT32_MAX;
+    return true;
+}
+
 bool fragments_find(struct fragments *out)
 {
     size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height;
@@ -425,7 +546,7 @@ bool fragments_find(struct fragments *out)
     }
     for (size_t i = 0; i < n_pixels; i++)
         drop_hidden(out, &out->pixels[i]);
-    return true;
+    return !out->tile->lit->volumes || doubt_shadows(out);
 }
 
 void fragments_free(struct fragments *fragments)

@@ -4,6 +4,7 @@
 #define RASTER_CANDIDATES_INSIDE_H
 
 #include "raster/candidates/candidates.h"
+#include "raster/volumes/volumes.h"
 
 /* The bound of a value interpolated with perspective: constant + (fixed + per_d D) / (D - e). D is
  * 1 / w at the pixel; e = fixed + per_d D is D's own bound, and less than D. This error is common
@@ -74,7 +75,10 @@ struct fragment {
     bool loose;       /* its colour has no bound */
     bool sliver;      /* or may have none: see keep_doubtful */
     bool vanishes;    /* perhaps, by depth alone: see struct ambiguous_pixel */
+    bool is_definite;
+    bool has_no_shadow; /* too many lights are in doubt */
     double depth, depth_error;
+    uint32_t in_doubt; /* bit i: OpenGL may count a shadow of light i otherwise */
 };
 /* Edges that run by within their slack. */
 struct seam {
@@ -104,6 +108,7 @@ struct fragments {
 /* Finds the fragments of all pixels of out->rows; tile and rows are set. False: no memory. */
 bool fragments_find(struct fragments *out);
 void fragments_free(struct fragments *fragments);
+unsigned count_bits(unsigned bits); /* those that are 1 */
 /* True if an edge near the centre always has a triangle on either side. */
 bool is_closed(const struct seam *seam);
 /* Makes room for `more` elements behind n, in an array that had room for n by this function. False:
@@ -122,6 +127,7 @@ struct bounded_pixel {
     const float *corner[3], *provoking; /* errors of the triangle's vertices */
     const float *jumps[3]; /* of its gated vertices: see struct surface_bounds; of others NULL */
     int n_gated;
+    uint32_t dark;                 /* bit i: light i of those with shadows does not reach it */
     double share[3];               /* barycentric coordinates */
     double brightest;              /* shaded_brightest */
     double rounding;               /* colour_rounding */
@@ -147,6 +153,11 @@ void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *pla
 /* Turns to one of the 1 << n_gated outcomes of unclear gates at the triangle's vertices, the
  * reference's first, after pixel_bound. */
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
+/* Returns a bit for each light with shadows that has a weight among those of the pixel's terms,
+ * `stride` apart, after pixel_bound. */
+uint32_t pixel_shadowed(const struct bounded_pixel *pixel, const double *weights, size_t stride);
+/* Takes the light of these away from the pixel: weights and errors become 0. */
+void pixel_darken(struct bounded_pixel *pixel, uint32_t dark);
 /* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
  */
 struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,

@@ -294,6 +294,28 @@ void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
     }
 }
 
+static uint32_t shadow_bit(const struct bounded_pixel *pixel, size_t t)
+{
+    const struct plan *plan = pixel->lit->plan;
+    return light_bit(&plan->view, plan->n_shadowed, &pixel->surface->instance->terms[t]);
+}
+
+uint32_t pixel_shadowed(const struct bounded_pixel *pixel, const double *weights, size_t stride)
+{
+    uint32_t bits = 0;
+    for (size_t t = 0; t < (size_t)pixel->surface->instance->n_terms; t++)
+        bits |= weights[t * stride] != 0 ? shadow_bit(pixel, t) : 0;
+    return bits;
+}
+
+void pixel_darken(struct bounded_pixel *pixel, uint32_t dark)
+{
+    pixel->dark = dark;
+    for (size_t t = 0; t < (size_t)pixel->surface->instance->n_terms; t++)
+        if ((shadow_bit(pixel, t) & dark) != 0)
+            pixel->attributes[t] = 0;
+}
+
 /* The errors of a pixel's weights, added up: see struct mean_bound. */
 struct error_sums {
     double light, rounding, position, texture;
@@ -341,6 +363,10 @@ struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *
     struct error_sums sums = {0, 0, 0, 0};
     double largest, e_value = value_error(pixel, &largest);
     for (size_t t = 0; t < n_terms; t++) {
+        if ((shadow_bit(pixel, t) & pixel->dark) != 0) {
+            errors[t * stride] = own[t * stride] = 0;
+            continue;
+        }
         double weight = fabs(instance->textured ? pixel->attributes[t] : rows[t * stride]),
                common = (double)pixel->common[t], alone = (double)pixel->own[t];
         if (instance->textured && !instance->varied) {

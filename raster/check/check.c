@@ -298,6 +298,7 @@ static void settle(struct check *check, size_t index, struct check_totals *total
         samples.worst_ratio = samples.worst_fit_ratio = -1;
     }
     check->verdict.ambiguous++;
+    check->verdict.shadow_in_doubt += ambiguous->shadow_in_doubt;
     samples_add(&check->verdict.samples, &samples);
     if (!best->alive)
         check_fail(check, pixel, &best->failure);

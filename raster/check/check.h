@@ -109,6 +109,7 @@ enum { SMOOTH_COUNTS = 256 };
 struct check_verdict {
     struct check_samples samples;
     uint64_t pixels, ambiguous, unexplained;
+    uint64_t shadow_in_doubt; /* of the ambiguous ones: a light may reach them, or not */
     /* pixels of objects; those of them that have no bound below full scale; those not checked */
     uint64_t objects, unbounded, unchecked;
     int unchecked_surface;            /* the one with most of these; -1: there are none */

@@ -11,7 +11,7 @@
 #include <GL/gl.h>
 #include <GL/glext.h>
 
-#include "raster/bounds/bounds.h"
+#include "raster/volumes/volumes.h"
 
 /* ---- library.c: the functions of OpenGL ---- */
 
@@ -25,8 +25,10 @@
     EACH(void, BufferData, (GLenum target, GLsizeiptr size, const void *data, GLenum usage))       \
     EACH(GLenum, CheckFramebufferStatus, (GLenum target))                                          \
     EACH(void, Clear, (GLbitfield mask))                                                           \
+    EACH(void, ColorMask, (GLboolean red, GLboolean green, GLboolean blue, GLboolean alpha))       \
     EACH(void, ClearColor, (GLclampf red, GLclampf green, GLclampf blue, GLclampf alpha))          \
     EACH(void, DepthFunc, (GLenum function))                                                       \
+    EACH(void, DepthMask, (GLboolean on))                                                          \
     EACH(void, Disable, (GLenum capability))                                                       \
     EACH(void, DrawArrays, (GLenum mode, GLint first, GLsizei count))                              \
     EACH(void, DrawElements, (GLenum mode, GLsizei count, GLenum type, const void *indices))       \
@@ -46,6 +48,7 @@
           void *pixels))                                                                           \
     EACH(void, RenderbufferStorage, (GLenum target, GLenum format, GLsizei width, GLsizei height)) \
     EACH(void, StencilOp, (GLenum fail, GLenum depth_fail, GLenum pass))                           \
+    EACH(void, StencilOpSeparate, (GLenum face, GLenum fail, GLenum depth_fail, GLenum pass))      \
     EACH(void, TexImage2D,                                                                         \
          (GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height, GLint border, \
           GLenum format, GLenum type, const void *pixels))                                         \
@@ -209,6 +212,10 @@ struct drawing {
     /* 4 floats a pixel: of some lights, NULL: one pass has all; numbers, NULL: no check; owned */
     float *part, *shown;
     uint32_t *depths; /* 24 bits of depth, 8 of stencil; NULL: no check, or not to be read; owned */
+    uint8_t *
+        reached; /* [light with shadows][pixel]: it reaches the pixel; NULL: there is none; owned */
+    uint32_t *counts; /* as depths, but of shadow volumes; owned */
+    bool has_shadows; /* `reached` is of this tile; a renderer that aims resets it */
     struct rectangle tile;
 };
 /* Makes buffers, and opens the library that the plan asks for. drawing_close frees all with the
@@ -240,10 +247,6 @@ void texture_bind(const struct drawing *of, int index, int unit);
 /* Uploads the texels of a spectral texture for the bands of a pass into the bound texture. */
 bool texture_upload_bands(const struct drawing *of, int index, int first_band, struct error *err);
 
-/* A corner of a triangle that is drawn in its number: see shown_of. */
-struct numbered_vertex {
-    float position[3], number[3];
-};
 /* Draws all instances that reach the tile: places each, and gives its triangles that are not hidden
  * to `draw`, some at a time. */
 struct numbered_draw {
@@ -251,6 +254,14 @@ struct numbered_draw {
     void (*draw)(struct drawing *of, const struct numbered_vertex *corners, int n);
 };
 bool numbers_draw(struct drawing *of, const struct numbered_draw *by, struct error *err);
+
+/* ---- shadows.c ---- */
+
+/* Finds the pixels of the tile that each light with shadows reaches. Colours stay what they are. */
+bool shadows_draw(struct drawing *of, const struct numbered_draw *by, struct error *err);
+/* Returns whether the light of a group reaches each pixel of the tile; NULL: the group has no
+ * shadows. */
+const uint8_t *shadows_of(const struct drawing *of, int group);
 
 /* Writes name, version and driver of the library that is used by default. */
 void gl_library(char *out, size_t capacity);

@@ -47,4 +47,7 @@ bool has_extension(const char *list, const char *name); /* list: words; NULL: no
 
 GLenum canvas_type(const struct canvas *canvas); /* of a channel */
 
+/* shadows.c. Refuses a driver that cannot draw the shadows of the plan. */
+bool shadows_can_draw(const struct drawing *of, struct error *err);
+
 #endif

@@ -281,6 +281,9 @@ bool drawing_open(struct drawing *of, int n_buffers, struct error *err)
                                       plan->options.threads, plan->options.gl_way};
     const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
     if (!renderer_make_buffers(&of->renderer, n_buffers, n, "the pixels of a tile", err) ||
+        !(plan->n_shadowed == 0 ||
+          (MAKE_ARRAY(of->reached, (size_t)plan->n_shadowed * n, err, "the shadows of a tile") &&
+           MAKE_ARRAY(of->counts, n, err, "the shadows of a tile"))) ||
         !(plan->n_light_groups == 1 || MAKE_ARRAY(of->part, 4 * n, err, "the pixels of a tile")) ||
         !(!plan->options.check || (MAKE_ARRAY(of->shown, 4 * n, err, "the numbers of a tile") &&
                                    MAKE_ARRAY(of->depths, n, err, "the depths of a tile"))))
@@ -334,7 +337,7 @@ bool drawing_accept(struct drawing *of, struct error *err)
                                  "this %s draws with %.100s, not with %s; --renderer %s takes any "
                                  "driver",
                                  names->library, names->renderer, wanted, any[contexts->way]);
-    return driver_has_threads(names->renderer, &of->before, err) &&
+    return driver_has_threads(names->renderer, &of->before, err) && shadows_can_draw(of, err) &&
            choose_driver(of, names->renderer, &of->renderer.driver, err);
 }
 
@@ -348,7 +351,8 @@ bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, 
 void drawing_close(struct drawing *of)
 {
     contexts_close(of->contexts);
-    FREE_ALL(of->objects, of->indices, of->textures, of->part, of->shown, of->depths);
+    FREE_ALL(of->objects, of->indices, of->textures, of->part, of->shown, of->depths, of->reached,
+             of->counts);
     renderer_free(&of->renderer);
 }
 

@@ -56,6 +56,7 @@ static void gl_aim(struct renderer *renderer, const struct rectangle *tile)
     struct gl *gl = (struct gl *)renderer;
     gl->base.tile = *tile;
     gl->is_stale[0] = gl->is_stale[1] = true;
+    gl->base.has_shadows = false;
     load_view(gl);
 }
 
@@ -195,9 +196,10 @@ static void place_lights(struct gl *gl, int group)
         return;
     gl->group = group;
     gl->base.call->LoadIdentity();
+    const struct light_group lights = light_group(gl->base.plan, group);
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
-        int light = group * LIGHTS_PER_PASS + i;
-        if (light < gl->base.plan->n_lights && !gl->base.plan->is_idle[light])
+        const int light = lights.first + i;
+        if (i < lights.n && !gl->base.plan->is_idle[light])
             place_light(gl, GL_LIGHT0 + (GLenum)i, &gl->base.plan->lights[light],
                         gl->base.plan->sources[light]);
         else if (gl->base.plan->n_light_groups > 1)
@@ -220,10 +222,11 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded, in
 {
     const struct gl_functions *call = gl->base.call;
     struct pass_colours colours, *set = &gl->set;
+    const int first = light_group(gl->base.plan, group).first;
     pass_colours(gl->base.plan, shaded, group, first_band, full_scale, &colours);
     const float gloss = colours.shines ? (float)shaded->material->gloss : gl->gloss;
     for (int i = 0; i < colours.n_lights; i++) {
-        const bool idle = gl->base.plan->is_idle[group * LIGHTS_PER_PASS + i];
+        const bool idle = gl->base.plan->is_idle[first + i];
         if (!idle && is_new(colours.diffuse[i], set->diffuse[i]))
             call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
         if (!idle && colours.shines && is_new(colours.specular[i], set->specular[i]))
@@ -309,27 +312,6 @@ static void draw_pass(struct gl *gl, int group, int first_band, double full_scal
     gl->base.renderer.work.passes++;
 }
 
-static bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-                    struct error *err)
-{
-    struct gl *gl = (struct gl *)renderer;
-    float *sum = gl->base.renderer.buffers[buffer];
-    for (int group = 0; group < gl->base.plan->n_light_groups; group++) {
-        float *pixels = group == 0 ? sum : gl->base.part;
-        if (!group_is_drawn(gl->base.plan, group))
-            continue;
-        if (!draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
-            (group == 0 && !upload_bands(gl, first_band, err)))
-            return false;
-        draw_pass(gl, group, first_band, full_scale);
-        if (gl->steps)
-            pass_convert(gl->base.plan, gl->steps, pixels);
-        if (group > 0)
-            pass_add(gl->base.plan, gl->base.part, sum);
-    }
-    return functions_succeeded(gl->base.call, err);
-}
-
 /* ---- identifying ---- */
 
 static void draw_batch(struct drawing *of, const struct numbered_vertex *corners, int n)
@@ -344,21 +326,26 @@ static void place(struct drawing *of, int instance)
     load_matrix(of->call, &of->plan->instances[instance].instance.model_view);
 }
 
-static bool draw_instances(struct gl *gl, struct error *err)
+/* Draws all instances in their numbers; or instead finds the shadows that they throw. */
+static bool draw_instances(struct gl *gl, bool shadows, struct error *err)
 {
     static const struct numbered_draw by = {place, draw_batch};
     const struct gl_functions *call = gl->base.call;
     const bool is_smooth = gl->base.plan->scene->shading != SHADING_FLAT;
-    clear_stale(gl);
+    if (!shadows)
+        clear_stale(gl);
+    bind_texture(gl, NULL);
     call->Disable(GL_LIGHTING);
     call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     if (is_smooth)
         call->ShadeModel(GL_FLAT);
-    call->Enable(GL_STENCIL_TEST);
+    if (!shadows)
+        call->Enable(GL_STENCIL_TEST);
     call->BindBuffer(GL_ARRAY_BUFFER, 0);
     call->DisableClientState(GL_NORMAL_ARRAY);
     call->EnableClientState(GL_COLOR_ARRAY);
-    const bool done = numbers_draw(&gl->base, &by, err);
+    const bool done =
+        shadows ? shadows_draw(&gl->base, &by, err) : numbers_draw(&gl->base, &by, err);
     call->DisableClientState(GL_COLOR_ARRAY);
     call->EnableClientState(GL_NORMAL_ARRAY);
     call->Disable(GL_STENCIL_TEST);
@@ -375,7 +362,7 @@ static bool draw_instances(struct gl *gl, struct error *err)
 static bool gl_identify(struct renderer *renderer, struct error *err)
 {
     struct gl *gl = (struct gl *)renderer;
-    if (!draw_into(gl, gl->base.shown, true, err) || !draw_instances(gl, err))
+    if (!draw_into(gl, gl->base.shown, true, err) || !draw_instances(gl, false, err))
         return false;
     canvas_fill(gl->current);
     drawing_read_depths(&gl->base);
@@ -383,6 +370,40 @@ static bool gl_identify(struct renderer *renderer, struct error *err)
         return false;
     /* OSMesa fills the buffer once more when another context becomes current */
     return !gl->numbers || draw_into(gl, NULL, false, err);
+}
+
+/* ---- colours ---- */
+
+/* Finds the shadows of the tile, with the depths of the canvas of colours. */
+static bool draw_shadows(struct gl *gl, struct error *err)
+{
+    const bool done = draw_into(gl, gl->steps ? NULL : gl->base.part, false, err) &&
+                      draw_instances(gl, true, err);
+    gl->mirrored = false; /* shadows_draw leaves it so */
+    return done;
+}
+
+static bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
+                    struct error *err)
+{
+    struct gl *gl = (struct gl *)renderer;
+    float *sum = gl->base.renderer.buffers[buffer];
+    if (gl->base.plan->n_shadowed > 0 && !gl->base.has_shadows && !draw_shadows(gl, err))
+        return false;
+    for (int group = 0; group < gl->base.plan->n_light_groups; group++) {
+        float *pixels = group == 0 ? sum : gl->base.part;
+        if (!group_is_drawn(gl->base.plan, group))
+            continue;
+        if (!draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
+            (group == 0 && !upload_bands(gl, first_band, err)))
+            return false;
+        draw_pass(gl, group, first_band, full_scale);
+        if (gl->steps)
+            pass_convert(gl->base.plan, gl->steps, pixels);
+        if (group > 0)
+            pass_add(gl->base.plan, gl->base.part, shadows_of(&gl->base, group), sum);
+    }
+    return functions_succeeded(gl->base.call, err);
 }
 
 /* ---- opening ---- */

@@ -11,7 +11,7 @@ struct counts {
     int ambient, diffuse, specular, with_excitation, with_matrix, fluorescent, bispectral, textured,
         spectrally_textured, emitting, halves;
     int two_sided, mapped, tessellated;
-    int attenuated, spots;
+    int attenuated, spots, shadows;
 };
 
 bool has_term(const struct shaded_material *shaded, enum term_kind kind)
@@ -57,6 +57,7 @@ static struct counts count_all(const struct plan *plan)
     for (int i = 0; i < plan->n_lights; i++) {
         n.attenuated += plan->lights[i].attenuated;
         n.spots += plan->lights[i].spot;
+        n.shadows += plan->sources[i]->shadows;
     }
     return n;
 }
@@ -88,6 +89,8 @@ void plan_effects(struct plan *plan)
          scene->local_viewer ? "no highlight depends on it" : "the viewer is infinite"},
         {"attenuation", n.attenuated, lights, "lights", "no light weakens"},
         {"spot", n.spots, lights, "lights", "no light is a spot"},
+        {"shadows", plan->n_shadowed, lights, "lights",
+         n.shadows ? "no object throws a shadow into view" : "no light has shadows"},
         {"fluorescence", n.fluorescent, materials, "materials",
          why_no_luminescence(plan, n.with_excitation, "no material has excitation")},
         {"bispectral", n.bispectral, materials, "materials",

@@ -10,6 +10,11 @@
 /* The value of all texels, where a product with it is exact in single precision; otherwise -1. */
 double texture_factor(const struct plan *plan, const struct texture *texture);
 
+/* Returns the planes that a vertex of an instance lies outside of for sure: a set of 1 << plane. */
+unsigned planes_outside(const struct plan *plan, const struct instance *instance, int vertex);
+/* casters.c: counts the lights that throw shadows into view, and their groups. Refuses too many. */
+bool casters_find(struct plan *plan, struct error *err);
+
 bool reach_find(struct plan *plan, struct error *err);  /* reach.c: fills what it says in */
 bool passes_make(struct plan *plan, struct error *err); /* passes.c: all else is made */
 void plan_effects(struct plan *plan);                   /* effects.c: fills plan->effects */

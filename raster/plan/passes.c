@@ -105,11 +105,12 @@ void pass_colours(const struct plan *plan, const struct shaded_material *shaded,
                   int first_band, double full_scale, struct pass_colours *out)
 {
     const double *constant = group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
-    const int first = group * LIGHTS_PER_PASS, left = plan->n_lights - first;
+    const struct light_group lights = light_group(plan, group);
+    const int first = lights.first;
     const double factor = shaded->texture ? texture_factor(plan, shaded->texture) : 1;
     if (factor >= 0)
         full_scale /= factor; /* infinite, and colours 0, where all texels are 0 */
-    *out = (struct pass_colours){.n_lights = left < LIGHTS_PER_PASS ? left : LIGHTS_PER_PASS};
+    *out = (struct pass_colours){.n_lights = lights.n};
     band_colour(plan, constant, first_band, full_scale, out->constant);
     for (int i = 0; i < out->n_lights; i++) {
         if (plan->is_idle[first + i])
@@ -188,9 +189,10 @@ void pass_convert(const struct plan *plan, const void *steps, float *pixels)
                     (float)whole;
 }
 
-void pass_add(const struct plan *plan, const float *part, float *sum)
+void pass_add(const struct plan *plan, const float *part, const uint8_t *reached, float *sum)
 {
     const size_t n = count_numbers(plan);
     for (size_t i = 0; i < n; i++)
-        sum[i] += part[i];
+        if (!reached || reached[i / 4])
+            sum[i] += part[i];
 }

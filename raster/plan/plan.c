@@ -236,10 +236,11 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
         !lights_list(out, err) || !instances_make(out, NULL, err) || !lights_drop_idle(out, err))
         return false;
     out->view = view_of(out, &camera);
-    out->n_light_groups = out->n_lights > 0 ? (out->n_lights - 1) / LIGHTS_PER_PASS + 1 : 1;
+    if (!reach_find(out, err))
+        return false;
     size_tiles(out);
     plan_effects(out);
-    return reach_find(out, err) && passes_make(out, err);
+    return passes_make(out, err);
 }
 
 /* Forgets meshes, instances, and what reaches the picture. */
@@ -263,8 +264,10 @@ bool plan_refine(struct plan *plan, const int *halvings, struct error *err)
     plan->work.unseen_instances = plan->work.idle_lights = plan->work.undrawn_textures = 0;
     if (!instances_make(plan, halvings, err))
         return false;
+    if (!reach_find(plan, err))
+        return false;
     size_tiles(plan);
-    return reach_find(plan, err) && passes_make(plan, err);
+    return passes_make(plan, err);
 }
 
 void plan_free(struct plan *plan)

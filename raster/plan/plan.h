@@ -39,12 +39,13 @@ enum view_plane { VIEW_LEFT, VIEW_RIGHT, VIEW_BELOW, VIEW_ABOVE, VIEW_NEAR, VIEW
 struct placed_instance {
     const struct object *object;
     int mesh, shaded;        /* indices into the plan */
+    uint32_t casts;          /* bit i: it may throw a shadow of shadowed light i into view */
     bool twin;               /* an earlier instance is the same in the same place, and hides it */
     bool in_view;            /* OpenGL draws it; otherwise */
     enum view_plane outside; /* all of it lies outside of this plane */
     struct instance instance;
 };
-enum { N_EFFECTS = 18, BAND_NAME = 32 };
+enum { N_EFFECTS = 19, BAND_NAME = 32 };
 /* So many of all that an effect may concern call for it. */
 struct plan_effect {
     const char *name;
@@ -78,9 +79,10 @@ struct plan {
     const struct sampling *sampling; /* NULL: none */
     struct plan_options options;
     int n_bands, n_passes; /* n_passes: groups of bands */
-    double unit; /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
-    double near; /* distance of the near plane, in that unit */
-    bool tiled;  /* there is more than one tile */
+    double unit;       /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
+    double near;       /* distance of the near plane, in that unit */
+    bool tiled;        /* there is more than one tile */
+    bool clamps_depth; /* of shadow volumes: nothing is cut by the near and the far plane */
     struct matrix world_to_eye, background_to_eye;
     struct view view; /* of the picture, for the reference */
     struct plan_mesh *meshes;
@@ -93,8 +95,9 @@ struct plan {
     const struct light **sources;
     bool *is_idle, *shows_texture; /* lights that add exactly 0 to all in view; textures in view */
     int n_meshes, n_materials, n_textures, n_instances, n_lights;
-    int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
-    int max_rows;       /* numbers that a pixel keeps, at most: see pixel_rows */
+    int n_shadowed;              /* the last lights: those that throw shadows into view */
+    int n_light_groups;          /* passes that a group of bands takes: see light_group */
+    int max_rows;                /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     int chunk_rows; /* of a tile: each chunk has so many, the last one fewer; in narrow tiles more,
                        as each chunk takes a look at every triangle */
@@ -141,6 +144,14 @@ void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4])
 /* The reference lights its vertices: it is in view, or one may be brighter than full scale. */
 bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed);
 bool reflects(const struct instance *instance, const struct eye_light *light); /* by some term */
+/* Lights that OpenGL draws at a time: up to LIGHTS_PER_PASS, or one that throws shadows. */
+enum { MOST_SHADOWED = 32 };
+struct light_group {
+    int first, n; /* of the plan's lights */
+    int shadowed; /* the number of the one that throws shadows, from 0; -1: none does */
+};
+struct light_group light_group(const struct plan *plan, int group);
+int group_of(const struct plan *plan, int light); /* the number of the group that has it */
 /* A group of lights has one that is not idle, or is the first: OpenGL draws it. */
 bool group_is_drawn(const struct plan *plan, int group);
 
@@ -157,7 +168,7 @@ struct pass_colours {
     int n_lights; /* of this group */
     bool shines;  /* there is a specular term */
 };
-/* group: lights group * LIGHTS_PER_PASS and on; group 0 has the constant term. */
+/* group: its number; group 0 has the constant term. */
 void pass_colours(const struct plan *plan, const struct shaded_material *shaded, int group,
                   int first_band, double full_scale, struct pass_colours *out);
 
@@ -173,9 +184,9 @@ void vertex_numbers(const struct vertex *vertex, float out[VERTEX_NUMBERS]);
 struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile, bool mirrored);
 /* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour
  * buffer to parts of full scale (10 bits are read as 16); adds what one group of lights adds to the
- * others. */
+ * others, where it reaches the pixel; reached NULL: everywhere. */
 void pass_convert(const struct plan *plan, const void *steps, float *pixels);
-void pass_add(const struct plan *plan, const float *part, float *sum);
+void pass_add(const struct plan *plan, const float *part, const uint8_t *reached, float *sum);
 
 /* ---- facts.c: the plan as JSON or in words ---- */
 

@@ -42,10 +42,10 @@ static struct clip_vertex clip_vertex(const struct plan *plan, const struct inst
     return out;
 }
 
-/* Returns the planes that the vertex lies outside of for sure: a set of 1 << plane. */
-static unsigned planes_outside(const struct plan *plan, const struct clip_vertex *vertex)
+unsigned planes_outside(const struct plan *plan, const struct instance *instance, int vertex)
 {
-    const double *clip = vertex->clip, *m = vertex->magnitude, w = clip[3],
+    const struct clip_vertex placed = clip_vertex(plan, instance, vertex);
+    const double *clip = placed.clip, *m = placed.magnitude, w = clip[3],
                  size[2] = {plan->view.width, plan->view.height},
                  error = roundings(PLACE_ROUNDINGS), depth_error = error * (m[2] + m[3]);
     unsigned planes = (unsigned)(clip[2] < -w - depth_error) << VIEW_NEAR |
@@ -66,10 +66,8 @@ static enum view_plane plane_outside(const struct plan *plan, const struct insta
 {
     unsigned planes = (1U << VIEW_PLANES) - 1;
     int plane = 0;
-    for (int i = 0; i < instance->n_vertices && planes; i++) {
-        const struct clip_vertex vertex = clip_vertex(plan, instance, i);
-        planes &= planes_outside(plan, &vertex);
-    }
+    for (int i = 0; i < instance->n_vertices && planes; i++)
+        planes &= planes_outside(plan, instance, i);
     while (plane < VIEW_PLANES && !(planes >> plane & 1))
         plane++;
     return (enum view_plane)plane;
@@ -184,6 +182,8 @@ bool reach_find(struct plan *plan, struct error *err)
     }
     for (int i = 0; i < plan->n_textures; i++)
         plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);
+    if (!casters_find(plan, err))
+        return false;
     for (int i = 0; i < plan->n_lights; i++) {
         plan->is_idle[i] = !plan->options.exchangeable && plan->view.shading != PHONG &&
                            !reaches_any(plan, &plan->lights[i]);
@@ -199,8 +199,9 @@ bool instance_is_lit(const struct plan *plan, const struct placed_instance *plac
 
 bool group_is_drawn(const struct plan *plan, int group)
 {
-    for (int i = group * LIGHTS_PER_PASS; i < (group + 1) * LIGHTS_PER_PASS; i++)
-        if (i < plan->n_lights && !plan->is_idle[i])
+    const struct light_group lights = light_group(plan, group);
+    for (int i = 0; i < lights.n; i++)
+        if (!plan->is_idle[lights.first + i])
             return true;
     return group == 0;
 }

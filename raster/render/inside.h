@@ -4,6 +4,7 @@
 #define RASTER_RENDER_INSIDE_H
 
 #include "raster/render/render.h"
+#include "raster/volumes/volumes.h"
 
 /* ---- notes.c: a list of notes ---- */
 
@@ -38,6 +39,7 @@ struct rendering {
     double since;                   /* clock_seconds at the last clock_in */
     struct renderer *renderer;      /* with GL_BUFFERS; NULL: only the reference draws */
     struct lit_scene lit;
+    struct volumes volumes;         /* of the shadows that OpenGL draws */
     struct rectangle region;        /* to be drawn: whole rows of tiles */
     struct check_scene check_scene; /* lit NULL: there is no check */
     struct check_totals totals;     /* of the picture; open, if there is a check */

@@ -118,12 +118,21 @@ static bool open_stack(struct rendering *of, struct error *err)
     return done;
 }
 
+static bool make_volumes(struct rendering *of, struct error *err)
+{
+    if (!of->renderer || of->plan->n_shadowed == 0)
+        return true;
+    of->lit.volumes = &of->volumes;
+    return volumes_make(&of->lit, &of->volumes, err);
+}
+
 /* Does everything that comes before the first pixel. */
 static bool prepare(struct rendering *of, struct error *err)
 {
     struct render_result *result = of->result;
     const struct render_output *output = of->output;
     if (!open_renderer(of, err) || !lit_make(of->plan, &result->driver, &of->lit, err) ||
+        !make_volumes(of, err) ||
         (of->renderer && !of->renderer->kind->take_scene(of->renderer, &of->lit, err)) ||
         !find_full_scale(&of->lit, err) ||
         (output->notes && !notes_make(&of->lit, SOME_PIXELS, output->notes, err)))
@@ -235,6 +244,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     totals_free(&of.totals);
     if (of.renderer)
         of.renderer->kind->close(of.renderer);
+    volumes_free(&of.volumes);
     lit_free(&of.lit);
     out->seconds.total = clock_seconds() - start;
     out->seconds.processor = processor_seconds();

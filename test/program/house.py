@@ -28,13 +28,14 @@ from tap import check, done
 ROOMS = """
     data/base data/files data/maths data/text data/spectra data/mesh data/images data/scene
     data/sampling data/stack
-    raster/reference raster/renderers raster/plan raster/bounds raster/candidates raster/counts raster/check
+    raster/reference raster/visibility raster/renderers raster/plan raster/bounds raster/volumes raster/candidates raster/counts
+    raster/check
     raster/gl raster/render
     raster/beside/shader raster/beside/measure raster/beside/colour raster/beside/accuracy raster/beside/verify
     raster/beside/see raster/beside/cost raster/beside/view
     """.split()
 BESIDE = "raster/beside"  # the folder of the rooms that the core does not know, and of the tables of programs
-MOST_ROOMS = 27
+MOST_ROOMS = 29  # two of them for shadows
 MOST_EDGES = 150  # pairs of rooms whose first includes a header of the second
 ORDER = ["spectral.h", *ROOMS, BESIDE, "spectral.c"]
 CORE = "raster/reference"

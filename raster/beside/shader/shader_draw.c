@@ -55,6 +55,7 @@ static void shader_aim(struct renderer *renderer, const struct rectangle *tile)
     struct shader *shader = (struct shader *)renderer;
     shader->base.tile = *tile;
     shader->stale = true;
+    shader->base.has_shadows = false;
     shader->batch = -1;
     drawing_set_viewport(&shader->base);
 }
@@ -161,6 +162,68 @@ static bool draw_instance(struct shader *shader, int instance, int group, struct
     return true;
 }
 
+/* ---- identifying ---- */
+
+static void draw_corners(struct drawing *of, const struct numbered_vertex *corners, int n)
+{
+    const struct gl_functions *call = of->call;
+    const GLsizei step = sizeof *corners;
+    call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)n * step, corners, GL_STREAM_DRAW);
+    call->VertexAttribPointer(POSITION, 3, GL_FLOAT, GL_FALSE, step, NULL);
+    call->VertexAttribPointer(NUMBER, 3, GL_FLOAT, GL_FALSE, step,
+                              (const void *)sizeof corners->position); /* into the bound buffer */
+    call->DrawArrays(GL_TRIANGLES, 0, n);
+}
+
+static void place(struct drawing *of, int instance)
+{
+    const struct shader *shader = (const struct shader *)of;
+    place_instance(shader, &shader->numbers, instance);
+}
+
+static const struct numbered_draw by_numbers = {place, draw_corners};
+
+/* Finds the shadows of the tile. */
+static bool draw_shadows(struct shader *shader, struct error *err)
+{
+    if (!program_use(shader, NULL, err))
+        return false;
+    shader->base.call->DisableVertexAttribArray(COORDINATES);
+    shader->base.call->BindBuffer(GL_ARRAY_BUFFER, shader->stream);
+    return shadows_draw(&shader->base, &by_numbers, err);
+}
+
+/* Lets the first n buffers of colours be drawn. */
+static void choose_colours(const struct shader *shader, int n)
+{
+    GLenum colours[MOST_PASSES];
+    for (int i = 0; i < n; i++)
+        colours[i] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
+    shader->base.call->DrawBuffers(n, colours);
+}
+
+/* Finds which triangle OpenGL shows at each pixel, as raster/gl does. All programs compute
+ * positions by the same expression of the same numbers, which is declared invariant. */
+static bool shader_identify(struct renderer *renderer, struct error *err)
+{
+    struct shader *shader = (struct shader *)renderer;
+    if (!program_use(shader, NULL, err))
+        return false;
+    clear(shader);
+    choose_colours(shader, 1);
+    shader->base.call->Enable(GL_STENCIL_TEST);
+    shader->base.call->DisableVertexAttribArray(COORDINATES);
+    shader->base.call->BindBuffer(GL_ARRAY_BUFFER, shader->stream);
+    const bool done = numbers_draw(&shader->base, &by_numbers, err);
+    shader->base.call->Disable(GL_STENCIL_TEST);
+    choose_colours(shader, shader->base.n_units);
+    canvas_read(shader->canvas, 0, shader->base.shown);
+    drawing_read_depths(&shader->base);
+    return done && functions_succeeded(shader->base.call, err);
+}
+
+/* ---- colours ---- */
+
 static bool draw_batch(struct shader *shader, int first, struct error *err)
 {
     struct drawing *of = &shader->base;
@@ -168,7 +231,8 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
     const int left = shader->n_order - first;
     shader->batch = first;
     shader->n_batch = left < of->n_units ? left : of->n_units;
-    if (!upload_bands(shader, shader->order + first, shader->n_batch, err))
+    if ((plan->n_shadowed > 0 && !of->has_shadows && !draw_shadows(shader, err)) ||
+        !upload_bands(shader, shader->order + first, shader->n_batch, err))
         return false;
     for (int group = 0; group < plan->n_light_groups; group++) {
         if (!group_is_drawn(plan, group))
@@ -183,7 +247,7 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
         for (int k = 0; k < shader->n_batch; k++) {
             canvas_read(shader->canvas, k, group == 0 ? shader->ready[k] : of->part);
             if (group > 0)
-                pass_add(plan, of->part, shader->ready[k]);
+                pass_add(plan, of->part, shadows_of(of, group), shader->ready[k]);
         }
     }
     return functions_succeeded(of->call, err);
@@ -215,55 +279,6 @@ static bool shader_draw(struct renderer *renderer, int buffer, int first_band, d
     *ready = shader->base.renderer.buffers[buffer];
     shader->base.renderer.buffers[buffer] = pixels;
     return true;
-}
-
-/* ---- identifying ---- */
-
-static void draw_corners(struct drawing *of, const struct numbered_vertex *corners, int n)
-{
-    const struct gl_functions *call = of->call;
-    const GLsizei step = sizeof *corners;
-    call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)n * step, corners, GL_STREAM_DRAW);
-    call->VertexAttribPointer(POSITION, 3, GL_FLOAT, GL_FALSE, step, NULL);
-    call->VertexAttribPointer(NUMBER, 3, GL_FLOAT, GL_FALSE, step,
-                              (const void *)sizeof corners->position); /* into the bound buffer */
-    call->DrawArrays(GL_TRIANGLES, 0, n);
-}
-
-static void place(struct drawing *of, int instance)
-{
-    const struct shader *shader = (const struct shader *)of;
-    place_instance(shader, &shader->numbers, instance);
-}
-
-/* Lets the first n buffers of colours be drawn. */
-static void choose_colours(const struct shader *shader, int n)
-{
-    GLenum colours[MOST_PASSES];
-    for (int i = 0; i < n; i++)
-        colours[i] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
-    shader->base.call->DrawBuffers(n, colours);
-}
-
-/* Finds which triangle OpenGL shows at each pixel, as raster/gl does. All programs compute
- * positions by the same expression of the same numbers, which is declared invariant. */
-static bool shader_identify(struct renderer *renderer, struct error *err)
-{
-    struct shader *shader = (struct shader *)renderer;
-    static const struct numbered_draw by = {place, draw_corners};
-    if (!program_use(shader, NULL, err))
-        return false;
-    clear(shader);
-    choose_colours(shader, 1);
-    shader->base.call->Enable(GL_STENCIL_TEST);
-    shader->base.call->DisableVertexAttribArray(COORDINATES);
-    shader->base.call->BindBuffer(GL_ARRAY_BUFFER, shader->stream);
-    const bool done = numbers_draw(&shader->base, &by, err);
-    shader->base.call->Disable(GL_STENCIL_TEST);
-    choose_colours(shader, shader->base.n_units);
-    canvas_read(shader->canvas, 0, shader->base.shown);
-    drawing_read_depths(&shader->base);
-    return done && functions_succeeded(shader->base.call, err);
 }
 
 /* ---- opening ---- */

@@ -11,14 +11,6 @@ static bool is_flat(const struct shader *of)
 
 /* ---- lighting at a vertex ---- */
 
-/* The first light of a group, and how many there are. */
-static int lights_of(const struct plan *plan, int group, int *n)
-{
-    const int first = group * LIGHTS_PER_PASS, left = plan->n_lights - first;
-    *n = left < LIGHTS_PER_PASS ? left : LIGHTS_PER_PASS;
-    return first;
-}
-
 /* Prints the direction towards a light, and the part `left` of it that distance and spot leave. */
 static void print_incidence(const struct eye_light *light, int i, struct printed *to)
 {
@@ -68,7 +60,8 @@ static void print_lighting(const struct shader *of, const struct program_effects
                            struct printed *to)
 {
     const struct plan *plan = of->base.plan;
-    int n, first = lights_of(plan, effects->group, &n);
+    const struct light_group lights = light_group(plan, effects->group);
+    const int n = lights.n, first = lights.first;
     print(to,
           "float power(float base, float exponent)\n"
           "{\n"
@@ -87,8 +80,7 @@ static void print_lighting(const struct shader *of, const struct program_effects
 static void print_vertex_variables(const struct shader *of, const struct program_effects *effects,
                                    struct printed *to)
 {
-    int n;
-    lights_of(of->base.plan, effects->group, &n);
+    const int n = light_group(of->base.plan, effects->group).n;
     const char *flat = is_flat(of) ? "flat " : "";
     const int lights = n > 0 ? n : 1;
     print(to,
@@ -184,7 +176,8 @@ static void set_lights(const struct shader *of, int group, const struct program 
     const struct gl_functions *call = of->base.call;
     GLfloat place[LIGHTS_PER_PASS][3] = {{0}}, attenuation[LIGHTS_PER_PASS][3] = {{0}},
             axis[LIGHTS_PER_PASS][4] = {{0}}, exponent[LIGHTS_PER_PASS] = {0};
-    int n, first = lights_of(of->base.plan, group, &n);
+    const struct light_group lights = light_group(of->base.plan, group);
+    const int n = lights.n, first = lights.first;
     for (int i = 0; i < n; i++) {
         const struct eye_light *light = &of->base.plan->lights[first + i];
         const double from[] = {light->position.x, light->position.y, light->position.z};

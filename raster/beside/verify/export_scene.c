@@ -110,7 +110,7 @@ static void print_material(const struct description *of, int material, int group
     print_colour(colours.constant, to);
     print(to, " %.9g\n", colours.shines ? shaded->material->gloss : -1);
     for (int i = 0; i < colours.n_lights; i++) {
-        const int light = group * LIGHTS_PER_PASS + i;
+        const int light = light_group(of->plan, group).first + i;
         if (of->plan->is_idle[light])
             continue;
         print(to, "light %d %d %d %d", first_band, group, material, light);
@@ -239,6 +239,9 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, co
 {
     struct description of = {.plan = lit->plan, .folder = folder, .prefix = prefix};
     struct lit_scene scaled = *lit;
+    if (lit->plan->n_shadowed > 0)
+        return error_usage(err, "%s: export describes no shadows; take `shadows` from its lights",
+                           lit->plan->scene->path);
     if (!find_full_scale(&scaled, err))
         return false;
     of.full_scale = scaled.full_scale;

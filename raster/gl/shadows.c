@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+/* Shadows: the stencil buffer counts, for each pixel, the volumes that contain its surface. A side
+ * of a volume counts where it lies behind the surface: up where its back is seen, down where its
+ * front is (Everitt and Kilgard 2002). A cap has the depth of the surface that it repeats, which is
+ * not less: it counts as behind. So a surface that faces its light is not in its own volume. */
+#include "raster/gl/inside.h"
+
+bool shadows_can_draw(const struct drawing *of, struct error *err)
+{
+    static const char *const clamps[] = {[GL_WITHOUT_SHADERS] = "GL_ARB_depth_clamp",
+                                         [GL_CORE] = "GL_ARB_depth_clamp",
+                                         [GL_ES] = "GL_EXT_depth_clamp"};
+    const char *needed = clamps[of->contexts->way];
+    GLint bits = 0;
+    if (of->plan->n_shadowed == 0)
+        return true;
+    if (of->contexts->way == GL_ES && !contexts_have(of->contexts, "GL_NV_read_depth_stencil"))
+        needed = "GL_NV_read_depth_stencil";
+    else
+        of->call->GetIntegerv(GL_STENCIL_BITS, &bits);
+    return (contexts_have(of->contexts, needed) && bits >= 8) ||
+           error_unsupported(err,
+                             "%s draws no shadows: they need %s and 8 bits of stencil, and it has "
+                             "%d; --renderer raster draws them without OpenGL",
+                             of->contexts->name, needed, bits);
+}
+
+/* Counts the faces of triangles that are turned outward, or inward. */
+static void count_faces(const struct drawing *of, bool outward)
+{
+    of->call->StencilOpSeparate(outward ? GL_BACK : GL_FRONT, GL_KEEP, GL_INCR_WRAP, GL_KEEP);
+    of->call->StencilOpSeparate(outward ? GL_FRONT : GL_BACK, GL_KEEP, GL_DECR_WRAP, GL_KEEP);
+}
+
+static void draw_triangles(struct drawing *of, const struct numbered_vertex *corners, int n,
+                           const struct numbered_draw *by)
+{
+    if (n > 0)
+        by->draw(of, corners, 3 * n);
+    of->renderer.work.draw_calls += n > 0;
+}
+
+static void draw_volume(struct drawing *of, const struct volume *volume,
+                        const struct numbered_draw *by)
+{
+    const struct placed_instance *placed = &of->plan->instances[volume->instance];
+    const int n_inward = volume->n - volume->n_outward,
+              n_caps = volume->cuts_caps ? volume->n_caps : 0;
+    of->call->FrontFace(placed->instance.mirrored != of->contexts->mirrored ? GL_CW : GL_CCW);
+    by->place(of, volume->instance);
+    count_faces(of, true);
+    draw_triangles(of, volume->corners + 3 * n_caps, volume->n_outward - n_caps, by);
+    if (volume->cuts_caps)
+        of->call->Disable(GL_DEPTH_CLAMP);
+    draw_triangles(of, volume->corners, n_caps, by);
+    count_faces(of, false);
+    draw_triangles(of, volume->corners + 3 * volume->n_outward, n_inward, by);
+    of->call->Enable(GL_DEPTH_CLAMP);
+}
+
+/* Reads where the count of a light is 0. */
+static void read_reached(struct drawing *of, int shadowed)
+{
+    const int width = of->plan->tile_width, height = of->plan->tile_height;
+    const size_t n = (size_t)width * (size_t)height;
+    uint8_t *reached = of->reached + (size_t)shadowed * n;
+    of->call->ReadPixels(0, 0, width, height, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, of->counts);
+    for (int y = 0; y < height; y++) {
+        const uint32_t *row =
+            of->counts + (size_t)(of->contexts->flipped ? y : height - 1 - y) * (size_t)width;
+        for (int x = 0; x < width; x++)
+            reached[(size_t)y * (size_t)width + (size_t)x] = (row[x] & 0xff) == 0;
+    }
+}
+
+static void count_volumes(struct drawing *of, int shadowed, const struct numbered_draw *by)
+{
+    const struct volumes *volumes = of->lit->volumes;
+    of->call->Clear(GL_STENCIL_BUFFER_BIT);
+    for (int i = 0; i < volumes->n; i++)
+        if (volumes->list[i].shadowed == shadowed &&
+            surface_reaches(&volumes->lit.bounds[i], &of->tile))
+            draw_volume(of, &volumes->list[i], by);
+    read_reached(of, shadowed);
+}
+
+bool shadows_draw(struct drawing *of, const struct numbered_draw *by, struct error *err)
+{
+    const struct gl_functions *call = of->call;
+    call->Clear(GL_DEPTH_BUFFER_BIT);
+    call->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    const bool done = numbers_draw(of, by, err);
+    call->DepthMask(GL_FALSE);
+    call->Enable(GL_DEPTH_CLAMP);
+    call->Enable(GL_STENCIL_TEST);
+    for (int i = 0; done && i < of->plan->n_shadowed; i++)
+        count_volumes(of, i, by);
+    call->Disable(GL_STENCIL_TEST);
+    call->Disable(GL_DEPTH_CLAMP);
+    call->DepthMask(GL_TRUE);
+    call->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
+    call->FrontFace(of->contexts->mirrored ? GL_CW : GL_CCW);
+    of->has_shadows = done;
+    return done;
+}
+
+const uint8_t *shadows_of(const struct drawing *of, int group)
+{
+    const int shadowed = light_group(of->plan, group).shadowed;
+    return shadowed < 0 ? NULL
+                        : of->reached + (size_t)shadowed * (size_t)of->plan->tile_width *
+                                            (size_t)of->plan->tile_height;
+}

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: MIT */
+/* A tree of boxes around the triangles that cast shadows (Rubin and Whitted 1980). It decides only
+ * which triangles are asked: boxes are wider than what they hold. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "raster/visibility/inside.h"
+
+enum { LEAF = 4, DEEPEST = 64 };
+
+static const struct vector *corner_of(const struct occluders *of, const struct occluder *at, int i)
+{
+    return &of->vertices[at->surface]
+                        [of->surfaces[at->surface].instance->triangles[at->triangle][i]];
+}
+
+/* The box of some occluders, wider than they are by far more than doubles round. */
+static struct box box_of(const struct occluders *of, int first, int n)
+{
+    struct vector low = *corner_of(of, &of->list[first], 0), high = low;
+    for (int i = 3 * first; i < 3 * (first + n); i++) {
+        const struct vector at = *corner_of(of, &of->list[i / 3], i % 3);
+        low = vector_least(low, at);
+        high = vector_greatest(high, at);
+    }
+    const double by = 0x1p-40 * fmax(vector_reach(low), vector_reach(high));
+    return (struct box){{low.x - by, low.y - by, low.z - by},
+                        {high.x + by, high.y + by, high.z + by}};
+}
+
+/* Halves a node by the order of its triangles: in meshes those that follow each other are
+ * neighbours. */
+static void make_node(struct occluders *of, int node, int first, int n)
+{
+    struct box_node *at = &of->nodes[node];
+    *at = (struct box_node){.box = box_of(of, first, n), .first = first, .n = n};
+    if (n <= LEAF)
+        return;
+    at->first = of->n_nodes;
+    at->n = 0;
+    of->n_nodes += 2;
+    make_node(of, at->first, first, n / 2);
+    make_node(of, at->first + 1, first + n / 2, n - n / 2);
+}
+
+static bool place_vertices(struct occluders *out, int surface)
+{
+    const struct instance *instance = out->surfaces[surface].instance;
+    struct vector *vertices = malloc(((size_t)instance->n_vertices + 1) * sizeof *vertices);
+    out->vertices[surface] = vertices;
+    for (int i = 0; vertices && i < instance->n_vertices; i++)
+        vertices[i] = matrix_point(&instance->model_view, instance->vertices[i].position);
+    return vertices != NULL;
+}
+
+bool occluders_make(const struct surface *surfaces, int n, const bool *casts, struct occluders *out)
+{
+    size_t n_triangles = 0;
+    *out = (struct occluders){.surfaces = surfaces, .n_surfaces = n};
+    out->vertices = calloc((size_t)n + 1, sizeof(struct vector *));
+    for (int i = 0; i < n && out->vertices; i++) {
+        n_triangles += casts[i] ? (size_t)surfaces[i].instance->n_triangles : 0;
+        if (casts[i] && !place_vertices(out, i))
+            return false;
+    }
+    out->list = malloc((n_triangles + 1) * sizeof *out->list);
+    out->nodes = malloc((2 * n_triangles + 1) * sizeof *out->nodes);
+    if (!out->vertices || !out->list || !out->nodes || n_triangles > INT32_MAX / 2)
+        return false;
+    for (int i = 0; i < n; i++)
+        for (int t = 0; casts[i] && t < surfaces[i].instance->n_triangles; t++)
+            out->list[out->n++] = (struct occluder){i, t};
+    out->n_nodes = 1;
+    if (out->n > 0)
+        make_node(out, 0, 0, out->n);
+    return true;
+}
+
+void occluders_free(struct occluders *occluders)
+{
+    for (int i = 0; occluders->vertices && i < occluders->n_surfaces; i++)
+        free(occluders->vertices[i]);
+    free(occluders->vertices);
+    free(occluders->list);
+    free(occluders->nodes);
+    *occluders = (struct occluders){.n = 0};
+}
+
+/* ---- a segment ---- */
+
+/* Returns whether the points from + t along, t from 0 to `end`, meet a box (Kay and Kajiya 1986).
+ */
+static bool meets(const struct box *box, const double from[3], const double along[3], double end)
+{
+    double enter = 0, leave = end;
+    for (int i = 0; i < 3; i++) {
+        if (along[i] == 0) {
+            if (from[i] < box->low[i] || from[i] > box->high[i])
+                return false;
+            continue;
+        }
+        const double a = (box->low[i] - from[i]) / along[i],
+                     b = (box->high[i] - from[i]) / along[i];
+        enter = fmax(enter, fmin(a, b));
+        leave = fmin(leave, fmax(a, b));
+    }
+    return enter <= leave;
+}
+
+void occluders_along(const struct occluders *of, struct vector from, const struct homogeneous *to,
+                     bool (*visit)(void *context, const struct occluder *met), void *context)
+{
+    const struct vector path = to->infinite ? to->at : vector_subtract(to->at, from);
+    const double start[3] = {from.x, from.y, from.z}, along[3] = {path.x, path.y, path.z};
+    int32_t waiting[DEEPEST] = {0}, n = of->n > 0;
+    while (n > 0) {
+        const struct box_node *node = &of->nodes[waiting[--n]];
+        if (!meets(&node->box, start, along, to->infinite ? HUGE_VAL : 1))
+            continue;
+        for (int i = 0; i < node->n; i++)
+            if (!visit(context, &of->list[node->first + i]))
+                return;
+        for (int32_t i = 0; i < 2 && node->n == 0; i++)
+            waiting[n++] = node->first + i;
+    }
+}

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "visibility": which points of a picture a light reaches. The segment from a point to the
+ * light is asked for triangles that it meets, by signs of determinants that are exact. A user has
+ * to believe this room beside the reference. It needs "reference" and "maths", and nothing else of
+ * the program. Points are in eye space. */
+#ifndef RASTER_VISIBILITY_VISIBILITY_H
+#define RASTER_VISIBILITY_VISIBILITY_H
+
+#include "raster/reference/reference.h"
+
+/* A point, or where its w is 0 a direction. */
+struct homogeneous {
+    struct vector at;
+    bool infinite; /* w is 0 */
+};
+
+/* ---- boxes.c: triangles that cast shadows ---- */
+
+struct occluder {
+    int32_t surface, triangle;
+};
+struct box {
+    double low[3], high[3];
+};
+/* A node of a tree of boxes: its children are `first` and `first` + 1; or, n > 0, it has so many
+ * occluders from `first` on. */
+struct box_node {
+    struct box box;
+    int32_t first, n;
+};
+struct occluders {
+    const struct surface *surfaces;
+    struct vector **vertices; /* of each surface that casts, in eye space; otherwise NULL; owned */
+    struct occluder *list;    /* owned */
+    struct box_node *nodes;   /* the first is the root; owned */
+    int n_surfaces, n, n_nodes;
+};
+/* Lists the triangles of the surfaces that cast shadows: casts[i]. The surfaces must outlive *out.
+ * False: no memory; occluders_free accepts what that left. */
+bool occluders_make(const struct surface *surfaces, int n, const bool *casts,
+                    struct occluders *out);
+void occluders_free(struct occluders *occluders);
+
+/* ---- visibility.c: points and lights ---- */
+
+/* Finds the parts of a triangle between the near and the far plane, as the reference draws them. */
+int shown_parts(const struct view *view, const struct surface *surface, int triangle,
+                struct screen_triangle out[SCREEN_TRIANGLES]);
+/* A point of a triangle, as the eye sees it. */
+struct seen_point {
+    struct vector eye;
+    int32_t surface, triangle;
+};
+/* Finds the point with these barycentric coordinates of the triangle. */
+struct seen_point seen_point(const struct surface *surfaces, const struct screen_triangle *of,
+                             const double share[3]);
+/* Returns the side of a triangle's plane on which a point or a direction lies: -1 or 1; 0 in the
+ * plane, as far as doubles can say: places come from matrices, with some roundings. */
+int side_of_plane(const struct vector corner[3], const struct homogeneous *of);
+/* Returns a bit, from 1 on, for each of the view's last n lights that does not reach a point; only
+ * those that are asked for. A triangle in whose plane the point lies, as far as doubles can say,
+ * does not lie between; but the point's own triangle does, if it turns one side to the light and
+ * the other to the eye. */
+uint32_t lights_blocked(const struct occluders *of, const struct view *view, int n, uint32_t asked,
+                        const struct seen_point *point);
+/* Returns the bit of the light of a term among the view's last n lights; 0: it is none of them. */
+uint32_t light_bit(const struct view *view, int n, const struct term *term);
+/* Sets the weights of a light to 0 in all pixels of a picture that it does not reach; of the last
+ * `n` lights, which have terms of their own. dark[pixel] gets their bits. */
+void picture_shadow(const struct view *view, const struct occluders *of, int n,
+                    struct picture *picture, uint32_t *dark);
+
+#endif

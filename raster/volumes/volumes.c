@@ -1,0 +1,409 @@
+/* SPDX-License-Identifier: MIT */
+/* Makes shadow volumes. Positions are computed in double and rounded once, and each corner is the
+ * same numbers wherever it occurs: so OpenGL's volumes have no gaps, and a cap lies exactly where
+ * the surface lies that it repeats. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/volumes/volumes.h"
+
+/* Beyond this, the far end of a volume has no digits left. */
+static const double largest_scale = 0x1p14;
+
+/* A volume while it is made. */
+struct maker {
+    const struct lit_scene *lit;
+    const struct eye_light *light;
+    struct vector towards; /* the light's place in the mesh's space, or the direction to it */
+    double reach;          /* the scale from the light, or the length of the shift */
+    int first, end;        /* the instances of the object */
+    int n_near;            /* vertices; the far ones follow */
+    struct volume *out;
+    struct index edges; /* by their ends, as floats; then for each one */
+    struct edge {
+        int32_t from, to;
+        int32_t n; /* how many more caps run from `from` to `to` than back */
+    } * list;
+    int n_edges;
+};
+
+/* ---- where a light stands, and how far shadows reach ---- */
+
+static struct vector row_of(const struct cofactors *of, int column)
+{
+    return (struct vector){of->value[0][column], of->value[1][column], of->value[2][column]};
+}
+
+/* The light in the space of an instance's mesh: by Cramer's rule. */
+static struct vector light_in_mesh(const struct instance *instance, const struct eye_light *light)
+{
+    const struct matrix *m = &instance->model_view;
+    const struct vector origin = {m->row[0][3], m->row[1][3], m->row[2][3]};
+    const struct vector v =
+        light->directional ? light->position : vector_subtract(light->position, origin);
+    struct cofactors of;
+    matrix_cofactors(m, &of);
+    const double factor = ldexp(1 / of.determinant, -of.exponent);
+    return (struct vector){factor * vector_dot(row_of(&of, 0), v),
+                           factor * vector_dot(row_of(&of, 1), v),
+                           factor * vector_dot(row_of(&of, 2), v)};
+}
+
+/* The distance of a point in view from the light; from a directional one, along its rays. */
+static double distance_from(const struct eye_light *light, struct vector eye)
+{
+    return light->directional ? -vector_dot(light->position, eye)
+                              : vector_length(vector_subtract(eye, light->position));
+}
+
+static double farthest_in_view(const struct lit_scene *lit, const struct eye_light *light)
+{
+    const struct plan *plan = lit->plan;
+    double farthest = -HUGE_VAL;
+    for (int i = 0; i < plan->n_instances; i++) {
+        const struct instance *of = &plan->instances[i].instance;
+        for (int v = 0; v < of->n_vertices && plan->instances[i].in_view; v++)
+            farthest =
+                fmax(farthest,
+                     distance_from(light, matrix_point(&of->model_view, of->vertices[v].position)));
+    }
+    return farthest;
+}
+
+/* A lower bound on the distance of a light from a triangle: from its plane, and from its box. */
+static double triangle_distance(const struct eye_light *light, const struct vector corner[3])
+{
+    const struct vector normal =
+                            vector_normalise(vector_cross(vector_subtract(corner[1], corner[0]),
+                                                          vector_subtract(corner[2], corner[0]))),
+                        low = vector_least(corner[0], vector_least(corner[1], corner[2])),
+                        high = vector_greatest(corner[0], vector_greatest(corner[1], corner[2])),
+                        at = light->position;
+    const struct vector beside = {fmax(0, fmax(low.x - at.x, at.x - high.x)),
+                                  fmax(0, fmax(low.y - at.y, at.y - high.y)),
+                                  fmax(0, fmax(low.z - at.z, at.z - high.z))};
+    return fmax(fabs(vector_dot(normal, vector_subtract(at, corner[0]))), vector_length(beside));
+}
+
+static double nearest_triangle(const struct maker *maker)
+{
+    double nearest = HUGE_VAL;
+    for (int i = maker->first; i < maker->end; i++) {
+        const struct instance *of = &maker->lit->plan->instances[i].instance;
+        for (int t = 0; t < of->n_triangles; t++) {
+            struct vector corner[3];
+            for (int c = 0; c < 3; c++)
+                corner[c] =
+                    matrix_point(&of->model_view, of->vertices[of->triangles[t][c]].position);
+            nearest = fmin(nearest, triangle_distance(maker->light, corner));
+        }
+    }
+    return nearest;
+}
+
+/* Finds how far the volume has to reach to end beyond all in view. */
+static void find_reach(struct maker *maker)
+{
+    const double farthest = farthest_in_view(maker->lit, maker->light);
+    double nearest = HUGE_VAL;
+    if (!maker->light->directional) {
+        const double scale = 1.01 * farthest / nearest_triangle(maker);
+        maker->out->is_doubtful = !(scale < largest_scale);
+        maker->reach = fmax(2, fmin(scale, largest_scale));
+        return;
+    }
+    for (int i = maker->first; i < maker->end; i++) {
+        const struct instance *of = &maker->lit->plan->instances[i].instance;
+        for (int v = 0; v < of->n_vertices; v++)
+            nearest = fmin(nearest,
+                           distance_from(maker->light,
+                                         matrix_point(&of->model_view, of->vertices[v].position)));
+    }
+    maker->reach = fmax(0, farthest - nearest) * 1.01 + 1;
+}
+
+/* ---- vertices ---- */
+
+static struct vector rounded(struct vector v)
+{
+    return (struct vector){(double)(float)v.x, (double)(float)v.y, (double)(float)v.z};
+}
+
+static bool make_vertices(struct maker *maker, struct error *err)
+{
+    const struct plan *plan = maker->lit->plan;
+    struct volume *out = maker->out;
+    int n = 0;
+    for (int i = maker->first; i < maker->end; i++)
+        maker->n_near += plan->instances[i].instance.n_vertices;
+    out->n_vertices = 2 * maker->n_near;
+    if (!MAKE_ARRAY(out->vertices, 2 * (size_t)maker->n_near, err, "the vertices of a shadow"))
+        return false;
+    for (int i = maker->first; i < maker->end; i++)
+        for (int v = 0; v < plan->instances[i].instance.n_vertices; v++, n++) {
+            const struct vector at = plan->instances[i].instance.vertices[v].position;
+            const struct vector far =
+                maker->light->directional
+                    ? vector_subtract(at, vector_scale(maker->towards, maker->reach))
+                    : vector_add(maker->towards,
+                                 vector_scale(vector_subtract(at, maker->towards), maker->reach));
+            out->vertices[n].position = rounded(at);
+            out->vertices[maker->n_near + n].position = rounded(far);
+        }
+    return true;
+}
+
+/* ---- triangles ---- */
+
+static bool add_triangle(struct maker *maker, const int32_t corners[3], struct occluder cap,
+                         struct error *err)
+{
+    struct volume *out = maker->out;
+    int n = out->n;
+    return array_add(&out->triangles, &n, corners, 3 * sizeof *corners, err) &&
+           array_add(&out->caps, &out->n, &cap, sizeof cap, err);
+}
+
+/* Counts an edge of a cap. Ends of the same numbers are one. */
+static bool count_edge(struct maker *maker, int32_t from, int32_t to, struct error *err)
+{
+    float ends[2][3];
+    const int32_t at[2] = {from, to};
+    for (int i = 0; i < 2; i++) {
+        const struct vector p = maker->out->vertices[at[i]].position;
+        ends[i][0] = (float)p.x + 0;
+        ends[i][1] = (float)p.y + 0;
+        ends[i][2] = (float)p.z + 0;
+    }
+    const int order = memcmp(ends[0], ends[1], sizeof ends[0]);
+    if (order == 0)
+        return true;
+    if (order > 0) {
+        float first[3];
+        memcpy(first, ends[0], sizeof first);
+        memcpy(ends[0], ends[1], sizeof first);
+        memcpy(ends[1], first, sizeof first);
+    }
+    const int known = index_find(&maker->edges, ends, sizeof ends);
+    if (known >= 0) {
+        maker->list[known].n += order < 0 ? 1 : -1;
+        return true;
+    }
+    const struct edge edge = {order < 0 ? from : to, order < 0 ? to : from, order < 0 ? 1 : -1};
+    return index_add(&maker->edges, ends, sizeof ends, maker->n_edges, err) &&
+           array_add(&maker->list, &maker->n_edges, &edge, sizeof edge, err);
+}
+
+/* The side of a triangle's plane on which the light lies: 1 in front, seen from outside. */
+static int light_side(const struct maker *maker, const struct instance *of, int triangle)
+{
+    const struct homogeneous light = {maker->towards, maker->light->directional};
+    struct vector corner[3];
+    for (int i = 0; i < 3; i++)
+        corner[i] = of->vertices[of->triangles[triangle][i]].position;
+    return side_of_plane(corner, &light);
+}
+
+/* Returns whether all of a solid lies on one side of the light: the triangles that face it then
+ * throw all of its shadow. */
+static bool is_beside(const struct maker *maker, const struct placed_instance *placed)
+{
+    const struct instance *of = &placed->instance;
+    struct vector low = of->vertices[0].position, high = low;
+    if (!maker->lit->plan->meshes[placed->mesh].solid)
+        return false;
+    for (int i = 1; i < of->n_vertices; i++) {
+        low = vector_least(low, of->vertices[i].position);
+        high = vector_greatest(high, of->vertices[i].position);
+    }
+    const struct vector at = maker->towards;
+    return maker->light->directional || at.x < low.x || at.x > high.x || at.y < low.y ||
+           at.y > high.y || at.z < low.z || at.z > high.z;
+}
+
+/* Adds the caps of an instance that face the light (side 1) or do not (-1), near or far. */
+static bool add_caps(struct maker *maker, int instance, int32_t offset, int side, bool far,
+                     struct error *err)
+{
+    const struct instance *of = &maker->lit->plan->instances[instance].instance;
+    for (int t = 0; t < of->n_triangles; t++) {
+        int32_t at[3];
+        if (light_side(maker, of, t) != side)
+            continue;
+        for (int c = 0; c < 3; c++)
+            at[c] = offset + of->triangles[t][c] + (far ? maker->n_near : 0);
+        const int32_t back[3] = {at[0], at[2], at[1]};
+        if (!add_triangle(maker, far && side > 0 ? back : at,
+                          (struct occluder){far ? -1 : instance, t}, err))
+            return false;
+        for (int c = 0; c < 3 && !far; c++)
+            if (!count_edge(maker, at[side > 0 ? c : (c + 1) % 3], at[side > 0 ? (c + 1) % 3 : c],
+                            err))
+                return false;
+    }
+    return true;
+}
+
+static bool add_all_caps(struct maker *maker, int side, bool far, struct error *err)
+{
+    int32_t offset = 0;
+    for (int i = maker->first; i < maker->end; i++) {
+        const struct placed_instance *placed = &maker->lit->plan->instances[i];
+        if ((side > 0 || !is_beside(maker, placed)) && !add_caps(maker, i, offset, side, far, err))
+            return false;
+        offset += placed->instance.n_vertices;
+    }
+    return true;
+}
+
+static bool add_sides(struct maker *maker, struct error *err)
+{
+    static const struct occluder none = {-1, -1};
+    for (int i = 0; i < maker->n_edges; i++) {
+        const struct edge *edge = &maker->list[i];
+        const int32_t a = edge->n > 0 ? edge->from : edge->to,
+                      b = edge->n > 0 ? edge->to : edge->from, n = maker->n_near;
+        const int32_t one[3] = {b, a, a + n}, other[3] = {b, a + n, b + n};
+        for (int k = abs(edge->n); k > 0; k--)
+            if (!add_triangle(maker, one, none, err) || !add_triangle(maker, other, none, err))
+                return false;
+    }
+    return true;
+}
+
+/* Caps that do not face the light come last, with the order of their corners; their edges count
+ * before. */
+static bool add_triangles(struct maker *maker, struct error *err)
+{
+    struct volume *out = maker->out, last = {.n = 0};
+    if (!add_all_caps(maker, 1, false, err))
+        return false;
+    const struct volume first = *out;
+    *out = last;
+    out->vertices = first.vertices;
+    bool done = add_all_caps(maker, -1, false, err);
+    last = *out;
+    *out = first;
+    out->n_caps = out->n;
+    done = done && add_sides(maker, err);
+    out->first_far = out->n;
+    done = done && add_all_caps(maker, 1, true, err) && add_all_caps(maker, -1, true, err);
+    out->n_outward = out->n;
+    for (int i = 0; done && i < last.n; i++)
+        done = add_triangle(maker, last.triangles[i], last.caps[i], err);
+    FREE_ALL(last.triangles, last.caps);
+    return done;
+}
+
+/* ---- volumes ---- */
+
+static bool copy_corners(struct volume *volume, struct error *err)
+{
+    if (!MAKE_ARRAY(volume->corners, 3 * (size_t)volume->n, err, "the corners of a shadow"))
+        return false;
+    for (int i = 0; i < 3 * volume->n; i++) {
+        const struct vector p = volume->vertices[volume->triangles[i / 3][i % 3]].position;
+        volume->corners[i] =
+            (struct numbered_vertex){.position = {(float)p.x, (float)p.y, (float)p.z}};
+    }
+    return true;
+}
+
+/* Returns whether no vertex of the object is beyond the far plane, or nearly so. */
+static bool ends_in_view(const struct maker *maker)
+{
+    for (int i = maker->first; i < maker->end; i++) {
+        const struct surface *of = &maker->lit->surfaces[i];
+        for (int v = 0; v < of->instance->n_vertices; v++)
+            if (!(of->vertices[v].clip[2] <
+                  of->vertices[v].clip[3] - 1e-3 * fabs(of->vertices[v].clip[2])))
+                return false;
+    }
+    return true;
+}
+
+static bool make_volume(struct maker *maker, struct error *err)
+{
+    maker->towards =
+        light_in_mesh(&maker->lit->plan->instances[maker->first].instance, maker->light);
+    find_reach(maker);
+    maker->out->cuts_caps = ends_in_view(maker);
+    const bool done =
+        make_vertices(maker, err) && add_triangles(maker, err) && copy_corners(maker->out, err);
+    index_free(&maker->edges);
+    free(maker->list);
+    return done;
+}
+
+/* Makes the volume of the instances of one object. */
+static bool add_volume(const struct lit_scene *lit, int first, int end, int shadowed,
+                       struct volumes *out, struct error *err)
+{
+    const struct plan *plan = lit->plan;
+    const struct volume fresh = {.shadowed = shadowed, .instance = first};
+    struct maker maker = {.lit = lit,
+                          .light = &plan->lights[plan->n_lights - plan->n_shadowed + shadowed],
+                          .first = first,
+                          .end = end};
+    if (!array_add(&out->list, &out->n, &fresh, sizeof fresh, err))
+        return false;
+    maker.out = &out->list[out->n - 1];
+    return make_volume(&maker, err);
+}
+
+/* Lists the volumes of all lights. Instances of one object follow each other. */
+static bool list_volumes(const struct lit_scene *lit, struct volumes *out, struct error *err)
+{
+    const struct plan *plan = lit->plan;
+    for (int first = 0, end; first < plan->n_instances; first = end) {
+        uint32_t casts = 0;
+        for (end = first; end < plan->n_instances &&
+                          plan->instances[end].object == plan->instances[first].object;
+             end++)
+            casts |= plan->instances[end].casts;
+        for (int k = 0; k < plan->n_shadowed; k++)
+            if ((casts >> k & 1) != 0 && !add_volume(lit, first, end, k, out, err))
+                return false;
+    }
+    return true;
+}
+
+bool volumes_make(const struct lit_scene *lit, struct volumes *out, struct error *err)
+{
+    struct plan *plan = &out->plan;
+    *out = (struct volumes){.plan = *lit->plan};
+    plan->instances = NULL;
+    plan->n_instances = plan->n_lights = plan->n_shadowed = 0;
+    plan->n_light_groups = 1;
+    plan->view.n_lights = 0;
+    plan->clamps_depth = true;
+    plan->options.use_gl = false; /* no triangle of a volume is hidden */
+    if (!list_volumes(lit, out, err) ||
+        !MAKE_ARRAY(plan->instances, out->n, err, "%d shadows", out->n))
+        return false;
+    for (int i = 0; i < out->n; i++) {
+        const struct volume *volume = &out->list[i];
+        struct placed_instance *placed = &plan->instances[plan->n_instances++];
+        *placed = lit->plan->instances[volume->instance];
+        placed->in_view = true;
+        placed->instance.vertices = volume->vertices;
+        placed->instance.triangles = (const int32_t(*)[3])volume->triangles;
+        placed->instance.n_vertices = volume->n_vertices;
+        placed->instance.n_triangles = volume->n;
+        placed->instance.n_terms = 0;
+        placed->instance.textured = placed->instance.two_sided = false;
+    }
+    return lit_make(plan, lit->driver, &out->lit, err);
+}
+
+void volumes_free(struct volumes *volumes)
+{
+    lit_free(&volumes->lit);
+    for (int i = 0; i < volumes->n; i++) {
+        struct volume *volume = &volumes->list[i];
+        FREE_ALL(volume->corners, volume->caps, volume->vertices, volume->triangles);
+    }
+    FREE_ALL(volumes->list, volumes->plan.instances);
+    *volumes = (struct volumes){.n = 0};
+}
