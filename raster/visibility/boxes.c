@@ -89,33 +89,35 @@ void occluders_free(struct occluders *occluders)
 /* ---- a segment ---- */
 
 /* Returns whether the points from + t along, t from 0 to `end`, meet a box (Kay and Kajiya 1986).
- */
-static bool meets(const struct box *box, const double from[3], const double along[3], double end)
+ * once: 1 / along. */
+static bool meets(const struct box *box, const double from[3], const double once[3], double end)
 {
     double enter = 0, leave = end;
     for (int i = 0; i < 3; i++) {
-        if (along[i] == 0) {
-            if (from[i] < box->low[i] || from[i] > box->high[i])
-                return false;
-            continue;
-        }
-        const double a = (box->low[i] - from[i]) / along[i],
-                     b = (box->high[i] - from[i]) / along[i];
-        enter = fmax(enter, fmin(a, b));
-        leave = fmin(leave, fmax(a, b));
+        const double a = (box->low[i] - from[i]) * once[i], b = (box->high[i] - from[i]) * once[i],
+                     first = a < b ? a : b, last = a < b ? b : a;
+        enter = first > enter ? first : enter;
+        leave = last < leave ? last : leave;
     }
     return enter <= leave;
+}
+
+/* A component of 0 becomes so small that no box notices. */
+static double inverse(double component)
+{
+    return 1 / (component != 0 ? component : 0x1p-500);
 }
 
 void occluders_along(const struct occluders *of, struct vector from, const struct homogeneous *to,
                      bool (*visit)(void *context, const struct occluder *met), void *context)
 {
     const struct vector path = to->infinite ? to->at : vector_subtract(to->at, from);
-    const double start[3] = {from.x, from.y, from.z}, along[3] = {path.x, path.y, path.z};
+    const double start[3] = {from.x, from.y, from.z},
+                 once[3] = {inverse(path.x), inverse(path.y), inverse(path.z)};
     int32_t waiting[DEEPEST] = {0}, n = of->n > 0;
     while (n > 0) {
         const struct box_node *node = &of->nodes[waiting[--n]];
-        if (!meets(&node->box, start, along, to->infinite ? HUGE_VAL : 1))
+        if (!meets(&node->box, start, once, to->infinite ? HUGE_VAL : 1))
             continue;
         for (int i = 0; i < node->n; i++)
             if (!visit(context, &of->list[node->first + i]))

@@ -20,18 +20,21 @@ static void corners_of(const struct occluders *of, int surface, int triangle, st
         out[i] = of->vertices[surface][vertex[i]];
 }
 
-static bool is_before(struct vector a, struct vector b)
-{
-    return a.x < b.x || (a.x == b.x && (a.y < b.y || (a.y == b.y && a.z < b.z)));
-}
-
-/* The side of the segment on which an edge passes. An edge that meets the segment passes on the
- * side that its direction decides: of two triangles that share it, it is inside of one. */
+/* The side of the segment on which an edge passes. If they meet, it is the side on which the edge
+ * passes once the light is moved a little along x, or else along y, or z (Edelsbrunner and Muecke
+ * 1990: Simulation of Simplicity): so a closed mesh lets nothing through its edges and vertices.
+ * 0: the point lies on the line of the edge. */
 static int passes(const struct query *query, struct vector a, struct vector b)
 {
-    const struct homogeneous rows[4] = {query->light, query->from, {a, false}, {b, false}};
-    const int side = side_of(rows);
-    return side != 0 ? side : is_before(a, b) ? 1 : -1;
+    static const struct homogeneous axes[3] = {
+        {{1, 0, 0}, true}, {{0, 1, 0}, true}, {{0, 0, 1}, true}};
+    struct homogeneous rows[4] = {query->light, query->from, {a, false}, {b, false}};
+    int side = side_of(rows);
+    for (int i = 0; i < 3 && side == 0; i++) {
+        rows[0] = axes[i];
+        side = side_of(rows);
+    }
+    return side;
 }
 
 /* Returns the side of a triangle's plane on which a point or a direction lies: -1 or 1; 0 in the

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes data/builtin/textures/*.tif again, except for the rendered picture.tif and the maps of shadows.py:
-`test/make/textures.py FOLDER` writes them into FOLDER. Each texture is a tile that repeats without a seam; its values
-multiply the reflectance of the surface. All are made from formulas and seeded noise, and none is copied; MIT
+"""Makes data/builtin/textures/*.tif again, except for the rendered picture.tif: `test/make/textures.py FOLDER` writes
+them into FOLDER. Each texture but the rug is a tile that repeats without a seam; its values multiply the reflectance of
+the surface. All are made from formulas and seeded noise, and none is copied; MIT
 licence."""
 import os
 import sys
@@ -206,7 +206,26 @@ def waves(x, y):
     return 0.65 + 0.3 * np.sin(2 * np.pi * (5 * y + 0.3 * np.sin(4 * np.pi * x)))
 
 
-SIZES = {(128, 128): (grass, stone, marble, planks, brick), (128, 64): (wood,), (64, 128): (bark,),
+def boards(x, y):
+    """Seven boards along x"""
+    joint = off_centre(y, 7)
+    return np.where(joint > 0.485, 0.4, 1) * wood(2 * x % 1, (2 * y + 0.37 * np.floor(7 * y)) % 1)
+
+
+def rug(x, y):
+    """13 by 8: a border, a field of lozenges, and fringes"""
+    far = np.minimum(np.minimum(x, 1 - x) * 13, np.minimum(y, 1 - y) * 8)  # from the edge
+    across, down = 13 * (x - 0.5), 8 * (y - 0.5)
+    field = 0.62 + 0.3 * ((np.abs(across % 1 - 0.5) + np.abs(down % 1 - 0.5) < 0.28)
+                          | (np.abs(across % 1 - 0.5) + np.abs(down % 1 - 0.5) > 0.9))
+    border = 0.4 + 0.5 * (np.abs((across + down) * 2 % 1 - 0.5) < 0.22)
+    value = np.where(far < 1.1, border, field)
+    value = np.where((np.abs(far - 1.1) < 0.06) | (np.abs(far - 0.35) < 0.06), 0.98, value)
+    value = np.where(far < 0.29, 0.5, value)
+    return value * (0.94 + 0.06 * wave(64 * x) * wave(40 * y))
+
+
+SIZES = {(512, 256): (boards,), (512, 320): (rug,), (128, 128): (grass, stone, marble, planks, brick), (128, 64): (wood,), (64, 128): (bark,),
          (64, 64): (sand, leather, clouds, plaster, tiles, weave, knit, tartan, checks, stripes, dots,
                     rings, zigzag, scales, honeycomb, lozenges, waves)}
 

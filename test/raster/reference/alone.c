@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Draws a picture with the reference alone, for test/raster/reference/alone.sh: a torus in the light of a
- * spot, over a textured square that the near and the far plane cut. */
+/* Draws a picture with the reference alone, for test/raster/reference/alone.sh: a torus in the
+ * light of a spot, and in its shadow, over a textured square that the near and the far plane cut.
+ */
 #include <stdio.h>
 
 #include "data/maths/maths.h"
-#include "raster/reference/reference.h"
+#include "raster/visibility/visibility.h"
 
 enum { WIDTH = 120, HEIGHT = 80, SIDES = 24, RINGS = 48, TERMS = 3 };
 
@@ -46,6 +47,9 @@ static bool draw(const struct view *view, const struct instance instances[2])
     const struct rectangle all = {0, 0, WIDTH, HEIGHT};
     struct surface surfaces[2];
     struct light_work work = {0};
+    static const bool casts[2] = {true, true};
+    static uint32_t dark[WIDTH * HEIGHT];
+    struct occluders occluders;
     struct picture picture = {.surface = NULL};
     bool done = surface_open(&instances[0], &surfaces[0]);
     done = surface_open(&instances[1], &surfaces[1]) && done;
@@ -53,12 +57,16 @@ static bool draw(const struct view *view, const struct instance instances[2])
         for (int i = 0; i < instances[s].n_vertices; i++)
             surface_light(view, &surfaces[s], i, &work);
     done = done && picture_draw(view, surfaces, 2, &all, TERMS, &picture);
+    done = occluders_make(surfaces, 2, casts, &occluders) && done;
+    if (done)
+        picture_shadow(view, &occluders, 1, &picture, dark);
     for (int i = 0; i < WIDTH * HEIGHT && done; i++)
         for (int t = 0; t < TERMS && picture.surface[i] >= 0; t++) {
             const double *row = picture.rows + t * WIDTH * HEIGHT + i;
             add_terms((const double *[]){row, row}, (const double[]){spectrum[t], 0}, 1,
                       &radiance[i]);
         }
+    occluders_free(&occluders);
     picture_free(&picture);
     surface_close(&surfaces[0]);
     surface_close(&surfaces[1]);

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # level: full; packages: binutils clang lld wasi-libc libclang-rt-dev-wasm32 wabt
-# The trusted core stands alone: raster/reference compiles with data/maths and nothing else of the
+# The trusted core stands alone: raster/reference and raster/visibility compile with data/maths and nothing else of the
 # program, by gcc, by clang, and for WebAssembly. test/raster/reference/alone.c draws a picture with it; all builds
 # draw the same bits. The core calls only memory functions of the C library, and functions that round as
 # IEC 60559 says.
@@ -9,7 +9,7 @@
 # Lists are split into words on purpose.
 # shellcheck disable=SC2086
 . test/shared/tap.sh
-sources='raster/reference/*.c data/maths/*.c'
+sources='raster/reference/*.c raster/visibility/*.c data/maths/*.c'
 language='-std=c99 -O2 -I. -ffp-contract=off -fno-trapping-math -fno-math-errno -pedantic -Werror
   -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes -Wmissing-prototypes
   -Wundef -Wvla -Wcast-qual -Wwrite-strings'
@@ -19,9 +19,9 @@ may_call='malloc calloc realloc free memcpy memset memmove memcmp
 # gcc adds these to loops that it compiles for AVX2, too: they choose the loop for the processor.
 may_call="$may_call __cpu_indicator_init __cpu_model _GLOBAL_OFFSET_TABLE_"
 
-# The folder $tmp holds the two rooms only: no other header can be found.
+# The folder $tmp holds the three rooms only: no other header can be found.
 mkdir -p "$tmp/raster" "$tmp/data"
-cp -R raster/reference "$tmp/raster"
+cp -R raster/reference raster/visibility "$tmp/raster"
 cp -R data/maths "$tmp/data"
 cp test/raster/reference/alone.c "$tmp"
 tmp=$(cd "$tmp" && pwd)

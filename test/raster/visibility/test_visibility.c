@@ -1,0 +1,334 @@
+/* SPDX-License-Identifier: MIT */
+/* level: first */
+/* Checks visibility: by closed forms, by whole numbers, where each sign of a determinant is exact,
+ * and by a slow second implementation in extended precision over random triangles. */
+#include "data/maths/maths.h"
+#include "raster/visibility/visibility.h"
+#include "test.h"
+
+enum { MOST = 4000 };
+
+/* A mesh in eye space, whose surface is all that there is. */
+struct solid {
+    struct vertex vertices[MOST];
+    int32_t triangles[MOST][3];
+    int n_vertices, n_triangles;
+    struct instance instance;
+    struct surface surface;
+    struct occluders occluders;
+};
+
+static void solid_make(struct solid *of)
+{
+    const bool casts[1] = {true};
+    of->instance = (struct instance){.vertices = of->vertices,
+                                     .triangles = (const int32_t(*)[3])of->triangles,
+                                     .n_vertices = of->n_vertices,
+                                     .n_triangles = of->n_triangles,
+                                     .model_view = matrix_identity(),
+                                     .normal_matrix = matrix_identity()};
+    of->surface = (struct surface){.instance = &of->instance};
+    test_need(occluders_make(&of->surface, 1, casts, &of->occluders), "no memory");
+}
+
+/* Returns whether the light at a place, or in a direction, reaches a point, which belongs to no
+ * triangle. The eye looks along -z, from far away. */
+static bool reaches(const struct solid *of, struct vector light, bool directional,
+                    struct vector point)
+{
+    const struct surface beside = {.instance = &of->instance};
+    const struct eye_light lights[1] = {{.directional = directional, .position = light}};
+    const struct view view = {.projection = matrix_identity(), .lights = lights, .n_lights = 1};
+    const struct surface surfaces[2] = {of->surface, beside};
+    struct vector *vertices[2] = {of->occluders.vertices[0], NULL};
+    struct occluders occluders = of->occluders;
+    occluders.surfaces = surfaces;
+    occluders.vertices = vertices;
+    occluders.n_surfaces = 2;
+    const struct seen_point at = {point, 1, 0}; /* of a surface that casts no shadow */
+    return lights_blocked(&occluders, &view, 1, 1, &at) == 0;
+}
+
+static int32_t add_vertex(struct solid *of, double x, double y, double z)
+{
+    of->vertices[of->n_vertices] = (struct vertex){.position = {x, y, z}};
+    return of->n_vertices++;
+}
+
+static void add_triangle(struct solid *of, int32_t a, int32_t b, int32_t c)
+{
+    const int32_t corners[3] = {a, b, c};
+    memcpy(of->triangles[of->n_triangles++], corners, sizeof corners);
+}
+
+/* A box from -1 to 1, each side in two triangles. */
+static void add_box(struct solid *of, double size)
+{
+    static const int sides[6][4] = {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4},
+                                    {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+    const int32_t first = of->n_vertices;
+    for (int i = 0; i < 8; i++)
+        add_vertex(of, i & 1 ? size : -size, i & 2 ? size : -size, i & 4 ? size : -size);
+    for (int i = 0; i < 6; i++) {
+        const int *v = sides[i];
+        add_triangle(of, first + v[0], first + v[1], first + v[2]);
+        add_triangle(of, first + v[0], first + v[2], first + v[3]);
+    }
+}
+
+/* ---- closed forms ---- */
+
+/* Finds the last point of a line that the light does not reach, by halving. */
+static double edge_along(const struct solid *of, struct vector light, bool directional,
+                         struct vector from, struct vector along)
+{
+    double dark = 0, lit = 1;
+    for (int i = 0; i < 60; i++) {
+        const double middle = 0.5 * (dark + lit);
+        *(reaches(of, light, directional, vector_add(from, vector_scale(along, middle))) ? &lit
+                                                                                         : &dark) =
+            middle;
+    }
+    return dark;
+}
+
+/* A box from -1 to 1 in a light at height h throws the shadow of its upper face onto the plane at
+ * -1: a square of half the side (h + 1) / (h - 1). */
+static void box_shadow(void)
+{
+    static struct solid box;
+    add_box(&box, 1);
+    solid_make(&box);
+    for (double height = 1.5; height < 200; height *= 3) {
+        const struct vector light = {0, 0, height}, below = {0, 0, -1.5}, along = {100, 37, 0};
+        const double half = (height + 1.5) / (height - 1);
+        CHECK_NEAR(100 * edge_along(&box, light, false, below, along) / half, 1, 1e-9,
+                   "a box below a light at height %g: the edge of its shadow", height);
+    }
+    const struct vector slanted = vector_normalise((struct vector){3, 0, 4});
+    CHECK_NEAR(100 * edge_along(&box, slanted, true, (struct vector){0, 0, -2},
+                                (struct vector){-100, 0, 0}),
+               1 + 3 * 0.75, 1e-8,
+               "a box in a slanted light: its shadow is as long as its height "
+               "calls for");
+    occluders_free(&box.occluders);
+}
+
+static void add_sphere(struct solid *of, int slices, int stacks)
+{
+    const int32_t south = add_vertex(of, 0, 0, -1), first = of->n_vertices;
+    for (int i = 1; i < stacks; i++)
+        for (int j = 0; j < slices; j++) {
+            double sine, cosine, x, y;
+            sine_cosine_of_turn(i, 2 * stacks, &sine, &cosine);
+            sine_cosine_of_turn(j, slices, &y, &x);
+            add_vertex(of, sine * x, sine * y, -cosine);
+        }
+    const int32_t north = add_vertex(of, 0, 0, 1), last = north - slices;
+    for (int j = 0; j < slices; j++) {
+        const int32_t next = (j + 1) % slices;
+        add_triangle(of, south, first + next, first + j);
+        add_triangle(of, north, last + j, last + next);
+        for (int32_t row = first; row < last; row += slices) {
+            add_triangle(of, row + j, row + next, row + slices + next);
+            add_triangle(of, row + j, row + slices + next, row + slices + j);
+        }
+    }
+}
+
+/* The shadow of a sphere of slices and stacks, in light along its axis, is the regular polygon of
+ * its equator. In polar coordinates the area is the integral of r^2 / 2. */
+static void sphere_shadow(void)
+{
+    static struct solid sphere;
+    enum { SLICES = 24, DIRECTIONS = 24 * 64 };
+    const struct vector up = {0, 0, 1}, lamp = {0, 0, 5};
+    double area = 0, worst = 0, half = PI / SLICES;
+    add_sphere(&sphere, SLICES, 12);
+    solid_make(&sphere);
+    for (int i = 0; i < DIRECTIONS; i++) {
+        double sine, cosine, in_slice = fmod(2 * PI * (i + 0.5) / DIRECTIONS, 2 * half);
+        sine_cosine_of_turn(2 * i + 1, 2 * DIRECTIONS, &sine, &cosine);
+        const struct vector along = {2 * cosine, 2 * sine, 0};
+        const double edge = 2 * edge_along(&sphere, up, true, (struct vector){0, 0, -2}, along);
+        worst = fmax(worst, fabs(edge * cos(in_slice - half) / cos(half) - 1));
+        area += edge * edge / 2 * (2 * PI / DIRECTIONS);
+    }
+    CHECK(worst < 1e-9, "a sphere in light along its axis: each point of its shadow's edge, %g",
+          worst);
+    CHECK_NEAR(area / (0.5 * SLICES * sin(2 * half)), 1, 1e-5, "and the area of the shadow");
+    /* seen from a lamp at height h, a ring of radius r at height z covers r (h + 2) / (h - z) of
+     * the plane at -2: the largest ring is the edge */
+    double largest = 0;
+    for (int i = 1; i < 12; i++)
+        largest = fmax(largest, sin(PI * i / 12) * 7 / (5 + cos(PI * i / 12)));
+    CHECK_NEAR(
+        4 * edge_along(&sphere, lamp, false, (struct vector){0, 0, -2}, (struct vector){4, 0, 0}),
+        largest, 1e-8, "a sphere below a lamp: the edge of its shadow at a vertex");
+    occluders_free(&sphere.occluders);
+}
+
+/* ---- whole numbers ---- */
+
+/* The segment from a point inside of a closed mesh to a light outside of it meets the mesh, also
+ * through edges and vertices, and along faces. All coordinates are whole. */
+static void no_leaks(void)
+{
+    static struct solid box;
+    long asked = 0, leaks = 0;
+    add_box(&box, 2);
+    solid_make(&box);
+    for (int x = -1; x <= 1; x++)
+        for (int y = -1; y <= 1; y++)
+            for (int z = -1; z <= 1; z++)
+                for (int light = 0; light < 9 * 9 * 9; light++) {
+                    const struct vector at = {light % 9 - 4, light / 9 % 9 - 4, light / 81 - 4};
+                    if (vector_reach(at) <= 2)
+                        continue;
+                    for (int directional = 0; directional < 2; directional++, asked++)
+                        leaks += reaches(&box, at, directional, (struct vector){x, y, z});
+                }
+    CHECK(leaks == 0, "of %ld segments from inside of a box, %ld leave it by an edge or a vertex",
+          asked, leaks);
+    occluders_free(&box.occluders);
+}
+
+/* ---- a slow second implementation ---- */
+
+static long double determinant(const long double a[3], const long double b[3],
+                               const long double c[3])
+{
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) +
+           a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+static void subtract(struct vector a, struct vector b, long double out[3])
+{
+    out[0] = (long double)a.x - (long double)b.x;
+    out[1] = (long double)a.y - (long double)b.y;
+    out[2] = (long double)a.z - (long double)b.z;
+}
+
+/* Solves point + t (light - point) = a + u (b - a) + v (c - a). Returns whether the segment meets
+ * the triangle; *sure: no sign is near 0. */
+static bool slow_meets(struct vector point, struct vector light, bool directional,
+                       const struct vector corner[3], bool *sure)
+{
+    long double path[3], e[3], f[3], to[3];
+    const struct vector none = {0, 0, 0};
+    subtract(light, directional ? none : point, path);
+    subtract(corner[1], corner[0], e);
+    subtract(corner[2], corner[0], f);
+    subtract(point, corner[0], to);
+    const long double d = determinant(path, e, f), t = -determinant(to, e, f),
+                      u = determinant(path, to, f), v = determinant(path, e, to);
+    const long double signs[5] = {t / d, u / d, v / d, (d - u - v) / d,
+                                  directional ? 1 : (d - t) / d};
+    bool meets = true;
+    for (int i = 0; i < 5; i++) {
+        meets = meets && signs[i] > 0;
+        *sure = *sure && fabsl(signs[i]) > 1e-9L;
+    }
+    return meets;
+}
+
+static void agrees_with_slow(void)
+{
+    static struct solid soup;
+    uint64_t state = 51;
+    long asked = 0, wrong = 0, unsure = 0, dark = 0;
+    for (int scene = 0; scene < 200; scene++) {
+        soup.n_vertices = soup.n_triangles = 0;
+        for (int i = 0; i < 60; i++) {
+            const double size = scene % 2 ? 0.5 : 3;
+            for (int c = 0; c < 3; c++) {
+                const double x = test_random(&state, -size, size),
+                             y = test_random(&state, -size, size),
+                             z = test_random(&state, -size, size);
+                add_vertex(&soup, x, y, z);
+            }
+            add_triangle(&soup, 3 * i, 3 * i + 1, 3 * i + 2);
+        }
+        solid_make(&soup);
+        for (int i = 0; i < 500; i++, asked++) {
+            struct vector p[2]; /* light, point */
+            for (int k = 0; k < 2; k++) {
+                p[k].x = test_random(&state, -4, 4);
+                p[k].y = test_random(&state, -4, 4);
+                p[k].z = test_random(&state, -4, 4);
+            }
+            bool met = false, sure = true;
+            for (int t = 0; t < 60; t++) {
+                const struct vector corner[3] = {soup.vertices[3 * t].position,
+                                                 soup.vertices[3 * t + 1].position,
+                                                 soup.vertices[3 * t + 2].position};
+                met = slow_meets(p[1], p[0], i % 2, corner, &sure) || met;
+            }
+            unsure += !sure;
+            dark += met;
+            wrong += sure && reaches(&soup, p[0], i % 2, p[1]) == met;
+        }
+        occluders_free(&soup.occluders);
+    }
+    CHECK(wrong == 0 && unsure < asked / 1000 && dark > asked / 10 && dark < 9 * asked / 10,
+          "%ld segments among random triangles: %ld differ from extended precision, %ld are not "
+          "decided by it, %ld are blocked",
+          asked, wrong, unsure, dark);
+}
+
+/* ---- coordinates where doubles do not decide ---- */
+
+/* A light, a point and two corners in one plane: rounded products do not say on which side of an
+ * edge the segment passes. It passes on one side or the other of both triangles that share the
+ * edge. */
+static void edges_are_shared(void)
+{
+    static struct solid pair;
+    uint64_t state = 7;
+    long both = 0, none = 0, asked = 0;
+    for (int i = 0; i < 20000; i++, asked++) {
+        struct vector a, b, light, point;
+        double share = test_random(&state, 0.1, 0.9), reach = test_random(&state, 0.2, 3);
+        a.x = test_random(&state, -1, 1);
+        a.y = test_random(&state, -1, 1);
+        a.z = 0;
+        b.x = test_random(&state, -1, 1);
+        b.y = test_random(&state, -1, 1);
+        b.z = test_random(&state, -0.1, 0.1);
+        light = (struct vector){test_random(&state, -1, 1), 0.25, 5};
+        const struct vector on = vector_add(vector_scale(a, 1 - share), vector_scale(b, share));
+        point = vector_add(on, vector_scale(vector_subtract(on, light), reach));
+        const struct vector across = {-(b.y - a.y), b.x - a.x, 0};
+        pair.n_vertices = pair.n_triangles = 0;
+        add_vertex(&pair, a.x, a.y, a.z);
+        add_vertex(&pair, b.x, b.y, b.z);
+        add_vertex(&pair, a.x + 9 * across.x, a.y + 9 * across.y, a.z);
+        add_vertex(&pair, a.x - 9 * across.x, a.y - 9 * across.y, a.z);
+        int met[2];
+        for (int k = 0; k < 2; k++) {
+            pair.n_triangles = 0;
+            if (k == 0)
+                add_triangle(&pair, 0, 1, 2);
+            else
+                add_triangle(&pair, 1, 0, 3);
+            solid_make(&pair);
+            met[k] = !reaches(&pair, light, false, point);
+            occluders_free(&pair.occluders);
+        }
+        both += met[0] && met[1];
+        none += !met[0] && !met[1];
+    }
+    CHECK(both == 0 && none == 0,
+          "of %ld segments through an edge that two triangles share, %ld meet both, %ld none",
+          asked, both, none);
+}
+
+int main(void)
+{
+    box_shadow();
+    sphere_shadow();
+    no_leaks();
+    agrees_with_slow();
+    edges_are_shared();
+    return test_end();
+}
