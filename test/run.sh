@@ -6,13 +6,15 @@
 # A C test without this line belongs to the first level and needs no package; each test.py needs python3.
 longest='hard test_reference test_mesa random_scenes verdict verify contexts scenes cost' # these begin first, so that no processor waits at the end
 # Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
-# of the first object; open meshes taken for solids, so that their backs are not drawn; no mesh taken for a solid.
+# of the first object; open meshes taken for solids, so that their backs are not drawn; no mesh taken for a solid; shadow
+# volumes of lights that are moved by $MOVED.
 pixel=raster/candidates/pixel.c
 mutation='s/(float)(common + alone)/(float)(1000 * (common + alone))/; s/(float)alone/(float)(1000 * alone)/'
 endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->tile->lit->surfaces ? HUGE_VALF : (float)(common + alone)/'
 instances=raster/plan/instances.c
 hollow='s/[.]solid = cutting.*,/.solid = true,/'
 whole='s/[.]solid = cutting.*,/.solid = false,/'
+moved='s/factor \* vector_dot(row_of(&of, 0), v)/& + atof(getenv("MOVED"))/'
 . raster/gl/static.sh
 
 needs_gl() {
@@ -154,6 +156,7 @@ make_mutants() {
     build_mutant endless $pixel "$endless"
     build_mutant hollow $instances "$hollow"
     build_mutant whole $instances "$whole"
+    build_mutant moved raster/volumes/volumes.c "$moved"
 }
 
 # build_mutant NAME FILE MUTATION

@@ -42,6 +42,11 @@ struct instance {
     int number, mesh, material, texture, two_sided, clockwise;
     double matrix[16];
 };
+struct volume { /* the shadow of an object: the caps, its sides, its far end, caps turned inward */
+    int group, n_triangles, n_outward, n_caps, cut, clockwise;
+    double matrix[16];
+    float *corners; /* 9 a triangle */
+};
 struct material { /* in a pass, under a group of lights */
     float constant[4], diffuse[LIGHTS][4], specular[LIGHTS][4], gloss;
     int lit[LIGHTS];
@@ -49,13 +54,15 @@ struct material { /* in a pass, under a group of lights */
 static struct {
     const char *folder;
     char id[80];
-    int width, height, flat, local, n_bands, n_instances, n_sources, n_materials;
+    int width, height, flat, local, n_bands, n_instances, n_sources, n_materials, n_volumes;
+    int first[MOST], n_lights[MOST]; /* of the lights of each group, and how many they are */
     double projection[16];
     struct mesh mesh[MOST];
     struct texture texture[MOST];
     struct source source[MOST];
     struct instance instance[MOST];
     struct material material[MOST];
+    struct volume volume[MOST];
 } scene;
 
 static void fail(const char *format, ...)
@@ -168,6 +175,22 @@ static void read_instance(const char *line)
         scene.n_materials = checked(to->material) + 1;
 }
 
+static void read_volume(const char *line)
+{
+    struct volume *to = &scene.volume[checked(scene.n_volumes++)];
+    char caps[16], turn[24], name[64];
+    int index, length;
+    if (sscanf(line, "volume %d group %d triangles %d outward %d caps %d %15s %23s matrix%n",
+               &index, &to->group, &to->n_triangles, &to->n_outward, &to->n_caps, caps, turn,
+               &length) != 7)
+        fail("cannot read: %s", line);
+    to->cut = strcmp(caps, "cut") == 0;
+    to->clockwise = strcmp(turn, "clockwise") == 0;
+    read_doubles(line + length, 16, to->matrix);
+    snprintf(name, sizeof name, "volume-%d.bin", index);
+    to->corners = read_numbers(name, (size_t)to->n_triangles, 9 * sizeof(float));
+}
+
 static void read_line(const char *line)
 {
     char word[16] = "";
@@ -192,6 +215,11 @@ static void read_line(const char *line)
         read_source(line);
     } else if (strcmp(word, "instance") == 0) {
         read_instance(line);
+    } else if (strcmp(word, "volume") == 0) {
+        read_volume(line);
+    } else if (sscanf(line, "group %d lights %d %d", &a, &b, &c) == 3) {
+        scene.first[checked(a)] = b;
+        scene.n_lights[a] = c;
     } else if (sscanf(line, "texture %d %d %d", &a, &b, &c) == 3) {
         scene.texture[checked(a)] = (struct texture){b, c, strstr(line, "linear") != NULL,
                                                      strstr(line, "spectral") != NULL, 0};
@@ -251,7 +279,9 @@ static void take_line(const struct line *line)
         set_colour(to->constant, line->colour[0]);
         return;
     }
-    const int i = line->light - line->group * LIGHTS;
+    const int i = line->light - scene.first[line->group];
+    if (i < 0 || i >= LIGHTS)
+        fail("light %d is not of group %d", line->light, line->group);
     to->lit[i] = 1;
     set_colour(to->diffuse[i], line->colour[0]);
     set_colour(to->specular[i], line->colour[1]);
@@ -361,10 +391,6 @@ static void load_textures(int band)
 static void place_light(int index, GLenum name)
 {
     const struct source *source = &scene.source[index];
-    if (index >= scene.n_sources || !source->present) {
-        glDisable(name);
-        return;
-    }
     const GLfloat place[4] = {(GLfloat)source->place[0], (GLfloat)source->place[1],
                               (GLfloat)source->place[2], source->positional ? 1.0F : 0.0F};
     const GLfloat axis[3] = {(GLfloat)source->axis[0], (GLfloat)source->axis[1],
@@ -418,13 +444,75 @@ static void draw_instance(const struct instance *instance)
     glDrawElements(GL_TRIANGLES, 3 * mesh->n_triangles, GL_UNSIGNED_INT, mesh->triangles);
 }
 
+/* ---- shadows ---- */
+
+/* Counts triangles that are turned outward, or inward: up where a back is hidden, down where a
+ * front is. */
+static void count_triangles(const struct volume *volume, int first, int n, int outward)
+{
+    glStencilOpSeparate(outward ? GL_BACK : GL_FRONT, GL_KEEP, GL_INCR_WRAP, GL_KEEP);
+    glStencilOpSeparate(outward ? GL_FRONT : GL_BACK, GL_KEEP, GL_DECR_WRAP, GL_KEEP);
+    glVertexPointer(3, GL_FLOAT, 0, volume->corners + 9 * first);
+    glDrawArrays(GL_TRIANGLES, 0, 3 * n);
+}
+
+/* Depths are clamped but for the caps that are cut as surfaces are. */
+static void count_volume(const struct volume *volume)
+{
+    const int n_caps = volume->cut ? volume->n_caps : 0, n = volume->n_triangles;
+    glFrontFace(volume->clockwise ? GL_CW : GL_CCW);
+    load_matrix(GL_MODELVIEW, volume->matrix);
+    glEnable(GL_DEPTH_CLAMP);
+    count_triangles(volume, n_caps, volume->n_outward - n_caps, 1);
+    if (volume->cut)
+        glDisable(GL_DEPTH_CLAMP);
+    count_triangles(volume, 0, n_caps, 1);
+    count_triangles(volume, volume->n_outward, n - volume->n_outward, 0);
+    glDisable(GL_DEPTH_CLAMP);
+}
+
+/* Makes black, in the picture of a group, what its light does not reach: where the surfaces, whose
+ * depths are there, lie in some volume. */
+static void shadow_group(int group, float *pixels)
+{
+    const size_t n = (size_t)scene.width * (size_t)scene.height;
+    uint32_t *counts = calloc(n, sizeof *counts);
+    glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
+    glDisableClientState(GL_TEXTURE_COORD_ARRAY);
+    glDisableClientState(GL_NORMAL_ARRAY);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDepthMask(GL_FALSE);
+    glEnable(GL_STENCIL_TEST);
+    glClear(GL_STENCIL_BUFFER_BIT);
+    for (int i = 0; i < scene.n_volumes; i++)
+        if (scene.volume[i].group == group)
+            count_volume(&scene.volume[i]);
+    glReadPixels(0, 0, scene.width, scene.height, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, counts);
+    for (size_t i = 0; i < n; i++)
+        if ((counts[i] & 0xff) != 0)
+            memset(pixels + 4 * i, 0, 4 * sizeof *pixels);
+    glDisable(GL_STENCIL_TEST);
+    glStencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
+    glDepthMask(GL_TRUE);
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glEnableClientState(GL_NORMAL_ARRAY);
+    glEnable(GL_LIGHTING);
+    free(counts);
+}
+
 /* Draws the scene under a group of lights, into 4 floats a pixel. */
 static void draw_group(int group, float *pixels)
 {
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glLoadIdentity(); /* lights are given in eye coordinates */
-    for (int i = 0; i < LIGHTS; i++)
-        place_light(group * LIGHTS + i, GL_LIGHT0 + (GLenum)i);
+    for (int i = 0; i < LIGHTS; i++) {
+        const int light = scene.first[group] + i;
+        if (i < scene.n_lights[group] && scene.source[checked(light)].present)
+            place_light(light, GL_LIGHT0 + (GLenum)i);
+        else
+            glDisable(GL_LIGHT0 + (GLenum)i);
+    }
     for (int i = 0; i < scene.n_instances; i++)
         draw_instance(&scene.instance[i]);
     glReadPixels(0, 0, scene.width, scene.height, GL_RGBA, GL_FLOAT, pixels);
@@ -450,6 +538,7 @@ static void draw_passes(const char *out)
                 more = next_line(file, &line);
             }
             draw_group(group, part);
+            shadow_group(group, part);
             for (size_t i = 0; i < n; i++)
                 sum[i] += part[i];
         }

@@ -10,7 +10,8 @@
 
 /* A description that grows. */
 struct description {
-    const struct plan *plan;
+    const struct lit_scene *lit;
+    const struct plan *plan; /* of that */
     double full_scale;
     const struct folder *folder; /* gets the files; NULL: only their digests are wanted */
     const char *prefix;          /* of their names there */
@@ -185,6 +186,32 @@ static void print_instance(const struct plan *plan, int index, struct printed *t
     print_matrix(&placed->instance.model_view, to);
 }
 
+/* ---- shadows ---- */
+
+/* Adds a shadow volume: the group of its light, its triangles, how many of them are turned outward
+ * and how many begin these as caps, how depth cuts caps, how fronts turn, and where it lies. */
+static bool add_volume(struct description *to, int index, struct error *err)
+{
+    const struct volume *volume = &to->lit->volumes->list[index];
+    const struct instance *instance = &to->plan->instances[volume->instance].instance;
+    const size_t n = 3 * (size_t)volume->n;
+    float(*corners)[3];
+    char name[FILE_NAME];
+    print(&to->scene, "volume %d group %d triangles %d outward %d caps %d %s %s matrix", index,
+          to->plan->n_light_groups - to->plan->n_shadowed + volume->shadowed, volume->n,
+          volume->n_outward, volume->n_caps, volume->cuts_caps ? "cut" : "clamped",
+          instance->mirrored ? "clockwise" : "counter-clockwise");
+    print_matrix(&instance->model_view, &to->scene);
+    snprintf(name, sizeof name, "volume-%d.bin", index);
+    if (!MAKE_ARRAY(corners, n, err, "the corners of a shadow"))
+        return false;
+    for (size_t i = 0; i < n; i++)
+        memcpy(corners[i], volume->corners[i].position, sizeof corners[i]);
+    const bool done = add_file(to, name, corners, n * sizeof *corners, err);
+    free(corners);
+    return done;
+}
+
 static void print_picture(struct description *to)
 {
     const struct plan *plan = to->plan;
@@ -202,6 +229,10 @@ static void print_picture(struct description *to)
     }
     for (int i = 0; i < plan->n_lights; i++)
         print_source(plan, i, &to->scene);
+    for (int i = 0; i < plan->n_light_groups; i++) {
+        const struct light_group group = light_group(plan, i);
+        print(&to->scene, "group %d lights %d %d\n", i, group.first, group.n);
+    }
 }
 
 static bool print_scene(struct description *to, struct error *err)
@@ -215,6 +246,8 @@ static bool print_scene(struct description *to, struct error *err)
         done = add_texture(to, i, err);
     for (int i = 0; i < plan->n_instances; i++)
         print_instance(plan, i, &to->scene);
+    for (int i = 0; to->lit->volumes && i < to->lit->volumes->n && done; i++)
+        done = add_volume(to, i, err);
     return done && add_passes(to, err);
 }
 
@@ -237,11 +270,8 @@ static bool finish(struct description *of, char id[DIGEST_TEXT], struct error *e
 bool scene_describe(const struct lit_scene *lit, const struct folder *folder, const char *prefix,
                     char id[DIGEST_TEXT], struct error *err)
 {
-    struct description of = {.plan = lit->plan, .folder = folder, .prefix = prefix};
+    struct description of = {.lit = lit, .plan = lit->plan, .folder = folder, .prefix = prefix};
     struct lit_scene scaled = *lit;
-    if (lit->plan->n_shadowed > 0)
-        return error_usage(err, "%s: export describes no shadows; take `shadows` from its lights",
-                           lit->plan->scene->path);
     if (!find_full_scale(&scaled, err))
         return false;
     of.full_scale = scaled.full_scale;
@@ -258,8 +288,14 @@ static bool describe_plan(const struct plan *plan, const struct folder *folder, 
 {
     struct lit_scene lit = {.plan = NULL};
     char id[DIGEST_TEXT];
-    const bool done =
-        lit_make(plan, driver_of(NULL), &lit, err) && scene_describe(&lit, folder, prefix, id, err);
+    struct volumes volumes = {.n = 0};
+    bool done = lit_make(plan, driver_of(NULL), &lit, err);
+    if (done && plan->n_shadowed > 0) {
+        done = volumes_make(&lit, &volumes, err);
+        lit.volumes = &volumes;
+    }
+    done = done && scene_describe(&lit, folder, prefix, id, err);
+    volumes_free(&volumes);
     lit_free(&lit);
     return done;
 }

@@ -14,6 +14,7 @@
 #include "raster/reference/reference.h"
 #include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
+#include "raster/volumes/volumes.h"
 
 /* ---- export_scene.c: a scene as files ---- */
 

@@ -28,6 +28,7 @@ KEPT = "test/cases/random"
 FULL = "FULL" in os.environ
 DEFAULT_COUNT = {"llvmpipe": 200, "softpipe": 30}
 FULL_COUNT = {"llvmpipe": 5000, "softpipe": 500}
+SHADOWS = {False: {"llvmpipe": 60, "softpipe": 20}, True: {"llvmpipe": 1000, "softpipe": 200}}
 WAVELENGTHS = "wavelengths 400 700 10"
 PATIENCE_S = 300  # seconds after which a scene counts as hung
 MOST_KEPT = 3  # scenes a run
@@ -582,7 +583,7 @@ def check_coverage(texts, effects):
     lacking = [pattern for pattern in COVERAGE if not re.search(pattern, texts, re.M)]
     check(not lacking, "the scenes contain all words and cases of the list", *lacking)
     idle = [name for name in effects[0] if not any(effect[name] for effect in effects)]
-    check(idle == ["phong", "tessellation"],
+    check(idle == ["shadows", "phong", "tessellation"],
           "the scenes use every effect of OpenGL that a scene can ask for", *idle)
 
 
@@ -712,8 +713,10 @@ def main():
         run(driver, range(options.first, options.first + n), options)
     if not options.driver:
         check_fault((64, 64))
-        MORE.extend(["--samples", "2", "--size", "100x100"])
-        run("llvmpipe", range(8060, 8090), options)
+        for more, count in (["--samples", "2", "--size", "100x100"], {"llvmpipe": 30}), (["--shadows"], SHADOWS[FULL]):
+            MORE[:] = more
+            for driver, n in count.items():
+                run(driver, range(8060, 8060 + n), options)
     done()
 
 
