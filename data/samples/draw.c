@@ -471,12 +471,24 @@ static void count_volume(const struct volume *volume)
     glDisable(GL_DEPTH_CLAMP);
 }
 
-/* Makes black, in the picture of a group, what its light does not reach: where the surfaces, whose
- * depths are there, lie in some volume. */
-static void shadow_group(int group, float *pixels)
+/* Makes black what lies in some volume, and clears the counts. */
+static void darken(float *pixels)
 {
     const size_t n = (size_t)scene.width * (size_t)scene.height;
     uint32_t *counts = calloc(n, sizeof *counts);
+    glReadPixels(0, 0, scene.width, scene.height, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, counts);
+    for (size_t i = 0; i < n; i++)
+        if ((counts[i] & 0xff) != 0)
+            memset(pixels + 4 * i, 0, 4 * sizeof *pixels);
+    glClear(GL_STENCIL_BUFFER_BIT);
+    free(counts);
+}
+
+/* Makes black, in the picture of a group, what its light does not reach: where the surfaces, whose
+ * depths are there, lie in some volume. A surface lies in no more volumes than there are caps. */
+static void shadow_group(int group, float *pixels)
+{
+    int n_caps = 0;
     glDisable(GL_LIGHTING);
     glDisable(GL_TEXTURE_2D);
     glDisableClientState(GL_TEXTURE_COORD_ARRAY);
@@ -485,20 +497,25 @@ static void shadow_group(int group, float *pixels)
     glDepthMask(GL_FALSE);
     glEnable(GL_STENCIL_TEST);
     glClear(GL_STENCIL_BUFFER_BIT);
-    for (int i = 0; i < scene.n_volumes; i++)
-        if (scene.volume[i].group == group)
-            count_volume(&scene.volume[i]);
-    glReadPixels(0, 0, scene.width, scene.height, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, counts);
-    for (size_t i = 0; i < n; i++)
-        if ((counts[i] & 0xff) != 0)
-            memset(pixels + 4 * i, 0, 4 * sizeof *pixels);
+    for (int i = 0; i < scene.n_volumes; i++) {
+        const struct volume *volume = &scene.volume[i];
+        const int more = volume->n_caps + volume->n_triangles - volume->n_outward;
+        if (volume->group != group)
+            continue;
+        if (n_caps > 0 && n_caps + more > 255) {
+            darken(pixels);
+            n_caps = 0;
+        }
+        count_volume(volume);
+        n_caps += more;
+    }
+    darken(pixels);
     glDisable(GL_STENCIL_TEST);
     glStencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
     glDepthMask(GL_TRUE);
     glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     glEnableClientState(GL_NORMAL_ARRAY);
     glEnable(GL_LIGHTING);
-    free(counts);
 }
 
 /* Draws the scene under a group of lights, into 4 floats a pixel. */

@@ -3,6 +3,8 @@
  * of a volume counts where it lies behind the surface: up where its back is seen, down where its
  * front is (Everitt and Kilgard 2002). A cap has the depth of the surface that it repeats, which is
  * not less: it counts as behind. So a surface that faces its light is not in its own volume. */
+#include <string.h>
+
 #include "raster/gl/inside.h"
 
 bool shadows_can_draw(const struct drawing *of, struct error *err)
@@ -58,7 +60,7 @@ static void draw_volume(struct drawing *of, const struct volume *volume,
     of->call->Enable(GL_DEPTH_CLAMP);
 }
 
-/* Reads where the count of a light is 0. */
+/* Reads where the count of a light is 0, and clears it. */
 static void read_reached(struct drawing *of, int shadowed)
 {
     const int width = of->plan->tile_width, height = of->plan->tile_height;
@@ -69,18 +71,34 @@ static void read_reached(struct drawing *of, int shadowed)
         const uint32_t *row =
             of->counts + (size_t)(of->contexts->flipped ? y : height - 1 - y) * (size_t)width;
         for (int x = 0; x < width; x++)
-            reached[(size_t)y * (size_t)width + (size_t)x] = (row[x] & 0xff) == 0;
+            if ((row[x] & 0xff) != 0)
+                reached[(size_t)y * (size_t)width + (size_t)x] = 0;
     }
+    of->call->Clear(GL_STENCIL_BUFFER_BIT);
 }
 
+/* Counts the volumes of a light, some at a time. A surface lies in no more volumes than there are
+ * caps, and 8 bits count to 255: only an object that throws 256 shadows upon each other by itself
+ * could come to 0 again. */
 static void count_volumes(struct drawing *of, int shadowed, const struct numbered_draw *by)
 {
     const struct volumes *volumes = of->lit->volumes;
+    const size_t n = (size_t)of->plan->tile_width * (size_t)of->plan->tile_height;
+    int n_caps = 0;
+    memset(of->reached + (size_t)shadowed * n, 1, n);
     of->call->Clear(GL_STENCIL_BUFFER_BIT);
-    for (int i = 0; i < volumes->n; i++)
-        if (volumes->list[i].shadowed == shadowed &&
-            surface_reaches(&volumes->lit.bounds[i], &of->tile))
-            draw_volume(of, &volumes->list[i], by);
+    for (int i = 0; i < volumes->n; i++) {
+        const struct volume *volume = &volumes->list[i];
+        const int more = volume->n_caps + volume->n - volume->n_outward;
+        if (volume->shadowed != shadowed || !surface_reaches(&volumes->lit.bounds[i], &of->tile))
+            continue;
+        if (n_caps > 0 && n_caps + more > UINT8_MAX) {
+            read_reached(of, shadowed);
+            n_caps = 0;
+        }
+        draw_volume(of, volume, by);
+        n_caps += more;
+    }
     read_reached(of, shadowed);
 }
 
