@@ -30,12 +30,14 @@ static bool read_unit(struct text *text, struct light *out, struct error *err)
     return chosen >= 0;
 }
 
-/* Refuses a light whose unit is not that of the others: their sums would have none. */
+/* Refuses a light whose unit is not that of the others: their sums would have none. These have one
+ * unit, so that the first light and the first ambient one stand for all. */
 static bool check_unit(const struct scene *scene, const struct light *light, struct error *err)
 {
     static const char *const words[] = {"relative", "W"};
-    for (int i = 0; i < scene->n_lights + scene->n_ambients; i++)
-        if (scene_light(scene, i)->absolute != light->absolute)
+    for (int i = 0; i <= scene->n_lights; i += scene->n_lights > 0 ? scene->n_lights : 1)
+        if (i < scene->n_lights + scene->n_ambients &&
+            scene_light(scene, i)->absolute != light->absolute)
             return error_at(err, light->place,
                             "the unit of this light is %s, of those before it %s; "
                             "expected 'unit %s' here, too",
