@@ -70,19 +70,22 @@ function with_camera(text, camera) {
 /* ---- lights ---- */
 
 /* Light statements are: light SPECTRUM INTENSITY position|direction X Y Z ..., ambient SPECTRUM INTENSITY. */
-function with_light(text, line, {spectrum, intensity, vector}) {
+function with_light(text, line, {spectrum, intensity, vector, shadows}) {
   const found = statement_at(text, line), place = found.words.findIndex(({text}) => text === "position" || text === "direction");
   const changes = [];
   if (spectrum !== undefined) changes.push([found.words[1], as_word(spectrum)]);
   if (intensity !== undefined) changes.push([found.words[2], as_number(intensity)]);
   if (vector !== undefined) changes.push([{start: found.words[place + 1].start, end: found.words[place + 3].end}, as_vector(vector)]);
+  const word = found.words.findIndex(({text, quoted}, i) => i > 2 && !quoted && text === "shadows");
+  if (shadows && word < 0) changes.push([{start: found.end, end: found.end}, " shadows"]);
+  if (shadows === false && word > 0) changes.push([{start: found.words[word - 1].end, end: found.words[word].end}, ""]);
   return changes.sort((a, b) => b[0].start - a[0].start).reduce((all, [range, by]) => replaced(all, range, by), text);
 }
 
 /* ---- objects ---- */
 
-const OBJECT_WORDS = new Set(["material", "materials", "scale", "rotate", "translate", "two-sided", "planar", "repeat",
-  "unitize", "crease"]);
+const OBJECT_WORDS = new Set(["material", "materials", "scale", "rotate", "translate", "two-sided", "casts", "planar",
+  "repeat", "unitize", "crease"]);
 
 /* Returns the parts of an object's statement: its shape, and each option with its words. */
 function object_parts(statement) {

@@ -105,7 +105,7 @@ function set_number(id, value) {
 }
 
 function edit_light(kind, i, change) {
-  const concerns = kind === "lights" ? SPECTRA : SPECTRA | GEOMETRY;
+  const concerns = kind === "lights" && change.shadows === undefined ? SPECTRA : SPECTRA | GEOMETRY;
   if (kind === "ambients" && !scene.ambients[i].line) {
     const {illuminant, intensity} = {...scene.ambients[i], ...change};
     const statement = `ambient ${as_word(change.spectrum || scene.illuminants[illuminant].word)} ${as_number(intensity)}`;
@@ -142,7 +142,8 @@ function add_live_source(kind, i) {
   more.innerHTML = `<div id="${id}-kelvin-row" class="second"><input type="number" id="${id}-kelvin" min="1" step="any"
     aria-label="Colour temperature of ${name}"> K</div>` +
     (kind === "lights" ? `<span id="${id}-label" class="dim">${scene.lights[i].position ? "Stands at" : "Shines from"}</span>
-    <div id="${id}-place" role="group" aria-labelledby="${id}-label"></div>` : "");
+    <div id="${id}-place" role="group" aria-labelledby="${id}-label"></div>
+    <label class="check second"><input type="checkbox" id="${id}-shadows"> throws shadows</label>` : "");
   menu.closest(".row").after(more);
   if (scene[kind][i].line) more.append(Object.assign(button_of(id + "-remove", `Remove ${name.toLowerCase()}`, () => remove_light(kind, i)), {className: "second"}));
   on_change(id, value => {
@@ -150,6 +151,7 @@ function add_live_source(kind, i) {
     edit_light(kind, i, {spectrum: lamp ? `${lamp[0]}:${lamp[2]}` : value.startsWith("file ") ? value.slice(5)
       : scene.illuminants[value].word});
   });
+  element(id + "-shadows")?.addEventListener("change", event => edit_light(kind, i, {shadows: event.target.checked}));
   on_change(id + "-kelvin", value => edit_light(kind, i,
     {spectrum: `${kelvin_of(scene.illuminants[scene[kind][i].illuminant].word)[0]}:${value}`}));
   element(id + "-slider").addEventListener("pointerdown", begin_gesture);
@@ -173,14 +175,16 @@ function refresh_sources() {
       typing.focus();
     }
   }
-  for (const kind of ["ambients", "lights"]) scene[kind].forEach(({illuminant, intensity, position, direction}, i) => {
+  for (const kind of ["ambients", "lights"]) scene[kind].forEach(({illuminant, intensity, position, direction, shadows}, i) => {
     const id = `${kind}-${i + 1}`, kelvin = kelvin_of(scene.illuminants[illuminant].word);
     element(id).value = illuminant;
     set_number(id + "-intensity", intensity);
     set_number(id + "-slider", intensity);
     element(id + "-kelvin-row").hidden = !kelvin;
     if (kelvin) set_number(id + "-kelvin", Number(kelvin[1]));
-    if (kind === "lights") add_triple(id + "-place", position || direction, vector => set_light_vector(i, vector));
+    if (kind !== "lights") return;
+    add_triple(id + "-place", position || direction, vector => set_light_vector(i, vector));
+    element(id + "-shadows").checked = shadows;
   });
   show_source_heads();
 }

@@ -155,8 +155,10 @@ static void put_lights(struct describer *describer, const char *key, const struc
         json_number(json, "intensity", light->intensity);
         if (light->place.path)
             put_place(json, &light->place);
-        if (!ambient)
+        if (!ambient) {
             put_vector(json, light->directional ? "direction" : "position", light->position);
+            json_truth(json, "shadows", light->shadows);
+        }
         json_close(json, '}');
     }
     json_close(json, ']');

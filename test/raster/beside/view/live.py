@@ -228,6 +228,22 @@ def lights(browser, which):
             lambda before, after: light(before)[4:7] != light(after)[4:7])
 
 
+def shadows(browser, which):
+    """A switch of each light: without shadows no pixel is darker, and some are brighter."""
+    before = browser.pixels().astype(int)
+    browser.tick("auto", False)
+    changes(browser, f"{which}, a light without shadows", lambda: browser.press("lights-1-shadows"),
+            lambda before, after: after.count(" shadows") == before.count(" shadows") - 1)
+    check(not browser.evaluate("element('lights-1-shadows').checked"), f"{which}: its switch is off")
+    lit = browser.pixels().astype(int)
+    check((lit - before).min() >= -1 and np.mean((lit - before).max(axis=2) > 20) > 0.01, f"{which}: light comes where shadow was",
+          (lit - before).min(), np.mean((lit - before).max(axis=2) > 20))
+    changes(browser, f"{which}, a light with shadows", lambda: browser.press("lights-1-shadows"),
+            lambda before, after: after.count(" shadows") == before.count(" shadows") + 1)
+    check(np.abs(browser.pixels().astype(int) - before).max() <= 1, f"{which}: and goes again")
+    browser.tick("auto", True)
+
+
 def statements(text, word):
     return [one for one in text.splitlines() if one.startswith(word)]
 
@@ -270,6 +286,8 @@ def controls(browser, which):
     agrees(browser, "spheres", f"{which}, after all other changes")
     browser.open(view(own("spheres"), "--size", "150x100"))
     more_and_fewer(browser, which)
+    browser.open(view(own("spheres"), "--size", "150x100"))
+    shadows(browser, which)
     browser.open(view(own("colorchecker"), "--size", "150x100"))
     browser.click(*browser.at(*pixel_of(browser, "02-light-skin")))
     changes(browser, f"{which}, an object of a checker", lambda: fill(browser, "place-z", "1.5"),
