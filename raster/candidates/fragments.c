@@ -427,6 +427,13 @@ static bool share_corner(const struct surface *of, const int32_t a[3],
     return false;
 }
 
+/* Returns whether two instances are one, or are drawn by the same numbers. */
+static bool is_twin(const struct instance *a, const struct instance *b)
+{
+    return a->triangles == b->triangles &&
+           memcmp(&a->model_view, &b->model_view, sizeof a->model_view) == 0;
+}
+
 /* Returns whether a facet is the cap that a fragment's triangle is itself, and has its depth; or
  * the cap of a neighbour that has the pixel only where the fragment's triangle has not. */
 static bool is_own_cap(const struct facet_visit *facet, const struct bounded_triangle *triangle,
@@ -437,7 +444,8 @@ static bool is_own_cap(const struct facet_visit *facet, const struct bounded_tri
     if (cap->surface < 0 || (triangle->cut && !facet->volume->cuts_caps))
         return false;
     const struct surface *surface = &lit->surfaces[cap->surface];
-    if (surface == triangle->screen.surface && cap->triangle == triangle->screen.triangle)
+    if (cap->triangle == triangle->screen.triangle &&
+        is_twin(surface->instance, triangle->screen.surface->instance))
         return true;
     return presence == POSSIBLE && lit->driver->watertight &&
            triangle->screen.clockwise == visited(&facet->visit)->screen.clockwise &&
