@@ -13,18 +13,13 @@ bool shadows_can_draw(const struct drawing *of, struct error *err)
                                          [GL_CORE] = "GL_ARB_depth_clamp",
                                          [GL_ES] = "GL_EXT_depth_clamp"};
     const char *needed = clamps[of->contexts->way];
-    GLint bits = 0;
-    if (of->plan->n_shadowed == 0)
-        return true;
     if (of->contexts->way == GL_ES && !contexts_have(of->contexts, "GL_NV_read_depth_stencil"))
         needed = "GL_NV_read_depth_stencil";
-    else
-        of->call->GetIntegerv(GL_STENCIL_BITS, &bits);
-    return (contexts_have(of->contexts, needed) && bits >= 8) ||
+    return of->plan->n_shadowed == 0 || contexts_have(of->contexts, needed) ||
            error_unsupported(err,
-                             "%s draws no shadows: they need %s and 8 bits of stencil, and it has "
-                             "%d; --renderer raster draws them without OpenGL",
-                             of->contexts->name, needed, bits);
+                             "%s draws no shadows, which need %s; --renderer raster draws them "
+                             "without OpenGL",
+                             of->contexts->name, needed);
 }
 
 /* Counts the faces of triangles that are turned outward, or inward. */
