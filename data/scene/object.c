@@ -93,9 +93,13 @@ static bool read_material(struct text *text, struct place place, bool map, struc
 /* Reads "no": an object casts shadows unless it says so. */
 static bool read_casts(struct text *text, bool *casts_none, struct error *err)
 {
-    static const char *const words[] = {"no", NULL};
-    *casts_none = text_choose(text, "no", words, "word behind casts", err) == 0;
-    return *casts_none;
+    struct word word;
+    if (!text_expect(text, &word, "'no' behind casts", err))
+        return false;
+    *casts_none = word_is(&word, "no");
+    return *casts_none ||
+           error_at(err, word.place,
+                    "expected 'no' behind casts; an object casts shadows unless it says so");
 }
 
 static bool read_option(struct text *text, const struct word *word, struct description *out,
