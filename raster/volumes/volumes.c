@@ -16,6 +16,7 @@ struct maker {
     const struct lit_scene *lit;
     const struct eye_light *light;
     struct vector towards; /* the light's place in the mesh's space, or the direction to it */
+    double farthest;       /* farthest_in_view */
     double reach;          /* the scale from the light, or the length of the shift */
     int first, end;        /* the instances of the object */
     int n_near;            /* vertices; the far ones follow */
@@ -105,10 +106,9 @@ static double nearest_triangle(const struct maker *maker)
 /* Finds how far the volume has to reach to end beyond all in view. */
 static void find_reach(struct maker *maker)
 {
-    const double farthest = farthest_in_view(maker->lit, maker->light);
     double nearest = HUGE_VAL;
     if (!maker->light->directional) {
-        const double scale = 1.01 * farthest / nearest_triangle(maker);
+        const double scale = 1.01 * maker->farthest / nearest_triangle(maker);
         maker->out->is_doubtful = !(scale < largest_scale);
         maker->reach = fmax(2, fmin(scale, largest_scale));
         return;
@@ -120,7 +120,7 @@ static void find_reach(struct maker *maker)
                            distance_from(maker->light,
                                          matrix_point(&of->model_view, of->vertices[v].position)));
     }
-    maker->reach = fmax(0, farthest - nearest) * 1.01 + 1;
+    maker->reach = fmax(0, maker->farthest - nearest) * 1.01 + 1;
 }
 
 /* ---- vertices ---- */
@@ -336,35 +336,31 @@ static bool make_volume(struct maker *maker, struct error *err)
     return done;
 }
 
-/* Makes the volume of the instances of one object. */
-static bool add_volume(const struct lit_scene *lit, int first, int end, int shadowed,
-                       struct volumes *out, struct error *err)
+/* Makes the volumes of a light. Instances of one object follow each other. */
+static bool list_volumes(const struct lit_scene *lit, int shadowed, struct volumes *out,
+                         struct error *err)
 {
     const struct plan *plan = lit->plan;
-    const struct volume fresh = {.shadowed = shadowed, .instance = first};
-    struct maker maker = {.lit = lit,
-                          .light = &plan->lights[plan->n_lights - plan->n_shadowed + shadowed],
-                          .first = first,
-                          .end = end};
-    if (!array_add(&out->list, &out->n, &fresh, sizeof fresh, err))
-        return false;
-    maker.out = &out->list[out->n - 1];
-    return make_volume(&maker, err);
-}
-
-/* Lists the volumes of all lights. Instances of one object follow each other. */
-static bool list_volumes(const struct lit_scene *lit, struct volumes *out, struct error *err)
-{
-    const struct plan *plan = lit->plan;
+    const struct eye_light *light = &plan->lights[plan->n_lights - plan->n_shadowed + shadowed];
+    const double farthest = farthest_in_view(lit, light);
     for (int first = 0, end; first < plan->n_instances; first = end) {
+        const struct object *object = plan->instances[first].object;
+        const struct volume fresh = {.shadowed = shadowed, .instance = first};
         uint32_t casts = 0;
-        for (end = first; end < plan->n_instances &&
-                          plan->instances[end].object == plan->instances[first].object;
-             end++)
+        for (end = first; end < plan->n_instances && plan->instances[end].object == object; end++)
             casts |= plan->instances[end].casts;
-        for (int k = 0; k < plan->n_shadowed; k++)
-            if ((casts >> k & 1) != 0 && !add_volume(lit, first, end, k, out, err))
-                return false;
+        if ((casts >> shadowed & 1) == 0)
+            continue;
+        if (!array_add(&out->list, &out->n, &fresh, sizeof fresh, err))
+            return false;
+        struct maker maker = {.lit = lit,
+                              .light = light,
+                              .farthest = farthest,
+                              .first = first,
+                              .end = end,
+                              .out = &out->list[out->n - 1]};
+        if (!make_volume(&maker, err))
+            return false;
     }
     return true;
 }
@@ -379,8 +375,10 @@ bool volumes_make(const struct lit_scene *lit, struct volumes *out, struct error
     plan->view.n_lights = 0;
     plan->clamps_depth = true;
     plan->options.use_gl = false; /* no triangle of a volume is hidden */
-    if (!list_volumes(lit, out, err) ||
-        !MAKE_ARRAY(plan->instances, out->n, err, "%d shadows", out->n))
+    for (int i = 0; i < lit->plan->n_shadowed; i++)
+        if (!list_volumes(lit, i, out, err))
+            return false;
+    if (!MAKE_ARRAY(plan->instances, out->n, err, "%d shadows", out->n))
         return false;
     for (int i = 0; i < out->n; i++) {
         const struct volume *volume = &out->list[i];
