@@ -115,6 +115,11 @@ def output_of(*words, **options):
     return result.stdout
 
 
+def unshadowed(name):
+    """The path of a built-in scene whose lights throw no shadows."""
+    return write(f"{name}.scene", output_of("show", name).replace(" shadows\n", "\n"))
+
+
 def reference(name, scene, *options):
     """Renders a scene by the reference alone. Returns the path of the stack."""
     output_of("render", scene, "--renderer", "raster", "--no-check", "--quiet", "-o", path_of(name), *options)

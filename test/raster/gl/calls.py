@@ -10,7 +10,7 @@ import os
 import numpy as np
 import tifffile
 
-from rendered import TMP, check, done, remove, run, write
+from rendered import TMP, check, done, remove, run, unshadowed, write
 from tap import bail_out
 
 LIBRARY = os.path.abspath(os.environ.get("CALLS_LIBRARY", "build/test/calls.so"))
@@ -195,7 +195,7 @@ def nothing_twice():
         calls = calls_of(scene, *words)
         check(sums(calls)["glTexImage2D"] == 1 + FRAMES and repeated(calls) == {},
               f"{name}: no state is set to what it was, and no bytes are uploaded twice", repeated(calls))
-    one, two = (calls_of("room", "--wavelengths", "400:700:60", "--size", size) for size in ("300x200", "1200x800"))
+    one, two = (calls_of(unshadowed("room"), "--wavelengths", "400:700:60", "--size", size) for size in ("300x200", "1200x800"))
     check((sums(one)["glReadPixels"], sums(two)["glReadPixels"]) == (1, 2), "a picture of one tile, and one of two")
     for name in ("glBufferData", "glGenBuffers", "glGenTextures", "glLightf"):
         check(sums(one)[name] == sums(two)[name] > 0, f"two tiles: as many calls of {name} as for one",

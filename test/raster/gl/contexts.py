@@ -12,7 +12,7 @@ import subprocess
 import numpy as np
 
 import random_scenes
-from rendered import SCENES, SPECTRAL, TMP, check, done, objects_of, pages_of, refuses, render, run
+from rendered import SCENES, SPECTRAL, TMP, check, done, objects_of, pages_of, refuses, render, run, unshadowed
 
 LIBRARIES = ("osmesa", "egl", "egl:0")
 NM = ("--wavelengths", "400:700:60")
@@ -52,7 +52,7 @@ def forms():
 
 def ten_bits():
     """Only EGL has buffers of 10 bits. Softpipe stores the nearest step of a colour, llvmpipe floor(1024 colour), but for roundings."""
-    options = ("room", *NM, "--size", "60x40")
+    options = (unshadowed("room"), *NM, "--size", "60x40")
     for driver, factor, lowest, highest in (("llvmpipe", 1024, -1, 0), ("softpipe", 1023, -0.5, 0.5)):
         words = (*options, "--renderer", driver, "--gl", "egl", "--depth", "32f")
         scale = render(*words, "--buffer", "10")["full_scale"]

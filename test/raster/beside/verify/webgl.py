@@ -14,7 +14,7 @@ import time
 import numpy as np
 
 from browser import Browser
-from rendered import bail_out, check, done, output_of, path_of, run, write
+from rendered import bail_out, check, done, output_of, path_of, run, unshadowed
 
 SIZE = (480, 320)
 
@@ -109,6 +109,5 @@ def scene(name, *options):
 
 
 for each in ("colorchecker", "spheres", "textures", "metals"):  # the page draws no shadows
-    path = write(f"{each}.scene", output_of("show", each).replace(" shadows\n", "\n"))
-    scene(path, "--wavelengths", "400:700:30")
+    scene(unshadowed(each), "--wavelengths", "400:700:30")
 done()
