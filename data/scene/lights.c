@@ -31,19 +31,17 @@ static bool read_unit(struct text *text, struct light *out, struct error *err)
 }
 
 /* Refuses a light whose unit is not that of the others: their sums would have none. These have one
- * unit, so that the first light and the first ambient one stand for all. */
+ * unit, and the first or the last one of all is among them. */
 static bool check_unit(const struct scene *scene, const struct light *light, struct error *err)
 {
     static const char *const words[] = {"relative", "W"};
-    for (int i = 0; i <= scene->n_lights; i += scene->n_lights > 0 ? scene->n_lights : 1)
-        if (i < scene->n_lights + scene->n_ambients &&
-            scene_light(scene, i)->absolute != light->absolute)
-            return error_at(err, light->place,
-                            "the unit of this light is %s, of those before it %s; "
-                            "expected 'unit %s' here, too",
-                            words[light->absolute], words[!light->absolute],
-                            words[!light->absolute]);
-    return true;
+    const int last = scene->n_lights + scene->n_ambients - 1;
+    return (scene_light(scene, 0)->absolute == light->absolute &&
+            scene_light(scene, last)->absolute == light->absolute) ||
+           error_at(err, light->place,
+                    "the unit of this light is %s, of those before it %s; "
+                    "expected 'unit %s' here, too",
+                    words[light->absolute], words[!light->absolute], words[!light->absolute]);
 }
 
 bool ambient_read(struct scene_reader *reader, struct error *err)
@@ -116,10 +114,9 @@ static bool read_light_options(struct text *text, struct light *light, struct er
                             "%s needs a light with a position; a direction has no distance",
                             words[option]);
         light->shadows = light->shadows || option == 3;
-        if (!(option == 3   ? true
-              : option == 0 ? read_attenuation(text, light, err)
-              : option == 1 ? read_spot(text, light, err)
-                            : read_unit(text, light, err)))
+        if ((option == 0 && !read_attenuation(text, light, err)) ||
+            (option == 1 && !read_spot(text, light, err)) ||
+            (option == 2 && !read_unit(text, light, err)))
             return false;
     }
     return true;

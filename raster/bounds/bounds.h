@@ -43,8 +43,8 @@ struct surface_bounds {
 };
 /* The weights that one group of lights adds to surface.weights; NULL: there is one group. */
 float *group_weights(const struct surface *surface, const struct surface_bounds *bounds, int group);
-/* A scene with all of its vertices in the window and lit, by the reference and with bounds. */
 struct volumes;
+/* A scene with all of its vertices in the window and lit, by the reference and with bounds. */
 struct lit_scene {
     const struct plan *plan;
     const struct driver *driver;

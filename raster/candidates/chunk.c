@@ -74,56 +74,60 @@ static void nearest_share(const double share[3], double out[3])
         out[i] /= sum;
 }
 
+/* Finds which of these lights do not reach a point of the pixel's triangle. */
+static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3], uint32_t lights)
+{
+    const struct lit_scene *lit = pixel->lit;
+    const struct seen_point point = seen_point(lit->surfaces, &pixel->triangle->screen, share);
+    return lights_blocked(&lit->occluders, &lit->plan->view, lit->plan->n_shadowed, lights, &point);
+}
+
 /* Finds the lights that do not reach the pixel for sure, and those whose shadow OpenGL may count
- * otherwise: their edge is near, or it is between the centre and the triangle. */
-static uint32_t find_dark(const struct bounding *bounding, const struct fragment *fragment,
+ * otherwise: an edge of it is near, or lies between the triangle and a centre beside it. */
+static uint32_t find_dark(const struct bounded_pixel *pixel, const struct fragment *fragment,
                           uint32_t *in_doubt)
 {
-    const struct bounded_pixel *pixel = &bounding->pixel;
-    const struct lit_scene *lit = pixel->lit;
-    const struct screen_triangle *screen = &pixel->triangle->screen;
-    const uint32_t shadowed = pixel_shadowed(pixel, pixel->attributes, 1);
+    const uint32_t shadowed = pixel_shadowed(pixel, pixel->attributes, 1),
+                   asked = shadowed & ~fragment->in_doubt;
     double share[3];
-    uint32_t dark[2] = {0, 0};
     *in_doubt = shadowed & fragment->in_doubt;
+    if (asked == 0)
+        return 0;
     nearest_share(pixel->share, share);
-    for (int i = 0; i < (least_of(pixel->share) < 0 ? 2 : 1); i++) {
-        const struct seen_point point =
-            seen_point(lit->surfaces, screen, i == 0 ? share : pixel->share);
-        dark[1] = lights_blocked(&lit->occluders, &lit->plan->view, lit->plan->n_shadowed,
-                                 shadowed & ~*in_doubt, &point);
-        dark[0] = i == 0 ? dark[1] : dark[0];
-    }
-    *in_doubt |= dark[0] ^ dark[1];
-    return dark[0] & dark[1];
+    const uint32_t near = dark_at(pixel, share, asked),
+                   centre = least_of(pixel->share) < 0 ? dark_at(pixel, pixel->share, asked) : near;
+    *in_doubt |= near ^ centre;
+    return near & centre;
 }
 
 /* So many lights in doubt have a candidate each way; more leave the pixel without a bound. */
 enum { MOST_IN_DOUBT = 6 };
 
-/* Adds the pixel's triangle with its gates turned, in each way in which lights may reach it, and
- * with each place in the texture that OpenGL may sample. */
+/* Adds the pixel's triangle, which has its bounds, with its gates turned: in each way in which
+ * lights may reach it, and with each place in the texture that OpenGL may sample. */
 static bool add_shadowed(struct bounding *bounding, const struct fragment *fragment, unsigned gates,
                          int x, int y)
 {
+    struct bounded_pixel *pixel = &bounding->pixel;
     struct texel_point choices[TEXEL_CHOICES];
     struct fragment added = *fragment;
-    uint32_t in_doubt, more;
-    pixel_turn_gates(&bounding->pixel, gates);
-    const uint32_t dark = find_dark(bounding, fragment, &in_doubt);
+    uint32_t in_doubt;
+    pixel_turn_gates(pixel, gates);
+    const uint32_t dark = find_dark(pixel, fragment, &in_doubt);
     added.has_no_shadow = count_bits(in_doubt) > MOST_IN_DOUBT;
     added.loose = added.loose || added.has_no_shadow;
     bounding->chunk->ambiguous[bounding->chunk->n_ambiguous - 1].shadow_in_doubt |= in_doubt != 0;
-    for (more = in_doubt = added.loose ? 0 : in_doubt;; more = (more - 1) & in_doubt) {
-        pixel_bound(&bounding->pixel, fragment, x, y, true);
-        pixel_turn_gates(&bounding->pixel, gates);
-        pixel_darken(&bounding->pixel, dark | more);
-        const int n = pixel_choices(&bounding->pixel, choices);
+    in_doubt = added.loose ? 0 : in_doubt;
+    for (uint32_t more = in_doubt;; more = (more - 1) & in_doubt) {
+        pixel_darken(pixel, dark | more);
+        const int n = pixel_choices(pixel, choices);
         for (int i = 0; i < n; i++)
             if (!add_candidate(bounding, &added, &choices[i]))
                 return false;
         if (more == 0)
             return true;
+        pixel_bound(pixel, fragment, x, y, true); /* with all of its weights again */
+        pixel_turn_gates(pixel, gates);
     }
 }
 

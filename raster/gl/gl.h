@@ -247,6 +247,10 @@ void texture_bind(const struct drawing *of, int index, int unit);
 /* Uploads the texels of a spectral texture for the bands of a pass into the bound texture. */
 bool texture_upload_bands(const struct drawing *of, int index, int first_band, struct error *err);
 
+/* A corner of a triangle that is drawn in its number: see shown_of. */
+struct numbered_vertex {
+    float position[3], number[3];
+};
 /* Draws all instances that reach the tile: places each, and gives its triangles that are not hidden
  * to `draw`, some at a time. */
 struct numbered_draw {

@@ -3,6 +3,7 @@
  * of a volume counts where it lies behind the surface: up where its back is seen, down where its
  * front is (Everitt and Kilgard 2002). A cap has the depth of the surface that it repeats, which is
  * not less: it counts as behind. So a surface that faces its light is not in its own volume. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "raster/gl/inside.h"
@@ -29,29 +30,38 @@ static void count_faces(const struct drawing *of, bool outward)
     of->call->StencilOpSeparate(outward ? GL_FRONT : GL_BACK, GL_KEEP, GL_DECR_WRAP, GL_KEEP);
 }
 
-static void draw_triangles(struct drawing *of, const struct numbered_vertex *corners, int n,
-                           const struct numbered_draw *by)
+/* Shadow volumes as they are drawn, without numbers. */
+struct volume_draw {
+    struct drawing *of;
+    const struct numbered_draw *by;
+    struct numbered_vertex *corners; /* room for those of any volume; owned */
+};
+
+static void draw_triangles(const struct volume_draw *draw, const struct volume *volume, int first,
+                           int n)
 {
-    if (n > 0)
-        by->draw(of, corners, 3 * n);
-    of->renderer.work.draw_calls += n > 0;
+    if (n == 0)
+        return;
+    volume_corners(volume, first, n, sizeof *draw->corners / sizeof(float), (float *)draw->corners);
+    draw->by->draw(draw->of, draw->corners, 3 * n);
+    draw->of->renderer.work.draw_calls++;
 }
 
-static void draw_volume(struct drawing *of, const struct volume *volume,
-                        const struct numbered_draw *by)
+static void draw_volume(const struct volume_draw *draw, const struct volume *volume)
 {
+    struct drawing *of = draw->of;
     const struct placed_instance *placed = &of->plan->instances[volume->instance];
     const int n_inward = volume->n - volume->n_outward,
               n_caps = volume->cuts_caps ? volume->n_caps : 0;
     of->call->FrontFace(placed->instance.mirrored != of->contexts->mirrored ? GL_CW : GL_CCW);
-    by->place(of, volume->instance);
+    draw->by->place(of, volume->instance);
     count_faces(of, true);
-    draw_triangles(of, volume->corners + 3 * n_caps, volume->n_outward - n_caps, by);
+    draw_triangles(draw, volume, n_caps, volume->n_outward - n_caps);
     if (volume->cuts_caps)
         of->call->Disable(GL_DEPTH_CLAMP);
-    draw_triangles(of, volume->corners, n_caps, by);
+    draw_triangles(draw, volume, 0, n_caps);
     count_faces(of, false);
-    draw_triangles(of, volume->corners + 3 * volume->n_outward, n_inward, by);
+    draw_triangles(draw, volume, volume->n_outward, n_inward);
     of->call->Enable(GL_DEPTH_CLAMP);
 }
 
@@ -75,8 +85,9 @@ static void read_reached(struct drawing *of, int shadowed)
 /* Counts the volumes of a light, some at a time. A surface lies in no more volumes than there are
  * caps, and 8 bits count to 255: only an object that throws 256 shadows upon each other by itself
  * could come to 0 again. */
-static void count_volumes(struct drawing *of, int shadowed, const struct numbered_draw *by)
+static void count_volumes(const struct volume_draw *draw, int shadowed)
 {
+    struct drawing *of = draw->of;
     const struct volumes *volumes = of->lit->volumes;
     const size_t n = (size_t)of->plan->tile_width * (size_t)of->plan->tile_height;
     int n_caps = 0;
@@ -91,29 +102,41 @@ static void count_volumes(struct drawing *of, int shadowed, const struct numbere
             read_reached(of, shadowed);
             n_caps = 0;
         }
-        draw_volume(of, volume, by);
+        draw_volume(draw, volume);
         n_caps += more;
     }
     read_reached(of, shadowed);
 }
 
+/* Makes room for the corners of the largest volume. */
+static bool open_draw(struct volume_draw *draw, struct error *err)
+{
+    const struct volumes *volumes = draw->of->lit->volumes;
+    int most = 0;
+    for (int i = 0; i < volumes->n; i++)
+        most = volumes->list[i].n > most ? volumes->list[i].n : most;
+    return MAKE_ARRAY(draw->corners, 3 * (size_t)most, err, "the corners of a shadow");
+}
+
 bool shadows_draw(struct drawing *of, const struct numbered_draw *by, struct error *err)
 {
     const struct gl_functions *call = of->call;
+    struct volume_draw draw = {.of = of, .by = by};
     call->Clear(GL_DEPTH_BUFFER_BIT);
     call->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    const bool done = numbers_draw(of, by, err);
+    const bool done = open_draw(&draw, err) && numbers_draw(of, by, err);
     call->DepthMask(GL_FALSE);
     call->Enable(GL_DEPTH_CLAMP);
     call->Enable(GL_STENCIL_TEST);
     for (int i = 0; done && i < of->plan->n_shadowed; i++)
-        count_volumes(of, i, by);
+        count_volumes(&draw, i);
     call->Disable(GL_STENCIL_TEST);
     call->Disable(GL_DEPTH_CLAMP);
     call->DepthMask(GL_TRUE);
     call->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
     call->FrontFace(of->contexts->mirrored ? GL_CW : GL_CCW);
+    free(draw.corners);
     of->has_shadows = done;
     return done;
 }

@@ -102,10 +102,10 @@ static bool meets(const struct box *box, const double from[3], const double once
     return enter <= leave;
 }
 
-/* A component of 0 becomes so small that no box notices. */
+/* A component of 0, or nearly so, becomes so small that no box notices. */
 static double inverse(double component)
 {
-    return 1 / (component != 0 ? component : 0x1p-500);
+    return 1 / (fabs(component) > 0x1p-500 ? component : 0x1p-500);
 }
 
 void occluders_along(const struct occluders *of, struct vector from, const struct homogeneous *to,

@@ -37,8 +37,6 @@ static int passes(const struct query *query, struct vector a, struct vector b)
     return side;
 }
 
-/* Returns the side of a triangle's plane on which a point or a direction lies: -1 or 1; 0 in the
- * plane, as far as doubles can say: places come from matrices, with some roundings. */
 int side_of_plane(const struct vector corner[3], const struct homogeneous *of)
 {
     const struct vector a = corner[0],

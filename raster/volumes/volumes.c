@@ -222,37 +222,43 @@ static bool is_beside(const struct maker *maker, const struct placed_instance *p
            at.y > high.y || at.z < low.z || at.z > high.z;
 }
 
-/* Adds the caps of an instance that face the light (side 1) or do not (-1), near or far. */
-static bool add_caps(struct maker *maker, int instance, int32_t offset, int side, bool far,
-                     struct error *err)
+/* Parts that are made of triangles that face the light (side 1), or do not (-1). */
+enum cap_part { CAP_EDGES, CAP_NEAR, CAP_FAR };
+
+/* Edges go round the light alike: a triangle that turns away is taken from behind. */
+static bool add_cap(struct maker *maker, const int32_t at[3], struct occluder of, int side,
+                    enum cap_part part, struct error *err)
 {
-    const struct instance *of = &maker->lit->plan->instances[instance].instance;
-    for (int t = 0; t < of->n_triangles; t++) {
-        int32_t at[3];
-        if (light_side(maker, of, t) != side)
-            continue;
-        for (int c = 0; c < 3; c++)
-            at[c] = offset + of->triangles[t][c] + (far ? maker->n_near : 0);
-        const int32_t back[3] = {at[0], at[2], at[1]};
-        if (!add_triangle(maker, far && side > 0 ? back : at,
-                          (struct occluder){far ? -1 : instance, t}, err))
+    const int32_t n = part == CAP_FAR ? maker->n_near : 0, b = at[1] + n, c = at[2] + n,
+                  turned[3] = {at[0] + n, part == CAP_FAR && side > 0 ? c : b,
+                               part == CAP_FAR && side > 0 ? b : c};
+    if (part != CAP_EDGES)
+        return add_triangle(maker, turned,
+                            part == CAP_NEAR ? of : (struct occluder){-1, of.triangle}, err);
+    for (int i = 0; i < 3; i++) {
+        const int32_t from = at[i], to = at[(i + 1) % 3];
+        if (!count_edge(maker, side > 0 ? from : to, side > 0 ? to : from, err))
             return false;
-        for (int c = 0; c < 3 && !far; c++)
-            if (!count_edge(maker, at[side > 0 ? c : (c + 1) % 3], at[side > 0 ? (c + 1) % 3 : c],
-                            err))
-                return false;
     }
     return true;
 }
 
-static bool add_all_caps(struct maker *maker, int side, bool far, struct error *err)
+/* Adds this part of the caps on one side. A solid beside the light needs one side only. */
+static bool add_caps(struct maker *maker, int side, enum cap_part part, struct error *err)
 {
     int32_t offset = 0;
     for (int i = maker->first; i < maker->end; i++) {
         const struct placed_instance *placed = &maker->lit->plan->instances[i];
-        if ((side > 0 || !is_beside(maker, placed)) && !add_caps(maker, i, offset, side, far, err))
-            return false;
-        offset += placed->instance.n_vertices;
+        const struct instance *of = &placed->instance;
+        const bool none = side < 0 && is_beside(maker, placed);
+        for (int t = 0; t < of->n_triangles && !none; t++) {
+            const int32_t *v = of->triangles[t],
+                          at[3] = {offset + v[0], offset + v[1], offset + v[2]};
+            if (light_side(maker, of, t) == side &&
+                !add_cap(maker, at, (struct occluder){i, t}, side, part, err))
+                return false;
+        }
+        offset += of->n_vertices;
     }
     return true;
 }
@@ -272,42 +278,33 @@ static bool add_sides(struct maker *maker, struct error *err)
     return true;
 }
 
-/* Caps that do not face the light come last, with the order of their corners; their edges count
- * before. */
+/* Caps that do not face the light come last, with the order of their corners. */
 static bool add_triangles(struct maker *maker, struct error *err)
 {
-    struct volume *out = maker->out, last = {.n = 0};
-    if (!add_all_caps(maker, 1, false, err))
+    struct volume *out = maker->out;
+    if (!add_caps(maker, 1, CAP_EDGES, err) || !add_caps(maker, -1, CAP_EDGES, err) ||
+        !add_caps(maker, 1, CAP_NEAR, err))
         return false;
-    const struct volume first = *out;
-    *out = last;
-    out->vertices = first.vertices;
-    bool done = add_all_caps(maker, -1, false, err);
-    last = *out;
-    *out = first;
     out->n_caps = out->n;
-    done = done && add_sides(maker, err);
+    if (!add_sides(maker, err))
+        return false;
     out->first_far = out->n;
-    done = done && add_all_caps(maker, 1, true, err) && add_all_caps(maker, -1, true, err);
+    if (!add_caps(maker, 1, CAP_FAR, err) || !add_caps(maker, -1, CAP_FAR, err))
+        return false;
     out->n_outward = out->n;
-    for (int i = 0; done && i < last.n; i++)
-        done = add_triangle(maker, last.triangles[i], last.caps[i], err);
-    FREE_ALL(last.triangles, last.caps);
-    return done;
+    return add_caps(maker, -1, CAP_NEAR, err);
 }
 
 /* ---- volumes ---- */
 
-static bool copy_corners(struct volume *volume, struct error *err)
+void volume_corners(const struct volume *volume, int first, int n, size_t step, float *out)
 {
-    if (!MAKE_ARRAY(volume->corners, 3 * (size_t)volume->n, err, "the corners of a shadow"))
-        return false;
-    for (int i = 0; i < 3 * volume->n; i++) {
+    for (int i = 3 * first; i < 3 * (first + n); i++, out += step) {
         const struct vector p = volume->vertices[volume->triangles[i / 3][i % 3]].position;
-        volume->corners[i] =
-            (struct numbered_vertex){.position = {(float)p.x, (float)p.y, (float)p.z}};
+        out[0] = (float)p.x;
+        out[1] = (float)p.y;
+        out[2] = (float)p.z;
     }
-    return true;
 }
 
 /* Returns whether no vertex of the object is beyond the far plane, or nearly so. */
@@ -329,8 +326,7 @@ static bool make_volume(struct maker *maker, struct error *err)
         light_in_mesh(&maker->lit->plan->instances[maker->first].instance, maker->light);
     find_reach(maker);
     maker->out->cuts_caps = ends_in_view(maker);
-    const bool done =
-        make_vertices(maker, err) && add_triangles(maker, err) && copy_corners(maker->out, err);
+    const bool done = make_vertices(maker, err) && add_triangles(maker, err);
     index_free(&maker->edges);
     free(maker->list);
     return done;
@@ -400,7 +396,7 @@ void volumes_free(struct volumes *volumes)
     lit_free(&volumes->lit);
     for (int i = 0; i < volumes->n; i++) {
         struct volume *volume = &volumes->list[i];
-        FREE_ALL(volume->corners, volume->caps, volume->vertices, volume->triangles);
+        FREE_ALL(volume->caps, volume->vertices, volume->triangles);
     }
     FREE_ALL(volumes->list, volumes->plan.instances);
     *volumes = (struct volumes){.n = 0};

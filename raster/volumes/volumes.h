@@ -8,24 +8,18 @@
 
 #include "raster/bounds/bounds.h"
 
-/* A corner of a triangle that OpenGL draws by its position alone, or in its number: see shown_of.
- */
-struct numbered_vertex {
-    float position[3], number[3];
-};
 /* The volume of an object and a light. Triangles go round counter-clockwise, seen from outside; but
  * from n_outward on clockwise, as the object has them. */
 struct volume {
-    int shadowed;     /* the number of the light: see light_group */
-    int instance;     /* one that throws it; its matrix places the volume */
-    int n, n_outward; /* triangles */
-    int n_caps;       /* the first ones, and those from n_outward on, repeat triangles */
-    int first_far;    /* these and the following ones up to n_outward lie beyond all */
-    bool cuts_caps;   /* caps are cut in depth as the triangles are that they repeat; otherwise
-                         some lie beyond the far plane, and depths are clamped */
-    struct numbered_vertex *corners; /* three of each triangle, with number 0; owned */
-    struct occluder *caps;   /* the triangle that this one repeats; surface -1: none; owned */
-    bool is_doubtful;        /* the light is so near that the far end may lie too near */
+    int shadowed;          /* the number of the light: see light_group */
+    int instance;          /* one that throws it; its matrix places the volume */
+    int n, n_outward;      /* triangles */
+    int n_caps;            /* the first ones, and those from n_outward on, repeat triangles */
+    int first_far;         /* these and the following ones up to n_outward lie beyond all */
+    bool cuts_caps;        /* caps are cut in depth as the triangles are that they repeat; otherwise
+                              some lie beyond the far plane, and depths are clamped */
+    struct occluder *caps; /* the triangle that this one repeats; surface -1: none; owned */
+    bool is_doubtful;      /* the light is so near that the far end may lie too near */
     struct vertex *vertices; /* as of the mesh; this and the next one are of the plan's instance */
     int32_t (*triangles)[3];
     int n_vertices;
@@ -36,10 +30,12 @@ struct volumes {
     struct plan plan;     /* its instances are the volumes */
     struct lit_scene lit; /* of that plan */
 };
-/* Makes the volumes of all shadows that a scene throws into view; of none, if nothing is drawn by
- * OpenGL. The scene must outlive *out, whose address must stay. volumes_free accepts what a failure
- * left. */
+/* Makes the volumes of all shadows that a scene throws into view. The scene must outlive *out,
+ * whose address must stay. volumes_free accepts what a failure left. */
 bool volumes_make(const struct lit_scene *lit, struct volumes *out, struct error *err);
 void volumes_free(struct volumes *volumes);
+/* Writes the corners of some triangles of a volume, one behind the other: the place of each, and
+ * then `step` - 3 numbers that stay as they are. */
+void volume_corners(const struct volume *volume, int first, int n, size_t step, float *out);
 
 #endif

@@ -205,8 +205,7 @@ static bool add_volume(struct description *to, int index, struct error *err)
     snprintf(name, sizeof name, "volume-%d.bin", index);
     if (!MAKE_ARRAY(corners, n, err, "the corners of a shadow"))
         return false;
-    for (size_t i = 0; i < n; i++)
-        memcpy(corners[i], volume->corners[i].position, sizeof corners[i]);
+    volume_corners(volume, 0, volume->n, 3, corners[0]);
     const bool done = add_file(to, name, corners, n * sizeof *corners, err);
     free(corners);
     return done;
