@@ -8,7 +8,8 @@
 
 enum { LONGEST_TEXTURE = 16384 }; /* in texels a side; OpenGL has a limit, too */
 
-static size_t plane_size(const struct texture *texture)
+/* Returns the texels of level 0. */
+static size_t page_size(const struct texture *texture)
 {
     return (size_t)texture->image.width * (size_t)texture->image.height;
 }
@@ -19,7 +20,7 @@ static bool plane_read(struct texture *texture, int page, float *plane, struct e
     const size_t width = (size_t)texture->image.width;
     if (!image_read(&texture->image, page, 0, texture->image.height, plane, err))
         return false;
-    float *low = plane, *high = plane + plane_size(texture) - width;
+    float *low = plane, *high = plane + page_size(texture) - width;
     for (; low < high; low += width, high -= width)
         for (size_t i = 0; i < width; i++) {
             const float kept = low[i];
@@ -31,11 +32,17 @@ static bool plane_read(struct texture *texture, int page, float *plane, struct e
 
 static bool plane_allocate(struct texture *texture, int i, struct error *err)
 {
-    return texture->plane[i] != NULL || MAKE_ARRAY(texture->plane[i], plane_size(texture), err,
+    return texture->plane[i] != NULL || MAKE_ARRAY(texture->plane[i], texture->plane_size, err,
                                                    "the texels of %s", texture->image.path);
 }
 
-/* Reads all pages, one after the other, into the first plane, to find the extreme values. */
+static void add_levels(const struct texture *texture, float *plane)
+{
+    mipmaps_make(plane, texture->image.width, texture->image.height, texture->n_levels);
+}
+
+/* Reads all pages, one after the other, into the first plane, to find the extreme values, which
+ * averages do not exceed. The last one stays there. */
 static bool find_extremes(struct texture *texture, struct error *err)
 {
     if (!plane_allocate(texture, 0, err))
@@ -44,7 +51,7 @@ static bool find_extremes(struct texture *texture, struct error *err)
     for (int page = 0; page < texture->image.n_pages; page++) {
         if (!plane_read(texture, page, texture->plane[0], err))
             return false;
-        for (size_t i = 0; i < plane_size(texture); i++) {
+        for (size_t i = 0; i < page_size(texture); i++) {
             const double value = (double)texture->plane[0][i];
             if (value > texture->largest) /* gcc 12 for ARM fails on fmax */
                 texture->largest = value;
@@ -52,6 +59,7 @@ static bool find_extremes(struct texture *texture, struct error *err)
                 texture->smallest = value;
         }
     }
+    add_levels(texture, texture->plane[0]);
     return true;
 }
 
@@ -64,6 +72,11 @@ static bool open_pages(const char *path, struct place from, image_tags *read_tag
     if (!file_expected(path, from, FILE_TEXTURE, err) ||
         !image_open(path, from, read_tags, &out->image, err))
         return false;
+    out->n_levels = mipmap_levels(out->image.width, out->image.height, &out->plane_size);
+    if (!out->mipmapped) {
+        out->n_levels = 1;
+        out->plane_size = page_size(out);
+    }
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
         error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
                  out->image.width, out->image.height, LONGEST_TEXTURE);
@@ -80,7 +93,7 @@ static bool open_pages(const char *path, struct place from, image_tags *read_tag
                  " wavelengths is a spectral-texture",
                  path, out->image.n_pages);
     else
-        return memory_suffices(floats * sizeof(float) * (double)plane_size(out), from, err,
+        return memory_suffices(floats * sizeof(float) * (double)out->plane_size, from, err,
                                "%s: a texture of %dx%d texels", path, out->image.width,
                                out->image.height) &&
                find_extremes(out, err) &&
@@ -91,7 +104,10 @@ static bool open_pages(const char *path, struct place from, image_tags *read_tag
 bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
                   struct error *err)
 {
-    *out = (struct texture){.linear = out->linear, .spectral = out->spectral, .rgb = out->rgb};
+    *out = (struct texture){.linear = out->linear,
+                            .mipmapped = out->mipmapped,
+                            .spectral = out->spectral,
+                            .rgb = out->rgb};
     if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
         return false;
     pthread_mutex_init(out->reading, NULL);
@@ -114,7 +130,7 @@ static bool plane_load(struct texture *texture, double nm, float *plane, float *
     if (!plane_read(texture, page + 1, other, err))
         return false;
     const double share = (nm - page_nm[page]) / (page_nm[page + 1] - page_nm[page]);
-    for (size_t i = 0; i < plane_size(texture); i++)
+    for (size_t i = 0; i < page_size(texture); i++)
         plane[i] = (float)((double)plane[i] + share * ((double)other[i] - (double)plane[i]));
     return true;
 }
@@ -124,10 +140,13 @@ bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
 {
     assert(n <= TEXTURE_PLANES);
     float *other;
-    bool good = MAKE_ARRAY(other, plane_size(texture), err, "texels of %s", texture->image.path);
+    bool good = MAKE_ARRAY(other, page_size(texture), err, "texels of %s", texture->image.path);
     pthread_mutex_lock(texture->reading);
-    for (int i = 0; good && i < n; i++)
+    for (int i = 0; good && i < n; i++) {
         good = plane_load(texture, wavelengths_nm[i], planes[i], other, err);
+        if (good)
+            add_levels(texture, planes[i]);
+    }
     pthread_mutex_unlock(texture->reading);
     free(other);
     return good;

@@ -31,7 +31,7 @@ struct mesh {
     int32_t *triangles; /* 3 each: their corners */
 };
 struct texture {
-    int width, height, linear, spectral;
+    int width, height, linear, mipmaps, spectral;
     GLuint name;
 };
 struct source {
@@ -221,8 +221,12 @@ static void read_line(const char *line)
         scene.first[checked(a)] = b;
         scene.n_lights[a] = c;
     } else if (sscanf(line, "texture %d %d %d", &a, &b, &c) == 3) {
-        scene.texture[checked(a)] = (struct texture){b, c, strstr(line, "linear") != NULL,
-                                                     strstr(line, "spectral") != NULL, 0};
+        scene.texture[checked(a)] = (struct texture){b,
+                                                     c,
+                                                     strstr(line, "nearest") == NULL,
+                                                     strstr(line, "mipmaps") != NULL,
+                                                     strstr(line, "spectral") != NULL,
+                                                     0};
     }
 }
 
@@ -352,19 +356,37 @@ static void load_matrix(GLenum which, const double rows[16])
     glMatrixMode(GL_MODELVIEW);
 }
 
+static int side_of(int side, int level)
+{
+    return side >> level > 0 ? side >> level : 1;
+}
+
+/* The texels of a level; 0: there is no such level. */
+static int texels_of(const struct texture *texture, int level)
+{
+    const int largest = texture->width > texture->height ? texture->width : texture->height;
+    if (level > 0 && (!texture->mipmaps || largest >> level == 0))
+        return 0;
+    return side_of(texture->width, level) * side_of(texture->height, level);
+}
+
 static void load_texture(struct texture *texture, const float *texels)
 {
-    const GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST;
+    const GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST,
+                smaller = texture->mipmaps ? GL_LINEAR_MIPMAP_LINEAR : filter;
     if (!texture->name)
         glGenTextures(1, &texture->name);
     glBindTexture(GL_TEXTURE_2D, texture->name);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, smaller);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
-    glTexImage2D(GL_TEXTURE_2D, 0, texture->spectral ? GL_RGB32F : GL_LUMINANCE32F_ARB,
-                 texture->width, texture->height, 0, texture->spectral ? GL_RGB : GL_LUMINANCE,
-                 GL_FLOAT, texels);
+    for (int level = 0, size; (size = texels_of(texture, level)) > 0; level++) {
+        glTexImage2D(GL_TEXTURE_2D, level, texture->spectral ? GL_RGB32F : GL_LUMINANCE32F_ARB,
+                     side_of(texture->width, level), side_of(texture->height, level), 0,
+                     texture->spectral ? GL_RGB : GL_LUMINANCE, GL_FLOAT, texels);
+        texels += size * (texture->spectral ? 3 : 1);
+    }
 }
 
 /* Loads the grey textures (band -1), or the spectral ones for the pass that begins with a band. */
@@ -379,8 +401,10 @@ static void load_textures(int band)
             snprintf(name, sizeof name, "texture-%d.bin", i);
         else
             snprintf(name, sizeof name, "texture-%d-%d.bin", i, band);
-        float *texels = read_numbers(name, (size_t)texture->width * (size_t)texture->height,
-                                     (texture->spectral ? 3 : 1) * sizeof *texels);
+        size_t all = 0;
+        for (int level = 0; texels_of(texture, level) > 0; level++)
+            all += (size_t)texels_of(texture, level);
+        float *texels = read_numbers(name, all, (texture->spectral ? 3 : 1) * sizeof *texels);
         load_texture(texture, texels);
         free(texels);
     }

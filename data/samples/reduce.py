@@ -189,7 +189,7 @@ class Reduction:
         """Leaves out textures, and gives built-in shapes as few triangles as they fail with."""
         for index, words in enumerate(self.case.statements):
             if words[0] == "material":
-                plain = re.sub(r" (spectral-)?texture \S+( nearest| linear)?", "", " ".join(words))
+                plain = re.sub(r" (spectral-)?texture \S+( nearest| linear| bilinear)?", "", " ".join(words))
                 self.attempt(self.case.statements, index, plain.split(" "))
             at = next((i for i, word in enumerate(words[:3]) if word in COUNTS), None)
             if at is None or words[0] not in ("object", "checker"):

@@ -192,17 +192,21 @@ static bool block_value(struct text *text, struct word *out, const char *what, s
            (!word_is(out, "}") || error_at(err, out->place, "expected %s before }", what));
 }
 
-/* Reads one of two words, if one of them follows; *out: it is `other`. */
-static bool read_either(struct text *text, const char *usual, const char *other, bool *out,
-                        struct place open, struct error *err)
+/* Reads one of some words (NULL ends them), if one of them follows: *out is its number, otherwise
+ * 0.
+ */
+static bool read_either(struct text *text, const char *const words[], int *out, struct place open,
+                        struct error *err)
 {
     struct text before = *text;
     struct word word;
     if (!block_word(text, &word, open, err))
         return false;
-    *out = word_is(&word, other);
-    if (!*out && !word_is(&word, usual))
-        *text = before;
+    for (*out = 0; words[*out]; ++*out)
+        if (word_is(&word, words[*out]))
+            return true;
+    *out = 0;
+    *text = before;
     return true;
 }
 
@@ -236,7 +240,11 @@ static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", 
 
 static bool block_entry(struct text *text, int kind, struct material *out, struct error *err)
 {
+    static const char *const sorts[] = {"shares", "densities", NULL}, *const filters[] = {
+                                                                          "nearest", "linear",
+                                                                          "bilinear", NULL};
     struct word word;
+    int chosen;
     if (kind != BLOCK_END && !block_value(text, &word, block_values[kind], out->place, err))
         return false;
     switch ((enum block_kind)kind) {
@@ -250,14 +258,20 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         return spectrum_read(&word, 0, HUGE_VAL, &out->excitation, err) &&
                read_emission(text, out, err);
     case BLOCK_DONALDSON:
-        return word_file(&word, FILE_KINDS, &out->donaldson, err) &&
-               read_either(text, "shares", "densities", &out->densities, out->place, err);
+        if (!word_file(&word, FILE_KINDS, &out->donaldson, err) ||
+            !read_either(text, sorts, &chosen, out->place, err))
+            return false;
+        out->densities = chosen == 1;
+        return true;
     case BLOCK_TEXTURE:
     case BLOCK_SPECTRAL_TEXTURE: /* one of both: see read_block */
         free(out->texture);
         out->spectral_texture = kind == BLOCK_SPECTRAL_TEXTURE;
-        return word_file(&word, FILE_TEXTURE, &out->texture, err) &&
-               read_either(text, "nearest", "linear", &out->texture_linear, out->place, err);
+        if (!word_file(&word, FILE_TEXTURE, &out->texture, err) ||
+            !read_either(text, filters, &chosen, out->place, err))
+            return false;
+        out->texture_filter = (enum texture_filter)chosen;
+        return true;
     case BLOCK_EMISSION:
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:

@@ -107,7 +107,8 @@ static bool read_map(struct text *text, struct place place, struct material *out
     if (!file_format(out->texture, &format, err))
         return false;
     out->texture_place = place;
-    out->texture_linear = out->spectral_texture = true;
+    out->texture_filter = TEXTURE_LINEAR;
+    out->spectral_texture = true;
     const bool read = strcmp(format, "TIFF") == 0 || image_converts(format);
     out->lost |= read && !changed ? 0 : LOST_MAP_KD;
     if (!read) {

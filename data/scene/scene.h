@@ -35,7 +35,7 @@ struct material {
     struct donaldson matrix;              /* of that file, if an object uses the material */
     struct place donaldson_place;
     char *texture; /* file; owned, NULL: none */
-    bool texture_linear;
+    enum texture_filter { TEXTURE_NEAREST, TEXTURE_LINEAR, TEXTURE_BILINEAR } texture_filter;
     bool spectral_texture; /* the file is a stack of wavelengths */
     struct place texture_place;
     struct spectrum glow;     /* emission that needs no light */

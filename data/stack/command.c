@@ -30,6 +30,7 @@ static void put_facts(struct json *json, const struct image *image, const struct
     json_strings(json, "files", record->files.text, record->files.n);
     json_strings(json, "options", record->options.text, record->options.n);
     json_string(json, "renderer", record->renderer);
+    json_string(json, "mipmaps", record->mipmaps);
     json_strings(json, "lights", record->lights.text, record->lights.n);
     json_strings(json, "ambient_lights", record->ambients.text, record->ambients.n);
     json_string(json, "sampling", record->sampling);

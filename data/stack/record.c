@@ -31,6 +31,7 @@ static const struct field fields[] = {
     {"file", FIELD_TEXTS, AT(files), 0, 0},
     {"option", FIELD_TEXTS, AT(options), 0, 0},
     {"renderer", FIELD_TEXT, AT(renderer), 0, 0},
+    {"mipmaps", FIELD_TEXT, AT(mipmaps), 0, 0},
     {"light", FIELD_TEXTS, AT(lights), 0, 0},
     {"ambient", FIELD_TEXTS, AT(ambients), 0, 0},
     {"unit", FIELD_TEXT, AT(unit), 0, 0},
@@ -247,6 +248,8 @@ bool record_put_scene(struct printed *to, const struct recorded *made, struct er
     for (int i = 0; i < made->n_options; i++)
         put_line(to, "option", made->options[i]);
     put_line(to, "renderer", made->renderer);
+    if (made->mipmaps)
+        put_line(to, "mipmaps", made->mipmaps);
     put_lights(to, "light", scene->lights, scene->n_lights);
     put_lights(to, "ambient", scene->ambients, scene->n_ambients);
     if (scene_is_absolute(scene))

@@ -49,6 +49,7 @@ struct record {
     const char *scene_sha256;
     struct texts files;            /* that the scene names, as inputs_list makes them */
     const char *renderer;          /* "raster", or OpenGL's GL_RENDERER */
+    const char *mipmaps;           /* whose level of detail: a driver's; NULL: there are none */
     struct texts options;          /* each one word: "--size=300x200" */
     struct texts lights, ambients; /* of the scene, each as SPECTRUM*INTENSITY */
     const char *unit;              /* of radiances: ABSOLUTE_UNIT; NULL: they are relative */
@@ -83,8 +84,8 @@ struct recorded {
     const struct scene *scene;
     const struct sampling *sampling; /* NULL: none */
     const char *detector;            /* that the scene is drawn for; NULL: none */
-    const char *renderer;
-    char *const *options; /* n_options, each one word */
+    const char *renderer, *mipmaps;  /* as in struct record */
+    char *const *options;            /* n_options, each one word */
     int n_options;
 };
 /* Print lines of a record: first the scene with its files, lights, white and sampling; then the

@@ -81,9 +81,10 @@ bool may_turn(const struct screen_triangle *triangle, const double e[3]);
 /* ---- texel_bound.c: a texture at a point ---- */
 
 struct texel_point { /* in texels, with bounds */
-    double place[2];
-    float e_place[2];
+    double place[TEXEL_PLACE];
+    float e_place[TEXEL_PLACE];
     float e_weights; /* texel_weights_error */
+    double other;    /* OpenGL may take this level of detail instead; or it is place[DETAIL] */
 };
 /* Bounds the errors of the weights of four texels, in all. They are products of two weights, and
  * round to the same steps as these. Errors that add up to 0 move a mix by half of this times the
@@ -92,18 +93,23 @@ float texel_weights_error(const struct texels *texels, const struct driver *driv
 struct texel_point texel_point(const struct texels *texels, const struct driver *driver,
                                const double s_t[2],
                                const float e_s_t[2]); /* from texture coordinates */
+/* Finds the level of detail of a texture with mipmaps, whose steps from pixel to pixel are off by
+ * at most e_steps; infinite: it may be any. */
+void texel_detail(const struct texels *texels, const struct driver *driver, double steps[2][2],
+                  double e_steps[2][2], struct texel_point *at);
 /* The places that OpenGL may take for this one: the nearest texels, if several lie within the
- * bounds, each at its centre without error; otherwise the place itself. Returns how many. */
+ * bounds, each at its centre without error; two levels of detail, next to each other in a table; or
+ * the place itself. Returns how many. */
 enum { TEXEL_CHOICES = 4 };
 int texel_choices(const struct texels *texels, const struct texel_point *at,
                   struct texel_point out[TEXEL_CHOICES]);
 /* The texture there, with a bound on the error of its value. Where it is straight within the bounds
- * of the place, it changes by so much per texel across and up; from that it is off by at most
- * `rest`. Where it is not, the last three are not set. */
+ * of the place, it changes by so much per texel across and up, and per level of detail; from that
+ * it is off by at most `rest`. Where it is not, the last two are not set. */
 struct texel_value {
     double value, error;
     bool is_straight;
-    double across, up, rest;
+    double slope[TEXEL_PLACE], rest;
 };
 /* `largest` is the largest value of the texture. */
 void texel_value(const struct texels *texels, const struct texel_point *at, double largest,

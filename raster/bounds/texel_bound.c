@@ -52,6 +52,11 @@ int texel_choices(const struct texels *texels, const struct texel_point *at,
 {
     double e_u = (double)at->e_place[0], e_v = (double)at->e_place[1];
     out[0] = *at;
+    if (texels->n_levels > 1) {
+        out[1] = *at;
+        out[1].place[DETAIL] = at->other;
+        return at->other == at->place[DETAIL] ? 1 : 2;
+    }
     if (texels->linear || e_u >= 0.5 || e_v >= 0.5)
         return 1;
     struct span across = span_of(at->place[0] - e_u, at->place[0] + e_u),
@@ -134,15 +139,17 @@ static void find_slope(const struct texels *texels, const struct texel_point *at
                  d = (double)high[right] - (double)high[left] - b,
                  largest = larger(larger(a, a + b), larger(a + c, (double)high[right])),
                  least = -larger(larger(-a, -a - b), larger(-a - c, -(double)high[right]));
-    out->across = b + d * u_v[1];
-    out->up = c + d * u_v[0];
+    out->slope[ACROSS] = b + d * u_v[1];
+    out->slope[UP] = c + d * u_v[0];
+    out->slope[DETAIL] = 0;
     out->rest = fabs(d) * e_u * e_v + roundings(MIX_ROUNDINGS) * largest +
                 (double)at->e_weights * (largest - least) / 2;
-    out->error = fabs(out->across) * e_u + fabs(out->up) * e_v + out->rest;
+    out->error = fabs(out->slope[ACROSS]) * e_u + fabs(out->slope[UP]) * e_v + out->rest;
 }
 
-void texel_value(const struct texels *texels, const struct texel_point *at, double largest,
-                 struct texel_value *out)
+/* A texture of one level. */
+static void level_value(const struct texels *texels, const struct texel_point *at, double largest,
+                        struct texel_value *out)
 {
     const double x = at->place[0] - 0.5, y = at->place[1] - 0.5,
                  u_v[2] = {x - floor(x), y - floor(y)}, e_u = (double)at->e_place[0],
@@ -154,4 +161,149 @@ void texel_value(const struct texels *texels, const struct texel_point *at, doub
         find_slope(texels, at, u_v, out);
     else
         out->error = error_in_patch(texels, at, largest);
+}
+
+/* ---- mipmaps ---- */
+
+/* The rule is followed in single precision: so many roundings of the steps, and of a logarithm of
+ * at most 16. */
+enum { STEP_ROUNDINGS = 4, DETAIL_ROUNDINGS = 16 };
+/* The specification allows lengths from the largest component to the sum of the largest ones. A
+ * logarithm may be linear between powers of two, or come from a table. */
+static const double detail_below = 0.045, detail_above = 0.003;
+/* The largest step of a table of 256 steps between powers of two, 0.00563, and a little more. */
+static const double table_step = 0.0057;
+
+/* The interval of the level of detail for steps from `low` to `high`. */
+static void find_range(const struct texels *texels, const struct driver *driver, double low[2][2],
+                       double high[2][2], double out[2])
+{
+    static const struct detail_rule largest = {.largest = true};
+    double sum[2][2] = {{fmax(high[0][0], high[1][0]) + fmax(high[0][1], high[1][1])}};
+    const bool is_known = driver->detail_error >= 0;
+    out[0] = detail_of(is_known ? &driver->detail : &largest, texels->n_levels, low);
+    out[1] = is_known ? detail_of(&driver->detail, texels->n_levels, high)
+                      : detail_of(&largest, texels->n_levels, sum) + detail_above;
+    if (!is_known)
+        out[0] -= detail_below;
+    if (!(sum[0][0] < HUGE_VAL))
+        out[1] = texels->n_levels - 1;
+}
+
+void texel_detail(const struct texels *texels, const struct driver *driver, double steps[2][2],
+                  double e_steps[2][2], struct texel_point *at)
+{
+    double low[2][2], high[2][2], range[2];
+    for (int i = 0; i < 2; i++)
+        for (int c = 0; c < 2; c++) {
+            const double size = fabs(steps[i][c]);
+            low[i][c] = fmax(0, size - e_steps[i][c]) * (1 - roundings(STEP_ROUNDINGS));
+            high[i][c] = (size + e_steps[i][c]) * (1 + roundings(STEP_ROUNDINGS));
+        }
+    find_range(texels, driver, low, high, range);
+    const double detail = detail_of(&driver->detail, texels->n_levels, steps),
+                 rounding = fmax(0, driver->detail_error) + roundings(DETAIL_ROUNDINGS),
+                 error = fmax(detail - range[0], range[1] - detail);
+    const bool is_step = driver->detail.logarithm == LOGARITHM_TABLE && error > 0 &&
+                         range[1] - range[0] < table_step,
+               is_end = error == 0 && (detail == 0 || detail == texels->n_levels - 1);
+    at->place[DETAIL] = at->other = detail;
+    at->e_place[DETAIL] = (float)(is_end ? 0 : (is_step ? 0 : error) + rounding);
+    if (is_step)
+        at->other = detail > range[0] ? range[0] : range[1];
+}
+
+enum { MOST_LEVELS = 16 };
+
+/* The levels that a place may show, each with its value. */
+struct levels {
+    int first, last;
+    struct texel_value values[MOST_LEVELS];
+};
+
+/* A level at a place: its errors shrink with its size, but for that of the filter's weights. */
+static void value_in(const struct texels *texels, const struct texel_point *at, int k,
+                     double largest, struct texel_value *out)
+{
+    const struct texels level = texel_level(texels, k);
+    const struct texels alone = {level.values, level.width, level.height, level.linear, 1};
+    const double share[2] = {(double)level.width / texels->width,
+                             (double)level.height / texels->height},
+                 filter = (double)at->e_weights / 4;
+    struct texel_point there = *at;
+    for (int i = 0; i < 2; i++) {
+        there.place[i] *= share[i];
+        there.e_place[i] = (float)(filter + ((double)at->e_place[i] - filter) * share[i]);
+    }
+    level_value(&alone, &there, largest, out);
+    out->slope[ACROSS] *= share[ACROSS];
+    out->slope[UP] *= share[UP];
+}
+
+/* Returns the largest error if OpenGL takes level of detail x. */
+static double error_for(const struct levels *of, double x, double value)
+{
+    const int k = (int)x < of->last ? (int)x : of->last - 1;
+    const struct texel_value *fine = &of->values[k - of->first], *coarse = fine + 1;
+    const double share = x - k;
+    return fabs(fine->value + share * (coarse->value - fine->value) - value) +
+           (1 - share) * fine->error + share * coarse->error;
+}
+
+/* Between two levels the value is linear in the level of detail, and off by products of errors. */
+static void join_slopes(const struct levels *of, const struct texel_point *at,
+                        struct texel_value *out)
+{
+    const struct texel_value *fine = of->values, *coarse = fine + 1;
+    const double share = at->place[DETAIL] - of->first, e_detail = (double)at->e_place[DETAIL];
+    out->is_straight = of->last - of->first == 1 && fine->is_straight && coarse->is_straight;
+    if (!out->is_straight)
+        return;
+    out->rest =
+        (1 - share) * fine->rest + share * coarse->rest + e_detail * (fine->rest + coarse->rest);
+    for (int i = 0; i < 2; i++) {
+        out->slope[i] = (1 - share) * fine->slope[i] + share * coarse->slope[i];
+        out->rest += e_detail * fabs(coarse->slope[i] - fine->slope[i]) * (double)at->e_place[i];
+    }
+    out->slope[DETAIL] = coarse->value - fine->value;
+}
+
+/* The value is continuous and piecewise linear in the level of detail: its error is largest at an
+ * end, or at a whole level. */
+static void mipmap_value(const struct texels *texels, const struct texel_point *at, double largest,
+                         struct texel_value *out)
+{
+    if (at->e_place[DETAIL] == 0) { /* an end of the pyramid */
+        value_in(texels, at, (int)at->place[DETAIL], largest, out);
+        return;
+    }
+    const double e_detail = (double)at->e_place[DETAIL], last = texels->n_levels - 1,
+                 low = fmin(fmax(0, at->place[DETAIL] - e_detail), last),
+                 high = fmin(at->place[DETAIL] + e_detail, last);
+    struct levels levels = {.first = (int)fmin(floor(low), last - 1)};
+    levels.last = (int)fmax(ceil(high), levels.first + 1);
+    double most = 0;
+    for (int k = levels.first; k <= levels.last; k++) {
+        struct texel_value *value = &levels.values[k - levels.first];
+        value_in(texels, at, k, largest, value);
+        most = larger(most, value->value + value->error);
+    }
+    const double rounding = roundings(MIX_ROUNDINGS) * most;
+    out->value = texel_at(texels, at->place);
+    out->error = larger(error_for(&levels, low, out->value), error_for(&levels, high, out->value));
+    for (int k = levels.first + 1; k < levels.last; k++)
+        out->error = larger(out->error, error_for(&levels, k, out->value));
+    out->error += rounding;
+    join_slopes(&levels, at, out);
+    out->rest += rounding;
+}
+
+void texel_value(const struct texels *texels, const struct texel_point *at, double largest,
+                 struct texel_value *out)
+{
+    *out = (struct texel_value){.rest = 0};
+    if (texels->n_levels > 1)
+        mipmap_value(texels, at, largest, out);
+    else
+        level_value(texels, at, largest, out);
 }

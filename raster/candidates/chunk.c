@@ -284,6 +284,38 @@ static bool find_candidates(const struct tile *tile, struct chunk *chunk)
     return done;
 }
 
+/* Draws rows of a tile by the reference, with their shadows, and with levels of detail by a rule.
+ * False: no memory. */
+static bool draw_rows(const struct tile *tile, const struct rectangle *rows,
+                      const struct detail_rule *detail, struct picture *out, uint32_t **dark)
+{
+    const struct lit_scene *lit = tile->lit;
+    const struct plan *plan = lit->plan;
+    struct view view = plan->view;
+    view.detail = detail;
+    if (!picture_draw(&view, lit->surfaces, plan->n_instances, rows, plan->max_rows, out))
+        return false;
+    if (plan->n_shadowed == 0)
+        return true;
+    if (!memory_make(dark, (size_t)rows->width * (size_t)rows->height, sizeof **dark))
+        return false;
+    picture_shadow(&view, &lit->occluders, plan->n_shadowed, out, *dark);
+    return true;
+}
+
+/* Draws the pixels that are stored where others are checked: the driver that checks decides the
+ * levels of detail of the one, and the specification those of the other, on every machine. */
+static bool draw_stored(const struct tile *tile, const struct rectangle *rows, struct picture *out)
+{
+    const struct plan *plan = tile->lit->plan;
+    uint32_t *dark = NULL;
+    const bool done = !plan->options.store_raster || !plan->options.check ||
+                      !plan_has_mipmaps(plan) ||
+                      draw_rows(tile, rows, plan->view.detail, out, &dark);
+    free(dark);
+    return done;
+}
+
 /* Draws chunk `index` of a tile: chunk_rows of the plan, fewer in the last chunk. Finds its
  * candidates if the plan asks for a check. A plan that neither checks nor stores the reference's
  * pixels gets no picture: only picture.at is set. Results do not depend on how a picture is cut
@@ -299,21 +331,18 @@ static bool chunk_draw(const struct tile *tile, int index)
     *out = (struct chunk){.picture = {.at = rows}};
     if (!plan->options.check && !plan->options.store_raster)
         return true;
-    if (!picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
-                      &out->picture))
+    const struct detail_rule *detail =
+        plan->options.check ? &lit->driver->detail : plan->view.detail;
+    if (!draw_rows(tile, &rows, detail, &out->picture, &out->dark) ||
+        !draw_stored(tile, &rows, &out->stored))
         return false;
-    if (plan->n_shadowed > 0) {
-        const size_t n_pixels = (size_t)rows.width * (size_t)rows.height;
-        if (!memory_make(&out->dark, n_pixels, sizeof *out->dark))
-            return false;
-        picture_shadow(&plan->view, &lit->occluders, plan->n_shadowed, &out->picture, out->dark);
-    }
     return !plan->options.check || find_candidates(tile, out);
 }
 
 static void chunk_free(struct chunk *chunk)
 {
     picture_free(&chunk->picture);
+    picture_free(&chunk->stored);
     FREE_ALL(chunk->dark, chunk->errors, chunk->own, chunk->pixels, chunk->is_ambiguous,
              chunk->ambiguous, chunk->candidates, chunk->candidate_rows, chunk->candidate_errors,
              chunk->candidate_own);

@@ -35,6 +35,10 @@ void bound_inverse_w(struct clipped_triangle *triangle); /* sets the last three 
 double bound_linear(const struct clipped_triangle *triangle, const double values[3],
                     double e_values);
 struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3]);
+/* Bounds the error of the change of a value from one pixel's centre to another's; HUGE_VAL: there
+ * is no bound. */
+double bound_step(const struct clipped_triangle *triangle, const double values[3], double e_values,
+                  const double from[2], const double to[2]);
 
 /* ---- triangle.c: a triangle as it lies in a tile ---- */
 
@@ -117,6 +121,13 @@ bool array_grow(void *array, size_t n, size_t more, size_t size);
 
 /* ---- pixel.c: a triangle at a pixel ---- */
 
+/* The steps of a place in a texture from pixel to pixel, in texels, with bounds. */
+struct bounded_steps {
+    const struct bounded_triangle *triangle;
+    unsigned clipped; /* of its fragment */
+    struct detail_pixels at;
+    double steps[2][2], errors[2][2]; /* as detail_steps has them */
+};
 struct bounded_pixel {
     const struct fragments *fragments;
     const struct lit_scene *lit;
@@ -134,6 +145,7 @@ struct bounded_pixel {
     double *attributes;            /* these five arrays have room for any surface */
     float *common, *interpolation; /* errors that bands have in common; their second part */
     float *own, *slopes;           /* of a band by itself; change within a pixel's width */
+    struct bounded_steps steps;    /* those that were asked for last; only of mipmaps */
     struct texel_point place; /* in its texture, and the value there unless the texture is varied */
     double value;
     struct colour_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */

@@ -3,6 +3,7 @@
  * errors. An error is common to all bands where geometry makes it: positions, lighting, 1 / w and
  * places in a texture are computed once for all of them. Each band's own roundings come on top. */
 #include <math.h>
+#include <string.h>
 
 #include "raster/candidates/inside.h"
 
@@ -220,6 +221,78 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
     }
 }
 
+/* ---- the level of detail ---- */
+
+/* Bounds the error of an attribute's step from pixel to pixel of a rule, in any triangle that
+ * OpenGL may have set up. */
+static double step_error(const struct bounded_pixel *pixel, const struct fragment *fragment,
+                         size_t attribute, const struct detail_pixels *at, int to)
+{
+    const double from_px[2] = {at->x[0] + 0.5, at->y[0] + 0.5},
+                 to_px[2] = {at->x[to] + 0.5, at->y[to] + 0.5};
+    double out = 0, e_vertex = 0;
+    for (int j = 0; j < 3; j++)
+        e_vertex = fmax(e_vertex, (double)pixel->corner[j][attribute]);
+    for (int32_t i = 0; i < pixel->triangle->n_clipped; i++) {
+        const struct clipped_triangle *clipped =
+            &pixel->fragments->clipped[pixel->triangle->first_clipped + i];
+        const struct corner_values values = cut_values(pixel, clipped, attribute, NULL);
+        const double e_cut = roundings(CUT_ROUNDINGS * clipped->cuts) * values.largest;
+        if (fragment->clipped >> i & 1)
+            out = fmax(out, bound_step(clipped, values.at, e_vertex + e_cut, from_px, to_px));
+    }
+    return out;
+}
+
+/* Bounds the errors of the steps of a rule, in texels. */
+static void step_errors(const struct bounded_pixel *pixel, const struct fragment *fragment,
+                        const struct detail_pixels *at, double out[2][2])
+{
+    const struct instance *instance = pixel->surface->instance;
+    const int size[2] = {instance->texels.width, instance->texels.height};
+    for (int i = 0; i < 2; i++)
+        for (int c = 0; c < 2; c++)
+            out[i][c] =
+                size[c] * step_error(pixel, fragment, (size_t)(instance->n_terms + c), at, i + 1);
+}
+
+/* A driver whose rule is not known may begin at any corner of a quad, however quads pair rows. */
+static void add_corners(const struct bounded_pixel *pixel, const struct fragment *fragment, int x,
+                        int y, struct bounded_steps *out)
+{
+    for (int corner = 0; corner < 8; corner++) {
+        const struct detail_rule rule = {
+            .quad = true, .right = corner & 1, .lower = corner >> 1 & 1, .first_row = corner >> 2};
+        const struct detail_pixels at = detail_pixels(&rule, x, y);
+        double other[2][2], e_other[2][2];
+        detail_steps(&rule, &pixel->triangle->screen, x, y, other);
+        step_errors(pixel, fragment, &at, e_other);
+        for (int i = 0; i < 2; i++)
+            for (int c = 0; c < 2; c++)
+                out->errors[i][c] =
+                    fmax(out->errors[i][c],
+                         fabs(fabs(other[i][c]) - fabs(out->steps[i][c])) + e_other[i][c]);
+    }
+}
+
+/* The pixels of a quad mostly have the same steps. */
+static void bound_detail(struct bounded_pixel *pixel, const struct fragment *fragment, int x, int y)
+{
+    const struct driver *driver = pixel->lit->driver;
+    const struct detail_pixels at = detail_pixels(&driver->detail, x, y);
+    struct bounded_steps *last = &pixel->steps;
+    if (last->triangle != pixel->triangle || last->clipped != fragment->clipped ||
+        memcmp(&last->at, &at, sizeof at) != 0) {
+        *last = (struct bounded_steps){pixel->triangle, fragment->clipped, at, {{0}}, {{0}}};
+        detail_steps(&driver->detail, &pixel->triangle->screen, x, y, last->steps);
+        step_errors(pixel, fragment, &at, last->errors);
+        if (driver->detail_error < 0)
+            add_corners(pixel, fragment, x, y, last);
+    }
+    texel_detail(&pixel->surface->instance->texels, driver, last->steps, last->errors,
+                 &pixel->place);
+}
+
 void pixel_bound(struct bounded_pixel *pixel, const struct fragment *fragment, int x, int y,
                  bool weights_matter)
 {
@@ -246,6 +319,8 @@ void pixel_bound(struct bounded_pixel *pixel, const struct fragment *fragment, i
         e_place[i] = pixel->common[instance->n_terms + i] + pixel->own[instance->n_terms + i];
     pixel->place = texel_point(&instance->texels, pixel->lit->driver,
                                pixel->attributes + instance->n_terms, e_place);
+    if (instance->texels.n_levels > 1)
+        bound_detail(pixel, fragment, x, y);
 }
 
 /* ---- textures ---- */
@@ -344,7 +419,9 @@ static double value_error(const struct bounded_pixel *pixel, double *largest)
     *largest = 1;
     if (instance->varied) {
         *largest = texture->largest;
-        e_value = fmin(1, (double)e_place[0] + (double)e_place[1]) * *largest;
+        e_value = (double)e_place[ACROSS] + (double)e_place[UP];
+        e_value += instance->texels.n_levels > 1 ? (double)e_place[DETAIL] : 0;
+        e_value = fmin(1, e_value) * *largest;
     } else if (instance->textured) {
         struct texel_value value;
         texel_value(&instance->texels, &pixel->place, texture->largest, &value);
@@ -378,9 +455,9 @@ struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *
         own[t * stride] = (float)alone;
         sort_error(pixel, t, largest, e_value, weight, &sums);
     }
-    for (size_t i = 0; i < 2 && instance->varied; i++) {
-        errors[(n_terms + i) * stride] = pixel->place.e_place[i];
-        own[(n_terms + i) * stride] = 0;
+    for (size_t i = n_terms; i < (size_t)pixel_rows(instance); i++) {
+        errors[i * stride] = pixel->place.e_place[i - n_terms];
+        own[i * stride] = 0;
     }
     const double shared = sums.light + sums.rounding,
                  most = fmax(shared, fmax(sums.position, sums.texture));

@@ -207,3 +207,121 @@ struct colour_bound bound_colour(const struct clipped_triangle *triangle, const 
         .own_constant = roundings(products + triangle->value_roundings) * value,
         .own_fixed = of_n.own + roundings(1 + triangle->value_roundings) * beyond * largest(n)};
 }
+
+/* ---- from pixel to pixel ---- */
+
+/* A value at a pixel, and what follows from it. */
+struct at_pixel {
+    double share[3], inverse_w, value; /* share: barycentric coordinates in the window */
+    struct gradient gradient;          /* of the value */
+};
+/* The change of a value between two pixels. */
+struct value_step {
+    const struct clipped_triangle *triangle;
+    const double *values;
+    double n[3]; /* values / w */
+    struct edges edges;
+    double by[2]; /* pixels, in x and in y */
+    struct at_pixel from, to;
+};
+
+static struct at_pixel at_pixel(const struct value_step *of, const double px[2])
+{
+    const double *d = of->triangle->screen.inverse_w;
+    struct edge_functions functions;
+    struct at_pixel out = {.inverse_w = 0};
+    double n = 0;
+    edges_at(of->triangle->screen.x, of->triangle->screen.y, px[0], px[1], &functions);
+    const double *e = functions.e, twice_area = e[0] + e[1] + e[2];
+    for (int i = 0; i < 3; i++) {
+        out.share[i] = e[i] / twice_area;
+        out.inverse_w += out.share[i] * d[i];
+        n += out.share[i] * of->n[i];
+    }
+    out.value = n / out.inverse_w;
+    const struct gradient g_n = gradient_of(&of->edges, of->n), g_d = gradient_of(&of->edges, d);
+    out.gradient = (struct gradient){(g_n.x - out.value * g_d.x) / out.inverse_w,
+                                     (g_n.y - out.value * g_d.y) / out.inverse_w};
+    return out;
+}
+
+/* Positions: corners that are off by e_i change a value by the sum of share_i gradient . e_i. From
+ * one pixel to the other both the shares and the gradient change. */
+static double step_of_positions(const struct value_step *of)
+{
+    const struct gradient before = of->from.gradient, after = of->to.gradient,
+                          turn = {after.x - before.x, after.y - before.y};
+    double spread = 0, moved = 0;
+    for (int i = 0; i < 3; i++) {
+        spread += fabs(of->to.share[i]);
+        moved += fabs(of->to.share[i] - of->from.share[i]);
+    }
+    return most_of(of->triangle->slack_px) * (spread * norm(turn) + moved * norm(before));
+}
+
+/* Corners: values that are off by e_values, and w by slack.w relative to it, with the weights by
+ * which corners count at the pixels. */
+static double step_of_corners(const struct value_step *of, double e_values)
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++) {
+        const double d = of->triangle->screen.inverse_w[i], value = of->values[i],
+                     before = of->from.share[i] * d / of->from.inverse_w,
+                     after = of->to.share[i] * d / of->to.inverse_w;
+        sum += e_values * fabs(after - before) +
+               of->triangle->slack.w *
+                   fabs(after * (value - of->to.value) - before * (value - of->from.value));
+    }
+    return sum;
+}
+
+static double plane_error(const struct clipped_triangle *triangle, const struct edges *edges,
+                          const double q[3])
+{
+    const struct plane_rounding rounding = plane_rounding(triangle, edges, q);
+    return rounding.common + rounding.own;
+}
+
+/* Planes: with e for the errors of N and D that both pixels share, and c for those of their changes
+ * from pixel to pixel, the change of N / D is off by
+ *     (c_N - r c_D) / D + e_N (1 / D - 1 / D_0) - e_D (r / D - r_0 / D_0).
+ * For c a gradient acts over the step alone; the evaluation rounds at both pixels. */
+static double step_of_planes(const struct value_step *of)
+{
+    const double *d = of->triangle->screen.inverse_w, d0 = of->from.inverse_w,
+                 d1 = of->to.inverse_w, r0 = of->from.value, r1 = of->to.value;
+    struct edges beside = of->edges;
+    beside.width = fabs(of->by[0]);
+    beside.height = fabs(of->by[1]);
+    return (plane_error(of->triangle, &beside, of->n) +
+            fabs(r1) * plane_error(of->triangle, &beside, d)) /
+               fabs(d1) +
+           plane_error(of->triangle, &of->edges, of->n) * fabs(1 / d1 - 1 / d0) +
+           plane_error(of->triangle, &of->edges, d) * fabs(r1 / d1 - r0 / d0);
+}
+
+/* The values at both pixels round by themselves: the sums of either plane, the division twice, and
+ * that by q = 1 of fixed-function texturing three times. Corners round by 3 of their values. */
+double bound_step(const struct clipped_triangle *triangle, const double values[3], double e_values,
+                  const double from[2], const double to[2])
+{
+    const struct colour_bound *of_d = &triangle->inverse_w_bound;
+    struct value_step step = {.triangle = triangle,
+                              .values = values,
+                              .edges = edges_of(triangle),
+                              .by = {to[0] - from[0], to[1] - from[1]}};
+    for (int i = 0; i < 3; i++)
+        step.n[i] = values[i] * triangle->screen.inverse_w[i];
+    step.from = at_pixel(&step, from);
+    step.to = at_pixel(&step, to);
+    const double d0 = fabs(step.from.inverse_w), d1 = fabs(step.to.inverse_w),
+                 e0 = of_d->fixed + of_d->per_d * d0, e1 = of_d->fixed + of_d->per_d * d1,
+                 at_pixels = roundings(2 * triangle->value_roundings + 5) *
+                             (fabs(step.from.value) + fabs(step.to.value));
+    if (!(triangle->magnification < HUGE_VAL && d0 > 2 * e0 && d1 > 2 * e1))
+        return HUGE_VAL;
+    return triangle->magnification * (1 + 2 * e0 / d0 + 2 * e1 / d1) *
+           (step_of_positions(&step) +
+            step_of_corners(&step, e_values + roundings(3) * largest(values)) +
+            step_of_planes(&step) + at_pixels);
+}

@@ -199,14 +199,19 @@ static bool pilots_choose(struct fit *fit, struct error *err)
 /* ---- places: surfaces whose texture differs from band to band ---- */
 
 /* One place explains all bands. Where a texture differs from band to band, OpenGL's place in it is
- * off by the same p = (across, up) in every band. With g for the slope of a band's radiance there
- * and n for a bound on everything else, d_b = g_b . p + n_b. Least squares over the pilots k, with
- * a bound e on p as prior knowledge, estimate p by M^-1 sum_k g_k d_k / n_k^2, where M = sum_k g_k
- * g_k' / n_k^2 + diag(1 / e^2). Let q = g_b' M^-1 g_b. By the inequality of Cauchy and Schwarz the
- * roundings of K pilots move the estimate's g_b . p by at most sqrt(K q), and the prior by at most
- * sqrt(2 q). */
+ * off by the same p = (across, up, level of detail) in every band. With g for the slope of a band's
+ * radiance there and n for a bound on everything else, d_b = g_b . p + n_b. Least squares over the
+ * pilots k, with a bound e on p as prior knowledge, estimate p by M^-1 sum_k g_k d_k / n_k^2, where
+ * M = sum_k g_k g_k' / n_k^2 + diag(1 / e^2). Let q = g_b' M^-1 g_b. By the inequality of Cauchy
+ * and Schwarz the roundings of K pilots move the estimate's g_b . p by at most sqrt(K q), and the
+ * prior of m unknowns by at most sqrt(m q). */
 
-enum { UU, UV, VV, U, V }; /* rows of an estimate: of the sums g g' / n^2 and g d / n^2 */
+/* Rows of an estimate: of the sum g g' / n^2 the lower triangle, row by row, and then of the sum
+ * g d / n^2. m unknowns have m (m + 3) / 2. */
+static size_t row_of_pair(int i, int j)
+{
+    return (size_t)(i * (i + 1) / 2 + j);
+}
 /* Single precision rounds the sums by less than this part of their largest number, and what they
  * explain of differences up to 10^4 n by less than a hundredth of the bound. */
 static const double sums_error = MAX_PILOTS * 6e-8, estimate_factor = 1.01;
@@ -216,71 +221,119 @@ static bool has_places(const struct shaded_material *shaded)
     return shaded->texture && shaded->texture->spectral;
 }
 
+/* Returns the numbers of a place that count, m. */
+static int unknowns_of(const struct shaded_material *shaded)
+{
+    const struct texels texels = plan_texels(shaded->texture, 0);
+    return place_rows(&texels);
+}
+
 /* A pilot that explains more than this part of itself, says nothing. */
 #define MOST_OF_ITSELF 0.96875
 
 /* A pixel in a band, in counts. */
 struct slope {
-    double g[2], noise;
-    double e_place[2];
+    int m;
+    double g[TEXEL_PLACE], noise;
+    double e_place[TEXEL_PLACE];
     bool is_straight; /* within the bounds of the place; otherwise nothing else is set */
 };
 
-static struct slope slope_of(const struct run *run, size_t i)
+static struct slope slope_of(const struct run *run, int m, size_t i)
 {
     const struct textured_sample *sample = &run->textured[i];
     const struct texel_value *texel = &sample->texel;
-    const size_t u = (size_t)run->shaded->n_terms * run->stride + i, v = u + run->stride;
+    struct slope out = {.m = m, .is_straight = texel->is_straight};
     if (!texel->is_straight)
-        return (struct slope){.is_straight = false};
-    return (struct slope){.g = {sample->radiance * texel->across, sample->radiance * texel->up},
-                          .noise = sample->error * (texel->value + texel->error) +
-                                   fabs(sample->radiance) * texel->rest + flushed_counts(),
-                          .e_place = {(double)run->errors[u], (double)run->errors[v]},
-                          .is_straight = true};
+        return out;
+    out.noise = sample->error * (texel->value + texel->error) +
+                fabs(sample->radiance) * texel->rest + flushed_counts();
+    for (int k = 0; k < m; k++) {
+        out.g[k] = sample->radiance * texel->slope[k];
+        out.e_place[k] = (double)run->errors[(size_t)(run->shaded->n_terms + k) * run->stride + i];
+    }
+    return out;
 }
 
 static void place_add(const struct run *run, const double *difference, float *estimate)
 {
+    const int m = unknowns_of(run->shaded);
     for (size_t i = 0; i < run->n; i++) {
-        const struct slope slope = slope_of(run, i);
-        if (!slope.is_straight)
-            continue;
+        const struct slope slope = slope_of(run, m, i);
         const double over = 1 / (slope.noise * slope.noise), *g = slope.g;
-        const double sums[PLACE_ROWS] = {[UU] = g[0] * g[0] * over,
-                                         [UV] = g[0] * g[1] * over,
-                                         [VV] = g[1] * g[1] * over,
-                                         [U] = g[0] * difference[i] * over,
-                                         [V] = g[1] * difference[i] * over};
-        for (size_t k = 0; k < PLACE_ROWS; k++)
-            estimate[k * run->stride + i] += (float)sums[k];
+        for (int j = 0; j < m && slope.is_straight; j++) {
+            for (int k = 0; k <= j; k++)
+                estimate[row_of_pair(j, k) * run->stride + i] += (float)(g[j] * g[k] * over);
+            estimate[row_of_pair(m, j) * run->stride + i] += (float)(g[j] * difference[i] * over);
+        }
     }
 }
 
-/* Where the texture bends, or its place has no error, nothing is explained. */
+/* The root L of M = L L', with M's lower triangle in `sums` (Cholesky). A place without an error
+ * in some direction is not off in it: *root is infinite there. */
+static void take_root(const struct slope *slope, const float *sums, size_t stride,
+                      double root[TEXEL_PLACE][TEXEL_PLACE])
+{
+    double trace = 0;
+    for (int i = 0; i < slope->m; i++)
+        trace += (double)sums[row_of_pair(i, i) * stride];
+    for (int i = 0; i < slope->m; i++)
+        for (int j = 0; j <= i; j++) {
+            const double e = slope->e_place[i];
+            double left = (double)sums[row_of_pair(i, j) * stride];
+            left += i == j ? sums_error * trace + 1 / (e * e) : 0;
+            for (int k = 0; k < j; k++)
+                left -= root[i][k] * root[j][k];
+            root[i][j] = i == j ? sqrt(left) : left / root[j][j];
+        }
+}
+
+/* Solves L x = b. */
+static void solve(const struct slope *slope, double root[TEXEL_PLACE][TEXEL_PLACE], const double *b,
+                  double *x)
+{
+    for (int i = 0; i < slope->m; i++) {
+        x[i] = b[i];
+        for (int k = 0; k < i; k++)
+            x[i] -= root[i][k] * x[k];
+        x[i] /= root[i][i];
+    }
+}
+
+/* Finds g . M^-1 b, what the estimate explains, and q. */
+static void estimate_place(const struct slope *slope, const float *sums, size_t stride,
+                           double *explained, double *q)
+{
+    double root[TEXEL_PLACE][TEXEL_PLACE], of_g[TEXEL_PLACE], of_b[TEXEL_PLACE], b[TEXEL_PLACE];
+    for (int k = 0; k < slope->m; k++)
+        b[k] = (double)sums[row_of_pair(slope->m, k) * stride];
+    take_root(slope, sums, stride, root);
+    solve(slope, root, slope->g, of_g);
+    solve(slope, root, b, of_b);
+    *explained = *q = 0;
+    for (int k = 0; k < slope->m; k++) {
+        *explained += of_g[k] * of_b[k];
+        *q += of_g[k] * of_g[k];
+    }
+}
+
+/* Where the texture bends, nothing is explained. */
 static void place_explain(const struct fit *fit, const struct run *run, int band,
                           const float *estimate, struct fit_block *out)
 {
     const bool is_pilot = pilot_pass(fit, band / BANDS_PER_PASS) >= 0;
-    const size_t stride = run->stride;
-    const double spread = sqrt((double)fit->n_passes * BANDS_PER_PASS) + sqrt(2);
+    const int m = unknowns_of(run->shaded);
+    const double spread = sqrt((double)fit->n_passes * BANDS_PER_PASS) + sqrt(m);
     for (size_t i = 0; i < run->n; i++) {
-        const struct slope slope = slope_of(run, i);
+        const struct slope slope = slope_of(run, m, i);
+        double explained, q;
         out->explained[i] = 0;
         out->limit[i] = out->floor[i] = slope.is_straight ? (float)slope.noise : HUGE_VALF;
-        if (!slope.is_straight || !(slope.e_place[0] > 0 && slope.e_place[1] > 0))
+        if (!slope.is_straight)
             continue;
-        const float *sums = estimate + i;
-        const double *g = slope.g, *e = slope.e_place,
-                     trace = (double)sums[UU * stride] + (double)sums[VV * stride],
-                     uu = (double)sums[UU * stride] + sums_error * trace + 1 / (e[0] * e[0]),
-                     vv = (double)sums[VV * stride] + sums_error * trace + 1 / (e[1] * e[1]),
-                     uv = (double)sums[UV * stride], over = 1 / (uu * vv - uv * uv),
-                     u = (double)sums[U * stride], v = (double)sums[V * stride],
-                     p[2] = {(vv * u - uv * v) * over, (uu * v - uv * u) * over},
-                     q = (vv * g[0] * g[0] - 2 * uv * g[0] * g[1] + uu * g[1] * g[1]) * over,
-                     itself = is_pilot ? q / (slope.noise * slope.noise) : 0;
-        out->explained[i] = (float)(g[0] * p[0] + g[1] * p[1]);
+        estimate_place(&slope, estimate + i, run->stride, &explained, &q);
+        const double itself = is_pilot ? q / (slope.noise * slope.noise) : 0;
+        out->explained[i] = (float)explained;
         out->limit[i] = (float)(slope.noise + estimate_factor * spread * sqrt(fmax(0, q)));
         out->floor[i] = itself < MOST_OF_ITSELF ? out->limit[i] / (float)(1 - itself) : HUGE_VALF;
     }
@@ -444,9 +497,11 @@ static const struct material_fit *material_of(const struct fit *fit, const struc
 int fit_rows(const struct plan *plan)
 {
     int rows = plan->max_rows;
-    for (int m = 0; m < plan->n_materials; m++)
-        if (has_places(&plan->materials[m]) && rows < PLACE_ROWS)
-            rows = PLACE_ROWS;
+    for (int i = 0; i < plan->n_materials; i++) {
+        const int m = has_places(&plan->materials[i]) ? unknowns_of(&plan->materials[i]) : 0,
+                  n = m * (m + 3) / 2;
+        rows = n > rows ? n : rows;
+    }
     return rows;
 }
 

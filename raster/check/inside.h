@@ -7,7 +7,6 @@
 
 /* Returns the number of a pass with pilots; -1: it has none. */
 int pilot_pass(const struct fit *fit, int pass);
-enum { PLACE_ROWS = 5 }; /* of the estimate of a place */
 /* Numbers of an estimate: of a pixel, at most; of a run's material. */
 int fit_rows(const struct plan *plan);
 /* Adds what a pilot band says to the estimate of a run's errors; numbers are as far apart as the

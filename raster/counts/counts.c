@@ -39,9 +39,11 @@ double buffer_rounding(const struct plan *plan)
 static void texture_sample(const struct run *run, const struct texels *texels, float e_weights,
                            size_t i, double *expected, float *bound)
 {
-    const size_t across = (size_t)run->shaded->n_terms * run->stride + i, up = across + run->stride;
-    const struct texel_point at = {
-        {run->rows[across], run->rows[up]}, {run->errors[across], run->errors[up]}, e_weights};
+    const size_t first = (size_t)run->shaded->n_terms * run->stride + i;
+    struct texel_point at = {.e_weights = e_weights};
+    plan_place(texels, run->rows + first, run->stride, at.place);
+    for (int k = 0; k < place_rows(texels); k++)
+        at.e_place[k] = run->errors[first + (size_t)k * run->stride];
     struct textured_sample *sample = &run->textured[i];
     texel_value(texels, &at, run->shaded->texture->largest, &sample->texel);
     sample->radiance = *expected;
@@ -56,12 +58,13 @@ static void apply_texture(const struct lit_scene *lit, const struct run *run, in
                           double *expected, float *bound)
 {
     const struct texels texels = plan_texels(run->shaded->texture, band % BANDS_PER_PASS);
-    const size_t across = (size_t)run->shaded->n_terms * run->stride, up = across + run->stride;
+    const size_t first = (size_t)run->shaded->n_terms * run->stride;
     const float e_weights = texel_weights_error(&texels, lit->driver);
     for (size_t i = 0; i < run->n && run->errors; i++)
         texture_sample(run, &texels, e_weights, i, &expected[i], &bound[i]);
     for (size_t i = 0; i < run->n && !run->errors; i++) {
-        const double place[2] = {run->rows[across + i], run->rows[up + i]};
+        double place[TEXEL_PLACE];
+        plan_place(&texels, run->rows + first + i, run->stride, place);
         expected[i] *= texel_at(&texels, place);
     }
 }

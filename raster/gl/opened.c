@@ -168,26 +168,46 @@ void texture_bind(const struct drawing *of, int index, int unit)
     of->call->BindTexture(GL_TEXTURE_2D, of->textures[index * of->n_units + unit]);
 }
 
+struct texel_format {
+    GLint internal;
+    GLenum format;
+    size_t n_channels;
+};
+
+static void upload_levels(const struct drawing *of, const struct texture *texture,
+                          const struct texel_format *format, const float *values)
+{
+    const struct texels texels = {
+        .values = values, .width = texture->image.width, .height = texture->image.height};
+    for (int k = 0; k < texture->n_levels; k++) {
+        const struct texels level = texel_level(&texels, k);
+        of->call->TexImage2D(GL_TEXTURE_2D, k, format->internal, level.width, level.height, 0,
+                             format->format, GL_FLOAT,
+                             values + (size_t)(level.values - values) * format->n_channels);
+    }
+}
+
 /* A spectral texture has no texels yet. */
 static bool upload_texture(const struct drawing *of, int index, struct error *err)
 {
     const struct texture *texture = &of->plan->textures[index];
     const bool shaders = of->contexts->way != GL_WITHOUT_SHADERS;
-    const GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST;
+    const GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST,
+                smaller = texture->mipmapped ? GL_LINEAR_MIPMAP_LINEAR : filter;
     if (!fits(of, texture, err))
         return false;
     of->call->GenTextures(of->n_units, of->textures + index * of->n_units);
     for (int unit = 0; unit < (texture->spectral ? of->n_units : 1); unit++) {
         texture_bind(of, index, unit);
-        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, smaller);
         of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
         of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
         of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
     }
+    const struct texel_format grey = {shaders ? GL_R32F : GL_LUMINANCE32F_ARB,
+                                      shaders ? GL_RED : GL_LUMINANCE, 1};
     if (!texture->spectral)
-        of->call->TexImage2D(GL_TEXTURE_2D, 0, shaders ? GL_R32F : GL_LUMINANCE32F_ARB,
-                             texture->image.width, texture->image.height, 0,
-                             shaders ? GL_RED : GL_LUMINANCE, GL_FLOAT, texture->plane[0]);
+        upload_levels(of, texture, &grey, texture->plane[0]);
     return true;
 }
 
@@ -204,15 +224,14 @@ static bool textures_upload(struct drawing *of, struct error *err)
 
 bool texture_upload_bands(const struct drawing *of, int index, int first_band, struct error *err)
 {
+    static const struct texel_format rgb = {GL_RGB32F_ARB, GL_RGB, BANDS_PER_PASS};
     struct texture *texture = &of->plan->textures[index];
-    const int width = texture->image.width, height = texture->image.height;
     float *texels;
-    const bool done = MAKE_ARRAY(texels, (size_t)width * (size_t)height * BANDS_PER_PASS, err,
+    const bool done = MAKE_ARRAY(texels, texture->plane_size * BANDS_PER_PASS, err,
                                  "the texels of %s", texture->image.path) &&
                       pass_texels(of->plan, texture, first_band, texels, err);
     if (done)
-        of->call->TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT,
-                             texels);
+        upload_levels(of, texture, &rgb, texels);
     free(texels);
     return done;
 }

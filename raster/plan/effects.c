@@ -9,7 +9,7 @@
 /* How many materials, objects and lights call for each effect. */
 struct counts {
     int ambient, diffuse, specular, with_excitation, with_matrix, fluorescent, bispectral, textured,
-        spectrally_textured, emitting, halves;
+        mipmapped, spectrally_textured, emitting, halves;
     int two_sided, mapped, tessellated;
     int attenuated, spots, shadows;
 };
@@ -36,6 +36,7 @@ static void count_material(const struct shaded_material *shaded, struct counts *
     n->fluorescent += shaded->made.fluoresces && has_excitation;
     n->bispectral += shaded->made.fluoresces && material->donaldson;
     n->textured += texture && !texture->spectral;
+    n->mipmapped += texture && texture->n_levels > 1;
     n->spectrally_textured += texture && texture->spectral;
     n->emitting += shaded->made.emits;
     n->halves += material->partner || material->partner_name;
@@ -98,6 +99,7 @@ void plan_effects(struct plan *plan)
         {"texture", n.textured, materials, "materials", "no lit material has a texture"},
         {"spectral_texture", n.spectrally_textured, materials, "materials",
          "no lit material has a spectral texture"},
+        {"mipmaps", n.mipmapped, materials, "materials", "no texture is linear"},
         {"emission", n.emitting, materials, "materials", "no material emits"},
         {"metamer", n.halves, materials, "materials", "no material has a partner"},
         {"two_sided", n.two_sided, objects, "objects", "no object is two-sided"},

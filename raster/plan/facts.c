@@ -165,8 +165,9 @@ static void print_guesses(const struct plan *plan, struct printed *to)
     char first[BEYOND_TEXT];
     for (int i = 0; i < plan->n_textures; i++) {
         const struct texture *texture = &plan->textures[i];
-        print(to, "texture           %s: %d x %d texels, %d pages%s\n", texture->image.path,
-              texture->image.width, texture->image.height, texture->image.n_pages,
+        print(to, "texture           %s: %d x %d texels, %d levels, %zu bytes a band, %d pages%s\n",
+              texture->image.path, texture->image.width, texture->image.height, texture->n_levels,
+              texture->plane_size * sizeof(float), texture->image.n_pages,
               texture->spectral && plan->sampling ? ", at the wavelength of each page" : "");
     }
     tables_beyond(plan, to, first);

@@ -129,7 +129,7 @@ void pass_colours(const struct plan *plan, const struct shaded_material *shaded,
 bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
                  struct error *err)
 {
-    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    const size_t n = texture->plane_size;
     const int left = plan->n_bands - first_band;
     float *planes;
     if (!MAKE_ARRAY(planes, BANDS_PER_PASS * n, err, "the texels of %s", texture->image.path))

@@ -82,13 +82,16 @@ static struct view view_of(const struct plan *plan, const struct camera *camera)
     static const enum shading_model shadings[] = {
         [SHADING_SMOOTH] = GOURAUD, [SHADING_FLAT] = FLAT, [SHADING_PHONG] = PHONG};
     const struct scene *scene = plan->scene;
+    static const struct detail_rule defined = {.quad = false};
     return (struct view){.width = scene->positions * scene->width,
                          .height = scene->positions * scene->height,
                          .projection = projection_of(camera, scene->width, scene->height),
                          .local_viewer = scene->local_viewer,
                          .shading = shadings[scene->shading],
                          .lights = plan->lights,
-                         .n_lights = plan->n_lights};
+                         .n_lights = plan->n_lights,
+                         .find_detail = detail_find,
+                         .detail = &defined};
 }
 
 /* Whole rows of the picture where they fit, so that a band of a tile is one piece of its page. */

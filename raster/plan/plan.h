@@ -45,7 +45,7 @@ struct placed_instance {
     enum view_plane outside; /* all of it lies outside of this plane */
     struct instance instance;
 };
-enum { N_EFFECTS = 19, BAND_NAME = 32 };
+enum { N_EFFECTS = 20, BAND_NAME = 32 };
 /* So many of all that an effect may concern call for it. */
 struct plan_effect {
     const char *name;
@@ -133,6 +133,9 @@ const char *object_name(const struct plan *plan, int surface);
 void object_text(const struct plan *plan, int surface, char *out, size_t capacity);
 int buffer_steps(const struct plan *plan); /* of a channel, from 0 to full scale; 0: floats */
 struct texels plan_texels(const struct texture *texture, int plane); /* for the reference */
+/* Reads a place that put_rows has written. */
+void plan_place(const struct texels *texels, const double *rows, size_t stride,
+                double out[TEXEL_PLACE]);
 /* Loads the planes of spectral textures for the bands of a pass. */
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
@@ -155,6 +158,7 @@ int group_of(const struct plan *plan, int light); /* the number of the group tha
 /* A group of lights has one that is not idle, or is the first: OpenGL draws it. */
 bool group_is_drawn(const struct plan *plan, int group);
 
+bool plan_has_mipmaps(const struct plan *plan); /* of some texture in view */
 /* OpenGL needs the texture (NULL: none): it is in view, and is no such factor. */
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
@@ -173,7 +177,7 @@ void pass_colours(const struct plan *plan, const struct shaded_material *shaded,
                   int first_band, double full_scale, struct pass_colours *out);
 
 /* Reads the texels of a spectral texture for the bands of a pass: red, green and blue of each, rows
- * from the bottom. Those of bands that do not exist are 0. out has room for all. */
+ * from the bottom, level by level. Those of bands that do not exist are 0. out has room for all. */
 bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
                  struct error *err);
 

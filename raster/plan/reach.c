@@ -217,6 +217,14 @@ double texture_factor(const struct plan *plan, const struct texture *texture)
                : -1;
 }
 
+bool plan_has_mipmaps(const struct plan *plan)
+{
+    bool has = false;
+    for (int i = 0; i < plan->n_textures; i++)
+        has = has || (plan->shows_texture[i] && plan->textures[i].n_levels > 1);
+    return has;
+}
+
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture)
 {
     return texture && plan->shows_texture[texture - plan->textures] &&

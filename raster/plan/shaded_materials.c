@@ -18,11 +18,13 @@ static struct texture *find_texture(struct plan *plan, const struct material *ma
     for (; texture < plan->textures + plan->n_textures; texture++)
         if (strcmp(texture->image.path, material->texture) == 0 &&
             texture->spectral == material->spectral_texture && texture->rgb == material->from_rgb &&
-            texture->linear == material->texture_linear)
+            texture->linear == (material->texture_filter != TEXTURE_NEAREST) &&
+            texture->mipmapped == (material->texture_filter == TEXTURE_LINEAR))
             return texture;
     *texture = (struct texture){.spectral = material->spectral_texture,
                                 .rgb = material->from_rgb,
-                                .linear = material->texture_linear};
+                                .linear = material->texture_filter != TEXTURE_NEAREST,
+                                .mipmapped = material->texture_filter == TEXTURE_LINEAR};
     plan->n_textures++; /* counted first, so that plan_free reaches it after a failure */
     return texture_read(material->texture, material->texture_place, tags_read, texture, err)
                ? texture
@@ -32,7 +34,15 @@ static struct texture *find_texture(struct plan *plan, const struct material *ma
 struct texels plan_texels(const struct texture *texture, int plane)
 {
     return (struct texels){texture->plane[plane], texture->image.width, texture->image.height,
-                           texture->linear};
+                           texture->linear, texture->n_levels};
+}
+
+void plan_place(const struct texels *texels, const double *rows, size_t stride,
+                double out[TEXEL_PLACE])
+{
+    const int n = place_rows(texels);
+    for (int i = 0; i < TEXEL_PLACE; i++)
+        out[i] = i < n ? rows[(size_t)i * stride] : 0;
 }
 
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err)
@@ -120,7 +130,11 @@ bool shaded_material_find(struct plan *plan, const struct material *material, in
         if (!shaded->texture)
             return false;
     }
-    int n_rows = shaded->n_terms + (shaded->texture && shaded->texture->spectral ? 2 : 0);
+    int n_rows = shaded->n_terms;
+    if (shaded->texture && shaded->texture->spectral) {
+        const struct texels texels = plan_texels(shaded->texture, 0);
+        n_rows += place_rows(&texels);
+    }
     plan->max_rows = n_rows > plan->max_rows ? n_rows : plan->max_rows;
     return true;
 }

@@ -105,12 +105,14 @@ static void shade_pixel(struct drawing *drawing, size_t pixel)
     const struct screen_triangle *triangle = &drawing->triangles[drawing->nearest[pixel]];
     const struct instance *instance = triangle->surface->instance;
     size_t width = (size_t)picture->at.width, n_pixels = width * (size_t)picture->at.height;
-    double share[3], place[2] = {0, 0};
-    shares_at(triangle, picture->at.x + (int)(pixel % width) + 0.5,
-              picture->at.y + (int)(pixel / width) + 0.5, share);
+    const int x = picture->at.x + (int)(pixel % width), y = picture->at.y + (int)(pixel / width);
+    double share[3], place[TEXEL_PLACE] = {0};
+    shares_at(triangle, x + 0.5, y + 0.5, share);
     shade(drawing->view, triangle, share, drawing->attributes, &picture->work);
     if (instance->textured)
         texel_place(&instance->texels, drawing->attributes + instance->n_terms, place);
+    if (instance->textured && instance->texels.n_levels > 1)
+        place[DETAIL] = drawing->view->find_detail(drawing->view->detail, triangle, x, y);
     put_rows(instance, drawing->attributes, place, picture->rows + pixel, n_pixels);
     picture->surface[pixel] = (int32_t)(triangle->surface - drawing->surfaces);
     picture->triangle[pixel] = triangle->triangle;

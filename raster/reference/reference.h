@@ -26,6 +26,13 @@ struct eye_light {
     double share; /* this light's radiation as a part of that one's */
 };
 enum shading_model { GOURAUD, FLAT, PHONG };
+struct screen_triangle;
+struct detail_rule;
+/* Finds the level of detail of a textured triangle at a pixel, from 0 to its last level: the binary
+ * logarithm of how many texels a step to the next pixel takes in. It may be found by several rules.
+ */
+typedef double detail_finder(const struct detail_rule *by, const struct screen_triangle *triangle,
+                             int x, int y);
 struct view {
     int width, height;        /* of the picture */
     struct matrix projection; /* eye space to clip space */
@@ -33,6 +40,8 @@ struct view {
     enum shading_model shading;
     const struct eye_light *lights;
     int n_lights;
+    detail_finder *find_detail; /* by this rule; only of mipmaps */
+    const struct detail_rule *detail;
 };
 enum reflection { CONSTANT, DIFFUSE, SPECULAR }; /* constant: the weight is 1 */
 struct term {
@@ -42,7 +51,8 @@ struct term {
 struct texels { /* rows from the bottom upwards; the texture repeats without end */
     const float *values;
     int width, height;
-    bool linear; /* between texel centres; otherwise the nearest texel */
+    bool linear;  /* between texel centres; otherwise the nearest texel */
+    int n_levels; /* 1: no mipmaps; otherwise each level lies behind the one before: texel_level */
 };
 struct instance { /* a placed mesh; owns nothing */
     const struct vertex *vertices;
@@ -125,15 +135,19 @@ bool scan_triangle(const struct screen_triangle *triangle, const struct rectangl
                    double margin, bool (*visit)(void *context, int x, int y), void *context);
 
 /* shade.c, texel.c: a pixel keeps pixel_rows numbers, `stride` apart: the weight of each term times
- * the texture; or, where that varies, the weights and the place in it, in texels. */
+ * the texture; or, where that varies, the weights and the place in it: in texels of level 0, and
+ * with mipmaps the level of detail. */
+enum { ACROSS, UP, DETAIL, TEXEL_PLACE };
 void shade(const struct view *view, const struct screen_triangle *triangle, const double share[3],
            double *attributes, struct light_work *work);
 int pixel_rows(const struct instance *instance);
-void put_rows(const struct instance *instance, const double *attributes, const double place[2],
-              double *rows, size_t stride);
+int place_rows(const struct texels *texels); /* the part of a place that counts: 2, 3 of mipmaps */
+void put_rows(const struct instance *instance, const double *attributes,
+              const double place[TEXEL_PLACE], double *rows, size_t stride);
 void add_terms(const double *const rows[2], const double spectra[2], size_t n, double *radiance);
 void texel_place(const struct texels *texels, const double s_t[2], double place[2]);
-double texel_at(const struct texels *texels, const double place[2]);
+struct texels texel_level(const struct texels *texels, int level);
+double texel_at(const struct texels *texels, const double place[TEXEL_PLACE]);
 size_t texel_wrapped(double whole, int n); /* a column or row, in [0, n) */
 
 /* draw.c: a rectangle of the picture. No pixel depends on the rectangle. False: no memory. */

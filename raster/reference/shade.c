@@ -46,21 +46,20 @@ void shade(const struct view *view, const struct screen_triangle *triangle, cons
 /* Returns how many numbers a pixel of the instance keeps. */
 int pixel_rows(const struct instance *instance)
 {
-    return instance->n_terms + (instance->varied ? 2 : 0);
+    return instance->n_terms + (instance->varied ? place_rows(&instance->texels) : 0);
 }
 
-/* Writes these numbers: weights times the texture at a place in texels, or weights and the place.
- */
-void put_rows(const struct instance *instance, const double *attributes, const double place[2],
-              double *rows, size_t stride)
+/* Writes these numbers: weights times the texture at a place, or weights and the place. */
+void put_rows(const struct instance *instance, const double *attributes,
+              const double place[TEXEL_PLACE], double *rows, size_t stride)
 {
     bool constant = instance->textured && !instance->varied;
     double value = constant ? texel_at(&instance->texels, place) : 1;
-    size_t n_terms = (size_t)instance->n_terms;
+    size_t n_terms = (size_t)instance->n_terms, n_rows = (size_t)pixel_rows(instance);
     for (size_t t = 0; t < n_terms; t++)
         rows[t * stride] = attributes[t] * value;
-    for (size_t i = 0; i < 2 && instance->varied; i++)
-        rows[(n_terms + i) * stride] = place[i];
+    for (size_t i = n_terms; i < n_rows; i++)
+        rows[i * stride] = place[i - n_terms];
 }
 
 /* Adds weight x spectrum of two terms, whose weights are in two rows, to the radiance of n pixels.

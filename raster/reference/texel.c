@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* A texture at a point (OpenGL 2.1 specification, section 3.8.8). Places are in texels, from the
- * lower left corner of the texture; texel centres lie at half-integers. */
+ * lower left corner of the texture; texel centres lie at half-integers. A pyramid of levels, each
+ * half as wide and high as the one before (Williams 1983), serves a texture that is seen from afar.
+ */
 #include <math.h>
 
 #include "raster/reference/reference.h"
@@ -25,16 +27,44 @@ static double mix(double a, double b, double share)
     return a + (b - a) * share;
 }
 
-/* The value of the texture at a place: the nearest texel, or a mix of four. */
-double texel_at(const struct texels *texels, const double place[2])
+struct texels texel_level(const struct texels *texels, int level)
 {
-    double offset = texels->linear ? 0.5 : 0, x = place[0] - offset, y = place[1] - offset;
-    const size_t width = (size_t)texels->width, left = texel_wrapped(floor(x), texels->width),
-                 right = texel_wrapped(floor(x) + 1, texels->width);
-    const float *low = texels->values + width * texel_wrapped(floor(y), texels->height),
-                *high = texels->values + width * texel_wrapped(floor(y) + 1, texels->height);
+    struct texels out = *texels;
+    for (int k = 0; k < level; k++) {
+        out.values += (size_t)out.width * (size_t)out.height;
+        out.width = out.width > 1 ? out.width / 2 : 1;
+        out.height = out.height > 1 ? out.height / 2 : 1;
+    }
+    return out;
+}
+
+/* The value of a level at a place in level 0: the nearest texel, or a mix of four. */
+static double level_at(const struct texels *texels, int k, const double place[2])
+{
+    const struct texels level = texel_level(texels, k);
+    double offset = texels->linear ? 0.5 : 0,
+           x = place[ACROSS] * ((double)level.width / texels->width) - offset,
+           y = place[UP] * ((double)level.height / texels->height) - offset;
+    const size_t width = (size_t)level.width, left = texel_wrapped(floor(x), level.width),
+                 right = texel_wrapped(floor(x) + 1, level.width);
+    const float *low = level.values + width * texel_wrapped(floor(y), level.height),
+                *high = level.values + width * texel_wrapped(floor(y) + 1, level.height);
     if (!texels->linear)
         return (double)low[left];
     return mix(mix((double)low[left], (double)low[right], x - floor(x)),
                mix((double)high[left], (double)high[right], x - floor(x)), y - floor(y));
+}
+
+/* The value of the texture; with mipmaps, a mix of two levels. */
+double texel_at(const struct texels *texels, const double place[TEXEL_PLACE])
+{
+    const int k = texels->n_levels > 1 ? (int)place[DETAIL] : 0;
+    const double share = texels->n_levels > 1 ? place[DETAIL] - k : 0;
+    const double value = level_at(texels, k, place);
+    return share > 0 ? mix(value, level_at(texels, k + 1, place), share) : value;
+}
+
+int place_rows(const struct texels *texels)
+{
+    return texels->n_levels > 1 ? TEXEL_PLACE : 2;
 }

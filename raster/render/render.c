@@ -80,6 +80,9 @@ static char *make_provenance(const struct rendering *of, struct error *err)
                                   .sampling = plan->sampling,
                                   .detector = of->output->detector,
                                   .renderer = render_stored(plan, of->result),
+                                  .mipmaps = !plan_has_mipmaps(plan)      ? NULL
+                                             : plan->options.store_raster ? "specification"
+                                                                          : of->result->driver.name,
                                   .options = of->output->recorded,
                                   .n_options = of->output->n_recorded};
     struct printed lines = {.text = NULL};

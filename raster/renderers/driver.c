@@ -14,11 +14,14 @@
  * start, slope and step round 8 times relative to the largest coordinate. Depth is rounded by the
  * one (a product in single precision, then to the nearest of 2^24 - 1 steps) and truncated by the
  * other. A plane's value at a pixel rounds at the framebuffer's origin and in two sums; softpipe
- * adds steps to the pixel's right and lower neighbours. */
+ * adds steps to the pixel's right and lower neighbours. The level of detail follows from one corner
+ * of a quad of pixels. */
 static const struct driver drivers[] = {
-    {"llvmpipe", false, 1.0 / 512, 0, 1, 3, 0, 0, 1, true, true, FILL_LEFT_BOTTOM},
-    {"softpipe", false, 0, 8, 1.5, 5, 0, 0, 1, true, false, FILL_ANY},
-    {"unknown", false, 1.0 / 512, 8, 1.5, 5, 0, 0, 1, false, false, FILL_ANY},
+    {"llvmpipe", false, 1.0 / 512, 0, 1, 3, 0, 0, 1, true, true, FILL_LEFT_BOTTOM,
+     .detail = {.quad = true, .logarithm = LOGARITHM_LINEAR}},
+    {"softpipe", false, 0, 8, 1.5, 5, 0, 0, 1, true, false, FILL_ANY,
+     .detail = {.quad = true, .lower = true, .largest = true, .logarithm = LOGARITHM_TABLE}},
+    {"unknown", false, 1.0 / 512, 8, 1.5, 5, 0, 0, 1, false, false, FILL_ANY, .detail_error = -1},
 };
 
 enum { N_KNOWN = sizeof drivers / sizeof *drivers - 1 };
@@ -33,12 +36,14 @@ const struct driver *driver_of(const char *gl_renderer)
 
 void driver_print(const struct driver *driver, char out[DRIVER_WORDS])
 {
-    snprintf(
-        out, DRIVER_WORDS,
-        "edges to %.3g pixel, values to %.3g, depth to %g step, filters to %.3g, light to %g x "
-        "Mesa's, %s where triangles meet",
-        driver->grid_px, driver->corner_px, driver->depth_roundings, driver->filter_texels,
-        driver->lighting, driver->watertight ? "no holes" : "holes");
+    char detail[32] = "as specified";
+    if (driver->detail_error >= 0)
+        snprintf(detail, sizeof detail, "to %.2g", driver->detail_error);
+    snprintf(out, DRIVER_WORDS,
+             "edges to %.3g pixel, values to %.3g, depth to %g step, filters to %.3g, levels of "
+             "detail %s, light to %g x Mesa's, %s where triangles meet",
+             driver->grid_px, driver->corner_px, driver->depth_roundings, driver->filter_texels,
+             detail, driver->lighting, driver->watertight ? "no holes" : "holes");
 }
 
 /* ---- --renderer ---- */

@@ -13,6 +13,36 @@ struct contexts;
 struct lit_scene;
 struct plan;
 
+/* ---- detail.c: the level of detail of a texture with mipmaps ---- */
+
+/* How it follows from the places of pixels in the texture. All of 0: the specification's
+ * definition, by partial derivatives at the pixel's centre. */
+enum detail_logarithm { LOGARITHM_EXACT, LOGARITHM_LINEAR, LOGARITHM_TABLE };
+struct detail_rule {
+    bool quad;         /* by differences in a quad of 2 x 2 pixels, from one of its corners on: */
+    bool right, lower; /* this one */
+    int first_row;     /* rows first_row + 2 i and the next one make quads; columns 2 i do */
+    bool largest;      /* the largest component of the steps counts; otherwise their length */
+    enum detail_logarithm logarithm;
+};
+/* The rules that a driver that is not known may follow. */
+enum { DETAIL_RULES = 4 * 2 * 2 * 3 };
+struct detail_rule detail_rule(int i);
+/* The pixels whose centres a rule looks at: x[i], y[i]; steps run from the first to the others. */
+struct detail_pixels {
+    int x[3], y[3];
+};
+struct detail_pixels detail_pixels(const struct detail_rule *rule, int x, int y);
+/* Finds the steps of a textured triangle's place, in texels: [to pixel 1, to pixel 2][s, t]. */
+void detail_steps(const struct detail_rule *rule, const struct screen_triangle *triangle, int x,
+                  int y, double steps[2][2]);
+/* Returns the level of detail for such steps: not below 0, nor beyond the last level. It never
+ * falls where a step grows. */
+double detail_of(const struct detail_rule *rule, int n_levels, double steps[2][2]);
+detail_finder detail_find;
+
+/* ---- driver.c: the known properties of drivers ---- */
+
 /* The rule that gives a pixel to a triangle when its centre lies exactly on an edge. */
 enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
 struct driver {
@@ -29,12 +59,14 @@ struct driver {
     bool left_origin;       /* planes of values begin at the left of the picture */
     bool watertight;        /* a pixel where triangles meet belongs to exactly one of them */
     enum fill_rule fill_rule;
+    struct detail_rule detail; /* with another one, OpenGL's level of detail is off by up to */
+    double detail_error;       /* this; negative: it is any that the specification allows */
 };
 /* NULL stands for an unknown one. */
 const struct driver *driver_of(const char *gl_renderer);
 
 /* Writes the properties of a driver in words. */
-enum { DRIVER_WORDS = 160 };
+enum { DRIVER_WORDS = 224 };
 void driver_print(const struct driver *driver, char out[DRIVER_WORDS]);
 
 /* The way in which OpenGL draws: with lighting of its own (OpenGL 1.x); with our shaders, by OpenGL

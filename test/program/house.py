@@ -59,7 +59,7 @@ MAY_BE_CITED = {"gl", "opengl"}
 # Lines of a function count blanks and comments; lines of code do not.
 FILE_CODE = {"spectral.c": 400}
 ANY_FILE_CODE = 500
-ROOM_CODE = {"raster/reference": 700}
+ROOM_CODE = {"raster/reference": 740}
 FUNCTION_LINES = 50
 FUNCTION_PARAMETERS = 6
 

@@ -179,18 +179,23 @@ static bool exact_attributes(const struct judged_surface *of,
 
 /* ---- both points ---- */
 
-/* Returns the value of the texture at a point; of a spectral one, whose planes are not loaded yet,
- * the middle of all its values; 1: there is none. */
-static double texel_of(const struct judged_surface *of, const double *attributes)
+/* Returns the value of the texture at a point, with the level of detail of the pixel there; of a
+ * spectral one, whose planes are not loaded yet, the middle of all its values; 1: there is none. */
+static double texel_of(const struct judged_surface *of, const struct screen_triangle *triangle,
+                       const double at[2], const double *attributes)
 {
     const struct instance *instance = of->surface->instance;
     const struct texture *texture = of->plan->materials[of->placed->shaded].texture;
-    double place[2];
+    const struct view *view = &of->plan->view;
+    double place[TEXEL_PLACE] = {0};
     if (!instance->textured)
         return 1;
     if (instance->varied)
         return 0.5 * (texture->smallest + texture->largest);
     texel_place(&instance->texels, attributes + instance->n_terms, place);
+    if (instance->texels.n_levels > 1)
+        place[DETAIL] =
+            view->find_detail(view->detail, triangle, (int)floor(at[0]), (int)floor(at[1]));
     return texel_at(&instance->texels, place);
 }
 
@@ -203,7 +208,7 @@ bool compare_point(const struct judged_surface *of, const struct screen_triangle
     if (!exact_attributes(of, triangle, at, share, exact))
         return false;
     shade(&of->plan->view, triangle, share, drawn, &ignored);
-    out[0] = (struct shaded_point){drawn, texel_of(of, drawn)};
-    out[1] = (struct shaded_point){exact, texel_of(of, exact)};
+    out[0] = (struct shaded_point){drawn, texel_of(of, triangle, at, drawn)};
+    out[1] = (struct shaded_point){exact, texel_of(of, triangle, at, exact)};
     return true;
 }

@@ -124,6 +124,7 @@ static void json_bounds(const struct driver *of, struct json *json)
     json_number(json, "value_px", of->corner_px);
     json_number(json, "depth_steps", of->depth_roundings);
     json_number(json, "filter_texels", of->filter_texels);
+    json_number(json, "detail", of->detail_error >= 0 ? of->detail_error : HUGE_VAL);
     json_number(json, "lighting", of->lighting);
     json_truth(json, "watertight", of->watertight);
     json_truth(json, "exact_fill_rule", of->fill_rule != FILL_ANY);

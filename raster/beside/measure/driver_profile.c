@@ -10,6 +10,9 @@ static const double most_px = 1.0 / 16;
 /* The specification gives weights of linear filtering no accuracy. Coarser ones than this show as
  * steps to the eye. */
 static const double most_filter_texels = 1.0 / 16;
+/* A rule that leaves more is not the driver's: then its levels of detail may be any that the
+ * specification allows. One that leaves less than roundings do may still be off by as much. */
+static const double most_detail = 0.02, least_detail = 1e-4;
 /* A depth has 24 bits: it is cut off or rounded to a step, and may round once before. */
 static const double most_depth_steps = 1.5;
 /* Single operations are accurate to about 1 part in 10^5 (section 2.1.1), which is 168 roundings;
@@ -20,7 +23,7 @@ static const double most_lighting = 16;
 
 static const char *const side_names[SIDES] = {"left", "right", "top", "bottom"};
 
-enum { ROWS = 12 };
+enum { ROWS = 13 };
 /* A row of the table of traits. */
 struct trait {
     const char *name, *allowed; /* by the specification, or by what bounds can cover */
@@ -74,7 +77,13 @@ static double largest_depth_error(const struct traits *traits)
 
 static void describe_traits(const struct traits *of, struct trait row[ROWS])
 {
-    static const char *const corners[3] = {"first", "second", "last"};
+    static const char *const corners[3] = {"first", "second", "last"}, *const logarithms[3] = {
+                                                                           "exact", "linear",
+                                                                           "256 steps"};
+    const struct detail_rule *rule = &of->detail;
+    const char *corner = rule->lower   ? rule->right ? "lower right" : "lower left"
+                         : rule->right ? "upper right"
+                                       : "upper left";
     char sides[64] = "";
     for (size_t i = 0, length = 0; i < SIDES; i++)
         if (of->draws[i])
@@ -98,6 +107,9 @@ static void describe_traits(const struct traits *of, struct trait row[ROWS])
             "as of corners off by %.2g pixel", of->value_px);
     add_row(&row, "linear filtering", "no rule; bounded to 1/16",
             of->filter_texels <= most_filter_texels, "weights off by %.3g", of->filter_texels);
+    add_row(&row, "level of detail", "any rule, twice the same", of->detail_changes == 0,
+            "%s, %s, %s: off by %.1g", corner, of->detail.largest ? "component" : "length",
+            logarithms[of->detail.logarithm], of->detail_residual);
     add_row(&row, "highlights", "1e-05 an operation", lighting_of(of->power_ratio) <= most_lighting,
             "off by %.2g, %.2g of the bound of Mesa's", of->power_error, of->power_ratio);
     add_row(&row, "normals", "1e-05 an operation",
@@ -139,6 +151,10 @@ bool traits_profile(const struct traits *traits, struct driver *out, struct erro
      * the set-up. */
     out->corner_px = grid_of(traits->value_px, roundings(16) * 3 * TARGET);
     out->filter_texels = grid_of(traits->filter_texels, roundings(32));
+    if (traits->detail_residual <= most_detail) {
+        out->detail = traits->detail;
+        out->detail_error = fmax(2 * traits->detail_residual, least_detail);
+    }
     out->lighting =
         lighting_of(fmax(traits->power_ratio, traits->normal_roundings / roundings_of_normals));
     out->watertight = traits->holes == 0 && traits->doubles == 0;
@@ -174,6 +190,8 @@ void traits_json(const struct traits *traits, struct json *json)
     json_truth(json, "clamps_colours", traits->clamps);
     json_number(json, "value_px", traits->value_px);
     json_number(json, "filter_texels", traits->filter_texels);
+    json_number(json, "detail_error", traits->detail_residual);
+    json_count(json, "pixels_that_vary_in_detail", (uint64_t)traits->detail_changes);
     json_number(json, "highlight_error", traits->power_error);
     json_number(json, "normal_roundings", traits->normal_roundings);
     json_count(json, "pixels_that_vary_between_passes", (uint64_t)traits->varying_pixels);

@@ -27,6 +27,11 @@ struct traits {
     bool clamps;          /* colours above 1, although clamps are switched off */
     double power_error, power_ratio; /* of highlights: relative; as a multiple of its bound */
     double normal_roundings;         /* of diffuse light under GL_NORMALIZE */
+    /* detail_target.c: the rule for the level of detail that fits best, and what it leaves; pixels that
+     * differ when they are drawn again */
+    struct detail_rule detail;
+    double detail_residual;
+    long detail_changes;
     /* values.c */
     long seen_pixels, varying_pixels; /* where lit and flat drawings differ in coverage or depth */
 };
@@ -93,6 +98,8 @@ void rectangle_corners(double left, double top, double right, double bottom,
 /* Makes the next triangles be coloured so; gloss: of a highlight. */
 void target_shade(const struct target *target, enum target_mode mode, double gloss);
 
+/* Leaves the matrices of its own behind. */
+bool measure_detail(struct target *target, struct traits *out, struct error *err);
 void measure_coverage(struct target *target, struct traits *out);
 
 #endif

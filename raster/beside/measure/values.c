@@ -296,8 +296,9 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
         for (size_t i = 0; i < sizeof gloss / sizeof *gloss; i++)
             measure_power(target, gloss[i], out);
         measure_normals(target, out);
+        done = measure_detail(target, out, err);
         target_shade(target, TARGET_COLOURS, 0);
-        done = measure_passes(target, out, err);
+        done = done && measure_passes(target, out, err);
         const GLenum code = target->call->GetError();
         if (done && code != GL_NO_ERROR)
             done = error_failed(err, "OpenGL reports error 0x%04x on small targets", code);

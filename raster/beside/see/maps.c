@@ -170,7 +170,8 @@ static double texture_at(const struct maps *of, const struct shaded_material *sh
         return 1;
     const struct texels texels =
         plan_texels(shaded->texture, shaded->texture->spectral ? band % BANDS_PER_PASS : 0);
-    const double place[2] = {of->picture->rows[across], of->picture->rows[across + n]};
+    double place[TEXEL_PLACE];
+    plan_place(&texels, of->picture->rows + across, n, place);
     return texel_at(&texels, place);
 }
 
@@ -329,7 +330,7 @@ static bool plan_maps(struct maps *of, const struct options *options, struct err
         return false;
     for (int i = 0; i < plan->n_instances; i++)
         plan->instances[i].instance.varied = plan->instances[i].instance.textured;
-    plan->max_rows += 2;
+    plan->max_rows += TEXEL_PLACE;
     return lit_make(plan, driver_of(NULL), &of->lit, err);
 }
 

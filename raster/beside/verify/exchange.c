@@ -225,10 +225,19 @@ static bool find_driver(const struct drawn *of, struct driver *out, struct error
     struct stat status;
     *out = of->pixels->driver ? *of->pixels->driver : *driver_of(name);
     snprintf(targets, sizeof targets, "%.4095s/%sdrawn.txt", of->pixels->path, targets_prefix);
-    if (of->pixels->driver || driver_of(name) != driver_of(NULL))
+    if (of->pixels->driver)
         return true;
-    if (stat(targets, &status) == 0)
-        return targets_measure(of->pixels->path, out, err);
+    const bool is_known = driver_of(name) != driver_of(NULL), drew = stat(targets, &status) == 0;
+    out->detail_error = -1; /* the program may draw upside down */
+    if (drew && !is_known && !targets_measure(of->pixels->path, out, err))
+        return false;
+    if (drew && plan_has_mipmaps(of->plan)) {
+        if (!targets_detail(of->pixels->path, out, err))
+            return false;
+        out->detail.first_row &= of->plan->view.height % 2;
+    }
+    if (drew || is_known)
+        return true;
     if (of->bits[0] > 0)
         out->grid_px = out->corner_px = ldexp(1, -(int)of->bits[0]);
     if (of->bits[1] > 0)

@@ -69,13 +69,16 @@ static bool add_mesh(struct description *to, int index, struct error *err)
 static bool add_texture(struct description *to, int index, struct error *err)
 {
     struct texture *texture = &to->plan->textures[index];
-    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    const size_t n = texture->plane_size;
     float *texels;
     char name[FILE_NAME];
     if (!texture_is_drawn(to->plan, texture))
         return true;
     print(&to->scene, "texture %d %d %d %s %s\n", index, texture->image.width,
-          texture->image.height, texture->linear ? "linear" : "nearest",
+          texture->image.height,
+          texture->n_levels > 1 ? "mipmaps"
+          : texture->linear     ? "linear"
+                                : "nearest",
           texture->spectral ? "spectral" : "grey");
     snprintf(name, sizeof name, "texture-%d.bin", index);
     if (!texture->spectral)

@@ -48,6 +48,9 @@ extern const char targets_prefix[]; /* of the files of the targets */
 /* Measures the driver that drew the targets of a folder. Fails with EXIT_SYSTEM where they differ
  * by more than OpenGL leaves free. */
 bool targets_measure(const char *folder, struct driver *out, struct error *err);
+/* Finds its rule for the level of detail. The targets have an odd number of rows, so that they show
+ * whether rows pair from the top; in another picture that may matter, too. */
+bool targets_detail(const char *folder, struct driver *out, struct error *err);
 
 /* ---- command.c ---- */
 

@@ -107,6 +107,37 @@ bool targets_measure(const char *folder, struct driver *out, struct error *err)
     return done;
 }
 
+/* Finds the first rule with which the targets agree where it may be off by so much, and then by how
+ * much it is. */
+static bool find_detail(struct targets *of, struct driver *driver, struct error *err)
+{
+    static const double errors[] = {0.02, 0.006, 1e-4};
+    bool agrees = false;
+    driver->detail_error = errors[0];
+    for (int i = 0; i < DETAIL_RULES && !agrees; i++) {
+        driver->detail = detail_rule(i);
+        if (!try_driver(of, driver, &agrees, err))
+            return false;
+    }
+    double least = agrees ? errors[0] : -0.5;
+    for (size_t i = 1; i < sizeof errors / sizeof *errors && agrees; i++) {
+        driver->detail_error = errors[i];
+        if (!try_driver(of, driver, &agrees, err))
+            return false;
+        least = agrees ? errors[i] : least;
+    }
+    driver->detail_error = 2 * least; /* targets do not show the largest error there is */
+    return true;
+}
+
+bool targets_detail(const char *folder, struct driver *out, struct error *err)
+{
+    struct targets of = {.pixels = {folder, targets_prefix, NULL}};
+    const bool done = plan_targets(&of.job, err) && find_detail(&of, out, err);
+    job_free(&of.job);
+    return done;
+}
+
 /* ---- the options of export ---- */
 
 enum { EXPORTED_WORDS = 1 + MAX_RECORDED };

@@ -19,13 +19,13 @@ struct planes {
     int n_weights, n_pages; /* planes of weights, and of textures */
     uint16_t *surface;      /* from 1; 0: background */
     float *values;          /* [plane][position] */
-    double *place[2]; /* of each position in its spectral texture, in texels; NULL: there is none */
-    double *scale;    /* the value of count 1 in each plane; this and all arrays are owned */
+    double *place; /* [TEXEL_PLACE][position] in its spectral texture; NULL: there is none */
+    double *scale; /* the value of count 1 in each plane; this and all arrays are owned */
 };
 
 static void planes_free(struct planes *planes)
 {
-    FREE_ALL(planes->surface, planes->values, planes->place[0], planes->place[1], planes->scale);
+    FREE_ALL(planes->surface, planes->values, planes->place, planes->scale);
 }
 
 static bool planes_allocate(const struct plan *plan, struct planes *out, struct error *err)
@@ -45,10 +45,8 @@ static bool planes_allocate(const struct plan *plan, struct planes *out, struct 
                     "the pixels of a page") ||
         !MAKE_ARRAY(out->scale, (size_t)n_values, err, "the scales of a page"))
         return false;
-    for (int i = 0; i < 2 && out->n_pages > 0; i++)
-        if (!MAKE_ARRAY(out->place[i], out->n_positions, err, "the pixels of a page"))
-            return false;
-    return true;
+    return out->n_pages == 0 ||
+           MAKE_ARRAY(out->place, TEXEL_PLACE * out->n_positions, err, "the pixels of a page");
 }
 
 static int plane_of(const struct term *term)
@@ -69,8 +67,9 @@ static void put_pixel(const struct lit_scene *lit, const struct picture *picture
     for (int t = 0; t < shaded->n_terms; t++, weight += stride)
         planes->values[(size_t)plane_of(&shaded->terms[t]) * planes->n_positions + to] =
             (float)*weight;
-    for (int i = 0; i < 2 && shaded->texture && shaded->texture->spectral; i++, weight += stride)
-        planes->place[i][to] = *weight;
+    const int left = pixel_rows(&lit->plan->instances[picture->surface[from]].instance);
+    for (int i = 0; i < left - shaded->n_terms; i++, weight += stride)
+        planes->place[(size_t)i * planes->n_positions + to] = *weight;
 }
 
 static void put_chunk(void *context, int i)
@@ -106,7 +105,8 @@ static bool put_texture(const struct plan *plan, struct texture *texture, struct
         const struct texels texels = plan_texels(texture, 0);
         for (size_t i = 0; i < planes->n_positions; i++) {
             int surface = planes->surface[i] - 1;
-            const double place[2] = {planes->place[0][i], planes->place[1][i]};
+            double place[TEXEL_PLACE];
+            plan_place(&texels, planes->place + i, planes->n_positions, place);
             if (surface >= 0 && plan->materials[plan->instances[surface].shaded].texture == texture)
                 plane[i] = (float)texel_at(&texels, place);
         }

@@ -115,7 +115,7 @@ static void check_words(void)
               m.emission.factor == 2 && m.glow.kind == SPECTRUM_BLACKBODY,
           "each word fills its own spectrum");
     CHECK_TEXT(m.texture, "scenes/wood.tif", "a texture's path is relative to the scene");
-    CHECK(m.texture_linear, "the filter is linear if the scene says so");
+    CHECK(m.texture_filter == TEXTURE_LINEAR, "the filter is linear if the scene says so");
     CHECK_TEXT(m.partner_name, "other one", "a partner is named as in the scene");
     CHECK(m.name == NULL && m.path == NULL && m.partner == NULL,
           "the material has the name and path of the scene");
@@ -128,10 +128,12 @@ static void check_absent_words(void)
 {
     static const struct {
         const char *words;
-        bool linear;
-    } filters[] = {{" diffuse 1 spectral-texture s.tif }", false},
-                   {" diffuse 1 spectral-texture s.tif linear }", true},
-                   {" diffuse 1 texture a.tif }", false}};
+        enum texture_filter filter;
+    } filters[] = {{" diffuse 1 spectral-texture s.tif }", TEXTURE_NEAREST},
+                   {" diffuse 1 spectral-texture s.tif linear }", TEXTURE_LINEAR},
+                   {" diffuse 1 texture a.tif bilinear }", TEXTURE_BILINEAR},
+                   {" diffuse 1 texture a.tif nearest }", TEXTURE_NEAREST},
+                   {" diffuse 1 texture a.tif }", TEXTURE_NEAREST}};
     struct error err;
     struct text rest;
     struct material m = read_words(" emission 1 }", &rest, &err);
@@ -149,8 +151,8 @@ static void check_absent_words(void)
     text_free(&rest);
     for (size_t i = 0; i < sizeof filters / sizeof filters[0]; i++) {
         m = read_words(filters[i].words, &rest, &err);
-        CHECK(err.status == EXIT_AGREED && m.texture_linear == filters[i].linear,
-              "the filter of%s is %s", filters[i].words, filters[i].linear ? "linear" : "nearest");
+        CHECK(err.status == EXIT_AGREED && m.texture_filter == filters[i].filter,
+              "the filter of%s is number %d", filters[i].words, (int)filters[i].filter);
         material_free(&m);
         text_free(&rest);
     }

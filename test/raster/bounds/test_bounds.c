@@ -119,18 +119,21 @@ static double texel_ratio(const struct texels *texels, const struct texel_point 
 {
     double worst = 0;
     for (int i = 0; i < 40; i++) {
-        double place[2], off[2];
-        for (int k = 0; k < 2; k++) {
+        double place[TEXEL_PLACE], off[TEXEL_PLACE];
+        for (int k = 0; k < TEXEL_PLACE; k++) {
             off[k] = (double)at->e_place[k] *
-                     (i < 4 ? (i >> k & 1 ? 0.999 : -0.999) : test_random(state, -1, 1));
+                     (i < 8 ? (i >> k & 1 ? 0.999 : -0.999) : test_random(state, -1, 1));
             place[k] = at->place[k] + off[k];
         }
+        place[DETAIL] = fmin(fmax(0, place[DETAIL]), texels->n_levels - 1);
+        off[DETAIL] = place[DETAIL] - at->place[DETAIL];
         const double seen = texel_at(texels, place);
         worst = fmax(worst, fabs(seen - value->value) / value->error);
         if (value->is_straight)
-            worst = fmax(worst,
-                         fabs(seen - value->value - value->across * off[0] - value->up * off[1]) /
-                             value->rest);
+            worst =
+                fmax(worst, fabs(seen - value->value - value->slope[ACROSS] * off[ACROSS] -
+                                 value->slope[UP] * off[UP] - value->slope[DETAIL] * off[DETAIL]) /
+                                value->rest);
     }
     return worst;
 }
@@ -139,7 +142,7 @@ static void check_texel_point(void)
 {
     const float off[2] = {0, 0.25F};
     const double s_t[2] = {0, -3};
-    const struct texels texels = {NULL, 64, 32, false};
+    const struct texels texels = {NULL, 64, 32, false, 1};
     const struct texel_point at = texel_point(&texels, driver_of("llvmpipe"), s_t, off);
     CHECK_NEAR((double)at.e_place[0], 64 * roundings(4), 1e-9,
                "a coordinate of 0 is off by roundings of the width");
@@ -147,22 +150,27 @@ static void check_texel_point(void)
                "others by those of themselves as well, and by their own error");
 }
 
-static void check_texels(bool linear, double widest)
+/* Levels of 7, 3 and 1 texels a side have values of their own here. */
+static void check_texels(bool linear, int n_levels, double widest)
 {
-    enum { SIDE = 7, TRIALS = 20000 };
+    enum { SIDE = 7, TEXELS = 49 + 9 + 1, TRIALS = 20000 };
     uint64_t state = 13;
-    float values[SIDE * SIDE];
+    float values[TEXELS];
     double worst = 0;
     int straight = 0, tight = 0;
     for (int i = 0; i < TRIALS; i++) {
-        const struct texels texels = {values, SIDE, SIDE, linear};
+        const struct texels texels = {values, SIDE, SIDE, linear, n_levels};
         struct texel_point at = {.e_weights = 0};
         struct texel_value value;
-        for (int t = 0; t < SIDE * SIDE && i % 100 == 0; t++)
+        for (int t = 0; t < TEXELS && i % 100 == 0; t++)
             values[t] = (float)test_random(&state, 0, 1);
         for (int k = 0; k < 2; k++) {
             at.place[k] = test_random(&state, -SIDE, 2 * SIDE);
             at.e_place[k] = (float)pow(10, test_random(&state, -3, log10(widest)));
+        }
+        if (n_levels > 1) {
+            at.place[DETAIL] = test_random(&state, 0, n_levels - 1);
+            at.e_place[DETAIL] = (float)pow(10, test_random(&state, -3, log10(fmin(2, widest))));
         }
         texel_value(&texels, &at, 1, &value);
         const double ratio = value.error > 0 ? texel_ratio(&texels, &at, &value, &state) : 0;
@@ -170,15 +178,16 @@ static void check_texels(bool linear, double widest)
         straight += value.is_straight;
         tight += ratio > 0.3;
     }
-    if (!CHECK(worst <= 1 && tight > TRIALS / 10 && (straight > TRIALS / 10) == linear,
-               "the bound of %s texels holds within %g texels, and is not far too wide",
-               linear ? "linear" : "nearest", widest))
+    if (!CHECK(
+            worst <= 1 && tight > TRIALS / 10 && (straight > TRIALS / 10) == linear,
+            "the bound of %s texels of %d levels holds within %g texels, and is not far too wide",
+            linear ? "linear" : "nearest", n_levels, widest))
         printf("# worst difference / bound %g, %d straight, %d tight\n", worst, straight, tight);
 }
 
 /* Mixes four texels by weights in steps of 1/256: those of each direction round to a step, their
  * products again, two up and two down. */
-static double mix_by_steps(const struct texels *texels, const double place[2], int way)
+static double mix_by_steps(const struct texels *texels, const double *place, int way)
 {
     static const int up[3][4] = {{1, 1, -1, -1}, {1, -1, 1, -1}, {1, -1, -1, 1}};
     const double x = floor(place[0] - 0.5), y = floor(place[1] - 0.5),
@@ -188,7 +197,7 @@ static double mix_by_steps(const struct texels *texels, const double place[2], i
     for (int k = 0; k < 4; k++) {
         const double weight = (k & 1 ? u : 1 - u) * (k >> 1 ? v : 1 - v);
         const double off = up[way % 3][k] * (way < 3 ? 1 : -1) / 512.0;
-        const double at[2] = {x + (k & 1) + 0.5, y + (k >> 1) + 0.5};
+        const double at[TEXEL_PLACE] = {x + (k & 1) + 0.5, y + (k >> 1) + 0.5};
         sum += (weight + off) * texel_at(texels, at);
     }
     return sum;
@@ -200,7 +209,7 @@ static void check_weights(void)
     const float exact[2] = {0, 0};
     uint64_t state = 17;
     float values[SIDE * SIDE];
-    const struct texels texels = {values, SIDE, SIDE, true};
+    const struct texels texels = {values, SIDE, SIDE, true, 1};
     struct driver driver = *driver_of("llvmpipe");
     double worst = 0, worst_beside = 0;
     driver.filter_texels = 1 / 512.0;
@@ -221,6 +230,39 @@ static void check_weights(void)
         printf("# worst difference / bound %g, near a texel's centre %g\n", worst, worst_beside);
 }
 
+/* The interval of the level of detail takes in that of all steps within their bounds, for every
+ * rule; of a table it is two values, where only two are near. */
+static void check_detail(void)
+{
+    enum { TRIALS = 20000 };
+    const struct texels texels = {NULL, 256, 64, true, 9};
+    uint64_t state = 19;
+    int missed = 0, pairs = 0;
+    double widest = 0;
+    for (int i = 0; i < TRIALS; i++) {
+        struct driver driver = *driver_of("llvmpipe");
+        double steps[2][2], errors[2][2], seen[2][2];
+        struct texel_point at = {.e_weights = 0};
+        driver.detail = detail_rule(i % DETAIL_RULES);
+        for (int k = 0; k < 4; k++) {
+            const double step = pow(10, test_random(&state, -1, 2));
+            steps[k / 2][k % 2] = k % 3 ? step : -step;
+            errors[k / 2][k % 2] = step * pow(10, test_random(&state, -6, -3));
+            seen[k / 2][k % 2] =
+                steps[k / 2][k % 2] + errors[k / 2][k % 2] * test_random(&state, -1, 1);
+        }
+        texel_detail(&texels, &driver, steps, errors, &at);
+        const double detail = detail_of(&driver.detail, texels.n_levels, seen),
+                     e = (double)at.e_place[DETAIL];
+        missed += fabs(detail - at.place[DETAIL]) > e && fabs(detail - at.other) > e;
+        pairs += at.other != at.place[DETAIL];
+        widest = fmax(widest, e);
+    }
+    if (!CHECK(missed == 0 && pairs > 100 && pairs < TRIALS / 10 && widest < 0.01,
+               "the level of detail lies within its bound, by any rule"))
+        printf("# %d missed, %d pairs, widest %g\n", missed, pairs, widest);
+}
+
 int main(void)
 {
     check_shown();
@@ -228,9 +270,12 @@ int main(void)
     check_turning();
     check_rigid();
     check_texel_point();
-    check_texels(true, 0.1);
-    check_texels(true, 40);
-    check_texels(false, 40);
+    check_texels(true, 1, 0.1);
+    check_texels(true, 1, 40);
+    check_texels(false, 1, 40);
+    check_texels(true, 3, 0.1);
+    check_texels(true, 3, 40);
+    check_detail();
     check_weights();
     return test_end();
 }

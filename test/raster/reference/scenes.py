@@ -12,7 +12,7 @@ FOLDER, COUNT, SIZE = sys.argv[1], int(sys.argv[2]), (int(sys.argv[3]), int(sys.
 os.makedirs(FOLDER, exist_ok=True)
 random_scenes.write_textures(FOLDER)
 for seed in range(1, COUNT + 1):
-    files = {end: re.sub(r" texture \S+( nearest| linear)?|^t \S+$", "", re.sub(
-        r"(spectral-texture \S+)( nearest| linear)?", r"\1 linear", text), flags=re.MULTILINE)
+    files = {end: re.sub(r" texture \S+( nearest| linear| bilinear)?|^t \S+$", "", re.sub(
+        r"(spectral-texture \S+)( nearest| linear| bilinear)?", r"\1 bilinear", text), flags=re.MULTILINE)
         for end, text in random_scenes.scene(seed, SIZE).items()}
     random_scenes.put(files, FOLDER, str(seed))
