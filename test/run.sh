@@ -7,7 +7,7 @@
 longest='hard test_reference test_mesa random_scenes verdict verify contexts scenes cost' # these begin first, so that no processor waits at the end
 # Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
 # of the first object; open meshes taken for solids, so that their backs are not drawn; no mesh taken for a solid; shadow
-# volumes of lights that are moved by $MOVED.
+# volumes of lights that are moved by $MOVED; another rule for the level of detail, by $CORNER, $NORM or $EXACT.
 pixel=raster/candidates/pixel.c
 mutation='s/(float)(common + alone)/(float)(1000 * (common + alone))/; s/(float)alone/(float)(1000 * alone)/'
 endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->tile->lit->surfaces ? HUGE_VALF : (float)(common + alone)/'
@@ -15,6 +15,8 @@ instances=raster/plan/instances.c
 hollow='s/[.]solid = cutting.*,/.solid = true,/'
 whole='s/[.]solid = cutting.*,/.solid = false,/'
 moved='s/factor \* vector_dot(row_of(&of, 0), v)/& + atof(getenv("MOVED"))/'
+detail='s/#include <math.h>/&\n#include <stdlib.h>/; s/rule->lower/(rule->lower != (getenv("CORNER") != NULL))/g
+    s/rule->largest/(rule->largest != (getenv("NORM") != NULL))/; s/rule->logarithm == LOGARITHM_LINEAR/& \&\& !getenv("EXACT")/'
 . raster/gl/static.sh
 
 needs_gl() {
@@ -157,6 +159,7 @@ make_mutants() {
     build_mutant hollow $instances "$hollow"
     build_mutant whole $instances "$whole"
     build_mutant moved raster/volumes/volumes.c "$moved"
+    build_mutant detail raster/renderers/detail.c "$detail"
 }
 
 # build_mutant NAME FILE MUTATION

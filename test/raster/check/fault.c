@@ -60,6 +60,7 @@ static const struct parameter_fault {
     {62, GL_TEXTURE_MAG_FILTER, GL_TEXTURE_MAG_FILTER, 0, GL_NEAREST},
     {63, GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_S, 0, GL_CLAMP_TO_EDGE},
     {64, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_T, 0, GL_MIRRORED_REPEAT},
+    {97, GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MIN_FILTER, 0, GL_LINEAR},
 };
 
 /* Changes components of a vector before OpenGL receives them: the components of a colour are the
@@ -208,8 +209,9 @@ void glGetIntegerv(GLenum name, GLint *values)
 
 const GLubyte *glGetString(GLenum name)
 {
-    return fault() == 83 && name == GL_RENDERER ? (const GLubyte *)"another driver"
-                                                : REAL(glGetString)(name);
+    return (fault() == 83 || fault() == 100) && name == GL_RENDERER
+               ? (const GLubyte *)"another driver"
+               : REAL(glGetString)(name);
 }
 
 /* ---- drawing in a wrong state ---- */
@@ -231,6 +233,14 @@ static void keep_right_half(GLenum plane)
 static void clamp_colours(GLenum name)
 {
     glClampColorARB(name, GL_TRUE);
+}
+
+/* OpenGL counts biases in steps of 1/256. Fault 100 changes it from draw call to draw call. */
+static void bias_detail(GLenum steps_of_256)
+{
+    static GLfloat factor = 1;
+    factor = fault() == 100 ? -factor : factor;
+    glTexEnvf(GL_TEXTURE_FILTER_CONTROL, GL_TEXTURE_LOD_BIAS, factor * (GLfloat)steps_of_256 / 256);
 }
 
 static void write_depth(GLenum flag)
@@ -272,6 +282,8 @@ static const struct state_fault {
     {40, keep_right_half, GL_CLIP_PLANE0},
     {56, set_model, GL_LIGHT_MODEL_TWO_SIDE},
     {57, glShadeModel, GL_SMOOTH},
+    {96, bias_detail, 1},
+    {100, bias_detail, 8},
 };
 
 static void spoil_state(void)
@@ -470,24 +482,52 @@ void glDrawArrays(GLenum mode, GLint first, GLsizei count)
 
 /* ---- textures ---- */
 
-/* 59: moved by one texel; 60: first and third band exchanged; 61: one texel off by 1/100. */
+/* Fault 98: levels 1 and 2 of a texture exchange their values; sides are powers of two. */
+static void exchange_levels(GLint level, size_t width, size_t height, size_t channels,
+                            float *texels)
+{
+    static float *first;
+    const size_t n = width * height * channels;
+    if (level == 1) {
+        free(first);
+        first = malloc(n * sizeof *first);
+        if (!first)
+            abort();
+        memcpy(first, texels, n * sizeof *first);
+    }
+    for (size_t i = 0; i < n && (level == 1 || level == 2); i++) {
+        const size_t c = i % channels, x = i / channels % width, y = i / channels / width;
+        const size_t step = level == 1 ? 1 : 2, across = level == 1 ? width : 2 * width;
+        float sum = 0;
+        for (size_t k = 0; k < 4; k++)
+            sum +=
+                first[((y * step / 2 * 2 + k / 2) * across + x * step / 2 * 2 + k % 2) * channels +
+                      c];
+        texels[i] = level == 1 ? sum / 4 : first[(2 * y * across + 2 * x) * channels + c];
+    }
+}
+
+/* 59: moved by one texel; 60: first and third band exchanged; 61: one texel off by 1/100; 99: first
+ * and third band exchanged in the levels behind the first. */
 void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height,
                   GLint border, GLenum format, GLenum type, const void *pixels)
 {
     const float *texels = pixels;
     size_t channels = format == GL_RGB ? 3 : 1, across = (size_t)width;
     size_t n = across * (size_t)height, middle = (size_t)height / 2 * across + across / 2;
+    const bool turned = fault() == 60 || (fault() == 99 && level > 0);
     float *spoiled = malloc(n * channels * sizeof *spoiled);
     if (!spoiled)
         abort();
     for (size_t i = 0; i < n; i++) {
         size_t from = fault() == 59 ? i - i % across + (i + 1) % across : i;
         for (size_t c = 0; c < channels; c++)
-            spoiled[channels * i + c] =
-                texels[channels * from + (fault() == 60 ? channels - 1 - c : c)];
+            spoiled[channels * i + c] = texels[channels * from + (turned ? channels - 1 - c : c)];
     }
     for (size_t c = 0; c < channels && fault() == 61; c++)
         spoiled[channels * middle + c] *= 1.01F;
+    if (fault() == 98)
+        exchange_levels(level, across, (size_t)height, channels, spoiled);
     REAL(glTexImage2D)(target, level, internal, width, height, border, format, type, spoiled);
     free(spoiled);
 }

@@ -355,7 +355,7 @@ class Writer:
                       f"gaussian:{dice.whole(430, 650)},{dice.whole(10, 80)}*0.5"]
         if dice.chance(0.2) and "emission" not in words:
             words += ["emission", self.radiation() + "*0.3"]
-        look_up = dice.pick("nearest", "linear", "")
+        look_up = dice.pick("nearest", "linear", "bilinear", "")
         if dice.chance(0.4):
             words += ["texture", dice.pick(*GREY, "builtin:textures/checks.tif"), look_up]
         elif dice.chance(0.4):
@@ -573,8 +573,8 @@ COVERAGE = [
     r"object disk", r"object teapot", r"object mesh", r"^checker", r"unitize", r"crease",
     r"materials @", r" mtl ", r"^usemtl", r"^vn ", r"two-sided", r"planar", r"repeat", r"scale -",
     r"rotate .* scale .* rotate", r"gloss 128", r"gloss 0\.1 ", r"specular", r"fluorescence",
-    r"donaldson", r"emission", r" texture .*nearest", r" texture .*linear",
-    r"spectral-texture .*nearest", r"spectral-texture .*linear", r"metamer", r"material m\d @",
+    r"donaldson", r"emission", r" texture .*nearest", r" texture .* linear", r" texture .* bilinear",
+    r"spectral-texture .*nearest", r"spectral-texture .* linear", r"spectral-texture .* bilinear", r"metamer", r"material m\d @",
     r"^(object .*)\n\1$",
 ]
 

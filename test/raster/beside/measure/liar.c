@@ -52,8 +52,10 @@ void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format
 /* ---- values ---- */
 
 /* Linear filtering by weights of 8 bits is nearest filtering of a texture that is 256 times as
- * large a side. */
+ * large a side. Textures with mipmaps stay as they are. */
 enum { WEIGHTS = 256 };
+
+static bool mipmapped; /* the texture whose filter was set last */
 
 static float filtered(const float *texels, const int size[2], const int at[2], int channels)
 {
@@ -74,7 +76,9 @@ static float filtered(const float *texels, const int size[2], const int at[2], i
 
 void glTexParameteri(GLenum target, GLenum name, GLint value)
 {
-    REAL(glTexParameteri)(target, name, lies("filter") && value == GL_LINEAR ? GL_NEAREST : value);
+    mipmapped = name == GL_TEXTURE_MIN_FILTER ? value == GL_LINEAR_MIPMAP_LINEAR : mipmapped;
+    REAL(glTexParameteri)
+    (target, name, lies("filter") && !mipmapped && value == GL_LINEAR ? GL_NEAREST : value);
 }
 
 /* A side of one texel stays as it is. */
@@ -84,7 +88,7 @@ void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLs
     const int size[2] = {width, height},
               step[2] = {width > 1 ? WEIGHTS : 1, height > 1 ? WEIGHTS : 1},
               across = width * step[0], up = height * step[1];
-    if (!lies("filter")) {
+    if (!lies("filter") || mipmapped) {
         REAL(glTexImage2D)(target, level, internal, width, height, border, format, type, pixels);
         return;
     }

@@ -84,7 +84,7 @@ size 150 100
 camera perspective 50 eye 0 0 4
 ambient e 0.2
 light d65 1 position 1 1 3
-material m { diffuse 0.7 specular 0.3 gloss 40 texture small.tif linear }
+material m { diffuse 0.7 specular 0.3 gloss 40 texture small.tif bilinear }
 object plane 4 3 material m rotate 40 1 0 0
 object sphere 0.6 40 20 material m translate 0 0 0.8
 """)
@@ -121,11 +121,12 @@ def table():
     """One line a trait, with what OpenGL allows."""
     text = run("drivers", "--measure").stdout
     rows = re.findall(r"^    (\S.*?)  +\S.*?  +(\S.*)$", text, re.MULTILINE)
-    check(len(rows) % 12 == 0 and rows[:12] == [("edges", "1/16"), ("centres on edges", "any rule"), ("shared edges", "0, 0"),
+    check(len(rows) % 13 == 0 and rows[:13] == [("edges", "1/16"), ("centres on edges", "any rule"), ("shared edges", "0, 0"),
                                                 ("without area", "no rule"), ("depth", "-1.5 to 1.5 of 24 bits"), ("flat colour", "last"),
                                                 ("colours above 1", "kept"), ("values in triangles", "1/16"),
-                                                ("linear filtering", "no rule; bounded to 1/16"), ("highlights", "1e-05 an operation"),
-                                                ("normals", "1e-05 an operation"), ("flat and lit passes", "0")], "the table has twelve traits", text)
+                                                ("linear filtering", "no rule; bounded to 1/16"),
+                                                ("level of detail", "any rule, twice the same"), ("highlights", "1e-05 an operation"),
+                                                ("normals", "1e-05 an operation"), ("flat and lit passes", "0")], "the table has thirteen traits", text)
 
 
 known_drivers()
