@@ -225,17 +225,17 @@ struct levels {
 static void value_in(const struct texels *texels, const struct texel_point *at, int k,
                      double largest, struct texel_value *out)
 {
-    const struct texels level = texel_level(texels, k);
-    const struct texels alone = {level.values, level.width, level.height, level.linear, 1};
+    struct texels level = texel_level(texels, k);
     const double share[2] = {(double)level.width / texels->width,
                              (double)level.height / texels->height},
                  filter = (double)at->e_weights / 4;
     struct texel_point there = *at;
+    level.n_levels = 1;
     for (int i = 0; i < 2; i++) {
         there.place[i] *= share[i];
         there.e_place[i] = (float)(filter + ((double)at->e_place[i] - filter) * share[i]);
     }
-    level_value(&alone, &there, largest, out);
+    level_value(&level, &there, largest, out);
     out->slope[ACROSS] *= share[ACROSS];
     out->slope[UP] *= share[UP];
 }
