@@ -186,8 +186,6 @@ static void find_range(const struct texels *texels, const struct driver *driver,
                       : detail_of(&largest, texels->n_levels, sum) + detail_above;
     if (!is_known)
         out[0] -= detail_below;
-    if (!(sum[0][0] < HUGE_VAL))
-        out[1] = texels->n_levels - 1;
 }
 
 void texel_detail(const struct texels *texels, const struct driver *driver, double steps[2][2],
@@ -198,7 +196,9 @@ void texel_detail(const struct texels *texels, const struct driver *driver, doub
         for (int c = 0; c < 2; c++) {
             const double size = fabs(steps[i][c]);
             low[i][c] = fmax(0, size - e_steps[i][c]) * (1 - roundings(STEP_ROUNDINGS));
-            high[i][c] = (size + e_steps[i][c]) * (1 + roundings(STEP_ROUNDINGS));
+            high[i][c] = e_steps[i][c] < HUGE_VAL
+                             ? (size + e_steps[i][c]) * (1 + roundings(STEP_ROUNDINGS))
+                             : HUGE_VAL; /* where the step is no number, too */
         }
     find_range(texels, driver, low, high, range);
     const double detail = detail_of(&driver->detail, texels->n_levels, steps),

@@ -73,6 +73,9 @@ static double logarithm_of(const struct detail_rule *rule, double square)
     return 0.5 * binary_logarithm(square);
 }
 
+/* Beyond all levels of any texture; logarithms are asked for finite numbers only. */
+static const double longest = 0x1p64;
+
 double detail_of(const struct detail_rule *rule, int n_levels, double steps[2][2])
 {
     double most = 0;
@@ -80,7 +83,7 @@ double detail_of(const struct detail_rule *rule, int n_levels, double steps[2][2
         const double s = steps[i][0] * steps[i][0], t = steps[i][1] * steps[i][1];
         most = fmax(most, rule->largest ? fmax(s, t) : s + t);
     }
-    return most > 1 ? fmin(fmax(0, logarithm_of(rule, most)), n_levels - 1) : 0;
+    return most > 1 ? fmin(fmax(0, logarithm_of(rule, fmin(most, longest))), n_levels - 1) : 0;
 }
 
 double detail_find(const struct detail_rule *by, const struct screen_triangle *triangle, int x,

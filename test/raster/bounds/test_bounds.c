@@ -238,7 +238,7 @@ static void check_detail(void)
     const struct texels texels = {NULL, 256, 64, true, 9};
     uint64_t state = 19;
     int missed = 0, pairs = 0;
-    double widest = 0;
+    double widest = 0, widest_any = HUGE_VAL;
     for (int i = 0; i < TRIALS; i++) {
         struct driver driver = *driver_of("llvmpipe");
         double steps[2][2], errors[2][2], seen[2][2];
@@ -258,6 +258,16 @@ static void check_detail(void)
         pairs += at.other != at.place[DETAIL];
         widest = fmax(widest, e);
     }
+    for (int i = 0; i < DETAIL_RULES; i++) {
+        struct driver driver = *driver_of("llvmpipe");
+        double steps[2][2] = {{1, 2}, {3, (double)NAN}},
+               errors[2][2] = {{0, 0}, {HUGE_VAL, HUGE_VAL}};
+        struct texel_point at = {.e_weights = 0};
+        driver.detail = detail_rule(i);
+        texel_detail(&texels, &driver, steps, errors, &at);
+        widest_any = fmin(widest_any, at.place[DETAIL] + (double)at.e_place[DETAIL]);
+    }
+    CHECK(widest_any >= texels.n_levels - 1, "a step without a bound may lead to any level");
     if (!CHECK(missed == 0 && pairs > 100 && pairs < TRIALS / 10 && widest < 0.01,
                "the level of detail lies within its bound, by any rule"))
         printf("# %d missed, %d pairs, widest %g\n", missed, pairs, widest);
