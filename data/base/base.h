@@ -83,10 +83,11 @@ bool file_was_read(const char *path); /* also under another name of the file */
  * does not say how many. Sets EXIT_SYSTEM. */
 bool memory_lacks(struct error *err, double bytes, const char *format, ...) PRINTF_LIKE(3, 4);
 /* Stores an array of n zeroed items in a pointer, which `array` points to. Stores NULL, and returns
- * false, where memory lacks; the macro then says what for. It evaluates n twice. */
-bool memory_make(void *array, size_t n, size_t size);
+ * false, where memory lacks; the macro then says what for. It evaluates n twice. A product of sizes
+ * that a file gives may need 64 bits. */
+bool memory_make(void *array, uint64_t n, size_t size);
 #define MAKE_ARRAY(array, n, err, ...)                                                             \
-    (memory_make(&(array), (size_t)(n), sizeof *(array)) ||                                        \
+    (memory_make(&(array), (uint64_t)(n), sizeof *(array)) ||                                      \
      memory_lacks(err, (double)(n) * (double)sizeof *(array), __VA_ARGS__))
 /* Frees all these pointers, e.g. FREE_ALL(a, b). NULL is none. */
 #define FREE_ALL(...)                                                                              \

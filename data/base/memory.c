@@ -79,9 +79,9 @@ bool memory_lacks(struct error *err, double bytes, const char *format, ...)
 }
 
 /* All pointers to objects have one representation, by POSIX. */
-bool memory_make(void *array, size_t n, size_t size)
+bool memory_make(void *array, uint64_t n, size_t size)
 {
-    void *items = calloc(n > 0 ? n : 1, size);
+    void *items = n > SIZE_MAX ? NULL : calloc(n > 0 ? (size_t)n : 1, size);
     memcpy(array, &items, sizeof items);
     return items != NULL;
 }
@@ -104,7 +104,7 @@ bool memory_resize(void *array, size_t n, size_t size)
 
 bool memory_suffices(double bytes, struct place place, struct error *err, const char *format, ...)
 {
-    const double left = (double)left_bytes();
+    const double left = fmin((double)left_bytes(), (double)PTRDIFF_MAX); /* no array is longer */
     char what[512];
     va_list arguments;
     if (bytes <= left)

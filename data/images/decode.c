@@ -70,7 +70,7 @@ static bool tile_decode(const struct stored_rows *of, uint32_t x, uint16_t plane
     TIFF *tiff = of->image->file->tiff;
     if (!block_is_missing(tiff, TIFFComputeTile(tiff, x, of->first, 0, plane)))
         return is_decoded(of, TIFFReadTile(tiff, of->tile, x, of->first, 0, plane), err);
-    memset(of->tile, 0, of->layout.block_bytes);
+    memset(of->tile, 0, (size_t)of->layout.block_bytes);
     return true;
 }
 

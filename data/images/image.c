@@ -68,6 +68,8 @@ static bool blocks_find(const struct image *image, int page, struct sample_layou
         bytes > (double)image->file->client.bytes)
         return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
                             bytes);
+    if ((double)out->width * (double)out->pixel_step * out->bits / 8 > (double)PTRDIFF_MAX)
+        return image_refuse(image, page, err, "its rows are too long for this computer");
     out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
     out->tiled = TIFFIsTiled(tiff);
     out->block_width = out->width;
@@ -77,7 +79,7 @@ static bool blocks_find(const struct image *image, int page, struct sample_layou
                           &out->block_height);
     if (!out->tiled && out->block_height > out->height)
         out->block_height = out->height;
-    out->block_bytes = (size_t)(out->tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff));
+    out->block_bytes = out->tiled ? TIFFTileSize64(tiff) : TIFFStripSize64(tiff);
     return out->block_bytes > 0 || image_refuse_broken(image, page, err);
 }
 

@@ -94,7 +94,7 @@ struct sample_layout {
     uint16_t n_bands; /* pages of its directory */
     uint16_t plane;   /* the first of n_planes */
     uint16_t colour;  /* of RGB, the one that the page is: 1 red, 2 green, 3 blue; 0: their luma */
-    size_t block_bytes;
+    uint64_t block_bytes;
     size_t pixel_step;    /* samples of a pixel in a plane */
     size_t row_bytes;     /* of a plane */
     uint64_t rows_offset; /* the first of such rows; 0: libtiff decodes the blocks */

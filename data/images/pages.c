@@ -110,16 +110,26 @@ static bool write_directories(TIFF *tiff, const struct pages *pages, page_tags *
     return good;
 }
 
+/* Lets libtiff append a page in pieces: on 32 bits tmsize_t ends at 2 GiB. */
+static bool place_page(TIFF *tiff, struct client *client)
+{
+    const uint64_t most = 1 << 30;
+    for (uint64_t left = page_bytes(client->pages), n; left > 0; left -= n) {
+        n = left < most ? left : most;
+        if (TIFFWriteRawStrip(tiff, 0, client, (tmsize_t)n) != (tmsize_t)n)
+            return false;
+    }
+    return true;
+}
+
 /* Places each page at the end of the file, and records the offset in its directory. Calls
  * TIFFReadDirectory for the next page: TIFFSetDirectory would walk the chain from its start. */
 static bool place_pages(TIFF *tiff, struct client *client)
 {
     const struct pages *pages = client->pages;
-    const tmsize_t size = (tmsize_t)page_bytes(pages);
     for (int page = 0; page < pages->count; page++)
         if (!(page == 0 ? TIFFSetDirectory(tiff, 0) : TIFFReadDirectory(tiff)) ||
-            TIFFWriteRawStrip(tiff, 0, client, size) != size ||
-            !TIFFForceStrileArrayWriting(tiff) ||
+            !place_page(tiff, client) || !TIFFForceStrileArrayWriting(tiff) ||
             TIFFGetStrileOffset(tiff, 0) != pages_offset(pages, page))
             return false;
     return true;
@@ -154,11 +164,10 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
 bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
                 struct error *err)
 {
-    /* 63 bits hold the pages, the directories and the bytes behind. A page fits into tmsize_t,
-     * which is as wide as ptrdiff_t. */
+    /* 63 bits hold the pages, the directories and the bytes behind. */
     const uint64_t most_bytes = UINT64_C(1) << 62;
     const uint64_t rows = (uint64_t)pages->height * ((uint64_t)pages->count + 1);
-    if (row_bytes(pages) > most_bytes / rows || page_bytes(pages) > PTRDIFF_MAX)
+    if (row_bytes(pages) > most_bytes / rows)
         return error_usage(err, "%d pages of %dx%d pixels are too many for one file", pages->count,
                            pages->width, pages->height);
     if (output_open(&pages->output, path, err) && lay_out(pages, set_tags, of, err))

@@ -86,7 +86,7 @@ static bool run_info(struct options *options, struct error *err)
         return error_usage(err, "info takes a STACK; see spectral info --help");
     bool done = scene_refuse(options->operand, err) &&
                 image_open(options->operand, NOWHERE, tags_read, &image, err);
-    const bool foreign = done && !strstr(image.description, "scene_sha256: ");
+    const bool foreign = done && !record_is_there(&image);
     done = done && (foreign || record_read(&image, &record, err));
     (options->json ? json_begin : words_begin)(&json);
     if (done) {

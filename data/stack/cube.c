@@ -16,15 +16,10 @@ static bool map_is_whole(const struct cube *cube)
 bool cube_open(const char *path, struct cube *out, struct error *err)
 {
     struct image *image = &out->image;
-    struct error foreign = {0};
     *out = (struct cube){.record = {.text = NULL}};
-    if (!image_open(path, NOWHERE, tags_read, image, err))
+    if (!image_open(path, NOWHERE, tags_read, image, err) ||
+        (record_is_there(image) && !record_read(image, &out->record, err)))
         return false;
-    const bool own = record_read(image, &out->record, &foreign);
-    if (foreign.status == EXIT_SYSTEM) {
-        *err = foreign;
-        return false;
-    }
     out->components = out->record.components && !image->coloured;
     if (out->components) { /* pages have numbers in place of wavelengths */
         if (!MAKE_ARRAY(image->wavelengths_nm, image->n_pages, err, "the pages of %s", path))
@@ -32,7 +27,7 @@ bool cube_open(const char *path, struct cube *out, struct error *err)
         for (int i = 0; i < image->n_pages; i++)
             image->wavelengths_nm[i] = i + 1;
     }
-    if (own && !map_is_whole(out))
+    if (!map_is_whole(out))
         out->record.map_bytes = 0;
     return (!image->coloured && image->wavelengths_nm) ||
            error_usage(

@@ -5,11 +5,13 @@
 
 #include "data/stack/stack.h"
 
-/* Reads the record in the description of a stack's first page. Refuses an image without a record,
- * or with a record that contradicts itself. */
 /* Returns the text of the OME-XML's element Description, unescaped; allocated. NULL: there is none,
  * or an error. */
 char *description_text(const char *xml, struct error *err);
+/* Returns whether the description of the first page has a record, whole or damaged. */
+bool record_is_there(const struct image *image);
+/* Reads the record. Refuses an image without a record, or with a record that contradicts itself or
+ * the image. */
 bool record_read(const struct image *image, struct record *out, struct error *err);
 
 /* ---- stack.c: the verdict on a stack, in numbers ---- */

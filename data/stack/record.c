@@ -3,7 +3,6 @@
  * description of its first page, behind the lines of its scale. */
 #include <ctype.h>
 #include <float.h>
-#include <limits.h>
 
 #include "data/stack/inside.h"
 
@@ -370,14 +369,11 @@ static bool read_map(struct record *record)
     const char *map = record->object_map;
     if (!map)
         return true;
-    const struct word offset = {.start = map, .length = strcspn(map, " ")};
-    const char *bytes = map + offset.length;
-    struct error ignored = {0};
-    long at;
-    if (!word_integer(&offset, "it", 1, LONG_MAX, &at, &ignored) ||
+    char *bytes;
+    record->map_offset = strtoull(map, &bytes, 10); /* larger numbers become ULLONG_MAX */
+    if (!isdigit((unsigned char)map[0]) || record->map_offset > INT64_MAX ||
         (strcmp(bytes, " 1") != 0 && strcmp(bytes, " 2") != 0))
         return false;
-    record->map_offset = (uint64_t)at;
     record->map_bytes = bytes[1] - '0';
     return true;
 }
@@ -441,6 +437,11 @@ double record_illumination(const struct record *record)
     return record->illumination.n > 0 ? record->illumination.value[0] : 0;
 }
 
+bool record_is_there(const struct image *image)
+{
+    return strstr(image->description, "scene_sha256: ") != NULL;
+}
+
 bool record_read(const struct image *image, struct record *out, struct error *err)
 {
     *out = (struct record){.text = description_text(image->description, err)};
@@ -452,6 +453,11 @@ bool record_read(const struct image *image, struct record *out, struct error *er
         sampling_agrees(out, image))
         return true;
     record_free(out);
+    if (record_is_there(image))
+        return error_usage(err,
+                           "%s: its record of how it was made is damaged, or does not fit its %d"
+                           " pages; render it again, or remove its ImageDescription",
+                           image->path, image->n_pages);
     return error_usage(err,
                        "%s: has no record of how it was made; expected a stack of spectral 0.2.0"
                        " or later",

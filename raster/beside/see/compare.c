@@ -10,11 +10,11 @@
 
 /* ---- a stack in chunks of rows ---- */
 
-bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err)
+bool rows_allocate(struct stack_rows *rows, uint64_t most_samples, struct error *err)
 {
-    const size_t n_pages = (size_t)rows->cube.image.n_pages;
+    const uint64_t n_pages = (uint64_t)rows->cube.image.n_pages;
     const size_t width = (size_t)rows->cube.image.width, height = (size_t)rows->cube.image.height;
-    const size_t fitting = most_samples / (n_pages * width);
+    const size_t fitting = (size_t)(most_samples / (n_pages * width));
     const size_t n = fitting < 1 ? 1 : fitting < height ? fitting : height;
     rows->end = rows->cube.image.height;
     rows->most = (int)n;

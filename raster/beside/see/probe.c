@@ -101,8 +101,8 @@ static const size_t chunk_samples = (size_t)1 << 24;
 
 static bool read_bands(struct stack_rows *rows, struct probe *probe, struct error *err)
 {
-    const size_t width = (size_t)rows->cube.image.width,
-                 n = (size_t)probe->height * width * (size_t)probe->n;
+    const size_t width = (size_t)rows->cube.image.width;
+    const uint64_t n = (uint64_t)probe->height * width * (uint64_t)probe->n;
     if (!rows_allocate(rows, n < chunk_samples ? n : chunk_samples, err))
         return false;
     rows->end = probe->y + probe->height;

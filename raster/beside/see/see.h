@@ -173,7 +173,7 @@ struct stack_rows {
     float *samples; /* [page][row of the chunk][x]; owned */
 };
 /* Allocates chunks of at most so many samples, but at least one row. The cube is open. */
-bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err);
+bool rows_allocate(struct stack_rows *rows, uint64_t most_samples, struct error *err);
 /* Reads the chunk that begins with row `first`. The last chunk may have fewer rows. */
 bool rows_read(struct stack_rows *rows, int first, struct error *err);
 void rows_close(struct stack_rows *rows); /* and the cube */

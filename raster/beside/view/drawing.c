@@ -37,8 +37,9 @@ static bool planes_allocate(const struct plan *plan, struct planes *out, struct 
             out->n_pages = plan->textures[i].image.n_pages;
     /* of each value: a float, 2 bytes, and up to 2 when they are packed; 14 of each pixel */
     const double n_values = (double)out->n_weights + out->n_pages;
-    if (!memory_suffices((double)out->n_positions * (8 * n_values + 14), (struct place){NULL, 0, 0},
-                         err, "a page of %dx%d pixels", plan->view.width, plan->view.height))
+    const double n_positions = (double)plan->view.width * plan->view.height;
+    if (!memory_suffices(n_positions * (8 * n_values + 14), (struct place){NULL, 0, 0}, err,
+                         "a page of %dx%d pixels", plan->view.width, plan->view.height))
         return false;
     if (!MAKE_ARRAY(out->surface, out->n_positions, err, "the pixels of a page") ||
         !MAKE_ARRAY(out->values, out->n_positions * (size_t)n_values, err,

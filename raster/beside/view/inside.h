@@ -74,7 +74,7 @@ struct stack_page {
     bool counts; /* samples are 16-bit counts; otherwise floats */
     size_t n_pixels;
     void *samples;     /* [page][pixel]: uint16_t or float; owned */
-    size_t n_bytes;    /* of the samples */
+    double n_bytes;    /* of the samples */
     uint16_t *objects; /* the object of each pixel, from 1; owned; NULL: none is recorded */
     size_t bytes;      /* of the page */
 };

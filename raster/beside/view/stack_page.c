@@ -22,13 +22,12 @@ static void find_size(struct stack_page *out)
     out->width = (image->width + out->factor - 1) / out->factor;
     out->height = (image->height + out->factor - 1) / out->factor;
     out->n_pixels = (size_t)out->width * (size_t)out->height;
-    out->n_bytes = out->n_pixels * (size_t)image->n_pages * (out->counts ? 2 : 4);
+    out->n_bytes = (double)out->width * out->height * image->n_pages * (out->counts ? 2 : 4);
 }
 
 static bool may_fit(const struct stack_page *of, double compressed)
 {
-    return (double)of->n_bytes * text_per_byte <= compressed * of->budget_bytes ||
-           of->n_pixels == 1;
+    return of->n_bytes * text_per_byte <= compressed * of->budget_bytes || of->n_pixels == 1;
 }
 
 /* Stores a mean as a float, or as a count of scale / LARGEST_SAMPLE. */
@@ -61,16 +60,16 @@ static void store_row(const struct stack_page *of, int page, double *sums, size_
 static bool read_samples(struct stack_page *of, struct error *err)
 {
     const struct image *image = &of->rows.cube.image;
-    const size_t width = (size_t)of->width, n_pages = (size_t)image->n_pages,
-                 most = (size_t)of->factor * (size_t)image->width * n_pages;
+    const size_t width = (size_t)of->width, n_pages = (size_t)image->n_pages;
+    const uint64_t most = (uint64_t)of->factor * (uint64_t)image->width * n_pages;
     double *sums = NULL;
-    bool done = memory_suffices(3.0 * (double)of->n_bytes, (struct place){NULL, 0, 0}, err,
+    bool done = memory_suffices(3.0 * of->n_bytes, (struct place){NULL, 0, 0}, err,
                                 "a page of %d bands of %dx%d pixels", image->n_pages, of->width,
                                 of->height) &&
                 MAKE_ARRAY(sums, width, err, "a row of a page") &&
                 rows_allocate(&of->rows, most, err) &&
-                (memory_make(&of->samples, of->n_bytes, 1) ||
-                 memory_lacks(err, (double)of->n_bytes, "the pixels of a page"));
+                (memory_make(&of->samples, (uint64_t)of->n_bytes, 1) ||
+                 memory_lacks(err, of->n_bytes, "the pixels of a page"));
     for (int y = 0; done && y < of->height; y++) {
         done = rows_read(&of->rows, y * of->factor, err);
         for (size_t page = 0; done && page < n_pages; page++)
@@ -163,7 +162,7 @@ static void put_stack(const struct stack_page *stack, const char *name, struct p
     unsigned char *differences;
     put_head(to, describe(stack, name, err));
     if (!stack->counts)
-        print_bytes(to, stack->samples, stack->n_bytes);
+        print_bytes(to, stack->samples, (size_t)stack->n_bytes);
     else if (MAKE_ARRAY(differences, 2 * n, err, "the pixels of a page")) {
         for (int page = 0; page < stack->rows.cube.image.n_pages; page++) {
             put_differences((const uint16_t *)stack->samples + (size_t)page * n, n, differences);
