@@ -152,6 +152,20 @@ make_calls() { build_preloaded test/raster/gl/calls.c "$CALLS_LIBRARY" -lOSMesa;
 make_liar() { build_preloaded test/raster/beside/measure/liar.c "$LIAR_LIBRARY" -lOSMesa; }
 make_faults() { build_preloaded test/raster/check/fault.c "$FAULTS" -lOSMesa; }
 
+# Prints the tables of commands and options.
+make_command_table() {
+    compile test/table '-O1 -Werror -fPIE' test/program/command_table.c
+    link test/command_table $objects "$LIBRARY"
+}
+
+# The program under sanitizers: a wrong access and undefined behaviour end it with status 99.
+make_sanitized() (
+    CFLAGS="-g -O1 -fPIE -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
+    find_sources
+    compile test/sanitized "$CFLAGS" $sources "$BUILD/$builtin"
+    link test/spectral-sanitized $objects
+)
+
 make_mutant() { build_mutant mutant $pixel "$mutation"; }
 
 make_mutants() {

@@ -68,7 +68,7 @@ static bool add_samples(struct curves *curves, const char *path, struct error *e
     struct text text;
     if (!text_open(&text, path, NOWHERE, TEXT_XML, err))
         return false;
-    bool done = set_read(text, 0, HUGE_VAL, NULL, &names, err);
+    bool done = set_read(text, 0, HUGE_VAL, NULL, &names, err) && names.n > 0;
     for (int i = 1; done && i <= names.n; i++) {
         struct spectrum sample = {0};
         struct set_names again = {0};

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: MIT
+"""Helps scripts that run the program under sanitizers: the tables of commands and options, files for them to read, and
+runs whose findings are told from refusals."""
+import os
+import re
+import resource
+import shutil
+import subprocess
+import sys
+
+from tap import bail_out
+
+BUILD = os.path.abspath(os.environ.get("BUILD", "build"))
+PROGRAM = os.path.join(BUILD, "test/spectral-sanitized")
+TMP = os.path.join(os.path.abspath(os.environ.get("TEST_TMP", "build/tmp")), os.path.splitext(os.path.basename(sys.argv[0]))[0])
+FOUND = 99  # the status of a finding
+# Mesa keeps memory until the process ends. The program has a handler of its own for a wrong access, which exits with 3.
+ENVIRONMENT = dict(os.environ, TMPDIR=TMP, UBSAN_OPTIONS=f"print_stacktrace=1:exitcode={FOUND}",
+                   ASAN_OPTIONS=f"exitcode={FOUND}:detect_leaks=0:allocator_may_return_null=1:handle_segv=2:use_sigaltstack=0")
+
+
+def tables():
+    """Returns {command: (operands, [option])}. An option is a dictionary."""
+    found = {}
+    for line in subprocess.run([f"{BUILD}/test/command_table"], stdout=subprocess.PIPE, check=True, text=True).stdout.splitlines():
+        row, *words = line.split("\t")
+        if row == "command":
+            options = []
+            found[words[0]] = int(words[1]), options
+        else:
+            usage, kind, lowest, highest, writes, choices = words
+            names = re.findall(r"(?:^|, )(--?[\w-]+)", usage)
+            options.append({"names": names, "value": usage.partition(names[-1])[2].strip(), "kind": kind, "lowest": float(lowest),
+                            "highest": float(highest), "writes": writes == "writes", "choices": choices.split()})
+    return found
+
+
+def limit_files():
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1 << 26, 1 << 26))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def run(words, seconds=120):
+    """Runs the program in TMP. Returns status (None: it took too long), standard output, and the words of standard error."""
+    try:
+        done = subprocess.run([PROGRAM, *words], cwd=TMP, env=ENVIRONMENT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, timeout=seconds, check=False, preexec_fn=limit_files)
+    except subprocess.TimeoutExpired:
+        return None, b"", ""
+    return done.returncode, done.stdout, done.stderr.decode(errors="replace")
+
+
+def finding(status, errors):
+    """Returns whether a sanitizer found something, or a signal ended the program."""
+    return status is not None and (status not in (0, 1, 2, 3) or "runtime error:" in errors or "Sanitizer" in errors)
+
+
+SMALL = "--size", "16x12", "--wavelengths", "500:600:50"
+
+
+def prepare():
+    """Makes TMP anew, with files to read."""
+    shutil.rmtree(TMP, ignore_errors=True)
+    os.makedirs(os.path.join(TMP, "folder"))
+    for words in (["render", "patches", *SMALL, "-q", "-o", "stack.tif"],
+                  ["render", "patches", *SMALL, "-q", "--renderer", "raster", "-o", "other.tif"],
+                  ["render", "patches", "--size", "16x12", "-q", "--sampling", "rgb", "-o", "rgb.tif"],
+                  ["develop", "stack.tif", "-q", "-o", "picture.tif"], ["develop", "stack.tif", "-q", "-o", "picture.png"],
+                  ["render", "patches", *SMALL, "-q", "--part", "1/1", "-o", "part.tif"],
+                  ["show", "patches", "-o", "my.scene"], ["export", "patches", *SMALL, "-o", "exported"]):
+        status, _, errors = run(words)
+        if status != 0:
+            bail_out(" ".join(words), status, errors)
