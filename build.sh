@@ -169,6 +169,7 @@ build() {
     prepare
     find_sources
     find_libraries
+    check_versions
     harden
     compile "obj${small:+-minimal}" "$CFLAGS" $sources "$BUILD/$builtin"
     [ -n "${small:-}" ] || list_commands

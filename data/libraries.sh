@@ -20,6 +20,22 @@ links() {
         $CC $CPPFLAGS $CFLAGS $LDFLAGS -x c - -o "$BUILD/probe" "$@" 2>/dev/null
 }
 
+# macro NAME HEADER prints the value that $CC gives a macro; nothing where it finds no header.
+macro() { printf '#include <%s>\n%s\n' "$2" "$1" | $CC $CPPFLAGS $CFLAGS $language -x c -E -P - 2>/dev/null | tail -n 1; }
+
+# Refuses a compiler that lacks some of C99, and a libtiff that cannot place pages, before either prints many lines.
+check_versions() {
+    case $(macro __clang_major__ limits.h)-$(macro __GNUC__ limits.h) in
+    [0-5]-*) refuse "build.sh: $CC is clang $(macro __clang_major__ limits.h); expected clang 6 or later" ;;
+    __clang_major__-[0-4]) refuse "build.sh: $CC is gcc $(macro __GNUC__ limits.h); expected gcc 5 or later" ;;
+    esac
+    version=$(macro TIFFLIB_VERSION tiffio.h)
+    case $version in
+    20[01]?????) [ "$version" -ge 20191103 ] || refuse "build.sh: libtiff is \
+$(macro TIFFLIB_VERSION_STR tiffio.h | sed 's/.*Version \([0-9.]*\).*/\1/'); expected 4.1 or later" ;;
+    esac
+}
+
 # library_packages prints the packages of the libraries for $GL.
 library_packages() {
     case $GL-$CC in

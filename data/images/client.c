@@ -85,39 +85,33 @@ static toff_t client_size(thandle_t handle)
 }
 
 /* Keeps the first error of libtiff, and prints nothing. Lack of memory is found by errno. */
-static int PRINTF_LIKE(4, 0)
-    keep_error(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
+static void PRINTF_LIKE(3, 0)
+    keep_error(thandle_t handle, const char *module, const char *format, va_list arguments)
 {
-    struct client *client = data;
-    (void)tiff;
+    struct client *client = handle;
     (void)module;
-    if (client->message[0] == '\0' && errno != ENOMEM)
+    if (client && client->message[0] == '\0' && errno != ENOMEM)
         vsnprintf(client->message, sizeof client->message, format, arguments);
-    return 1;
 }
 
 /* Keeps a warning only while samples are decoded: others are about private tags. */
-static int PRINTF_LIKE(4, 0)
-    keep_warning(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
+static void PRINTF_LIKE(3, 0)
+    keep_warning(thandle_t handle, const char *module, const char *format, va_list arguments)
 {
-    const struct client *client = data;
-    return client->decoding ? keep_error(tiff, data, module, format, arguments) : 1;
+    const struct client *client = handle;
+    if (client && client->decoding)
+        keep_error(handle, module, format, arguments);
 }
 
+/* The handlers hold for the whole process, in which nothing else opens a TIFF file: before version
+ * 4.5 libtiff has none for a single file. They get the client of the file. */
 TIFF *client_open(struct client *client, const char *path, const char *mode)
 {
-    const tmsize_t most_bytes = 1 << 30; /* of one allocation; a broken file may ask for more */
     errno = 0;
-    TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
-    if (options == NULL) {
-        client->cause = ENOMEM;
-        return NULL;
-    }
-    TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
-    TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, client);
-    TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, client);
-    TIFF *tiff = TIFFClientOpenExt(path, mode, client, client_read, client_write, client_seek,
-                                   client_close, client_size, NULL, NULL, options);
-    TIFFOpenOptionsFree(options);
-    return tiff;
+    TIFFSetErrorHandler(NULL);
+    TIFFSetWarningHandler(NULL);
+    TIFFSetErrorHandlerExt(keep_error);
+    TIFFSetWarningHandlerExt(keep_warning);
+    return TIFFClientOpen(path, mode, client, client_read, client_write, client_seek, client_close,
+                          client_size, NULL, NULL);
 }

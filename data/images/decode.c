@@ -64,11 +64,27 @@ bool block_is_missing(TIFF *tiff, uint32_t block)
     return TIFFGetStrileOffset(tiff, block) == 0 && TIFFGetStrileByteCount(tiff, block) == 0;
 }
 
+/* Refuses a block that ends behind the file, or for which libtiff needs more memory than is left.
+ */
+static bool block_fits(const struct stored_rows *of, uint32_t block, struct error *err)
+{
+    const struct image_file *file = of->image->file;
+    const uint64_t stored = TIFFGetStrileByteCount(file->tiff, block), bytes = file->client.bytes;
+    if (stored > bytes || TIFFGetStrileOffset(file->tiff, block) > bytes - stored)
+        return image_refuse(of->image, of->page, err, "its pixels end beyond the end of the file");
+    return stored < 1 << 20 ||
+           memory_suffices((double)stored, file->from, err, "%s: a block of its page %d",
+                           of->image->path, of->page + 1);
+}
+
 /* Decodes a tile. One that is missing holds zeros. */
 static bool tile_decode(const struct stored_rows *of, uint32_t x, uint16_t plane, struct error *err)
 {
     TIFF *tiff = of->image->file->tiff;
-    if (!block_is_missing(tiff, TIFFComputeTile(tiff, x, of->first, 0, plane)))
+    const uint32_t tile = TIFFComputeTile(tiff, x, of->first, 0, plane);
+    if (!block_fits(of, tile, err))
+        return false;
+    if (!block_is_missing(tiff, tile))
         return is_decoded(of, TIFFReadTile(tiff, of->tile, x, of->first, 0, plane), err);
     memset(of->tile, 0, (size_t)of->layout.block_bytes);
     return true;
@@ -95,6 +111,8 @@ static bool strip_decode(const struct stored_rows *of, uint16_t plane, char *out
     TIFF *tiff = of->image->file->tiff;
     const uint32_t strip = TIFFComputeStrip(tiff, of->first, plane);
     const size_t bytes = of->n * of->layout.row_bytes;
+    if (!block_fits(of, strip, err))
+        return false;
     if (!block_is_missing(tiff, strip))
         return is_decoded(of, TIFFReadEncodedStrip(tiff, strip, out, (tmsize_t)bytes), err);
     memset(out, 0, bytes);

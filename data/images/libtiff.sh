@@ -47,7 +47,7 @@ find_tiff() {
     version=$(debian_version zlib1g)
     cached zlib zlib "$version" "$key"
     zlib=$library
-    version=$(debian_version libtiff6)
+    version=$(debian_version libtiff-dev)
     cached tiff tiff "$version" "$key"
     tiff=$library
 }

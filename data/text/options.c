@@ -325,13 +325,14 @@ bool options_name_output(struct options *options, const char *path, const char *
  * for each processor. */
 void options_limit_memory(const struct options *options)
 {
-    const uint64_t mib = 1048576, usual_mib = 1024, tile_mib = 300, usual_stack = 8 * mib;
+    const uint64_t mib = 1048576, tile_mib = 300, usual_stack = 8 * mib;
     const long processors = sysconf(_SC_NPROCESSORS_ONLN);
     const uint64_t threads =
         (uint64_t)(options->threads > processors ? options->threads : processors);
     struct rlimit stack;
     const bool known = getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur != RLIM_INFINITY;
-    const uint64_t wanted = options->memory_mib > 0 ? (uint64_t)options->memory_mib : usual_mib;
+    const int usual_mib = 1024;
+    const uint64_t wanted = (uint64_t)(options->memory_mib > 0 ? options->memory_mib : usual_mib);
     memory_limit((wanted + tile_mib) * mib,
                  2 * threads * (known ? (uint64_t)stack.rlim_cur : usual_stack));
 }

@@ -24,7 +24,7 @@ build_fuzzer() {
     need $fuzz_packages
     CC=clang GL=none
     prepare
-    version=$(debian_version libtiff6)
+    version=$(debian_version libtiff-dev)
     key="$(cat data/images/libtiff.sh) $fuzz_sanitizers $($CC -v 2>&1)"
     cached tiff_fuzz tiff "$version" "$key"
     libraries="-fsanitize=fuzzer -L$library -ltiff -ldeflate -ljbig -ljpeg -lLerc -llzma -lwebp -lzstd -lz -lm"

@@ -4,13 +4,13 @@
  * form; libtiff writes it here, tifffile writes it in test/data/images/images.py, and the program
  * writes it itself. Files that are broken, cut short or of another kind are refused. */
 #include <fcntl.h>
-#include <tiffio.h>
 
 #include "bytes.h"
 #include "data/base/inside.h"
 #include "data/images/images.h"
 #include "data/stack/stack.h"
 #include "spectral.h"
+#include "tiff.h"
 
 enum { WIDTH = 37, HEIGHT = 29, PAGES = 3, PIXELS = WIDTH * HEIGHT };
 
@@ -130,7 +130,7 @@ static bool write_page(TIFF *tiff, const struct variant *v, int page)
 static bool write_pages(const struct variant *variants, int n)
 {
     unlink(path);
-    TIFF *tiff = TIFFOpen(path, variants[0].mode != NULL ? variants[0].mode : "w");
+    TIFF *tiff = tiff_open(path, variants[0].mode != NULL ? variants[0].mode : "w");
     bool good = tiff != NULL;
     for (int page = 0; good && page < n; page++)
         good = write_page(tiff, &variants[page], page);
@@ -270,7 +270,7 @@ static void read_rows(const struct variant *v, void *row, float *seen)
 {
     struct image image;
     struct error err = {0};
-    TIFF *tiff = TIFFOpen(path, "w");
+    TIFF *tiff = tiff_open(path, "w");
     set_tags(tiff, v);
     for (int y = 0; y < v->height; y++)
         TIFFWriteScanline(tiff, row, (uint32_t)y, 0);
@@ -559,7 +559,7 @@ static void test_swapped_strips(void)
     size_t length;
     CHECK(write_pages(&v, 1), "two strips are written");
     unsigned char *bytes = bytes_read(path, &length);
-    TIFF *tiff = TIFFOpen(path, "r");
+    TIFF *tiff = tiff_open(path, "r");
     const uint64_t at[2] = {TIFFGetStrileOffset(tiff, 0), TIFFGetStrileOffset(tiff, 1)};
     CHECK(at[1] == at[0] + FIRST && length > 0, "the second strip follows the first");
     TIFFClose(tiff);

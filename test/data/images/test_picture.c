@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures have the same bytes however their rows come. develop.py compares their samples, texts
  * and profiles with other programs, and writes to pipes. */
-#include <tiffio.h>
 
 #include "data/files/files.h"
 #include "data/images/images.h"
 #include "spectral.h"
 #include "test.h"
+#include "tiff.h"
 
 static const unsigned char profile[] = "a profile of an odd number of bytes!!";
 
@@ -127,7 +127,7 @@ static void test_big(int bits, int size)
     writer.row = size - 1;
     done = done && write_rows(&writer, 1, &err) && picture_commit(&writer, NULL, &err);
     CHECK(done, "a picture above 4 GiB is written %s", err.text);
-    TIFF *tiff = done ? TIFFOpen(path, "r") : NULL;
+    TIFF *tiff = done ? tiff_open(path, "r") : NULL;
     CHECK(tiff != NULL && TIFFIsBigTIFF(tiff), "it is a BigTIFF");
     float *row = tiff != NULL ? malloc((size_t)TIFFScanlineSize64(tiff)) : NULL;
     for (int page = 0; row != NULL && page < (bits == 32 ? 3 : 1); page++) {

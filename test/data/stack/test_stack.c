@@ -2,13 +2,13 @@
 /* Reads stacks back: their tags, and where each page lies, with libtiff, and each sample from the
  * bytes there. */
 #include <fcntl.h>
-#include <tiffio.h>
 
 #include "bytes.h"
 #include "data/base/inside.h"
 #include "data/images/images.h"
 #include "data/stack/stack.h"
 #include "spectral.h"
+#include "tiff.h"
 
 enum { WIDTH = 7, HEIGHT = 5, PAGES = 4 };
 static const double wavelengths[PAGES] = {300, 305, 452.5, 760};
@@ -106,7 +106,7 @@ struct layout {
 static struct layout layout_of(const char *path)
 {
     struct layout layout = {0};
-    TIFF *tiff = TIFFOpen(path, "r");
+    TIFF *tiff = tiff_open(path, "r");
     test_need(tiff != NULL, "libtiff does not open the stack");
     do {
         layout.offset[layout.n_pages] = TIFFGetStrileOffset(tiff, 0);
@@ -200,7 +200,7 @@ static void test_later_page(TIFF *tiff)
 
 static void test_tags(const char *path)
 {
-    TIFF *tiff = TIFFOpen(path, "r");
+    TIFF *tiff = tiff_open(path, "r");
     if (!CHECK(tiff != NULL, "libtiff opens the stack"))
         return;
     test_first_page(tiff);
@@ -288,7 +288,7 @@ static void test_float(void)
     const char *text = "", *path = "stack_float.tif";
     CHECK(stack_open(&writer, path, &options, &err) && finish(&writer, "", &err),
           "a stack of floats is written");
-    TIFF *tiff = TIFFOpen(path, "r");
+    TIFF *tiff = tiff_open(path, "r");
     if (!CHECK(tiff != NULL, "libtiff opens it"))
         return;
     CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text) &&
