@@ -72,6 +72,7 @@ make_folder() {
 prepare() {
     make_folder
     need $(compiler_packages)
+    round_sums
     [ "$kind" != -live ] || add_module
     make_builtin
 }

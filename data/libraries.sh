@@ -36,6 +36,17 @@ $(macro TIFFLIB_VERSION_STR tiffio.h | sed 's/.*Version \([0-9.]*\).*/\1/'); exp
     esac
 }
 
+# Adds the options by which $CC rounds sums to float and double. With the wider ones of some processors pictures would
+# differ, and the sources refuse to be compiled: x86 of 32 bits needs the first, s390x the second, for its floats.
+round_sums() {
+    for option in '' '-msse2 -mfpmath=sse' -fexcess-precision=fast; do
+        if [ "$(CFLAGS="$CFLAGS $option" macro FLT_EVAL_METHOD float.h)" = 0 ]; then
+            language="$language $option"
+            return
+        fi
+    done
+}
+
 # library_packages prints the packages of the libraries for $GL.
 library_packages() {
     case $GL-$CC in

@@ -78,7 +78,7 @@ build_for_valgrind() {
     find_static_libraries
     parts=$(versions $static_packages)
     compile obj-static "$CFLAGS" $sources "$BUILD/builtin.c"
-    libraries="-Wl,-Bstatic $(echo "$libraries" | sed 's/-static-pie//; s/-lm$/-Wl,-Bdynamic -lm/')"
+    libraries="-Wl,-Bstatic $(echo "$libraries" | sed 's/-static-pie\|-static -no-pie//; s/-lm$/-Wl,-Bdynamic -lm/')"
     link sanitize/valgrind $objects
 }
 

@@ -17,7 +17,9 @@ find_static_libraries() {
     find_sources
     CFLAGS="$CFLAGS $hardening -ffunction-sections -fdata-sections -isystem $osmesa/include
         -DOSMESA_VERSION=\"${osmesa_version%%-*}\""
-    libraries="-static-pie -Wl,--gc-sections,-z,relro,-z,now,-z,noexecstack
+    static=-static-pie
+    case $($CC -dumpmachine) in i?86-*) static='-static -no-pie' ;; esac # its libc.a is for one place in memory
+    libraries="$static -Wl,--gc-sections,-z,relro,-z,now,-z,noexecstack
         -Wl,-u,pthread_mutexattr_init,-u,pthread_mutexattr_settype,-u,pthread_mutexattr_destroy
         $(printf ' -Wl,--defsym=jbg_%s=abort' dec_free dec_getimage dec_getsize dec_in dec_init enc_free \
             enc_init enc_out newlen strerror)
