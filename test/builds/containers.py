@@ -1,11 +1,13 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: release; packages: debootstrap buildah python3-numpy python3-tifffile; makes: static
-"""Runs the first commands of README, ./build.sh run and ./build.sh test, in fresh Debian systems, and prints their seconds and
-what they install: versions 12 and 13, and unstable, which has no OSMesa. Runs the program in a container of the recipe among
+"""Runs the first command of README, ./build.sh run, in fresh Debian systems, and prints its seconds and what it installs:
+versions 11, 12 and 13, unstable, which has no OSMesa, and 12 for x86 of 32 bits. There the program draws the golden bytes,
+and agrees with OpenGL in all scenes of `verify`; ./build.sh test passes on three. Debian 11 stands for systems with libtiff
+4.2 or later and gcc 10, such as Ubuntu 22.04 (4.3, gcc 11) and RHEL 9 (4.4, gcc 11). Runs the program in a container of the recipe among
 the samples, and in a system without any OpenGL, with EGL's library but no driver, and with EGL and Mesa's drivers. Makes the
 systems by debootstrap, as root, from the mirror that this system uses. Words behind the script are suites: those systems
-alone. Prints TAP."""
+alone, such as bullseye or bookworm:i386. Prints TAP."""
 import glob
 import os
 import re
@@ -19,7 +21,9 @@ from rendered import SPECTRAL, bail_out, check, done
 from tap import skip_all
 
 RENDER = ("render", "patches", "--size", "60x40", "-o", "/tmp/stack.tif")
-SUITES = "bookworm", "trixie", "unstable"
+SUITES = "bullseye", "bookworm", "bookworm:i386", "trixie", "unstable"
+KNOWN = {"bullseye": {"hard/shadow-at-vertex"}}  # what Mesa draws wrongly there: no number where a light stands at a vertex
+TESTED = "bookworm", "trixie", "unstable"  # by the first level, whose packages older systems lack
 
 
 def mirror():
@@ -75,20 +79,27 @@ def system_of(suite, folder, *options):
 
 def fresh(suite):
     """The first commands of a new user, and of a new contributor."""
-    folder = tempfile.mkdtemp(prefix=f"spectral-{suite}-")
+    name, _, machine = suite.partition(":")
+    folder = tempfile.mkdtemp(prefix=f"spectral-{name}-")
     try:
-        system_of(suite, folder)
+        system_of(name, folder, *[f"--arch={machine}"] if machine else [])
         archive = subprocess.run(["git", "archive", "HEAD"], check=True, stdout=subprocess.PIPE).stdout
         os.makedirs(folder + "/src")
         subprocess.run(["tar", "x", "-C", folder + "/src"], input=archive, check=True)
         subprocess.run(["mount", "-t", "proc", "proc", folder + "/proc"], check=True)
-        for words in "run", "test":
+        verify = "build/spectral verify"
+        golden = "SPECTRAL=build/spectral test/builds/golden.sh"
+        for words in ["./build.sh run", verify, golden] + ["./build.sh test"] * (suite in TESTED):
             begun = time.monotonic()
-            result = inside(folder, "sh", "-c", f"cd /src && ./build.sh {words} </dev/null")
-            check(result.returncode == 0, f"{suite}: ./build.sh {words}", result.stdout[-3000:], result.stderr[-3000:])
+            result = inside(folder, "sh", "-c", f"cd /src && {words} </dev/null")
+            wrong = set(re.findall(r"^  (\S+) +(?:differs|not verified)", result.stdout, re.MULTILINE))
+            known = words == verify and result.returncode == 1 and wrong == KNOWN.get(suite)
+            check(result.returncode == 0 or known, f"{suite}: {words}", result.stdout[-3000:], result.stderr[-3000:])
             print(f"# {suite}: {words}: {time.monotonic() - begun:.0f} s;",
                   *re.findall("^installing ([^:]*)|^([0-9]+ passed.*)", result.stdout, re.MULTILINE), flush=True)
-            if words == "run":
+            if words == verify:
+                print("#", *result.stdout.splitlines()[-1:])
+            if words == "./build.sh run":
                 check("warning:" not in result.stderr and "verdict           agreed" in result.stdout,
                       f"{suite}: the compiler warns of nothing, and the picture agrees", result.stderr)
     finally:

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Helps scripts that run the program under sanitizers: the tables of commands and options, files for them to read, and
-runs whose findings are told from refusals."""
+runs that separate findings from refusals."""
 import os
 import re
 import resource
