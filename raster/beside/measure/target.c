@@ -50,11 +50,15 @@ static void set_lighting(const struct target *target, enum target_mode mode, dou
 static void point_arrays(const struct target *target, const struct target_corner *corners)
 {
     const struct gl_functions *call = target->call;
-    const char *at = (const char *)corners;
-    call->VertexPointer(3, GL_FLOAT, sizeof *corners, at);
-    call->ColorPointer(3, GL_FLOAT, sizeof *corners, at + offsetof(struct target_corner, colour));
-    call->NormalPointer(GL_FLOAT, sizeof *corners, at + offsetof(struct target_corner, normal));
-    call->TexCoordPointer(2, GL_FLOAT, sizeof *corners, at + offsetof(struct target_corner, s_t));
+    const uintptr_t at = (uintptr_t)corners; /* or 0: OpenGL takes offsets into the bound buffer */
+    const GLsizei step = sizeof *corners;
+    call->VertexPointer(3, GL_FLOAT, step, (const void *)at);
+    call->ColorPointer(3, GL_FLOAT, step,
+                       (const void *)(at + offsetof(struct target_corner, colour)));
+    call->NormalPointer(GL_FLOAT, step,
+                        (const void *)(at + offsetof(struct target_corner, normal)));
+    call->TexCoordPointer(2, GL_FLOAT, step,
+                          (const void *)(at + offsetof(struct target_corner, s_t)));
 }
 
 /* ---- by shaders ---- */
