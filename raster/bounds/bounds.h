@@ -84,7 +84,7 @@ struct texel_point { /* in texels, with bounds */
     double place[TEXEL_PLACE];
     float e_place[TEXEL_PLACE];
     float e_weights; /* texel_weights_error */
-    double other;    /* OpenGL may take this level of detail instead; or it is place[DETAIL] */
+    double other; /* OpenGL may take this level of detail instead; or it is place[PLACE_DETAIL] */
 };
 /* Bounds the errors of the weights of four texels, in all. They are products of two weights, and
  * round to the same steps as these. Errors that add up to 0 move a mix by half of this times the

@@ -54,8 +54,8 @@ int texel_choices(const struct texels *texels, const struct texel_point *at,
     out[0] = *at;
     if (texels->n_levels > 1) {
         out[1] = *at;
-        out[1].place[DETAIL] = at->other;
-        return at->other == at->place[DETAIL] ? 1 : 2;
+        out[1].place[PLACE_DETAIL] = at->other;
+        return at->other == at->place[PLACE_DETAIL] ? 1 : 2;
     }
     if (texels->linear || e_u >= 0.5 || e_v >= 0.5)
         return 1;
@@ -139,12 +139,13 @@ static void find_slope(const struct texels *texels, const struct texel_point *at
                  d = (double)high[right] - (double)high[left] - b,
                  largest = larger(larger(a, a + b), larger(a + c, (double)high[right])),
                  least = -larger(larger(-a, -a - b), larger(-a - c, -(double)high[right]));
-    out->slope[ACROSS] = b + d * u_v[1];
-    out->slope[UP] = c + d * u_v[0];
-    out->slope[DETAIL] = 0;
+    out->slope[PLACE_ACROSS] = b + d * u_v[1];
+    out->slope[PLACE_UP] = c + d * u_v[0];
+    out->slope[PLACE_DETAIL] = 0;
     out->rest = fabs(d) * e_u * e_v + roundings(MIX_ROUNDINGS) * largest +
                 (double)at->e_weights * (largest - least) / 2;
-    out->error = fabs(out->slope[ACROSS]) * e_u + fabs(out->slope[UP]) * e_v + out->rest;
+    out->error =
+        fabs(out->slope[PLACE_ACROSS]) * e_u + fabs(out->slope[PLACE_UP]) * e_v + out->rest;
 }
 
 /* A texture of one level. */
@@ -207,8 +208,8 @@ void texel_detail(const struct texels *texels, const struct driver *driver, doub
     const bool is_step = driver->detail.logarithm == LOGARITHM_TABLE && error > 0 &&
                          range[1] - range[0] < table_step,
                is_end = error == 0 && (detail == 0 || detail == texels->n_levels - 1);
-    at->place[DETAIL] = at->other = detail;
-    at->e_place[DETAIL] = (float)(is_end ? 0 : (is_step ? 0 : error) + rounding);
+    at->place[PLACE_DETAIL] = at->other = detail;
+    at->e_place[PLACE_DETAIL] = (float)(is_end ? 0 : (is_step ? 0 : error) + rounding);
     if (is_step)
         at->other = detail > range[0] ? range[0] : range[1];
 }
@@ -236,8 +237,8 @@ static void value_in(const struct texels *texels, const struct texel_point *at, 
         there.e_place[i] = (float)(filter + ((double)at->e_place[i] - filter) * share[i]);
     }
     level_value(&level, &there, largest, out);
-    out->slope[ACROSS] *= share[ACROSS];
-    out->slope[UP] *= share[UP];
+    out->slope[PLACE_ACROSS] *= share[PLACE_ACROSS];
+    out->slope[PLACE_UP] *= share[PLACE_UP];
 }
 
 /* Returns the largest error if OpenGL takes level of detail x. */
@@ -255,7 +256,8 @@ static void join_slopes(const struct levels *of, const struct texel_point *at,
                         struct texel_value *out)
 {
     const struct texel_value *fine = of->values, *coarse = fine + 1;
-    const double share = at->place[DETAIL] - of->first, e_detail = (double)at->e_place[DETAIL];
+    const double share = at->place[PLACE_DETAIL] - of->first,
+                 e_detail = (double)at->e_place[PLACE_DETAIL];
     out->is_straight = of->last - of->first == 1 && fine->is_straight && coarse->is_straight;
     if (!out->is_straight)
         return;
@@ -265,7 +267,7 @@ static void join_slopes(const struct levels *of, const struct texel_point *at,
         out->slope[i] = (1 - share) * fine->slope[i] + share * coarse->slope[i];
         out->rest += e_detail * fabs(coarse->slope[i] - fine->slope[i]) * (double)at->e_place[i];
     }
-    out->slope[DETAIL] = coarse->value - fine->value;
+    out->slope[PLACE_DETAIL] = coarse->value - fine->value;
 }
 
 /* The value is continuous and piecewise linear in the level of detail: its error is largest at an
@@ -273,13 +275,13 @@ static void join_slopes(const struct levels *of, const struct texel_point *at,
 static void mipmap_value(const struct texels *texels, const struct texel_point *at, double largest,
                          struct texel_value *out)
 {
-    if (at->e_place[DETAIL] == 0) { /* an end of the pyramid */
-        value_in(texels, at, (int)at->place[DETAIL], largest, out);
+    if (at->e_place[PLACE_DETAIL] == 0) { /* an end of the pyramid */
+        value_in(texels, at, (int)at->place[PLACE_DETAIL], largest, out);
         return;
     }
-    const double e_detail = (double)at->e_place[DETAIL], last = texels->n_levels - 1,
-                 low = fmin(fmax(0, at->place[DETAIL] - e_detail), last),
-                 high = fmin(at->place[DETAIL] + e_detail, last);
+    const double e_detail = (double)at->e_place[PLACE_DETAIL], last = texels->n_levels - 1,
+                 low = fmin(fmax(0, at->place[PLACE_DETAIL] - e_detail), last),
+                 high = fmin(at->place[PLACE_DETAIL] + e_detail, last);
     struct levels levels = {.first = (int)fmin(floor(low), last - 1)};
     levels.last = (int)fmax(ceil(high), levels.first + 1);
     double most = 0;

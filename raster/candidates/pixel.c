@@ -419,8 +419,8 @@ static double value_error(const struct bounded_pixel *pixel, double *largest)
     *largest = 1;
     if (instance->varied) {
         *largest = texture->largest;
-        e_value = (double)e_place[ACROSS] + (double)e_place[UP];
-        e_value += instance->texels.n_levels > 1 ? (double)e_place[DETAIL] : 0;
+        e_value = (double)e_place[PLACE_ACROSS] + (double)e_place[PLACE_UP];
+        e_value += instance->texels.n_levels > 1 ? (double)e_place[PLACE_DETAIL] : 0;
         e_value = fmin(1, e_value) * *largest;
     } else if (instance->textured) {
         struct texel_value value;

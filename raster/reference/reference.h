@@ -137,7 +137,7 @@ bool scan_triangle(const struct screen_triangle *triangle, const struct rectangl
 /* shade.c, texel.c: a pixel keeps pixel_rows numbers, `stride` apart: the weight of each term times
  * the texture; or, where that varies, the weights and the place in it: in texels of level 0, and
  * with mipmaps the level of detail. */
-enum { ACROSS, UP, DETAIL, TEXEL_PLACE };
+enum { PLACE_ACROSS, PLACE_UP, PLACE_DETAIL, TEXEL_PLACE };
 void shade(const struct view *view, const struct screen_triangle *triangle, const double share[3],
            double *attributes, struct light_work *work);
 int pixel_rows(const struct instance *instance);

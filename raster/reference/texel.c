@@ -43,8 +43,8 @@ static double level_at(const struct texels *texels, int k, const double place[2]
 {
     const struct texels level = texel_level(texels, k);
     double offset = texels->linear ? 0.5 : 0,
-           x = place[ACROSS] * ((double)level.width / texels->width) - offset,
-           y = place[UP] * ((double)level.height / texels->height) - offset;
+           x = place[PLACE_ACROSS] * ((double)level.width / texels->width) - offset,
+           y = place[PLACE_UP] * ((double)level.height / texels->height) - offset;
     const size_t width = (size_t)level.width, left = texel_wrapped(floor(x), level.width),
                  right = texel_wrapped(floor(x) + 1, level.width);
     const float *low = level.values + width * texel_wrapped(floor(y), level.height),
@@ -58,8 +58,8 @@ static double level_at(const struct texels *texels, int k, const double place[2]
 /* The value of the texture; with mipmaps, a mix of two levels. */
 double texel_at(const struct texels *texels, const double place[TEXEL_PLACE])
 {
-    const int k = texels->n_levels > 1 ? (int)place[DETAIL] : 0;
-    const double share = texels->n_levels > 1 ? place[DETAIL] - k : 0;
+    const int k = texels->n_levels > 1 ? (int)place[PLACE_DETAIL] : 0;
+    const double share = texels->n_levels > 1 ? place[PLACE_DETAIL] - k : 0;
     const double value = level_at(texels, k, place);
     return share > 0 ? mix(value, level_at(texels, k + 1, place), share) : value;
 }

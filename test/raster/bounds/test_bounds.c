@@ -125,15 +125,16 @@ static double texel_ratio(const struct texels *texels, const struct texel_point 
                      (i < 8 ? (i >> k & 1 ? 0.999 : -0.999) : test_random(state, -1, 1));
             place[k] = at->place[k] + off[k];
         }
-        place[DETAIL] = fmin(fmax(0, place[DETAIL]), texels->n_levels - 1);
-        off[DETAIL] = place[DETAIL] - at->place[DETAIL];
+        place[PLACE_DETAIL] = fmin(fmax(0, place[PLACE_DETAIL]), texels->n_levels - 1);
+        off[PLACE_DETAIL] = place[PLACE_DETAIL] - at->place[PLACE_DETAIL];
         const double seen = texel_at(texels, place);
         worst = fmax(worst, fabs(seen - value->value) / value->error);
         if (value->is_straight)
-            worst =
-                fmax(worst, fabs(seen - value->value - value->slope[ACROSS] * off[ACROSS] -
-                                 value->slope[UP] * off[UP] - value->slope[DETAIL] * off[DETAIL]) /
-                                value->rest);
+            worst = fmax(worst,
+                         fabs(seen - value->value - value->slope[PLACE_ACROSS] * off[PLACE_ACROSS] -
+                              value->slope[PLACE_UP] * off[PLACE_UP] -
+                              value->slope[PLACE_DETAIL] * off[PLACE_DETAIL]) /
+                             value->rest);
     }
     return worst;
 }
@@ -169,8 +170,9 @@ static void check_texels(bool linear, int n_levels, double widest)
             at.e_place[k] = (float)pow(10, test_random(&state, -3, log10(widest)));
         }
         if (n_levels > 1) {
-            at.place[DETAIL] = test_random(&state, 0, n_levels - 1);
-            at.e_place[DETAIL] = (float)pow(10, test_random(&state, -3, log10(fmin(2, widest))));
+            at.place[PLACE_DETAIL] = test_random(&state, 0, n_levels - 1);
+            at.e_place[PLACE_DETAIL] =
+                (float)pow(10, test_random(&state, -3, log10(fmin(2, widest))));
         }
         texel_value(&texels, &at, 1, &value);
         const double ratio = value.error > 0 ? texel_ratio(&texels, &at, &value, &state) : 0;
@@ -253,9 +255,9 @@ static void check_detail(void)
         }
         texel_detail(&texels, &driver, steps, errors, &at);
         const double detail = detail_of(&driver.detail, texels.n_levels, seen),
-                     e = (double)at.e_place[DETAIL];
-        missed += fabs(detail - at.place[DETAIL]) > e && fabs(detail - at.other) > e;
-        pairs += at.other != at.place[DETAIL];
+                     e = (double)at.e_place[PLACE_DETAIL];
+        missed += fabs(detail - at.place[PLACE_DETAIL]) > e && fabs(detail - at.other) > e;
+        pairs += at.other != at.place[PLACE_DETAIL];
         widest = fmax(widest, e);
     }
     for (int i = 0; i < DETAIL_RULES; i++) {
@@ -265,7 +267,7 @@ static void check_detail(void)
         struct texel_point at = {.e_weights = 0};
         driver.detail = detail_rule(i);
         texel_detail(&texels, &driver, steps, errors, &at);
-        widest_any = fmin(widest_any, at.place[DETAIL] + (double)at.e_place[DETAIL]);
+        widest_any = fmin(widest_any, at.place[PLACE_DETAIL] + (double)at.e_place[PLACE_DETAIL]);
     }
     CHECK(widest_any >= texels.n_levels - 1, "a step without a bound may lead to any level");
     if (!CHECK(missed == 0 && pairs > 100 && pairs < TRIALS / 10 && widest < 0.01,

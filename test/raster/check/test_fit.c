@@ -93,8 +93,8 @@ static void draw_pixel(struct bench *bench, uint64_t *state)
     }
     for (int i = n; i < n + TEXEL_PLACE && textured; i++) {
         double error = pow(10, test_random(state, -6, -2));
-        bench->rows[i] =
-            (i - n == DETAIL ? bench->texture.n_levels - 1 : SIDE) * test_random(state, 0.02, 0.98);
+        bench->rows[i] = (i - n == PLACE_DETAIL ? bench->texture.n_levels - 1 : SIDE) *
+                         test_random(state, 0.02, 0.98);
         bench->errors[i] = (float)error;
         bench->off[i] = test_random(state, -error, error);
     }

@@ -468,10 +468,11 @@ static FILE *open_mesh(struct eye_view view)
     fprintf(file, " near %.17g far %.17g eye 0 0 0 look 0 0 -1\n", view.scale, 33 * view.scale);
     fprintf(file, "ambient 1 0.1\nlight 1 1 position %g %g %g\nlight d65 1 direction 1 2 3\n",
             5 * view.scale, 7 * view.scale, 9 * view.scale);
-    fprintf(file,
-            "material m { diffuse 1 gloss 9 spectral-texture builtin:textures/picture.tif linear }"
-            "\nobject mesh reference.obj material m two-sided scale %.17g\n",
-            view.scale);
+    fprintf(
+        file,
+        "material m { diffuse 1 gloss 9 spectral-texture builtin:textures/picture.tif bilinear }"
+        "\nobject mesh reference.obj material m two-sided scale %.17g\n",
+        view.scale);
     fclose(file);
     file = fopen("reference.obj", "w");
     test_need(file != NULL, "no mesh can be written");
