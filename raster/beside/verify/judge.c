@@ -107,26 +107,75 @@ bool targets_measure(const char *folder, struct driver *out, struct error *err)
     return done;
 }
 
-/* Finds the first rule with which the targets agree where it may be off by so much, and then by how
- * much it is. */
+/* Keeps a rule if it leaves less of the targets than the best one so far, as a sum of squares. */
+static bool try_rule(struct targets *of, struct driver *driver, const struct detail_rule *rule,
+                     struct detail_rule *best, double *least, struct error *err)
+{
+    bool agrees;
+    driver->detail = *rule;
+    if (!try_driver(of, driver, &agrees, err))
+        return false;
+    if (of->result.check.samples.sum_of_squares < *least) {
+        *least = of->result.check.samples.sum_of_squares;
+        *best = *rule;
+    }
+    return true;
+}
+
+enum { CORNERS = 8 };
+
+/* Tries all corners and pairs of rows with the norm and the logarithm of a rule; or all of these
+ * with its corner and rows. */
+static bool try_rules(struct targets *of, struct driver *driver, bool corners,
+                      struct detail_rule *best, double *least, struct error *err)
+{
+    const struct detail_rule from = *best;
+    bool done = true;
+    for (int i = 0; i < (corners ? CORNERS : DETAIL_RULES) && done; i += corners ? 1 : CORNERS) {
+        struct detail_rule rule = detail_rule(i);
+        if (corners) {
+            rule.largest = from.largest;
+            rule.logarithm = from.logarithm;
+        } else {
+            rule.right = from.right;
+            rule.lower = from.lower;
+            rule.first_row = from.first_row;
+        }
+        done = try_rule(of, driver, &rule, best, least, err);
+    }
+    return done;
+}
+
+/* Finds the rule that fits the targets best: a corner, then a norm and a logarithm, which those of
+ * a driver that is known by its name are, and the corner again. Bounds are wide meanwhile. */
+static bool find_rule(struct targets *of, struct driver *driver, struct error *err)
+{
+    struct detail_rule best = driver->detail;
+    double least = HUGE_VAL;
+    driver->detail_error = -1;
+    const bool done = try_rules(of, driver, true, &best, &least, err) &&
+                      (!driver->is_measured || (try_rules(of, driver, false, &best, &least, err) &&
+                                                try_rules(of, driver, true, &best, &least, err)));
+    driver->detail = best;
+    return done;
+}
+
+/* A known driver follows its own rule. Another one may be off it by twice the first of these with
+ * which the targets agree. */
 static bool find_detail(struct targets *of, struct driver *driver, struct error *err)
 {
-    static const double errors[] = {0.02, 0.006, 1e-4};
-    bool agrees = false;
-    driver->detail_error = errors[0];
-    for (int i = 0; i < DETAIL_RULES && !agrees; i++) {
-        driver->detail = detail_rule(i);
-        if (!try_driver(of, driver, &agrees, err))
-            return false;
-    }
-    double least = agrees ? errors[0] : -0.5;
-    for (size_t i = 1; i < sizeof errors / sizeof *errors && agrees; i++) {
+    static const double errors[] = {0.006, 0.02};
+    bool agrees = !driver->is_measured;
+    double error = 0;
+    if (!find_rule(of, driver, err))
+        return false;
+    for (size_t i = 0; i < sizeof errors / sizeof *errors && !agrees; i++) {
         driver->detail_error = errors[i];
         if (!try_driver(of, driver, &agrees, err))
             return false;
-        least = agrees ? errors[i] : least;
+        error = 2 * errors[i];
     }
-    driver->detail_error = 2 * least; /* targets do not show the largest error there is */
+    driver->detail_error = agrees ? error : -1;
     return true;
 }
 

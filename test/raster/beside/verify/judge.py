@@ -125,8 +125,10 @@ def measured(scene):
     bounds = {}
     for steps in (0, 1, 4):
         moved = write(f"moved-{steps}.c", source.replace("    load_matrix(GL_PROJECTION, scene.projection);", f"""
-            scene.projection[3] += {steps} / 16.0 / scene.width;
-            scene.projection[7] -= {steps} / 16.0 / scene.height;
+            for (int i = 0; i < 4; i++) {{
+                scene.projection[i] += {steps} / 16.0 / scene.width * scene.projection[12 + i];
+                scene.projection[4 + i] -= {steps} / 16.0 / scene.height * scene.projection[12 + i];
+            }}
             load_matrix(GL_PROJECTION, scene.projection);"""))
         program = path_of(f"moved-{steps}")
         subprocess.run([os.environ.get("CC", "cc"), "-D_POSIX_C_SOURCE=200809L", moved, "-o", program, "-lEGL", "-lGL", "-lm"], check=True)
