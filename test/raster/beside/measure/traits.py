@@ -56,6 +56,9 @@ def known_drivers():
         check(traits["provoking_corner"] == 3 and not traits["clamps_colours"] and traits["filter_texels"] < 1e-6 and
               traits["value_px"] < 1e-4 and traits["normal_roundings"] < 26 and traits["pixels_that_vary_between_passes"] == 0,
               f"{name}: the last corner, no clamp, no steps of filters or corners, equal passes", traits)
+        detail = bounds.pop("detail")
+        check(1e-4 <= detail < (2e-4 if expected["watertight"] else 0.006) and traits["pixels_that_vary_in_detail"] == 0,
+              f"{name}: its level of detail is known to twice what its rule leaves", detail)
         check(bounds == {**expected, "value_px": 0, "filter_texels": 0, "lighting": 1}, f"{name}: the bounds are those that the program has for it", bounds)
 
 
