@@ -195,7 +195,7 @@ static bool block_value(struct text *text, struct word *out, const char *what, s
 /* Reads one of some words (NULL ends them), if one of them follows: *out is its number, otherwise
  * 0.
  */
-static bool read_either(struct text *text, const char *const words[], int *out, struct place open,
+static bool read_choice(struct text *text, const char *const words[], int *out, struct place open,
                         struct error *err)
 {
     struct text before = *text;
@@ -240,9 +240,8 @@ static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", 
 
 static bool block_entry(struct text *text, int kind, struct material *out, struct error *err)
 {
-    static const char *const sorts[] = {"shares", "densities", NULL}, *const filters[] = {
-                                                                          "nearest", "linear",
-                                                                          "bilinear", NULL};
+    static const char *const sorts[] = {"shares", "densities", NULL};
+    static const char *const filters[] = {"nearest", "linear", "bilinear", NULL};
     struct word word;
     int chosen;
     if (kind != BLOCK_END && !block_value(text, &word, block_values[kind], out->place, err))
@@ -259,7 +258,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
                read_emission(text, out, err);
     case BLOCK_DONALDSON:
         if (!word_file(&word, FILE_KINDS, &out->donaldson, err) ||
-            !read_either(text, sorts, &chosen, out->place, err))
+            !read_choice(text, sorts, &chosen, out->place, err))
             return false;
         out->densities = chosen == 1;
         return true;
@@ -268,7 +267,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         free(out->texture);
         out->spectral_texture = kind == BLOCK_SPECTRAL_TEXTURE;
         if (!word_file(&word, FILE_TEXTURE, &out->texture, err) ||
-            !read_either(text, filters, &chosen, out->place, err))
+            !read_choice(text, filters, &chosen, out->place, err))
             return false;
         out->texture_filter = (enum texture_filter)chosen;
         return true;

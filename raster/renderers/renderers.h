@@ -25,7 +25,8 @@ struct detail_rule {
     bool largest;      /* the largest component of the steps counts; otherwise their length */
     enum detail_logarithm logarithm;
 };
-/* The rules that a driver that is not known may follow. */
+/* The rules that a driver that is not known may follow: eight corners and pairs of rows, for each
+ * of two norms, for each logarithm. */
 enum { DETAIL_RULES = 4 * 2 * 2 * 3 };
 struct detail_rule detail_rule(int i);
 /* The pixels whose centres a rule looks at: x[i], y[i]; steps run from the first to the others. */

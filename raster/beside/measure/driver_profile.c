@@ -77,9 +77,8 @@ static double largest_depth_error(const struct traits *traits)
 
 static void describe_traits(const struct traits *of, struct trait row[ROWS])
 {
-    static const char *const corners[3] = {"first", "second", "last"}, *const logarithms[3] = {
-                                                                           "exact", "linear",
-                                                                           "256 steps"};
+    static const char *const corners[3] = {"first", "second", "last"};
+    static const char *const logarithms[3] = {"exact", "linear", "256 steps"};
     const struct detail_rule *rule = &of->detail;
     const char *corner = rule->lower   ? rule->right ? "lower right" : "lower left"
                          : rule->right ? "upper right"

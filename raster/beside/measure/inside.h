@@ -27,8 +27,8 @@ struct traits {
     bool clamps;          /* colours above 1, although clamps are switched off */
     double power_error, power_ratio; /* of highlights: relative; as a multiple of its bound */
     double normal_roundings;         /* of diffuse light under GL_NORMALIZE */
-    /* detail_target.c: the rule for the level of detail that fits best, and what it leaves; pixels that
-     * differ when they are drawn again */
+    /* detail_target.c: the rule for the level of detail that fits best, and the error that it
+     * leaves; pixels that differ when they are drawn again */
     struct detail_rule detail;
     double detail_residual;
     long detail_changes;

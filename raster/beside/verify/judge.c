@@ -107,57 +107,31 @@ bool targets_measure(const char *folder, struct driver *out, struct error *err)
     return done;
 }
 
-/* Keeps a rule if it leaves less of the targets than the best one so far, as a sum of squares. */
-static bool try_rule(struct targets *of, struct driver *driver, const struct detail_rule *rule,
-                     struct detail_rule *best, double *least, struct error *err)
-{
-    bool agrees;
-    driver->detail = *rule;
-    if (!try_driver(of, driver, &agrees, err))
-        return false;
-    if (of->result.check.samples.sum_of_squares < *least) {
-        *least = of->result.check.samples.sum_of_squares;
-        *best = *rule;
-    }
-    return true;
-}
-
-enum { CORNERS = 8 };
-
-/* Tries all corners and pairs of rows with the norm and the logarithm of a rule; or all of these
- * with its corner and rows. */
-static bool try_rules(struct targets *of, struct driver *driver, bool corners,
-                      struct detail_rule *best, double *least, struct error *err)
-{
-    const struct detail_rule from = *best;
-    bool done = true;
-    for (int i = 0; i < (corners ? CORNERS : DETAIL_RULES) && done; i += corners ? 1 : CORNERS) {
-        struct detail_rule rule = detail_rule(i);
-        if (corners) {
-            rule.largest = from.largest;
-            rule.logarithm = from.logarithm;
-        } else {
-            rule.right = from.right;
-            rule.lower = from.lower;
-            rule.first_row = from.first_row;
-        }
-        done = try_rule(of, driver, &rule, best, least, err);
-    }
-    return done;
-}
-
-/* Finds the rule that fits the targets best: a corner, then a norm and a logarithm, which those of
- * a driver that is known by its name are, and the corner again. Bounds are wide meanwhile. */
+/* Finds the rule that leaves least of the targets, as a sum of squares: its corner, then its norm
+ * and logarithm, and the corner again. A driver that is known by its name has a norm and a
+ * logarithm. Bounds are wide meanwhile. */
 static bool find_rule(struct targets *of, struct driver *driver, struct error *err)
 {
-    struct detail_rule best = driver->detail;
+    const int corners = 8, kinds = DETAIL_RULES / corners; /* of detail_rule's numbers */
+    int best = corners * (driver->detail.largest + 2 * (int)driver->detail.logarithm);
     double least = HUGE_VAL;
     driver->detail_error = -1;
-    const bool done = try_rules(of, driver, true, &best, &least, err) &&
-                      (!driver->is_measured || (try_rules(of, driver, false, &best, &least, err) &&
-                                                try_rules(of, driver, true, &best, &least, err)));
-    driver->detail = best;
-    return done;
+    for (int round = 0; round < (driver->is_measured ? 3 : 1); round++) {
+        const int from = best;
+        for (int k = 0; k < (round == 1 ? kinds : corners); k++) {
+            const int i = round == 1 ? from % corners + corners * k : from - from % corners + k;
+            bool agrees;
+            driver->detail = detail_rule(i);
+            if (!try_driver(of, driver, &agrees, err))
+                return false;
+            if (of->result.check.samples.sum_of_squares < least) {
+                least = of->result.check.samples.sum_of_squares;
+                best = i;
+            }
+        }
+    }
+    driver->detail = detail_rule(best);
+    return true;
 }
 
 /* A known driver follows its own rule. Another one may be off it by twice the first of these with
