@@ -24,6 +24,12 @@ static size_t least(size_t a, size_t b)
 
 /* ---- rows as stored ---- */
 
+bool machine_is_big_endian(void)
+{
+    const uint16_t one = 1;
+    return *(const unsigned char *)&one == 0;
+}
+
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err)
 {
@@ -37,7 +43,7 @@ static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, s
 {
     const struct sample_layout *layout = &of->layout;
     TIFF *tiff = of->image->file->tiff; /* NULL: samples of another format are big-endian */
-    const bool swapped = tiff == NULL || TIFFIsByteSwapped(tiff);
+    const bool swapped = tiff ? TIFFIsByteSwapped(tiff) : !machine_is_big_endian();
     const size_t length = of->n * layout->row_bytes;
     const uint64_t before = (uint64_t)plane * layout->height + of->first;
     if (client_bytes(&of->image->file->client, out, length,

@@ -179,6 +179,7 @@ struct pages {
     const char *room;  /* beginning of a text in the first page; pages_finish writes it */
     size_t room_bytes; /* of that text; room NULL: there is none */
     uint32_t room_tag;
+    bool as_stored; /* samples come with their lowest byte first, on any machine */
     /* set by pages_open: */
     struct output output;
     uint64_t first; /* the offset of the first page's pixels */

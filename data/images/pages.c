@@ -14,10 +14,6 @@
 
 #include "data/images/inside.h"
 
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
-#error "pages are little-endian, and samples go into them as they lie in memory"
-#endif
-
 /* ---- places ---- */
 
 size_t pages_pixel_bytes(const struct pages *pages, int page)
@@ -54,6 +50,23 @@ static bool put(const struct pages *pages, const void *bytes, size_t length, uin
 {
     return write_at(pages->output.descriptor, bytes, length, offset) ||
            error_system(err, "%s: cannot be written", pages->output.path);
+}
+
+/* Writes samples with the lowest byte first, as all files have them. size: bytes of a sample. */
+static bool put_samples(const struct pages *pages, const char *samples, size_t length, size_t size,
+                        uint64_t offset, struct error *err)
+{
+    char turned[1 << 14];
+    if (size == 1 || !machine_is_big_endian())
+        return put(pages, samples, length, offset, err);
+    for (size_t at = 0, n; at < length; at += n) {
+        n = length - at < sizeof turned ? length - at : sizeof turned;
+        for (size_t i = 0; i < n; i++)
+            turned[i] = samples[at + (i ^ (size - 1))]; /* size: a power of 2 */
+        if (!put(pages, turned, n, offset + at, err))
+            return false;
+    }
+    return true;
 }
 
 /* Returns true if nothing has failed. Sets an error if libtiff has given none. tiff may be NULL.
@@ -183,13 +196,15 @@ bool pages_write(const struct pages *pages, const struct page_rectangle *to, con
     const size_t pixel = pages_pixel_bytes(pages, to->page);
     const bool together = to->width == pages->width;
     const size_t length = (size_t)to->width * pixel * (together ? (size_t)to->height : 1);
+    const bool numbers = to->page < pages->count && !pages->as_stored;
     const char *from = samples;
     assert(to->page >= 0 && to->page < pages->count + (pages->bytes_behind > 0) && to->x >= 0 &&
            to->y >= 0 && to->width >= 0 && to->height >= 0 && to->x <= pages->width - to->width &&
            to->y <= pages->height - to->height);
     for (int y = to->y; y < to->y + (together ? 1 : to->height); y++, from += length) {
         const uint64_t first = (uint64_t)y * (uint64_t)pages->width + (uint64_t)to->x;
-        if (!put(pages, from, length, pages_offset(pages, to->page) + first * pixel, err))
+        if (!put_samples(pages, from, length, numbers ? (size_t)pages->bits / 8 : 1,
+                         pages_offset(pages, to->page) + first * pixel, err))
             return false;
     }
     return true;

@@ -152,6 +152,7 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                                           .unit = part->record.unit,
                                           .components = part->components ? &method : NULL};
     done = done && stack_open(&joined->writer, path, &options, err);
+    joined->writer.pages.as_stored = true; /* copied from another stack */
     free(provenance);
     return done;
 }

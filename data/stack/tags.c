@@ -188,14 +188,15 @@ static size_t imagej_string(const struct stack_options *options, int page, char 
 }
 
 /* Writes the strings in UTF-16 without terminators, behind "IJIJ" and the numbers of strings of the
- * kinds "info" and "labl". */
+ * kinds "info" and "labl". libtiff takes all of it for bytes, whose order is that of the file. */
 static void put_imagej_texts(struct printed *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
     const uint32_t header[5] = {0x494a494a, 0x696e666f, 1, 0x6c61626c,
                                 (uint32_t)options->n_wavelengths};
     char text[TEXT_SIZE];
-    print_bytes(stream, header, sizeof header);
+    for (int i = 0; i < 20; i++)
+        print_bytes(stream, (char[1]){(char)(header[i / 4] >> 8 * (i % 4) & 0xff)}, 1);
     for (page = -1; page < options->n_wavelengths; page++) {
         size_t length = imagej_string(options, page, text);
         for (size_t i = 0; i < length; i++)
