@@ -34,6 +34,8 @@ void print_printable(struct printed *to, const char *text); /* without unprintab
 /* Prints "NAME  VALUE" in a line of its own, without the value's unprintable characters. */
 void print_fact(struct printed *to, const char *name, const char *value);
 void print_bytes(struct printed *to, const void *bytes, size_t length);
+/* Prints numbers of `size` bytes, `length` bytes in all, as store_numbers stores them. */
+void print_stored(struct printed *to, const void *numbers, size_t size, size_t length);
 /* Prints a blank and the word as a shell reads it: between quotes, unless it needs none. */
 void print_shell(struct printed *to, const char *word);
 /* Prints a text for XML, with '?' for bytes and characters that XML excludes; NULL: nothing. */
@@ -55,6 +57,13 @@ int printable_length(const unsigned char *at);
 /* Replaces each unprintable character by '?', in place, but for the control characters in `kept`.
  */
 void hide_unprintable(char *text, const char *kept);
+
+/* ---- byte_order.c: numbers in files ---- */
+
+/* Returns whether the highest byte of a number comes first in memory. */
+bool machine_is_big_endian(void);
+/* Copies numbers of 1, 2, 4 or 8 bytes, `length` bytes in all, with the lowest byte first. */
+void store_numbers(void *out, const void *numbers, size_t size, size_t length);
 
 /* ---- descriptor.c: bytes of open files, and which this process has read ---- */
 

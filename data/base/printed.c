@@ -18,14 +18,19 @@ static bool make_room(struct printed *to, size_t more)
     return !to->failed;
 }
 
-void print_bytes(struct printed *to, const void *bytes, size_t length)
+void print_stored(struct printed *to, const void *numbers, size_t size, size_t length)
 {
     if (!make_room(to, length))
         return;
     if (length > 0)
-        memcpy(to->text + to->length, bytes, length);
+        store_numbers(to->text + to->length, numbers, size, length);
     to->length += length;
     to->text[to->length] = '\0';
+}
+
+void print_bytes(struct printed *to, const void *bytes, size_t length)
+{
+    print_stored(to, bytes, 1, length);
 }
 
 void print_text(struct printed *to, const char *text)

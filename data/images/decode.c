@@ -24,12 +24,6 @@ static size_t least(size_t a, size_t b)
 
 /* ---- rows as stored ---- */
 
-bool machine_is_big_endian(void)
-{
-    const uint16_t one = 1;
-    return *(const unsigned char *)&one == 0;
-}
-
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err)
 {

@@ -26,8 +26,6 @@ bool image_refuse_broken(const struct image *image, int page, struct error *err)
 bool image_layout(const struct image *image, int page, struct sample_layout *out,
                   struct error *err);
 
-/* decode.c: returns whether numbers in memory have their highest byte first. */
-bool machine_is_big_endian(void);
 /* decode.c: returns whether a block, a tile or a strip, has neither bytes nor a place. */
 bool block_is_missing(struct tiff *tiff, uint32_t block);
 

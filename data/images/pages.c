@@ -56,14 +56,13 @@ static bool put(const struct pages *pages, const void *bytes, size_t length, uin
 static bool put_samples(const struct pages *pages, const char *samples, size_t length, size_t size,
                         uint64_t offset, struct error *err)
 {
-    char turned[1 << 14];
+    char stored[1 << 14];
     if (size == 1 || !machine_is_big_endian())
         return put(pages, samples, length, offset, err);
     for (size_t at = 0, n; at < length; at += n) {
-        n = length - at < sizeof turned ? length - at : sizeof turned;
-        for (size_t i = 0; i < n; i++)
-            turned[i] = samples[at + (i ^ (size - 1))]; /* size: a power of 2 */
-        if (!put(pages, turned, n, offset + at, err))
+        n = length - at < sizeof stored ? length - at : sizeof stored;
+        store_numbers(stored, samples + at, size, n);
+        if (!put(pages, stored, n, offset + at, err))
             return false;
     }
     return true;

@@ -195,8 +195,7 @@ static void put_imagej_texts(struct printed *stream, const struct stack_writer *
     const uint32_t header[5] = {0x494a494a, 0x696e666f, 1, 0x6c61626c,
                                 (uint32_t)options->n_wavelengths};
     char text[TEXT_SIZE];
-    for (int i = 0; i < 20; i++)
-        print_bytes(stream, (char[1]){(char)(header[i / 4] >> 8 * (i % 4) & 0xff)}, 1);
+    print_stored(stream, header, sizeof header[0], sizeof header);
     for (page = -1; page < options->n_wavelengths; page++) {
         size_t length = imagej_string(options, page, text);
         for (size_t i = 0; i < length; i++)

@@ -21,7 +21,7 @@ for order, word in (("<", "low"), (">", "high")):
         names.append(f"{kind}-{word}.tif")
         tifffile.imwrite(f"{folder}/{names[-1]}", samples, byteorder=order)
         names.append(f"packed-{names[-1]}")
-        tifffile.imwrite(f"{folder}/{names[-1]}", samples, byteorder=order, compression="zlib", predictor=True)
+        tifffile.imwrite(f"{folder}/{names[-1]}", samples, byteorder=order, compression="zlib")
 rows = grey.astype(">u2")
 def chunk(kind, data):
     return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -33,7 +33,7 @@ with open(folder + "/grey.sgi", "wb") as out:
 for name in names + ["grey.png", "grey.sgi"]:
     with open(f"{folder}/{name}.scene", "w") as out:
         print("wavelengths 400 700 100\nsize 40 30\ncamera ortho 2\nlight d65 1 direction 0 0 1\n"
-              f"material m {{ diffuse 0.9 texture {name} linear }}\nobject plane 2 2 1 1 material m", file=out)
+              f"material m {{ diffuse 0.9 texture {name} linear }}\nobject plane 2 2 material m", file=out)
 END
 }
 
@@ -44,18 +44,16 @@ files() (
         "$@" render "$scene" --renderer raster --no-check -q -o "${scene%.scene}-stack.tif" || return
     done
     for depth in 8 16 32f; do
-        for part in 1 2; do
-            "$@" render spheres --size 90x61 --depth $depth --renderer raster --no-check --part $part/2 -q -o "part-$part.tif" || return
-        done
-        "$@" join part-1.tif part-2.tif -q -o "whole-$depth.tif" --envi &&
+        "$@" render spheres --size 90x60 --depth $depth --renderer raster --no-check --part 1/1 -q -o part.tif &&
+            "$@" join part.tif -q -o "whole-$depth.tif" --envi &&
             "$@" info "whole-$depth.tif" --json "info-$depth.json" &&
-            "$@" probe "whole-$depth.tif" 45,30 --json "probe-$depth.json" -q &&
-            "$@" probe "whole-$depth.tif" --objects "objects-$depth.csv" -q &&
+            "$@" probe "whole-$depth.tif" 45 30 --csv -o "pixel-$depth.csv" &&
+            "$@" probe "whole-$depth.tif" --objects --csv -o "objects-$depth.csv" &&
             "$@" develop "whole-$depth.tif" --bits 16 -q -o "picture-$depth.png" &&
             "$@" develop "whole-$depth.tif" --bits 16 -q -o "picture-$depth.tif" &&
             "$@" develop "whole-$depth.tif" --raw -q -o "raw-$depth.tif" || return
     done
-    "$@" view whole-16.tif -q -o page.html && "$@" render --again whole-16.tif -q -o again.tif
+    "$@" view whole-16.tif -o counts.html && "$@" view whole-32f.tif -o floats.html && "$@" render --again whole-16.tif -q -o again.tif
 )
 
 # as_here NAME PROGRAM...: the program's files are those of this machine's program

@@ -162,7 +162,7 @@ static void put_stack(const struct stack_page *stack, const char *name, struct p
     unsigned char *differences;
     put_head(to, describe(stack, name, err));
     if (!stack->counts)
-        print_bytes(to, stack->samples, (size_t)stack->n_bytes);
+        print_stored(to, stack->samples, sizeof(float), (size_t)stack->n_bytes);
     else if (MAKE_ARRAY(differences, 2 * n, err, "the pixels of a page")) {
         for (int page = 0; page < stack->rows.cube.image.n_pages; page++) {
             put_differences((const uint16_t *)stack->samples + (size_t)page * n, n, differences);
@@ -171,7 +171,8 @@ static void put_stack(const struct stack_page *stack, const char *name, struct p
         free(differences);
     }
     if (stack->objects)
-        print_bytes(to, stack->objects, stack->n_pixels * sizeof *stack->objects);
+        print_stored(to, stack->objects, sizeof *stack->objects,
+                     stack->n_pixels * sizeof *stack->objects);
 }
 
 /* Makes the data for the next factor that may fit, if they are compressed by so much: as a text,
