@@ -309,9 +309,7 @@ static bool draw_stored(const struct tile *tile, const struct rectangle *rows, s
 {
     const struct plan *plan = tile->lit->plan;
     uint32_t *dark = NULL;
-    const bool done = !plan->options.store_raster || !plan->options.check ||
-                      !plan_has_mipmaps(plan) ||
-                      draw_rows(tile, rows, plan->view.detail, out, &dark);
+    const bool done = !draws_twice(plan) || draw_rows(tile, rows, plan->view.detail, out, &dark);
     free(dark);
     return done;
 }

@@ -13,8 +13,11 @@
  * ambiguous pixels (18). A row has a weight (8), its errors (8) and an estimate (4); a sum of
  * passes is a colour, and Mesa keeps a copy (32). Checked steps of 16 bits have a colour and depth
  * of Mesa's own (12) and our copy (8) beside what floats have. Shaders draw four frames at once:
- * Mesa's own (48) and our copies (64) come on top. */
+ * Mesa's own (48) and our copies (64) come on top. Lights with shadows have a mask (4). A picture
+ * that is drawn twice has surface, triangle and depth again (16), and the weights of its rows (8).
+ */
 enum { PIXEL_BYTES = 192, ROW_BYTES = 20, SUM_BYTES = 32, STEPS_BYTES = 20, SHADER_BYTES = 112 };
+enum { MASK_BYTES = 4, TWICE_BYTES = 16, TWICE_ROW_BYTES = 8 };
 /* The memory of a tile, without what stages need to work side by side, so that a render stays well
  * below 300 MiB with Mesa's own memory. Tiles should keep their sizes: the last bits of what OpenGL
  * draws depend on where a tile begins. */
@@ -101,7 +104,9 @@ static void size_tiles(struct plan *plan)
     /* without a check, the objects that OpenGL shows are not known */
     const bool map_is_unknown =
         plan->options.use_gl && !plan->options.check && !plan->options.store_raster;
-    size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows +
+    const size_t n_rows = (size_t)plan->max_rows;
+    size_t pixel = PIXEL_BYTES + ROW_BYTES * n_rows + (plan->n_shadowed > 0 ? MASK_BYTES : 0) +
+                   (draws_twice(plan) ? TWICE_BYTES + TWICE_ROW_BYTES * n_rows : 0) +
                    (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
                    (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0) +
                    (plan->options.gl_way != GL_WITHOUT_SHADERS ? SHADER_BYTES : 0);

@@ -159,6 +159,8 @@ int group_of(const struct plan *plan, int light); /* the number of the group tha
 bool group_is_drawn(const struct plan *plan, int group);
 
 bool plan_has_mipmaps(const struct plan *plan); /* of some texture in view */
+/* The pixels that are stored have other levels of detail than those that are checked. */
+bool draws_twice(const struct plan *plan);
 /* OpenGL needs the texture (NULL: none): it is in view, and is no such factor. */
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 

@@ -225,6 +225,11 @@ bool plan_has_mipmaps(const struct plan *plan)
     return has;
 }
 
+bool draws_twice(const struct plan *plan)
+{
+    return plan->options.store_raster && plan->options.check && plan_has_mipmaps(plan);
+}
+
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture)
 {
     return texture && plan->shows_texture[texture - plan->textures] &&
