@@ -41,9 +41,10 @@ cd "$(dirname "$0")"
 language='-std=c99 -D_XOPEN_SOURCE=700 -D_FILE_OFFSET_BITS=64 -I. -fno-associative-math
   -fno-reciprocal-math -fsigned-zeros -fno-finite-math-only -ffp-contract=off -fno-trapping-math
   -fno-math-errno'
-# A number that an enumeration names is an int, which a double holds exactly; clang 21 warns of it.
+# A number that an enumeration names is an int, which a double holds exactly; clang 21 warns of it, and clang 9 of the option.
 warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes
-  -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings -Wno-enum-float-conversion'
+  -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings -Wno-unknown-warning-option
+  -Wno-enum-float-conversion'
 hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
 hardened_link='-Wl,-z,relro,-z,now,-z,noexecstack'
 threads=-pthread

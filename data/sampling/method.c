@@ -84,7 +84,7 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
 /* Returns how many digits, from `fewest` on, read back as the same number. */
 static int digits_of(double number, int fewest)
 {
-    char text[32];
+    char text[40];
     int digits = fewest;
     for (; digits < 17; digits++) {
         snprintf(text, sizeof text, "%.*g", digits, number);
