@@ -40,7 +40,7 @@ def limit_files():
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
-def run(words, seconds=120):
+def run(words, seconds=600):
     """Runs the program in TMP. Returns status (None: it took too long), standard output, and the words of standard error."""
     try:
         done = subprocess.run([PROGRAM, *words], cwd=TMP, env=ENVIRONMENT, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
