@@ -43,6 +43,6 @@ for script in sys.argv[1:] or scripts():
         os.unlink(name)
 if sys.argv[1:]:
     sys.exit(done())
-lines = subprocess.run(["test/program/lines.py"], env=dict(os.environ, SECONDS_OF_LINES="3600"), stdout=subprocess.PIPE, check=False, text=True)
+lines = subprocess.run(["test/program/lines.py"], env=dict({"SECONDS_OF_LINES": "3600"}, **os.environ), stdout=subprocess.PIPE, check=False, text=True)
 check(lines.returncode == 0, "an hour of command lines at random", lines.stdout[-5000:])
 done()
