@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Numbers in files have their lowest byte first. In the memory of a few machines they have not. */
+/* Numbers in files have their lowest byte first. Some machines have the highest one first in
+ * memory. */
 #include <string.h>
 
 #include "data/base/base.h"
