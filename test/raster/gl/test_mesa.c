@@ -567,6 +567,9 @@ static void check_program(const struct canvas *canvas)
            "slivers without a bound are no difference");
     known(canvas, spectral_exit(driver, "sliver", "") == canvas->llvmpipe,
           "a picture of slivers is not verified where they are drawn");
+    const int blocks = spectral_exit(driver, "blocks", "");
+    differ(canvas, blocks == 0, "takes the right texels in blocks.scene", blocks == 1,
+           "takes wrong texels in blocks.scene, which the program finds");
 }
 
 /* ---- measuring ---- */
