@@ -323,11 +323,12 @@ bool drawing_canvas(const struct drawing *of, int bits, int n_colours, struct ca
 
 /* Finds the driver by which the pixels are judged: a known one, or, where they are judged, one that
  * is measured. */
-static bool choose_driver(const struct drawing *of, const char *gl_renderer, struct driver *out,
-                          struct error *err)
+static bool choose_driver(const struct drawing *of, struct driver *out, struct error *err)
 {
+    const char *gl_renderer = of->renderer.names.renderer;
     const struct driver *known = driver_of(gl_renderer);
     *out = *known;
+    driver_of_version(out, of->renderer.names.version);
     if (known != driver_of(NULL) || !of->plan->options.check)
         return true;
     if (!drawing_ways.measure)
@@ -357,7 +358,7 @@ bool drawing_accept(struct drawing *of, struct error *err)
                                  "driver",
                                  names->library, names->renderer, wanted, any[contexts->way]);
     return driver_has_threads(names->renderer, &of->before, err) && shadows_can_draw(of, err) &&
-           choose_driver(of, names->renderer, &of->renderer.driver, err);
+           choose_driver(of, &of->renderer.driver, err);
 }
 
 bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err)

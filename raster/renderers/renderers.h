@@ -65,6 +65,8 @@ struct driver {
 };
 /* NULL stands for an unknown one. */
 const struct driver *driver_of(const char *gl_renderer);
+/* Changes a driver that is known to one of an older Mesa, if GL_VERSION names such a one. */
+void driver_of_version(struct driver *driver, const char *gl_version);
 
 /* Writes the properties of a driver in words. */
 enum { DRIVER_WORDS = 224 };

@@ -243,6 +243,12 @@ static void check_drivers(void)
               unknown->depth_roundings >= softpipe->depth_roundings && !unknown->watertight &&
               unknown->fill_rule == FILL_ANY,
           "an unknown driver gets the widest of all bounds");
+    struct driver now = *softpipe, older = *softpipe;
+    driver_of_version(&now, "3.3 (Compatibility Profile) Mesa 22.3.6");
+    driver_of_version(&older, "3.1 Mesa 20.3.5");
+    CHECK(now.detail.logarithm == LOGARITHM_TABLE && now.detail_error == 0 &&
+              older.detail.logarithm == LOGARITHM_EXACT && older.detail_error > 0,
+          "softpipe of an older Mesa has another logarithm");
 }
 
 /* Counts that agree are counted as they are stored, whether a block needs clamping or not, and
