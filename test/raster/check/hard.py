@@ -23,7 +23,7 @@ fulfil, in the reference and in OpenGL, with both of Mesa's software drivers. Pr
     bounded                  every pixel has a bound on OpenGL's error
     unverified PATH...       on these paths more than 1 % of the object pixels cannot be checked, and on no
                              others; the scene is then rendered with --unchecked 1
-    perhaps-unverified PATH...  likewise, by some versions of Mesa
+    from VERSION unverified PATH...  likewise, with Mesa from that version on
     smooth NUMBER            the check counts exactly so many smooth interior pixels
     seconds MOST             processor seconds of each run
 
@@ -46,6 +46,7 @@ from rendered import SPECTRAL, TMP, check, done, write
 FOLDERS = ("data/builtin/hard", "test/cases/hard")
 PATHS = {"reference": ("raster", "llvmpipe"), "llvmpipe": ("gl", "llvmpipe"),
          "softpipe": ("gl", "softpipe")}
+MESA = float(re.search(r"Mesa (\d+\.\d+)", subprocess.run([SPECTRAL, "drivers"], stdout=subprocess.PIPE, check=True, text=True).stdout)[1])
 LONGEST = 600  # seconds until the test kills a run
 MANY = 100_000
 
@@ -54,8 +55,9 @@ class Scene:
     def __init__(self, path):
         lines = open(path).read().splitlines()
         self.name = os.path.basename(path)[:-len(".scene")]
-        self.holds = [line.split(":", 1)[1].split() for line in lines if line.startswith("# holds:")]
-        self.unverified = [path for words in self.holds if words[0].endswith("unverified") for path in words[1:]]
+        holds = [line.split(":", 1)[1].split() for line in lines if line.startswith("# holds:")]
+        self.holds = [words[2:] if words[0] == "from" else words for words in holds if words[0] != "from" or MESA >= float(words[1])]
+        self.unverified = [path for words in self.holds if words[0] == "unverified" for path in words[1:]]
         self.options = [word for line in lines if line.startswith("# with:")
                         for word in line.split(":", 1)[1].split()]
 
@@ -245,7 +247,7 @@ def main():
         if scene.holds[0][0] == "agreed" and ["black"] not in scene.holds:
             check(all(run.counts is None or run.counts.any() for run in own),
                   f"{scene.name}: the scene is not black")
-        for truth in [words for words in scene.holds if words[0] != "perhaps-unverified"]:
+        for truth in scene.holds:
             wrong = [(path, holds(runs, scene, path, list(truth))) for path in PATHS]
             check(all(remark is None for _, remark in wrong), f"{scene.name}: {' '.join(truth)}",
                   *(f"{path}: {remark}".strip() for path, remark in wrong if remark))
