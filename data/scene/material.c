@@ -193,10 +193,10 @@ static bool block_value(struct text *text, struct word *out, const char *what, s
 }
 
 /* Reads one of some words (NULL ends them), if one of them follows: *out is its number, otherwise
- * 0.
- */
-static bool read_choice(struct text *text, const char *const words[], int *out, struct place open,
-                        struct error *err)
+ * 0. Refuses another word in the same line, unless it goes on with the material. `what` names the
+ * words. */
+static bool read_choice(struct text *text, const char *const words[], const char *what, int *out,
+                        struct place open, struct error *err)
 {
     struct text before = *text;
     struct word word;
@@ -206,6 +206,8 @@ static bool read_choice(struct text *text, const char *const words[], int *out, 
         if (word_is(&word, words[*out]))
             return true;
     *out = 0;
+    if (text->line_start == before.line_start && !material_has_word(&word) && !word_is(&word, "}"))
+        return (*out = word_choose(&word, words, what, err)) >= 0;
     *text = before;
     return true;
 }
@@ -258,7 +260,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
                read_emission(text, out, err);
     case BLOCK_DONALDSON:
         if (!word_file(&word, FILE_KINDS, &out->donaldson, err) ||
-            !read_choice(text, sorts, &chosen, out->place, err))
+            !read_choice(text, sorts, "sort of matrix", &chosen, out->place, err))
             return false;
         out->densities = chosen == 1;
         return true;
@@ -267,7 +269,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         free(out->texture);
         out->spectral_texture = kind == BLOCK_SPECTRAL_TEXTURE;
         if (!word_file(&word, FILE_TEXTURE, &out->texture, err) ||
-            !read_choice(text, filters, &chosen, out->place, err))
+            !read_choice(text, filters, "filter", &chosen, out->place, err))
             return false;
         out->texture_filter = (enum texture_filter)chosen;
         return true;
