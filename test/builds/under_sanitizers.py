@@ -4,7 +4,8 @@
 """The program under sanitizers takes the place of the program in the scripts of the first level and of `test full`, and runs
 command lines at random for an hour. What the scripts expect besides does not count here: the sanitized program is slower and
 needs more memory, so that some of them fail. A finding is in the words of standard error, which the program writes into files
-of ASAN_OPTIONS' log_path. Words behind the script are scripts: those alone, and no lines."""
+of ASAN_OPTIONS' log_path; that the sanitizer itself lacks memory is none. Words behind the script are scripts: those alone,
+and no lines."""
 import glob
 import os
 import re
@@ -28,19 +29,25 @@ def scripts():
             yield path
 
 
+def findings():
+    """Returns the findings that the program has written, and removes their files."""
+    written = []
+    for name in glob.glob(os.path.join(TMP, "found.*")):
+        written.append(open(name, encoding="utf-8", errors="replace").read())
+        os.unlink(name)
+    return [words for words in written if re.search("runtime error: |Sanitizer: ", words)]
+
+
 os.makedirs(TMP, exist_ok=True)
-for old in glob.glob(os.path.join(TMP, "found.*")):
-    os.unlink(old)
-log = f":log_path={TMP}/found"
+findings()
+log = f":log_path={TMP}/found:verify_asan_link_order=0"  # scripts preload libraries of their own
 environment = dict(ENVIRONMENT, SPECTRAL=PROGRAM, ASAN_OPTIONS=ENVIRONMENT["ASAN_OPTIONS"] + log, UBSAN_OPTIONS=f"exitcode={FOUND}" + log)
 for script in sys.argv[1:] or scripts():
     ran = subprocess.run([script], env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False, text=True)
-    found = glob.glob(os.path.join(TMP, "found.*"))
+    found = findings()
     truths = ran.stdout.count("\nok "), ran.stdout.count("\nnot ok ")
     check(not found and sum(truths) > 0, f"{script}: no finding; {truths[0]} truths hold, {truths[1]} do not",
-          *[open(name, encoding="utf-8", errors="replace").read()[:3000] for name in found[:3]], ran.stdout[-500:] if not sum(truths) else "")
-    for name in found:
-        os.unlink(name)
+          *[words[:3000] for words in found[:3]], ran.stdout[-500:] if not sum(truths) else "")
 if sys.argv[1:]:
     sys.exit(done())
 lines = subprocess.run(["test/program/lines.py"], env=dict({"SECONDS_OF_LINES": "3600"}, **os.environ), stdout=subprocess.PIPE, check=False, text=True)
