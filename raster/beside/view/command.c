@@ -164,14 +164,15 @@ static bool view_stack(struct options *options, enum output_kind kind, struct te
 
 /* ---- the command ---- */
 
-/* Reads the scene under its marked name. */
+/* For a live page the scene is read under its marked name. */
 static bool view_marked(struct options *options, enum output_kind kind, struct telling *to,
                         struct error *err)
 {
     const char *operand = options->operand;
-    char *marked = operand ? marked_name(operand, err) : NULL;
-    options->operand = marked;
-    const bool done = (!operand || marked) && view_scene(options, kind, to, err);
+    const bool marks = operand && !is_still(options);
+    char *marked = marks ? marked_name(operand, err) : NULL;
+    options->operand = marks ? marked : operand;
+    const bool done = (!marks || marked) && view_scene(options, kind, to, err);
     options->operand = operand;
     free(marked);
     return done;

@@ -577,7 +577,7 @@ def file():
 
 
 def strange_names():
-    scene = scene_of_strange_names()
+    scene = os.path.abspath(scene_of_strange_names())
     spectra(scene, "strange", [(32, 40), (40, 30), (88, 40)], {"ambient": "d65*0.5", 1: "uv*0.7"})
     named = browser.evaluate("[...objects.options].map(({text}) => text)")
     check(any(name.endswith(f". {STRANGE} (sphere)") for name in named),
