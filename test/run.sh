@@ -158,9 +158,11 @@ make_command_table() {
     link test/command_table $objects "$LIBRARY"
 }
 
-# The program under sanitizers: a wrong access and undefined behaviour end it with status 99.
+# The program under sanitizers: a wrong access and undefined behaviour end it with status 99. With gcc's shared
+# libraries the second sanitizer would not write into log_path.
 make_sanitized() (
     CFLAGS="-g -O1 -fPIE -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow -fno-sanitize-recover=all"
+    case $CC in *gcc*) LDFLAGS="$LDFLAGS -static-libasan -static-libubsan" ;; esac
     find_sources
     compile test/sanitized "$CFLAGS" $sources "$BUILD/$builtin"
     link test/spectral-sanitized $objects

@@ -4,8 +4,8 @@
 """The program under sanitizers takes the place of the program in the scripts of the first level and of `test full`, and runs
 command lines at random for an hour. What the scripts expect besides does not count here: the sanitized program is slower and
 needs more memory, so that some of them fail. A finding is in the words of standard error, which the program writes into files
-of ASAN_OPTIONS' log_path; that the sanitizer itself lacks memory is none. Words behind the script are scripts: those alone,
-and no lines."""
+of log_path; that the sanitizer itself lacks memory, or cannot start, is none. Words behind the script are scripts: those
+alone, and no lines."""
 import glob
 import os
 import re
@@ -35,9 +35,11 @@ def findings():
     for name in glob.glob(os.path.join(TMP, "found.*")):
         written.append(open(name, encoding="utf-8", errors="replace").read())
         os.unlink(name)
-    return [words for words in written if re.search("runtime error: |Sanitizer: ", words)]
+    return [words for words in written if re.search("runtime error: |ERROR: AddressSanitizer: ", words)]
 
 
+linked = subprocess.run(["ldd", PROGRAM], stdout=subprocess.PIPE, check=True, text=True).stdout
+check("libtiff" in linked and "san.so" not in linked, "both sanitizers are in the program, and write into log_path", linked)
 os.makedirs(TMP, exist_ok=True)
 findings()
 log = f":log_path={TMP}/found:verify_asan_link_order=0"  # scripts preload libraries of their own
