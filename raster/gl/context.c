@@ -79,8 +79,8 @@ bool contexts_open(const struct context_wish *wish, struct contexts **out, struc
     (*out)->way = wish->way;
     snprintf(threads, sizeof threads, "%d", wish->threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
-    /* that of Mesa 20.3 would mix levels of detail as OpenGL does not; later ones do not know these
-     * words */
+    /* llvmpipe of Mesa 20.3 would mix levels of detail as OpenGL does not; later versions ignore
+     * these words */
     setenv("GALLIVM_PERF", "no_brilinear,no_rho_approx", 0);
     if (driver)
         setenv("GALLIUM_DRIVER", driver, 1);
