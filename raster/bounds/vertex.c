@@ -69,12 +69,13 @@ static void bound_place(const struct plan *plan, const double magnitude[4],
 /* ---- exact vertices ---- */
 
 /* True if the clip coordinates of an instance's vertices may come out exact: an orthographic
- * picture in one tile, and matrices that multiply without rounding. Their product is stored. */
+ * picture in one tile, and matrices that multiply without rounding. Their product is stored. The
+ * vertices of shadow volumes are rounded themselves. */
 static bool may_be_exact(const struct plan *plan, const struct instance *instance,
                          struct matrix *product)
 {
     *product = matrix_product(plan->view.projection, instance->model_view);
-    return !plan->scene->camera.perspective && !plan->tiled &&
+    return !plan->scene->camera.perspective && !plan->tiled && !plan->clamps_depth &&
            exact_product(&plan->view.projection, &instance->model_view);
 }
 
@@ -356,7 +357,7 @@ bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_s
     for (int i = 0; i < plan->n_instances; i++)
         if (!make_surface(out, i, err))
             return false;
-    return plan->n_shadowed == 0 || find_occluders(out, err);
+    return plan->view.n_shadowed == 0 || find_occluders(out, err);
 }
 
 void lit_free(struct lit_scene *lit)

@@ -79,7 +79,7 @@ static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3]
 {
     const struct lit_scene *lit = pixel->lit;
     const struct seen_point point = seen_point(lit->surfaces, &pixel->triangle->screen, share);
-    return lights_blocked(&lit->occluders, &lit->plan->view, lit->plan->n_shadowed, lights, &point);
+    return lights_blocked(&lit->occluders, &lit->plan->view, lights, &point);
 }
 
 /* Finds the lights that do not reach the pixel for sure, and those whose shadow OpenGL may count
@@ -295,11 +295,11 @@ static bool draw_rows(const struct tile *tile, const struct rectangle *rows,
     view.detail = detail;
     if (!picture_draw(&view, lit->surfaces, plan->n_instances, rows, plan->max_rows, out))
         return false;
-    if (plan->n_shadowed == 0)
+    if (plan->view.n_shadowed == 0)
         return true;
     if (!memory_make(dark, (size_t)rows->width * (size_t)rows->height, sizeof **dark))
         return false;
-    picture_shadow(&view, &lit->occluders, plan->n_shadowed, out, *dark);
+    picture_shadow(&view, &lit->occluders, out, *dark);
     return true;
 }
 

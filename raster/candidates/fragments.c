@@ -452,6 +452,20 @@ static bool is_own_cap(const struct facet_visit *facet, const struct bounded_tri
            share_corner(surface, surface->instance->triangles[cap->triangle], &triangle->screen);
 }
 
+/* Returns whether a facet belongs to the far end. */
+static bool is_far(const struct volume *volume, int facet)
+{
+    return facet >= volume->first_far && facet < volume->n_outward;
+}
+
+/* Returns whether a facet lies beyond the far plane for sure: clamped to it, it is behind all. */
+static bool is_behind_all(const struct volume *volume, int facet,
+                          const struct bounded_triangle *triangle)
+{
+    return is_far(volume, facet) && !volume->is_doubtful &&
+           least_of(triangle->screen.z) > 1 + triangle->depth_error;
+}
+
 /* Doubts the shadow of each fragment that the facet may lie in front of or behind; and of one that
  * OpenGL may not have, where the facet has an edge, too: they may be neighbours. A fragment is in
  * a shadow by the number of facets behind it; where these meet, a driver that is not watertight may
@@ -472,8 +486,9 @@ static bool visit_facet(void *context, int x, int y)
     if (clipped == 0)
         return true;
     is_loose(visit, clipped, &thin);
+    const bool may_end = facet->volume->is_doubtful && is_far(facet->volume, facet->facet);
     const double depth = depth_at(&triangle->screen, &visit->edges),
-                 error = thin ? HUGE_VAL : triangle->depth_error;
+                 error = thin || may_end ? HUGE_VAL : triangle->depth_error;
     const bool leaks =
         !of->tile->lit->driver->watertight && (presence == POSSIBLE || is_on_seam(visit));
     int32_t f =
@@ -495,8 +510,6 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
     const bool watertight = of->tile->lit->driver->watertight;
     struct triangle_part parts[TRIANGLE_PARTS];
     for (int t = 0; t < volume->n; t++) {
-        if (t >= volume->first_far && t < volume->n_outward && watertight)
-            continue;
         const struct occluder *cap = &volume->caps[t];
         const bool is_cut = cap->surface >= 0 && volume->cuts_caps;
         const int n = triangle_parts(is_cut ? of->tile : tile, is_cut ? cap->surface : index,
@@ -507,6 +520,8 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
                                                   .most = most_slack(&parts[i].bounded)},
                                         .volume = volume,
                                         .facet = t};
+            if (watertight && is_behind_all(volume, t, &parts[i].bounded))
+                continue;
             if (!add_part(of, &parts[i]) ||
                 !scan_triangle(&parts[i].bounded.screen, &of->rows,
                                most_of(parts[i].bounded.edge_px), visit_facet, &facet))

@@ -372,7 +372,7 @@ void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
 static uint32_t shadow_bit(const struct bounded_pixel *pixel, size_t t)
 {
     const struct plan *plan = pixel->lit->plan;
-    return light_bit(&plan->view, plan->n_shadowed, &pixel->surface->instance->terms[t]);
+    return light_bit(&plan->view, &pixel->surface->instance->terms[t]);
 }
 
 uint32_t pixel_shadowed(const struct bounded_pixel *pixel, const double *weights, size_t stride)

@@ -388,7 +388,7 @@ static bool gl_draw(struct renderer *renderer, int buffer, int first_band, doubl
 {
     struct gl *gl = (struct gl *)renderer;
     float *sum = gl->base.renderer.buffers[buffer];
-    if (gl->base.plan->n_shadowed > 0 && !gl->base.has_shadows && !draw_shadows(gl, err))
+    if (gl->base.plan->view.n_shadowed > 0 && !gl->base.has_shadows && !draw_shadows(gl, err))
         return false;
     for (int group = 0; group < gl->base.plan->n_light_groups; group++) {
         float *pixels = group == 0 ? sum : gl->base.part;

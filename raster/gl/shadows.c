@@ -16,7 +16,7 @@ bool shadows_can_draw(const struct drawing *of, struct error *err)
     const char *needed = clamps[of->contexts->way];
     if (of->contexts->way == GL_ES && !contexts_have(of->contexts, "GL_NV_read_depth_stencil"))
         needed = "GL_NV_read_depth_stencil";
-    return of->plan->n_shadowed == 0 || contexts_have(of->contexts, needed) ||
+    return of->plan->view.n_shadowed == 0 || contexts_have(of->contexts, needed) ||
            error_unsupported(err,
                              "%s draws no shadows, which need %s; --renderer raster draws them "
                              "without OpenGL",
@@ -128,7 +128,7 @@ bool shadows_draw(struct drawing *of, const struct numbered_draw *by, struct err
     call->DepthMask(GL_FALSE);
     call->Enable(GL_DEPTH_CLAMP);
     call->Enable(GL_STENCIL_TEST);
-    for (int i = 0; done && i < of->plan->n_shadowed; i++)
+    for (int i = 0; done && i < of->plan->view.n_shadowed; i++)
         count_volumes(&draw, i);
     call->Disable(GL_STENCIL_TEST);
     call->Disable(GL_DEPTH_CLAMP);

@@ -40,13 +40,18 @@ static bool throws_into_view(const struct plan *plan, const struct placed_instan
     return planes == 0;
 }
 
-/* Finds the instances that throw shadows of a light into view, and gives them its bit. */
+/* Finds the objects that throw shadows of a light into view, and gives all their instances, which
+ * follow each other, its bit. */
 static bool find_casters(struct plan *plan, const struct eye_light *light, int bit)
 {
+    struct placed_instance *list = plan->instances;
     bool any = false;
-    for (int i = 0; i < plan->n_instances; i++) {
-        const bool throws = throws_into_view(plan, &plan->instances[i], light);
-        plan->instances[i].casts |= (uint32_t)throws << bit;
+    for (int first = 0, end; first < plan->n_instances; first = end) {
+        bool throws = false;
+        for (end = first; end < plan->n_instances && list[end].object == list[first].object; end++)
+            throws = throws || throws_into_view(plan, &list[end], light);
+        for (int i = first; i < end; i++)
+            list[i].casts |= (uint32_t)throws << bit;
         any = any || throws;
     }
     return any;
@@ -73,7 +78,7 @@ bool casters_find(struct plan *plan, struct error *err)
     }
     memcpy(plan->lights + n, lights, (size_t)n_shadowed * sizeof *lights);
     memcpy(plan->sources + n, sources, (size_t)n_shadowed * sizeof *sources);
-    plan->n_shadowed = n_shadowed;
+    plan->view.n_shadowed = n_shadowed;
     plan->n_light_groups = group_of(plan, n - 1) + 1 + n_shadowed;
     return true;
 }
@@ -82,8 +87,8 @@ bool casters_find(struct plan *plan, struct error *err)
 
 struct light_group light_group(const struct plan *plan, int group)
 {
-    const int n = plan->n_lights - plan->n_shadowed, first = group * LIGHTS_PER_PASS,
-              shadowed = group - (plan->n_light_groups - plan->n_shadowed);
+    const int n = plan->n_lights - plan->view.n_shadowed, first = group * LIGHTS_PER_PASS,
+              shadowed = group - (plan->n_light_groups - plan->view.n_shadowed);
     if (shadowed >= 0)
         return (struct light_group){n + shadowed, 1, shadowed};
     return (struct light_group){first, n - first < LIGHTS_PER_PASS ? n - first : LIGHTS_PER_PASS,
@@ -92,7 +97,7 @@ struct light_group light_group(const struct plan *plan, int group)
 
 int group_of(const struct plan *plan, int light)
 {
-    const int n = plan->n_lights - plan->n_shadowed,
+    const int n = plan->n_lights - plan->view.n_shadowed,
               groups = n > 0 ? (n - 1) / LIGHTS_PER_PASS + 1 : 1;
     return light < n ? (light > 0 ? light / LIGHTS_PER_PASS : 0) : groups + light - n;
 }

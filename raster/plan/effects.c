@@ -90,7 +90,7 @@ void plan_effects(struct plan *plan)
          scene->local_viewer ? "no highlight depends on it" : "the viewer is infinite"},
         {"attenuation", n.attenuated, lights, "lights", "no light weakens"},
         {"spot", n.spots, lights, "lights", "no light is a spot"},
-        {"shadows", plan->n_shadowed, lights, "lights",
+        {"shadows", plan->view.n_shadowed, lights, "lights",
          n.shadows ? "no object throws a shadow into view" : "no light has shadows"},
         {"fluorescence", n.fluorescent, materials, "materials",
          why_no_luminescence(plan, n.with_excitation, "no material has excitation")},

@@ -121,13 +121,13 @@ static void put_effects(struct json *json, const struct plan *plan)
     json_close(json, ']');
 }
 
-/* Returns why a light does not shine; NULL: it shines. Ask for all lights in the order of the
- * scene; *shining counts those of the plan, from 0. */
-static const char *why_off(const struct plan *plan, const struct light *light, int *shining)
+/* Returns why a light does not shine; NULL: it shines. */
+static const char *why_off(const struct plan *plan, const struct light *light)
 {
     const struct spectral_pages *pages = &plan->illumination.pages;
-    if (*shining < plan->n_lights && plan->sources[*shining] == light)
-        return plan->is_idle[(*shining)++] ? "it reaches no object in view" : NULL;
+    for (int i = 0; i < plan->n_lights; i++)
+        if (plan->sources[i] == light)
+            return plan->is_idle[i] ? "it reaches no object in view" : NULL;
     return light->intensity == 0                  ? "intensity 0"
            : !pages_show(pages, &light->spectrum) ? "spectrum 0 at every wavelength shown"
                                                   : "no material reflects it";
@@ -135,14 +135,13 @@ static const char *why_off(const struct plan *plan, const struct light *light, i
 
 static void put_lights(struct json *json, const struct plan *plan)
 {
-    int shining = 0;
     json_open(json, "lights", '[');
     for (int i = 0; i < plan->scene->n_lights; i++) {
         const struct light *light = &plan->scene->lights[i];
         json_open(json, NULL, '{');
         json_string(json, "spectrum", light->spectrum.name);
         json_number(json, "intensity", light->intensity);
-        json_string(json, "off", why_off(plan, light, &shining));
+        json_string(json, "off", why_off(plan, light));
         json_close(json, '}');
     }
     json_close(json, ']');

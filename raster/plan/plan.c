@@ -105,7 +105,7 @@ static void size_tiles(struct plan *plan)
     const bool map_is_unknown =
         plan->options.use_gl && !plan->options.check && !plan->options.store_raster;
     const size_t n_rows = (size_t)plan->max_rows;
-    size_t pixel = PIXEL_BYTES + ROW_BYTES * n_rows + (plan->n_shadowed > 0 ? MASK_BYTES : 0) +
+    size_t pixel = PIXEL_BYTES + ROW_BYTES * n_rows + (plan->view.n_shadowed > 0 ? MASK_BYTES : 0) +
                    (draws_twice(plan) ? TWICE_BYTES + TWICE_ROW_BYTES * n_rows : 0) +
                    (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
                    (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0) +

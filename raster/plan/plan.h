@@ -91,11 +91,11 @@ struct plan {
     struct index by_material; /* shaded materials */
     struct placed_instance *instances;
     struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
-    struct eye_light *lights;         /* those that shine; and each as the scene has it: */
-    const struct light **sources;
+    struct eye_light *lights;         /* those that shine, in the order of the scene; but those
+                                         that throw shadows into view come last: see struct view */
+    const struct light **sources;     /* each of them as the scene has it */
     bool *is_idle, *shows_texture; /* lights that add exactly 0 to all in view; textures in view */
     int n_meshes, n_materials, n_textures, n_instances, n_lights;
-    int n_shadowed;              /* the last lights: those that throw shadows into view */
     int n_light_groups;          /* passes that a group of bands takes: see light_group */
     int max_rows;                /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */

@@ -123,7 +123,7 @@ static bool open_stack(struct rendering *of, struct error *err)
 
 static bool make_volumes(struct rendering *of, struct error *err)
 {
-    if (!of->renderer || of->plan->n_shadowed == 0)
+    if (!of->renderer || of->plan->view.n_shadowed == 0)
         return true;
     of->lit.volumes = &of->volumes;
     return volumes_make(&of->lit, &of->volumes, err);

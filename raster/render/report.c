@@ -237,7 +237,7 @@ static void json_check(struct json *json, const struct plan *plan,
     json_count(json, "pixels", verdict->pixels);
     json_count(json, "object_pixels", verdict->objects);
     json_count(json, "ambiguous_pixels", verdict->ambiguous);
-    if (plan->n_shadowed > 0)
+    if (plan->view.n_shadowed > 0)
         json_count(json, "shadow_pixels_in_doubt", verdict->shadow_in_doubt);
     json_count(json, "unexplained_pixels", verdict->unexplained);
     json_count(json, "unchecked_pixels", verdict->unchecked);

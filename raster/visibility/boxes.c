@@ -14,7 +14,8 @@ static const struct vector *corner_of(const struct occluders *of, const struct o
                         [of->surfaces[at->surface].instance->triangles[at->triangle][i]];
 }
 
-/* The box of some occluders, wider than they are by far more than doubles round. */
+/* The box of some occluders, wider than they are: by the error of a segment's points, which are
+ * sums of places. */
 static struct box box_of(const struct occluders *of, int first, int n)
 {
     struct vector low = *corner_of(of, &of->list[first], 0), high = low;
@@ -23,7 +24,7 @@ static struct box box_of(const struct occluders *of, int first, int n)
         low = vector_least(low, at);
         high = vector_greatest(high, at);
     }
-    const double by = 0x1p-40 * fmax(vector_reach(low), vector_reach(high));
+    const double by = PLACE_ERROR * of->size;
     return (struct box){{low.x - by, low.y - by, low.z - by},
                         {high.x + by, high.y + by, high.z + by}};
 }
@@ -43,6 +44,19 @@ static void make_node(struct occluders *of, int node, int first, int n)
     make_node(of, at->first + 1, first + n / 2, n - n / 2);
 }
 
+/* Raises out->size to the numbers that the places of an instance are sums of. */
+static void raise_size(struct occluders *out, const struct instance *instance)
+{
+    double reach = 0;
+    for (int i = 0; i < instance->n_vertices; i++)
+        reach = fmax(reach, vector_reach(instance->vertices[i].position));
+    for (int i = 0; i < 3; i++) {
+        const double *m = instance->model_view.row[i];
+        out->size =
+            fmax(out->size, (fabs(m[0]) + fabs(m[1]) + fabs(m[2])) * reach + fabs(m[3]));
+    }
+}
+
 static bool place_vertices(struct occluders *out, int surface)
 {
     const struct instance *instance = out->surfaces[surface].instance;
@@ -59,6 +73,7 @@ bool occluders_make(const struct surface *surfaces, int n, const bool *casts, st
     *out = (struct occluders){.surfaces = surfaces, .n_surfaces = n};
     out->vertices = calloc((size_t)n + 1, sizeof(struct vector *));
     for (int i = 0; i < n && out->vertices; i++) {
+        raise_size(out, surfaces[i].instance);
         n_triangles += casts[i] ? (size_t)surfaces[i].instance->n_triangles : 0;
         if (casts[i] && !place_vertices(out, i))
             return false;

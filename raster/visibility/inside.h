@@ -11,6 +11,11 @@
  * Geometric Predicates). */
 int side_of(const struct homogeneous rows[4]);
 
+/* A place in eye space is off by at most this part of occluders.size: the point of a pixel by 10
+ * roundings of its shares, 3 of their sum and 4 of the matrix; corners and lights by 4; matrices of
+ * two objects differ by 4 for each of the products that they are. */
+#define PLACE_ERROR (32 * DOUBLE_ROUNDOFF)
+
 /* boxes.c. Calls `visit` for each occluder whose box the segment meets, from a point to another, or
  * without end in a direction. Stops where it returns false. */
 void occluders_along(const struct occluders *of, struct vector from, const struct homogeneous *to,

@@ -13,11 +13,36 @@ struct query {
     bool blocked;
 };
 
-static void corners_of(const struct occluders *of, int surface, int triangle, struct vector out[3])
+static void corners_of(const struct occluders *of, struct occluder at, struct vector out[3])
 {
-    const int32_t *vertex = of->surfaces[surface].instance->triangles[triangle];
+    const int32_t *vertex = of->surfaces[at.surface].instance->triangles[at.triangle];
     for (int i = 0; i < 3; i++)
-        out[i] = of->vertices[surface][vertex[i]];
+        out[i] = of->vertices[at.surface][vertex[i]];
+}
+
+/* The sum of the magnitudes of a vector's components. */
+static double sum_of(struct vector v)
+{
+    return fabs(v.x) + fabs(v.y) + fabs(v.z);
+}
+
+/* With n = u x v for the edges u and v from corner a, and q = p - a, the height of point p is n q.
+ * Where each component of a place is off by up to e, so is q by 2 e, and n by 2 e (|u| + |v|): the
+ * height is off by at most 2 e (|n| + |q| (|u| + |v|)), in sums of magnitudes. A direction is no
+ * such difference: it is off by its own roundings. */
+int occluder_side(const struct occluders *of, struct occluder at, const struct homogeneous *point)
+{
+    struct vector c[3];
+    corners_of(of, at, c);
+    const struct vector u = vector_subtract(c[1], c[0]), v = vector_subtract(c[2], c[0]),
+                        n = vector_cross(u, v),
+                        q = point->infinite ? point->at : vector_subtract(point->at, c[0]);
+    const double height = vector_dot(n, q), sides = sum_of(u) + sum_of(v),
+                 size = fmax(of->size, sum_of(point->at)),
+                 limit = (point->infinite ? sum_of(q) : size) * sum_of(n) + size * sum_of(q) * sides;
+    if (!(fabs(height) > 2 * PLACE_ERROR * limit))
+        return 0;
+    return height > 0 ? 1 : -1;
 }
 
 /* The side of the segment on which an edge passes. If they meet, it is the side on which the edge
@@ -37,35 +62,23 @@ static int passes(const struct query *query, struct vector a, struct vector b)
     return side;
 }
 
-int side_of_plane(const struct vector corner[3], const struct homogeneous *of)
+/* Returns whether the occluder's plane parts two points. */
+static bool parts(const struct occluders *of, struct occluder at, const struct homogeneous *a,
+                  const struct homogeneous *b)
 {
-    const struct vector a = corner[0],
-                        normal = vector_cross(vector_subtract(corner[1], a),
-                                              vector_subtract(corner[2], a)),
-                        from = of->infinite ? of->at : vector_subtract(of->at, a);
-    const double height = vector_dot(normal, from),
-                 size = of->infinite ? vector_reach(of->at)
-                                     : fmax(vector_reach(of->at), vector_reach(a));
-    if (!(fabs(height) > 0x1p-40 * size * (fabs(normal.x) + fabs(normal.y) + fabs(normal.z))))
-        return 0;
-    return height > 0 ? 1 : -1;
-}
-
-static bool blocks(const struct query *query, const struct vector c[3])
-{
-    const int first = passes(query, c[0], c[1]);
-    return passes(query, c[1], c[2]) == first && passes(query, c[2], c[0]) == first &&
-           side_of_plane(c, &query->from) * side_of_plane(c, &query->light) < 0;
+    return occluder_side(of, at, a) * occluder_side(of, at, b) < 0;
 }
 
 static bool visit(void *context, const struct occluder *met)
 {
     struct query *query = context;
-    struct vector corners[3];
-    corners_of(query->of, met->surface, met->triangle, corners);
-    const bool own =
-        met->surface == query->point->surface && met->triangle == query->point->triangle;
-    query->blocked = !own && blocks(query, corners);
+    struct vector c[3];
+    if (met->surface == query->point->of.surface && met->triangle == query->point->of.triangle)
+        return true;
+    corners_of(query->of, *met, c);
+    const int first = passes(query, c[0], c[1]);
+    query->blocked = passes(query, c[1], c[2]) == first && passes(query, c[2], c[0]) == first &&
+                     parts(query->of, *met, &query->from, &query->light);
     return !query->blocked;
 }
 
@@ -75,11 +88,7 @@ static bool turns_away(const struct query *query, const struct view *view)
     const struct seen_point *point = query->point;
     const bool parallel = view->projection.row[3][3] != 0;
     const struct homogeneous eye = {{0, 0, parallel ? 1 : 0}, parallel};
-    struct vector corners[3];
-    if (!query->of->vertices[point->surface])
-        return false;
-    corners_of(query->of, point->surface, point->triangle, corners);
-    return side_of_plane(corners, &eye) * side_of_plane(corners, &query->light) < 0;
+    return query->of->vertices[point->of.surface] && parts(query->of, point->of, &eye, &query->light);
 }
 
 /* Returns whether something lies between the point and a light. */
@@ -113,8 +122,7 @@ struct seen_point seen_point(const struct surface *surfaces, const struct screen
         point =
             vector_add(point, vector_scale(instance->vertices[of->vertex[i]].position, share[i]));
     return (struct seen_point){.eye = matrix_point(&instance->model_view, point),
-                               .surface = (int32_t)(of->surface - surfaces),
-                               .triangle = of->triangle};
+                               .of = {(int32_t)(of->surface - surfaces), of->triangle}};
 }
 
 /* ---- a picture ---- */
@@ -137,47 +145,51 @@ static struct seen_point point_at(const struct view *view, const struct occluder
     return seen_point(of->surfaces, &parts[part], share);
 }
 
-uint32_t lights_blocked(const struct occluders *of, const struct view *view, int n, uint32_t asked,
-                        const struct seen_point *point)
+const struct eye_light *shadow_light(const struct view *view, int i)
 {
-    const struct eye_light *lights = view->lights + view->n_lights - n;
-    uint32_t dark = 0;
-    for (int i = 0; i < n; i++)
-        if (asked >> i & 1)
-            dark |= (uint32_t)is_blocked(of, view, &lights[i], point) << i;
-    return dark;
+    return &view->lights[view->n_lights - view->n_shadowed + i];
 }
 
-uint32_t light_bit(const struct view *view, int n, const struct term *term)
+uint32_t light_bit(const struct view *view, const struct term *term)
 {
-    for (int i = 0; i < n; i++)
-        if (view->lights[view->n_lights - n + i].first == term->light)
+    for (int i = 0; i < view->n_shadowed; i++)
+        if (shadow_light(view, i)->first == term->light)
             return (uint32_t)1 << i;
     return 0;
 }
 
-static uint32_t shadow_pixel(const struct view *view, const struct occluders *of, int n,
+uint32_t lights_blocked(const struct occluders *of, const struct view *view, uint32_t asked,
+                        const struct seen_point *point)
+{
+    uint32_t dark = 0;
+    for (int i = 0; i < view->n_shadowed; i++)
+        if (asked >> i & 1)
+            dark |= (uint32_t)is_blocked(of, view, shadow_light(view, i), point) << i;
+    return dark;
+}
+
+static uint32_t shadow_pixel(const struct view *view, const struct occluders *of,
                              const struct seen_point *point, double *rows, size_t stride)
 {
-    const struct instance *instance = of->surfaces[point->surface].instance;
+    const struct instance *instance = of->surfaces[point->of.surface].instance;
     uint32_t asked = 0;
     for (int t = 0; t < instance->n_terms; t++)
         if (rows[(size_t)t * stride] != 0)
-            asked |= light_bit(view, n, &instance->terms[t]);
-    const uint32_t dark = lights_blocked(of, view, n, asked, point);
+            asked |= light_bit(view, &instance->terms[t]);
+    const uint32_t dark = lights_blocked(of, view, asked, point);
     for (int t = 0; t < instance->n_terms; t++)
-        if ((light_bit(view, n, &instance->terms[t]) & dark) != 0)
+        if ((light_bit(view, &instance->terms[t]) & dark) != 0)
             rows[(size_t)t * stride] = 0;
     return dark;
 }
 
-void picture_shadow(const struct view *view, const struct occluders *of, int n,
-                    struct picture *picture, uint32_t *dark)
+void picture_shadow(const struct view *view, const struct occluders *of, struct picture *picture,
+                    uint32_t *dark)
 {
     const size_t n_pixels = (size_t)picture->at.width * (size_t)picture->at.height;
     for (size_t i = 0; i < n_pixels; i++)
         if (picture->surface[i] >= 0) {
             const struct seen_point point = point_at(view, of, picture, i);
-            dark[i] = shadow_pixel(view, of, n, &point, picture->rows + i, n_pixels);
+            dark[i] = shadow_pixel(view, of, &point, picture->rows + i, n_pixels);
         }
 }

@@ -34,8 +34,9 @@ struct occluders {
     struct occluder *list;    /* owned */
     struct box_node *nodes;   /* the first is the root; owned */
     int n_surfaces, n, n_nodes;
+    double size; /* of the numbers that places in eye space are sums of; at most */
 };
-/* Lists the triangles of the surfaces that cast shadows: casts[i]. The surfaces must outlive *out.
+/* Lists the triangles of the surfaces that throw shadows: casts[i]. The surfaces must outlive *out.
  * False: no memory; occluders_free accepts what that left. */
 bool occluders_make(const struct surface *surfaces, int n, const bool *casts,
                     struct occluders *out);
@@ -49,25 +50,26 @@ int shown_parts(const struct view *view, const struct surface *surface, int tria
 /* A point of a triangle, as the eye sees it. */
 struct seen_point {
     struct vector eye;
-    int32_t surface, triangle;
+    struct occluder of;
 };
 /* Finds the point with these barycentric coordinates of the triangle. */
 struct seen_point seen_point(const struct surface *surfaces, const struct screen_triangle *of,
                              const double share[3]);
-/* Returns the side of a triangle's plane on which a point or a direction lies: -1 or 1; 0 in the
- * plane, as far as doubles can say: places come from matrices, with some roundings. */
-int side_of_plane(const struct vector corner[3], const struct homogeneous *of);
-/* Returns a bit, from 1 on, for each of the view's last n lights that does not reach a point; only
- * those that are asked for. A triangle in whose plane the point lies, as far as doubles can say,
- * does not lie between; but the point's own triangle does, if it turns one side to the light and
- * the other to the eye. */
-uint32_t lights_blocked(const struct occluders *of, const struct view *view, int n, uint32_t asked,
+/* Returns the side of an occluder's plane on which a point or a direction lies: -1 or 1; 0 in the
+ * plane, as far as its corners and the point are known. */
+int occluder_side(const struct occluders *of, struct occluder at, const struct homogeneous *point);
+/* Returns light i, from 0, of those that throw shadows. Bit 1 << i of a set stands for it. */
+const struct eye_light *shadow_light(const struct view *view, int i);
+/* Returns the bit of the light of a term; 0: it throws no shadows. */
+uint32_t light_bit(const struct view *view, const struct term *term);
+/* Returns the lights that do not reach a point, of those that are asked for. A triangle in whose
+ * plane the point lies does not lie between; but the point's own triangle does, if it turns one
+ * side to the light and the other to the eye. */
+uint32_t lights_blocked(const struct occluders *of, const struct view *view, uint32_t asked,
                         const struct seen_point *point);
-/* Returns the bit of the light of a term among the view's last n lights; 0: it is none of them. */
-uint32_t light_bit(const struct view *view, int n, const struct term *term);
-/* Sets the weights of a light to 0 in all pixels of a picture that it does not reach; of the last
- * `n` lights, which have terms of their own. dark[pixel] gets their bits. */
-void picture_shadow(const struct view *view, const struct occluders *of, int n,
-                    struct picture *picture, uint32_t *dark);
+/* Sets the weights of lights that throw shadows to 0 in all pixels of a picture that they do not
+ * reach. dark[pixel] gets their bits. */
+void picture_shadow(const struct view *view, const struct occluders *of, struct picture *picture,
+                    uint32_t *dark);
 
 #endif

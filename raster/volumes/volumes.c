@@ -8,9 +8,6 @@
 
 #include "raster/volumes/volumes.h"
 
-/* Beyond this, the far end of a volume has no digits left. */
-static const double largest_scale = 0x1p14;
-
 /* A volume while it is made. */
 struct maker {
     const struct lit_scene *lit;
@@ -51,28 +48,31 @@ static struct vector light_in_mesh(const struct instance *instance, const struct
                            factor * vector_dot(row_of(&of, 2), v)};
 }
 
-/* The distance of a point in view from the light; from a directional one, along its rays. */
+/* The distance of a point from the light; from a directional one, along its rays. */
 static double distance_from(const struct eye_light *light, struct vector eye)
 {
     return light->directional ? -vector_dot(light->position, eye)
                               : vector_length(vector_subtract(eye, light->position));
 }
 
-static double farthest_in_view(const struct lit_scene *lit, const struct eye_light *light)
+/* The distance of the farthest corner of the view: no point in view is farther from the light. */
+static double farthest_in_view(const struct plan *plan, const struct eye_light *light)
 {
-    const struct plan *plan = lit->plan;
+    const double far = plan->scene->camera.far / plan->unit;
     double farthest = -HUGE_VAL;
-    for (int i = 0; i < plan->n_instances; i++) {
-        const struct instance *of = &plan->instances[i].instance;
-        for (int v = 0; v < of->n_vertices && plan->instances[i].in_view; v++)
-            farthest =
-                fmax(farthest,
-                     distance_from(light, matrix_point(&of->model_view, of->vertices[v].position)));
+    for (int i = 0; i < 8; i++) {
+        const double depth = i & 4 ? far : plan->near,
+                     size = plan->scene->camera.perspective ? depth : 1,
+                     x = size / plan->view.projection.row[0][0],
+                     y = size / plan->view.projection.row[1][1];
+        const struct vector corner = {i & 1 ? x : -x, i & 2 ? y : -y, -depth};
+        farthest = fmax(farthest, distance_from(light, corner));
     }
     return farthest;
 }
 
-/* A lower bound on the distance of a light from a triangle: from its plane, and from its box. */
+/* A lower bound on the distance of a light from a triangle: from its plane, and from its box; from
+ * a directional one, along its rays, the distance of the nearest corner. */
 static double triangle_distance(const struct eye_light *light, const struct vector corner[3])
 {
     const struct vector normal =
@@ -84,9 +84,22 @@ static double triangle_distance(const struct eye_light *light, const struct vect
     const struct vector beside = {fmax(0, fmax(low.x - at.x, at.x - high.x)),
                                   fmax(0, fmax(low.y - at.y, at.y - high.y)),
                                   fmax(0, fmax(low.z - at.z, at.z - high.z))};
+    if (light->directional)
+        return fmin(distance_from(light, corner[0]),
+                    fmin(distance_from(light, corner[1]), distance_from(light, corner[2])));
     return fmax(fabs(vector_dot(normal, vector_subtract(at, corner[0]))), vector_length(beside));
 }
 
+/* The side of a triangle's plane on which the light lies: 1 in front, seen from outside. */
+static int light_side(const struct maker *maker, int surface, int triangle)
+{
+    const struct homogeneous light = {maker->light->position, maker->light->directional};
+    const int side =
+        occluder_side(&maker->lit->occluders, (struct occluder){surface, triangle}, &light);
+    return maker->lit->plan->instances[surface].instance.mirrored ? -side : side;
+}
+
+/* The distance of the nearest triangle that throws a shadow. */
 static double nearest_triangle(const struct maker *maker)
 {
     double nearest = HUGE_VAL;
@@ -95,32 +108,20 @@ static double nearest_triangle(const struct maker *maker)
         for (int t = 0; t < of->n_triangles; t++) {
             struct vector corner[3];
             for (int c = 0; c < 3; c++)
-                corner[c] =
-                    matrix_point(&of->model_view, of->vertices[of->triangles[t][c]].position);
-            nearest = fmin(nearest, triangle_distance(maker->light, corner));
+                corner[c] = maker->lit->occluders.vertices[i][of->triangles[t][c]];
+            if (light_side(maker, i, t) != 0)
+                nearest = fmin(nearest, triangle_distance(maker->light, corner));
         }
     }
     return nearest;
 }
 
-/* Finds how far the volume has to reach to end beyond all in view. */
+/* Finds how far the volume has to reach: beyond all in view, by as much again for roundings. */
 static void find_reach(struct maker *maker)
 {
-    double nearest = HUGE_VAL;
-    if (!maker->light->directional) {
-        const double scale = 1.01 * maker->farthest / nearest_triangle(maker);
-        maker->out->is_doubtful = !(scale < largest_scale);
-        maker->reach = fmax(2, fmin(scale, largest_scale));
-        return;
-    }
-    for (int i = maker->first; i < maker->end; i++) {
-        const struct instance *of = &maker->lit->plan->instances[i].instance;
-        for (int v = 0; v < of->n_vertices; v++)
-            nearest = fmin(nearest,
-                           distance_from(maker->light,
-                                         matrix_point(&of->model_view, of->vertices[v].position)));
-    }
-    maker->reach = fmax(0, maker->farthest - nearest) * 1.01 + 1;
+    const double nearest = nearest_triangle(maker);
+    maker->reach = maker->light->directional ? 2 * fmax(0, maker->farthest - nearest)
+                                             : fmax(2, 2 * maker->farthest / nearest);
 }
 
 /* ---- vertices ---- */
@@ -195,16 +196,6 @@ static bool count_edge(struct maker *maker, int32_t from, int32_t to, struct err
            array_add(&maker->list, &maker->n_edges, &edge, sizeof edge, err);
 }
 
-/* The side of a triangle's plane on which the light lies: 1 in front, seen from outside. */
-static int light_side(const struct maker *maker, const struct instance *of, int triangle)
-{
-    const struct homogeneous light = {maker->towards, maker->light->directional};
-    struct vector corner[3];
-    for (int i = 0; i < 3; i++)
-        corner[i] = of->vertices[of->triangles[triangle][i]].position;
-    return side_of_plane(corner, &light);
-}
-
 /* Returns whether all of a solid lies on one side of the light: the triangles that face it then
  * throw all of its shadow. */
 static bool is_beside(const struct maker *maker, const struct placed_instance *placed)
@@ -254,7 +245,7 @@ static bool add_caps(struct maker *maker, int side, enum cap_part part, struct e
         for (int t = 0; t < of->n_triangles && !none; t++) {
             const int32_t *v = of->triangles[t],
                           at[3] = {offset + v[0], offset + v[1], offset + v[2]};
-            if (light_side(maker, of, t) == side &&
+            if (light_side(maker, i, t) == side &&
                 !add_cap(maker, at, (struct occluder){i, t}, side, part, err))
                 return false;
         }
@@ -307,17 +298,37 @@ void volume_corners(const struct volume *volume, int first, int n, size_t step, 
     }
 }
 
-/* Returns whether no vertex of the object is beyond the far plane, or nearly so. */
+/* Returns whether OpenGL has no vertex of the object beyond the far plane, whatever it rounds. */
 static bool ends_in_view(const struct maker *maker)
 {
     for (int i = maker->first; i < maker->end; i++) {
         const struct surface *of = &maker->lit->surfaces[i];
-        for (int v = 0; v < of->instance->n_vertices; v++)
-            if (!(of->vertices[v].clip[2] <
-                  of->vertices[v].clip[3] - 1e-3 * fabs(of->vertices[v].clip[2])))
+        for (int v = 0; v < of->instance->n_vertices; v++) {
+            const double *clip = of->vertices[v].clip;
+            const float *e = maker->lit->bounds[i].vertices[v].e_clip;
+            if (!(clip[CLIP_Z] + (double)e[CLIP_Z] < clip[CLIP_W] - (double)e[CLIP_W]))
                 return false;
+        }
     }
     return true;
+}
+
+/* Returns whether the far end lies beyond all in view as OpenGL has it, too: what it rounds of a
+ * vertex, 12 roundings in each of x, y and z (see bounds/vertex.c), is less than half of the way. */
+static bool ends_beyond(const struct maker *maker)
+{
+    const struct volume *out = maker->out;
+    const struct matrix *m = &maker->lit->plan->instances[maker->first].instance.model_view;
+    const double spare = maker->light->directional ? maker->reach / 2 : maker->farthest;
+    double largest = 0;
+    for (int i = maker->n_near; i < out->n_vertices; i++) {
+        const struct vector at = out->vertices[i].position;
+        const double far[4] = {at.x, at.y, at.z, 1};
+        double magnitude[4];
+        matrix_magnitudes(m, far, magnitude);
+        largest = fmax(largest, magnitude[0] + magnitude[1] + magnitude[2]);
+    }
+    return roundings(12) * largest < spare;
 }
 
 static bool make_volume(struct maker *maker, struct error *err)
@@ -325,8 +336,9 @@ static bool make_volume(struct maker *maker, struct error *err)
     maker->towards =
         light_in_mesh(&maker->lit->plan->instances[maker->first].instance, maker->light);
     find_reach(maker);
-    maker->out->cuts_caps = ends_in_view(maker);
     const bool done = make_vertices(maker, err) && add_triangles(maker, err);
+    maker->out->cuts_caps = ends_in_view(maker);
+    maker->out->is_doubtful = done && !ends_beyond(maker);
     index_free(&maker->edges);
     free(maker->list);
     return done;
@@ -337,15 +349,14 @@ static bool list_volumes(const struct lit_scene *lit, int shadowed, struct volum
                          struct error *err)
 {
     const struct plan *plan = lit->plan;
-    const struct eye_light *light = &plan->lights[plan->n_lights - plan->n_shadowed + shadowed];
-    const double farthest = farthest_in_view(lit, light);
+    const struct eye_light *light = shadow_light(&plan->view, shadowed);
+    const double farthest = farthest_in_view(plan, light);
     for (int first = 0, end; first < plan->n_instances; first = end) {
         const struct object *object = plan->instances[first].object;
         const struct volume fresh = {.shadowed = shadowed, .instance = first};
-        uint32_t casts = 0;
-        for (end = first; end < plan->n_instances && plan->instances[end].object == object; end++)
-            casts |= plan->instances[end].casts;
-        if ((casts >> shadowed & 1) == 0)
+        for (end = first; end < plan->n_instances && plan->instances[end].object == object;)
+            end++;
+        if ((plan->instances[first].casts >> shadowed & 1) == 0)
             continue;
         if (!array_add(&out->list, &out->n, &fresh, sizeof fresh, err))
             return false;
@@ -366,12 +377,12 @@ bool volumes_make(const struct lit_scene *lit, struct volumes *out, struct error
     struct plan *plan = &out->plan;
     *out = (struct volumes){.plan = *lit->plan};
     plan->instances = NULL;
-    plan->n_instances = plan->n_lights = plan->n_shadowed = 0;
+    plan->n_instances = plan->n_lights = plan->view.n_shadowed = 0;
     plan->n_light_groups = 1;
     plan->view.n_lights = 0;
     plan->clamps_depth = true;
     plan->options.use_gl = false; /* no triangle of a volume is hidden */
-    for (int i = 0; i < lit->plan->n_shadowed; i++)
+    for (int i = 0; i < lit->plan->view.n_shadowed; i++)
         if (!list_volumes(lit, i, out, err))
             return false;
     if (!MAKE_ARRAY(plan->instances, out->n, err, "%d shadows", out->n))

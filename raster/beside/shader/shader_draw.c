@@ -231,7 +231,7 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
     const int left = shader->n_order - first;
     shader->batch = first;
     shader->n_batch = left < of->n_units ? left : of->n_units;
-    if ((plan->n_shadowed > 0 && !of->has_shadows && !draw_shadows(shader, err)) ||
+    if ((plan->view.n_shadowed > 0 && !of->has_shadows && !draw_shadows(shader, err)) ||
         !upload_bands(shader, shader->order + first, shader->n_batch, err))
         return false;
     for (int group = 0; group < plan->n_light_groups; group++) {

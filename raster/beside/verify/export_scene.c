@@ -201,7 +201,7 @@ static bool add_volume(struct description *to, int index, struct error *err)
     float(*corners)[3];
     char name[FILE_NAME];
     print(&to->scene, "volume %d group %d triangles %d outward %d caps %d %s %s matrix", index,
-          to->plan->n_light_groups - to->plan->n_shadowed + volume->shadowed, volume->n,
+          to->plan->n_light_groups - to->plan->view.n_shadowed + volume->shadowed, volume->n,
           volume->n_outward, volume->n_caps, volume->cuts_caps ? "cut" : "clamped",
           instance->mirrored ? "clockwise" : "counter-clockwise");
     print_matrix(&instance->model_view, &to->scene);
@@ -292,7 +292,7 @@ static bool describe_plan(const struct plan *plan, const struct folder *folder, 
     char id[DIGEST_TEXT];
     struct volumes volumes = {.n = 0};
     bool done = lit_make(plan, driver_of(NULL), &lit, err);
-    if (done && plan->n_shadowed > 0) {
+    if (done && plan->view.n_shadowed > 0) {
         done = volumes_make(&lit, &volumes, err);
         lit.volumes = &volumes;
     }
