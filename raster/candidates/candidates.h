@@ -22,6 +22,7 @@ enum bound_cause {
     CAUSE_FAR,
     CAUSE_DEPTH,
     CAUSE_SHADOW,
+    CAUSE_UPON, /* other than these: several surfaces at one depth */
     BOUND_CAUSES
 };
 /* A bound in the mean of all bands, in parts of shaded_brightest: the part that follows from the
@@ -38,7 +39,12 @@ struct mean_bound {
 struct candidate {
     int32_t surface, triangle;
     float depth, depth_error;
-    bool loose; /* its error has no bound here */
+    bool loose;         /* its error has no bound here */
+    bool covers;        /* OpenGL has it there for sure, however it rounds edges */
+    bool vanishes;      /* its depth may round to that of the near or the far plane */
+    bool is_other_side; /* of a triangle that may turn */
+    unsigned gates;     /* see pixel_turn_gates */
+    uint32_t dark;      /* lights that do not reach it */
     struct mean_bound mean;
     size_t first; /* index of its pixel_rows numbers in candidate_rows and candidate_errors */
 };
@@ -62,7 +68,6 @@ struct ambiguous_pixel {
     /* OpenGL may lose the triangle that the reference shows: its depth may round to that of the
      * near or the far plane */
     bool may_vanish;
-    bool shadow_in_doubt; /* a light may reach a candidate there, or not */
 };
 /* Some rows of a tile, which one thread draws: the reference's picture, and for a check the rest:
  */

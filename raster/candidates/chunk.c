@@ -33,7 +33,7 @@ static bool make_room(struct chunk *out, size_t n_rows)
 
 /* Adds the pixel's triangle as it is lit now, at one place of its texture. */
 static bool add_candidate(struct bounding *bounding, const struct fragment *fragment,
-                          const struct texel_point *place)
+                          unsigned gates, const struct texel_point *place)
 {
     struct chunk *out = bounding->chunk;
     const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
@@ -57,6 +57,11 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
         .depth = (float)fragment->depth,
         .depth_error = stored_depth_error(fragment->depth_error, fragment->depth),
         .loose = fragment->loose,
+        .covers = fragment->covers,
+        .vanishes = fragment->vanishes,
+        .is_other_side = triangle->other_side,
+        .gates = gates,
+        .dark = bounding->pixel.dark,
         .mean = mean,
         .first = first};
     out->n_numbers += n_rows;
@@ -116,13 +121,12 @@ static bool add_shadowed(struct bounding *bounding, const struct fragment *fragm
     const uint32_t dark = find_dark(pixel, fragment, &in_doubt);
     added.has_no_shadow = count_bits(in_doubt) > MOST_IN_DOUBT;
     added.loose = added.loose || added.has_no_shadow;
-    bounding->chunk->ambiguous[bounding->chunk->n_ambiguous - 1].shadow_in_doubt |= in_doubt != 0;
     in_doubt = added.loose ? 0 : in_doubt;
     for (uint32_t more = in_doubt;; more = (more - 1) & in_doubt) {
         pixel_darken(pixel, dark | more);
         const int n = pixel_choices(pixel, choices);
         for (int i = 0; i < n; i++)
-            if (!add_candidate(bounding, &added, &choices[i]))
+            if (!add_candidate(bounding, &added, gates, &choices[i]))
                 return false;
         if (more == 0)
             return true;

@@ -355,6 +355,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
         const unsigned more = count_bits(clipped) - 1 + (triangle->slides || fragment.sliver);
         visit->pixel->n_possible += triangle->other_side ? 0 : more;
     }
+    fragment.covers = presence == DEFINITE;
     fragment.loose = is_loose(visit, clipped, &thin);
     fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;
     /* the near or the far plane may cut it off; a sliver that may cover nothing is not lost by that

@@ -80,6 +80,7 @@ struct fragment {
     bool sliver;      /* or may have none: see keep_doubtful */
     bool vanishes;    /* perhaps, by depth alone: see struct ambiguous_pixel */
     bool is_definite;
+    bool covers;        /* see struct candidate */
     bool has_no_shadow; /* too many lights are in doubt */
     double depth, depth_error;
     uint32_t in_doubt; /* bit i: OpenGL may count a shadow of light i otherwise */

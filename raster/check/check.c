@@ -220,13 +220,62 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     }
     hypothesis->band = band;
     hypothesis->alive = compare(check, &run, band, estimates, &hypothesis->samples, &single);
-    hypothesis->floor = fmax(hypothesis->floor, (double)single.bound[0]);
+    hypothesis->own_floor = fmax(hypothesis->own_floor, (double)single.bound[0]);
+    hypothesis->floor = fmax(hypothesis->floor, hypothesis->own_floor);
     hypothesis->band_floor = fmax(hypothesis->band_floor, (double)band_floor(&single, 0));
     if (!hypothesis->alive)
         is_outside(&single, 0, band, &hypothesis->failure);
     if (candidate && candidate->loose && !hypothesis->alive) { /* any other explains better */
         hypothesis->alive = true;
         hypothesis->samples.worst_ratio = HUGE_VAL;
+    }
+}
+
+/* Widens the range of its rivals by what candidate c of a pixel may show in a band. Returns what
+ * the reference has there. */
+static double widen_range(struct check *check, const struct ambiguous_pixel *pixel, int c, int band,
+                          struct range *range)
+{
+    struct block single;
+    single.n = 1;
+    const struct run run = candidate_run(check, &check->chunk->candidates[c], &single);
+    expect(check, &run, band, &single);
+    const double expected = single.expected[0], bound = (double)single.bound[0];
+    if (expected + bound > range->high) {
+        range->high = expected + bound;
+        range->highest = c - pixel->first;
+    }
+    if (expected - bound < range->low) {
+        range->low = expected - bound;
+        range->lowest = c - pixel->first;
+    }
+    return expected;
+}
+
+/* Raises the floors of a pixel's candidates by what their rivals may show in a band. */
+static void raise_by_rivals(struct check *check, const struct ambiguous_pixel *pixel, int band)
+{
+    struct hypothesis *of = check->hypotheses + pixel->first;
+    const struct candidate *candidates = check->chunk->candidates + pixel->first;
+    for (int i = 0; i < pixel->count; i++)
+        of[i].range = (struct range){HUGE_VAL, -HUGE_VAL, -1, -1};
+    for (int i = 0; i < pixel->count; i++) {
+        struct hypothesis *first = &of[of[i].rivals];
+        if (!first->is_shown || !first->has_rivals)
+            continue;
+        of[i].expected = widen_range(check, pixel, pixel->first + i, band, &first->range);
+        if (candidates[i].vanishes && pixel->background && first->range.low > 0) {
+            first->range.low = 0;
+            first->range.lowest = -1;
+        }
+    }
+    for (int i = 0; i < pixel->count; i++) {
+        const struct range *range = &of[of[i].rivals].range;
+        const double above = range->high - of[i].expected, below = of[i].expected - range->low;
+        if (!of[i].alive || !(fmax(above, below) > of[i].floor))
+            continue; /* without rivals, both are -infinite */
+        of[i].floor = fmax(above, below);
+        of[i].rival = above > below ? range->highest : range->lowest;
     }
 }
 
@@ -238,6 +287,7 @@ static void judge_ambiguous(struct check *check, const struct ambiguous_pixel *p
     for (int c = pixel->first; c < pixel->first + pixel->count; c++)
         try_candidate(check, &chunk->candidates[c], &check->hypotheses[c], band, seen);
     try_candidate(check, NULL, &check->hypotheses[chunk->n_candidates + index], band, seen);
+    raise_by_rivals(check, pixel, band);
 }
 
 static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,
@@ -279,6 +329,44 @@ static bool is_lost(const struct chunk *chunk, const struct ambiguous_pixel *amb
                            (double)candidate->depth > picture->depth[pixel]));
 }
 
+/* Returns why OpenGL may show a rival instead of a candidate. */
+static enum bound_cause rival_cause(const struct candidate *of, const struct candidate *rival)
+{
+    if (!rival)
+        return CAUSE_DEPTH;
+    if (rival->surface != of->surface || rival->triangle != of->triangle)
+        return fabs((double)rival->depth - (double)of->depth) >
+                       (double)rival->depth_error + (double)of->depth_error
+                   ? CAUSE_DEPTH
+                   : CAUSE_UPON;
+    return rival->dark != of->dark                    ? CAUSE_SHADOW
+           : rival->gates != of->gates                ? CAUSE_LIGHT
+           : rival->is_other_side != of->is_other_side ? CAUSE_THIN
+                                                       : CAUSE_TEXTURE;
+}
+
+/* Counts what an ambiguous pixel leaves open, where OpenGL shows a candidate. Returns what bounds
+ * its mean. */
+static struct mean_bound note_open(struct check *check, const struct ambiguous_pixel *ambiguous,
+                                   const struct hypothesis *shown)
+{
+    const struct candidate *candidates = check->chunk->candidates,
+                           *of = &candidates[shown - check->hypotheses];
+    const double limit = checked_counts(check->scene->lit->plan);
+    struct mean_bound mean = of->mean;
+    bool is_edge = ambiguous->background;
+    for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
+        is_edge = is_edge || check->hypotheses[c].rivals != shown->rivals;
+    if (!of->loose && shown->floor > limit && shown->own_floor <= limit) {
+        mean.cause =
+            rival_cause(of, shown->rival < 0 ? NULL : &candidates[ambiguous->first + shown->rival]);
+        check->verdict.open++;
+    } else {
+        check->verdict.edges += is_edge;
+    }
+    return mean;
+}
+
 /* Keeps the best hypothesis of an ambiguous pixel. */
 static void settle(struct check *check, size_t index, struct check_totals *totals)
 {
@@ -298,7 +386,6 @@ static void settle(struct check *check, size_t index, struct check_totals *total
         samples.worst_ratio = samples.worst_fit_ratio = -1;
     }
     check->verdict.ambiguous++;
-    check->verdict.shadow_in_doubt += ambiguous->shadow_in_doubt;
     samples_add(&check->verdict.samples, &samples);
     if (!best->alive)
         check_fail(check, pixel, &best->failure);
@@ -309,12 +396,14 @@ static void settle(struct check *check, size_t index, struct check_totals *total
         check->ratio[pixel] = (float)fmax(samples.worst_ratio, samples.worst_fit_ratio);
     if (lost) {
         static const struct mean_bound none = {.cause = CAUSE_DEPTH};
+        check->verdict.open++;
         check->floor[pixel] = check->band_floor[pixel] = HUGE_VALF;
         totals_note(totals, chunk->picture.surface[pixel], chunk->picture.triangle[pixel], HUGE_VAL,
                     &none);
     } else if (candidate) {
+        const struct mean_bound mean = note_open(check, ambiguous, best);
         totals_note(totals, candidate->surface, candidate->triangle, (double)check->floor[pixel],
-                    &candidate->mean);
+                    &mean);
     }
 }
 

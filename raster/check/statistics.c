@@ -188,7 +188,8 @@ void verdict_add(struct check_verdict *to, const struct check_verdict *from)
     floor_add(&to->band_floor, &from->band_floor);
     to->pixels += from->pixels;
     to->ambiguous += from->ambiguous;
-    to->shadow_in_doubt += from->shadow_in_doubt;
+    to->edges += from->edges;
+    to->open += from->open;
     to->unexplained += from->unexplained;
     to->objects += from->objects;
     to->unbounded += from->unbounded;

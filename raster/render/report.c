@@ -237,8 +237,8 @@ static void json_check(struct json *json, const struct plan *plan,
     json_count(json, "pixels", verdict->pixels);
     json_count(json, "object_pixels", verdict->objects);
     json_count(json, "ambiguous_pixels", verdict->ambiguous);
-    if (plan->view.n_shadowed > 0)
-        json_count(json, "shadow_pixels_in_doubt", verdict->shadow_in_doubt);
+    json_count(json, "edge_pixels", verdict->edges);
+    json_count(json, "open_pixels", verdict->open);
     json_count(json, "unexplained_pixels", verdict->unexplained);
     json_count(json, "unchecked_pixels", verdict->unchecked);
     json_count(json, "unbounded_pixels", verdict->unbounded);

@@ -37,7 +37,8 @@ static const char *const causes[BOUND_CAUSES] = {
         "its triangles are edge-on, too thin or too large to be placed; turn or split it",
     [CAUSE_DEPTH] = ("its depth rounds to that of the near or the far plane, and OpenGL does "
                      "not show it; move the near plane away, or the far plane near"),
-    [CAUSE_SHADOW] = "shadows of too many lights end there; take shadows from some of them",
+    [CAUSE_SHADOW] = "a shadow may end there, or not; move the light away from what it shades",
+    [CAUSE_UPON] = "several surfaces lie there at one depth; move them apart",
     [CAUSE_FAR] = "its triangles reach too far; split them, or move the near plane away",
 };
 
