@@ -22,7 +22,7 @@ enum bound_cause {
     CAUSE_FAR,
     CAUSE_DEPTH,
     CAUSE_SHADOW,
-    CAUSE_UPON, /* other than these: several surfaces at one depth */
+    CAUSE_UPON, /* several surfaces have one depth */
     BOUND_CAUSES
 };
 /* A bound in the mean of all bands, in parts of shaded_brightest: the part that follows from the
@@ -45,6 +45,11 @@ struct candidate {
     bool is_other_side; /* of a triangle that may turn */
     unsigned gates;     /* see pixel_turn_gates */
     uint32_t dark;      /* lights that do not reach it */
+    /* OpenGL may show a rival instead, and not for the place of an edge: see are_rivals. They have
+     * one number; in some band they are apart by up to `open`, in radiance, and why */
+    int32_t rivals;
+    float open;
+    enum bound_cause open_cause;
     struct mean_bound mean;
     size_t first; /* index of its pixel_rows numbers in candidate_rows and candidate_errors */
 };
@@ -58,6 +63,7 @@ struct pixel_bounds {
     struct mean_bound mean;
     float depth_error; /* of picture.depth */
     float steepness;   /* bound on the change of radiance within a pixel's width, in any band */
+    float open;        /* the largest of its candidates; infinite if one of them has no bound */
     struct overdraw overdraw;
 };
 /* A pixel with more than one candidate, or a loose one. */

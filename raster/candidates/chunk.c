@@ -4,6 +4,7 @@
  * gets candidates, each with its own bounds. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "raster/candidates/inside.h"
 
@@ -169,6 +170,105 @@ static bool shows_hidden(const struct bounding *bounding, size_t index)
            lit->bounds[surface].hidden[picture->triangle[index]];
 }
 
+/* ---- rivals ---- */
+
+/* Returns whether OpenGL may show `b` where it may show `a`, and not for the place of an edge: they
+ * are one triangle, in two lights or places of its texture; or both are there, at depths that may
+ * be the same; or the depth of the one in front may be lost. Where an edge decides which of two
+ * triangles a pixel has, it is open by a rounding of the edge, and OpenGL says which it is. */
+static bool are_rivals(const struct candidate *a, const struct candidate *b)
+{
+    const double behind = (double)b->depth - (double)a->depth,
+                 either = (double)a->depth_error + (double)b->depth_error;
+    if (a->loose || b->loose)
+        return false;
+    if (a->surface == b->surface && a->triangle == b->triangle)
+        return true;
+    if (fabs(behind) <= either)
+        return a->covers || b->covers;
+    return behind > 0 ? a->vanishes : b->vanishes;
+}
+
+/* Numbers the rivals among n candidates of a pixel: all have the number of the first of them. */
+static void number_rivals(struct candidate *of, int n)
+{
+    for (int i = 0; i < n; i++) {
+        of[i].rivals = i;
+        for (int j = i - 1; j >= 0 && of[i].rivals != 0; j--) {
+            const int a = of[i].rivals, b = of[j].rivals;
+            for (int k = 0; k <= i && a != b && are_rivals(&of[i], &of[j]); k++)
+                if (of[k].rivals == (a > b ? a : b))
+                    of[k].rivals = a > b ? b : a;
+        }
+    }
+}
+
+/* Why a candidate's rival differs from it; the first cause that holds. */
+static enum bound_cause rival_cause(const struct candidate *of, const struct candidate *rival)
+{
+    const double apart = fabs((double)rival->depth - (double)of->depth);
+    if (rival->surface != of->surface || rival->triangle != of->triangle)
+        return apart > (double)rival->depth_error + (double)of->depth_error ? CAUSE_DEPTH
+                                                                            : CAUSE_UPON;
+    return rival->dark != of->dark                     ? CAUSE_SHADOW
+           : rival->gates != of->gates                 ? CAUSE_LIGHT
+           : rival->is_other_side != of->is_other_side ? CAUSE_THIN
+                                                       : CAUSE_TEXTURE;
+}
+
+/* Bounds a candidate's radiance in any band; or, `from` not NULL, how far that is from the radiance
+ * of a rival. */
+static double apart(const struct bounding *bounding, const struct candidate *of,
+                    const struct candidate *from)
+{
+    const struct chunk *chunk = bounding->chunk;
+    const struct lit_scene *lit = bounding->fragments.tile->lit;
+    const struct shaded_material *shaded = lit->bounds[of->surface].shaded;
+    const struct instance *instance = lit->surfaces[of->surface].instance;
+    const double *rows = chunk->candidate_rows + of->first,
+                 *other = from ? chunk->candidate_rows + from->first : rows;
+    double sum = 0, all = 0;
+    for (int t = 0; t < instance->n_terms; t++) {
+        sum += fabs(rows[t] - other[t]) * shaded->made.terms[t].peak;
+        all += rows[t] * shaded->made.terms[t].peak;
+    }
+    const bool moved =
+        instance->varied && memcmp(rows + instance->n_terms, other + instance->n_terms,
+                                   (size_t)place_rows(&instance->texels) * sizeof *rows) != 0;
+    return (instance->varied ? shaded->texture->largest : 1) * (from && !moved ? sum : all);
+}
+
+/* Raises what candidate `of` leaves open by what a rival shows; NULL: the background. */
+static void raise_open(const struct bounding *bounding, struct candidate *of,
+                       const struct candidate *rival)
+{
+    const struct surface_bounds *bounds = bounding->fragments.tile->lit->bounds;
+    const bool alike = rival && bounds[rival->surface].shaded == bounds[of->surface].shaded;
+    const double open = alike   ? apart(bounding, of, rival)
+                        : rival ? fmax(apart(bounding, of, NULL), apart(bounding, rival, NULL))
+                                : apart(bounding, of, NULL);
+    if (!(open > (double)of->open))
+        return;
+    of->open = (float)open;
+    of->open_cause = rival ? rival_cause(of, rival) : CAUSE_DEPTH;
+}
+
+/* Finds what the candidates of an ambiguous pixel leave open. */
+static void find_open(struct bounding *bounding, const struct ambiguous_pixel *pixel)
+{
+    struct candidate *of = bounding->chunk->candidates + pixel->first;
+    float *open = &bounding->chunk->pixels[pixel->pixel].open;
+    number_rivals(of, pixel->count);
+    for (int i = 0; i < pixel->count; i++) {
+        for (int j = 0; j < pixel->count; j++)
+            if (j != i && of[j].rivals == of[i].rivals)
+                raise_open(bounding, &of[i], &of[j]);
+        if (of[i].vanishes && pixel->background)
+            raise_open(bounding, &of[i], NULL);
+        *open = of[i].loose ? HUGE_VALF : fmaxf(*open, of[i].open);
+    }
+}
+
 static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
 {
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
@@ -197,6 +297,7 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
                 return false;
         }
     ambiguous->count = (int32_t)out->n_candidates - ambiguous->first;
+    find_open(bounding, ambiguous);
     return true;
 }
 

@@ -220,62 +220,13 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     }
     hypothesis->band = band;
     hypothesis->alive = compare(check, &run, band, estimates, &hypothesis->samples, &single);
-    hypothesis->own_floor = fmax(hypothesis->own_floor, (double)single.bound[0]);
-    hypothesis->floor = fmax(hypothesis->floor, hypothesis->own_floor);
+    hypothesis->floor = fmax(hypothesis->floor, (double)single.bound[0]);
     hypothesis->band_floor = fmax(hypothesis->band_floor, (double)band_floor(&single, 0));
     if (!hypothesis->alive)
         is_outside(&single, 0, band, &hypothesis->failure);
     if (candidate && candidate->loose && !hypothesis->alive) { /* any other explains better */
         hypothesis->alive = true;
         hypothesis->samples.worst_ratio = HUGE_VAL;
-    }
-}
-
-/* Widens the range of its rivals by what candidate c of a pixel may show in a band. Returns what
- * the reference has there. */
-static double widen_range(struct check *check, const struct ambiguous_pixel *pixel, int c, int band,
-                          struct range *range)
-{
-    struct block single;
-    single.n = 1;
-    const struct run run = candidate_run(check, &check->chunk->candidates[c], &single);
-    expect(check, &run, band, &single);
-    const double expected = single.expected[0], bound = (double)single.bound[0];
-    if (expected + bound > range->high) {
-        range->high = expected + bound;
-        range->highest = c - pixel->first;
-    }
-    if (expected - bound < range->low) {
-        range->low = expected - bound;
-        range->lowest = c - pixel->first;
-    }
-    return expected;
-}
-
-/* Raises the floors of a pixel's candidates by what their rivals may show in a band. */
-static void raise_by_rivals(struct check *check, const struct ambiguous_pixel *pixel, int band)
-{
-    struct hypothesis *of = check->hypotheses + pixel->first;
-    const struct candidate *candidates = check->chunk->candidates + pixel->first;
-    for (int i = 0; i < pixel->count; i++)
-        of[i].range = (struct range){HUGE_VAL, -HUGE_VAL, -1, -1};
-    for (int i = 0; i < pixel->count; i++) {
-        struct hypothesis *first = &of[of[i].rivals];
-        if (!first->is_shown || !first->has_rivals)
-            continue;
-        of[i].expected = widen_range(check, pixel, pixel->first + i, band, &first->range);
-        if (candidates[i].vanishes && pixel->background && first->range.low > 0) {
-            first->range.low = 0;
-            first->range.lowest = -1;
-        }
-    }
-    for (int i = 0; i < pixel->count; i++) {
-        const struct range *range = &of[of[i].rivals].range;
-        const double above = range->high - of[i].expected, below = of[i].expected - range->low;
-        if (!of[i].alive || !(fmax(above, below) > of[i].floor))
-            continue; /* without rivals, both are -infinite */
-        of[i].floor = fmax(above, below);
-        of[i].rival = above > below ? range->highest : range->lowest;
     }
 }
 
@@ -287,7 +238,6 @@ static void judge_ambiguous(struct check *check, const struct ambiguous_pixel *p
     for (int c = pixel->first; c < pixel->first + pixel->count; c++)
         try_candidate(check, &chunk->candidates[c], &check->hypotheses[c], band, seen);
     try_candidate(check, NULL, &check->hypotheses[chunk->n_candidates + index], band, seen);
-    raise_by_rivals(check, pixel, band);
 }
 
 static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,
@@ -329,38 +279,69 @@ static bool is_lost(const struct chunk *chunk, const struct ambiguous_pixel *amb
                            (double)candidate->depth > picture->depth[pixel]));
 }
 
-/* Returns why OpenGL may show a rival instead of a candidate. */
-static enum bound_cause rival_cause(const struct candidate *of, const struct candidate *rival)
+/* ---- what OpenGL may show as well ---- */
+
+/* A pixel beside another one; chunk NULL: it lies outside of the tile. */
+struct neighbour {
+    const struct chunk *chunk;
+    size_t pixel;
+};
+
+/* Finds the pixels above, to the left, to the right and below. */
+static void find_neighbours(const struct tile *tile, const struct chunk *chunk, size_t pixel,
+                            struct neighbour out[4])
 {
-    if (!rival)
-        return CAUSE_DEPTH;
-    if (rival->surface != of->surface || rival->triangle != of->triangle)
-        return fabs((double)rival->depth - (double)of->depth) >
-                       (double)rival->depth_error + (double)of->depth_error
-                   ? CAUSE_DEPTH
-                   : CAUSE_UPON;
-    return rival->dark != of->dark                    ? CAUSE_SHADOW
-           : rival->gates != of->gates                ? CAUSE_LIGHT
-           : rival->is_other_side != of->is_other_side ? CAUSE_THIN
-                                                       : CAUSE_TEXTURE;
+    const struct chunk *last = tile->chunks + tile->n_chunks - 1;
+    const size_t width = (size_t)chunk->picture.at.width, column = pixel % width;
+    out[0] = (struct neighbour){chunk, pixel - width};
+    out[1] = (struct neighbour){column > 0 ? chunk : NULL, pixel - 1};
+    out[2] = (struct neighbour){column < width - 1 ? chunk : NULL, pixel + 1};
+    out[3] = (struct neighbour){chunk, pixel + width};
+    if (pixel < width) {
+        out[0].chunk = chunk > tile->chunks ? chunk - 1 : NULL;
+        out[0].pixel = out[0].chunk ? chunk_pixels(out[0].chunk) - width + column : 0;
+    }
+    if (pixel + width >= chunk_pixels(chunk))
+        out[3] = (struct neighbour){chunk < last ? chunk + 1 : NULL, column};
 }
 
-/* Counts what an ambiguous pixel leaves open, where OpenGL shows a candidate. Returns what bounds
- * its mean. */
-static struct mean_bound note_open(struct check *check, const struct ambiguous_pixel *ambiguous,
-                                   const struct hypothesis *shown)
+/* Radiance in counts. */
+static double in_counts(const struct check *check, float radiance)
 {
-    const struct candidate *candidates = check->chunk->candidates,
-                           *of = &candidates[shown - check->hypotheses];
+    return (double)radiance / check->scene->lit->full_scale * FULL_COUNT;
+}
+
+/* Returns whether two neighbours of a pixel leave nothing open, at least: what it leaves open is
+ * then the place of an edge by a rounding, and not what a region shows. */
+static bool is_between(const struct check *check, const struct tile *tile, size_t pixel)
+{
+    struct neighbour next[4];
+    int n = 0;
+    find_neighbours(tile, check->chunk, pixel, next);
+    for (int i = 0; i < 4; i++)
+        n += next[i].chunk && in_counts(check, next[i].chunk->pixels[next[i].pixel].open) <=
+                                  checked_counts(check->scene->lit->plan);
+    return n >= 2;
+}
+
+/* Adds what its rivals may show to the floor of an ambiguous pixel that shows a candidate, and
+ * counts it. Returns what bounds its mean. */
+static struct mean_bound note_open(struct check *check, const struct tile *tile,
+                                   const struct ambiguous_pixel *ambiguous,
+                                   const struct candidate *of)
+{
+    const size_t pixel = (size_t)ambiguous->pixel;
     const double limit = checked_counts(check->scene->lit->plan);
+    const bool was_checked = (double)check->floor[pixel] <= limit;
     struct mean_bound mean = of->mean;
     bool is_edge = ambiguous->background;
     for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
-        is_edge = is_edge || check->hypotheses[c].rivals != shown->rivals;
-    if (!of->loose && shown->floor > limit && shown->own_floor <= limit) {
-        mean.cause =
-            rival_cause(of, shown->rival < 0 ? NULL : &candidates[ambiguous->first + shown->rival]);
+        is_edge = is_edge || check->chunk->candidates[c].rivals != of->rivals;
+    check->floor[pixel] += (float)in_counts(check, of->open);
+    if (was_checked && (double)check->floor[pixel] > limit) {
+        mean.cause = of->open_cause;
         check->verdict.open++;
+        check->verdict.between += is_between(check, tile, pixel);
     } else {
         check->verdict.edges += is_edge;
     }
@@ -368,7 +349,8 @@ static struct mean_bound note_open(struct check *check, const struct ambiguous_p
 }
 
 /* Keeps the best hypothesis of an ambiguous pixel. */
-static void settle(struct check *check, size_t index, struct check_totals *totals)
+static void settle(struct check *check, const struct tile *tile, size_t index,
+                   struct check_totals *totals)
 {
     const struct chunk *chunk = check->chunk;
     const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[index];
@@ -397,11 +379,12 @@ static void settle(struct check *check, size_t index, struct check_totals *total
     if (lost) {
         static const struct mean_bound none = {.cause = CAUSE_DEPTH};
         check->verdict.open++;
+        check->verdict.between += is_between(check, tile, pixel);
         check->floor[pixel] = check->band_floor[pixel] = HUGE_VALF;
         totals_note(totals, chunk->picture.surface[pixel], chunk->picture.triangle[pixel], HUGE_VAL,
                     &none);
     } else if (candidate) {
-        const struct mean_bound mean = note_open(check, ambiguous, best);
+        const struct mean_bound mean = note_open(check, tile, ambiguous, candidate);
         totals_note(totals, candidate->surface, candidate->triangle, (double)check->floor[pixel],
                     &mean);
     }
@@ -409,32 +392,21 @@ static void settle(struct check *check, size_t index, struct check_totals *total
 
 /* ---- floors ---- */
 
-static bool surely_shows(const struct chunk *chunk, size_t pixel, int32_t surface)
-{
-    return !chunk->is_ambiguous[pixel] && chunk->picture.surface[pixel] == surface;
-}
-
 /* Returns whether a pixel and its neighbours in the tile lie inside one surface, and the pixel's
  * radiance changes little. */
 static bool is_smooth(const struct check *check, const struct tile *tile, size_t pixel)
 {
-    const struct chunk *chunk = check->chunk, *last = tile->chunks + tile->n_chunks - 1;
-    const size_t width = (size_t)chunk->picture.at.width, n_pixels = chunk_pixels(chunk);
-    const size_t column = pixel % width;
-    const int32_t surface = chunk->picture.surface[pixel];
-    if ((double)chunk->pixels[pixel].steepness * FULL_COUNT >
-        SMOOTH_COUNTS * check->scene->lit->full_scale)
-        return false;
-    if ((column > 0 && !surely_shows(chunk, pixel - 1, surface)) ||
-        (column < width - 1 && !surely_shows(chunk, pixel + 1, surface)))
-        return false;
-    if (pixel >= width && !surely_shows(chunk, pixel - width, surface))
-        return false;
-    if (pixel < width && chunk > tile->chunks &&
-        !surely_shows(chunk - 1, chunk_pixels(chunk - 1) - width + column, surface))
-        return false;
-    return pixel + width < n_pixels ? surely_shows(chunk, pixel + width, surface)
-                                    : chunk == last || surely_shows(chunk + 1, column, surface);
+    const struct chunk *chunk = check->chunk;
+    struct neighbour next[4];
+    bool inside = (double)chunk->pixels[pixel].steepness * FULL_COUNT <=
+                  SMOOTH_COUNTS * check->scene->lit->full_scale;
+    find_neighbours(tile, chunk, pixel, next);
+    for (int i = 0; i < 4 && inside; i++) {
+        const struct chunk *of = next[i].chunk;
+        inside = !of || (!of->is_ambiguous[next[i].pixel] &&
+                         of->picture.surface[next[i].pixel] == chunk->picture.surface[pixel]);
+    }
+    return inside;
 }
 
 /* Notes the floor of each pixel that shows an object and has a bound. */
@@ -452,7 +424,7 @@ static void note_floors(struct check *check, const struct tile *tile)
     }
 }
 
-static void settle_all(struct check *check, struct check_totals *totals)
+static void settle_all(struct check *check, const struct tile *tile, struct check_totals *totals)
 {
     const struct chunk *chunk = check->chunk;
     const struct picture *picture = &chunk->picture;
@@ -466,7 +438,7 @@ static void settle_all(struct check *check, struct check_totals *totals)
                         &chunk->pixels[i].mean);
     }
     for (size_t i = 0; i < chunk->n_ambiguous; i++)
-        settle(check, i, totals);
+        settle(check, tile, i, totals);
 }
 
 /* ---- a chunk ---- */
@@ -585,7 +557,7 @@ void check_settle(struct check *check, const struct tile *tile, struct check_tot
         find_limits(check);
         find_odd_bands(check);
     }
-    settle_all(check, totals);
+    settle_all(check, tile, totals);
     note_floors(check, tile);
     check->verdict.pixels = chunk_pixels(check->chunk);
     for (size_t i = 0; i < check->verdict.pixels; i++)

@@ -109,9 +109,9 @@ enum { SMOOTH_COUNTS = 256 };
 struct check_verdict {
     struct check_samples samples;
     uint64_t pixels, ambiguous, unexplained;
-    /* of the ambiguous ones: the place of an edge is open, and OpenGL names the triangle; not
-     * checked, since OpenGL may as well show something else: see is_rival */
-    uint64_t edges, open;
+    /* of the ambiguous ones: OpenGL names the triangle on this side of an edge; not checked, since
+     * OpenGL may as well show a rival; those of them that lie between others: see is_between */
+    uint64_t edges, open, between;
     /* pixels of objects; those of them that have no bound below full scale; those not checked */
     uint64_t objects, unbounded, unchecked;
     int unchecked_surface;            /* the one with most of these; -1: there are none */
@@ -234,20 +234,9 @@ void check_free(struct check *check);
 struct hypothesis {
     bool alive;
     struct check_samples samples;
-    /* the largest errors that could pass: of this candidate, with its rivals, and in one band */
-    double own_floor, floor, band_floor;
+    double floor, band_floor; /* the largest errors that could pass */
     struct check_failure failure;
     int band; /* the last one; -1: OpenGL shows another candidate */
-    /* Rivals have the number of the first of them, counted from the pixel's first candidate. Its
-     * hypothesis keeps whether OpenGL shows one of several, and their range in the last band. */
-    int rivals;
-    bool is_shown, has_rivals;
-    struct range {
-        double low, high; /* in counts, with bounds */
-        int lowest, highest;
-    } range;
-    double expected; /* in counts, in the last band, if it has rivals */
-    int rival;       /* the one that is farthest off; -1: the background */
 };
 
 #endif

@@ -53,49 +53,6 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
         check_fail(check, pixel, &failure);
 }
 
-/* ---- rivals ---- */
-
-/* Returns whether OpenGL may show `b` where it may show `a`, and not for the place of an edge: they
- * are one triangle, in two lights or places of its texture; or both are there, at depths that may
- * be the same; or the depth of the one in front may be lost. Where an edge decides which of two
- * triangles a pixel has, it is open by a rounding of the edge, and OpenGL says which it is. */
-static bool are_rivals(const struct candidate *a, const struct candidate *b)
-{
-    const double behind = (double)b->depth - (double)a->depth,
-                 either = (double)a->depth_error + (double)b->depth_error;
-    if (a->loose || b->loose)
-        return false;
-    if (a->surface == b->surface && a->triangle == b->triangle)
-        return true;
-    if (fabs(behind) <= either)
-        return a->covers || b->covers;
-    return behind > 0 ? a->vanishes : b->vanishes;
-}
-
-/* Joins the rivals of an ambiguous pixel. */
-static void join_rivals(struct check *check, const struct ambiguous_pixel *pixel)
-{
-    const struct candidate *candidates = check->chunk->candidates + pixel->first;
-    struct hypothesis *of = check->hypotheses + pixel->first;
-    for (int i = 0; i < pixel->count; i++) {
-        of[i].rivals = i;
-        for (int j = i - 1; j >= 0 && of[i].rivals != 0; j--) {
-            if (of[j].rivals == of[i].rivals || !are_rivals(&candidates[j], &candidates[i]))
-                continue;
-            const int joined = of[j].rivals < of[i].rivals ? of[j].rivals : of[i].rivals,
-                      left = of[j].rivals + of[i].rivals - joined;
-            for (int k = 0; k <= i; k++)
-                of[k].rivals = of[k].rivals == left ? joined : of[k].rivals;
-        }
-    }
-    for (int i = 0; i < pixel->count; i++) {
-        struct hypothesis *first = &of[of[i].rivals];
-        first->is_shown = first->is_shown || of[i].alive;
-        first->has_rivals = first->has_rivals || of[i].rivals != i ||
-                            (candidates[i].vanishes && pixel->background);
-    }
-}
-
 /* Only the hypothesis that OpenGL shows stays alive. */
 static void identify_ambiguous(struct check *check, size_t index, const struct shown *shown,
                                const struct renderer_lacks *lacks)
@@ -113,7 +70,6 @@ static void identify_ambiguous(struct check *check, size_t index, const struct s
         check->hypotheses[c].alive = is_shown(check, &named, shown, lacks, &failure);
         any = any || check->hypotheses[c].alive;
     }
-    join_rivals(check, ambiguous);
     if (!any)
         check_fail(check, (size_t)ambiguous->pixel, &failure);
 }

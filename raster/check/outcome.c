@@ -141,7 +141,8 @@ enum check_outcome check_outcome(const struct check_verdict *verdict)
 {
     if (verdict->unexplained > 0 || is_biased(verdict))
         return OUTCOME_DIFFERS;
-    return (double)verdict->unchecked > verdict->most_unchecked * (double)verdict->objects
+    return (double)(verdict->unchecked - verdict->between) >
+                   verdict->most_unchecked * (double)verdict->objects
                ? OUTCOME_NOT_VERIFIED
                : OUTCOME_AGREED;
 }

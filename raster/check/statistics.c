@@ -190,6 +190,7 @@ void verdict_add(struct check_verdict *to, const struct check_verdict *from)
     to->ambiguous += from->ambiguous;
     to->edges += from->edges;
     to->open += from->open;
+    to->between += from->between;
     to->unexplained += from->unexplained;
     to->objects += from->objects;
     to->unbounded += from->unbounded;

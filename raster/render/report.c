@@ -239,6 +239,7 @@ static void json_check(struct json *json, const struct plan *plan,
     json_count(json, "ambiguous_pixels", verdict->ambiguous);
     json_count(json, "edge_pixels", verdict->edges);
     json_count(json, "open_pixels", verdict->open);
+    json_count(json, "open_edge_pixels", verdict->between);
     json_count(json, "unexplained_pixels", verdict->unexplained);
     json_count(json, "unchecked_pixels", verdict->unchecked);
     json_count(json, "unbounded_pixels", verdict->unbounded);

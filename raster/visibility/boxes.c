@@ -52,8 +52,7 @@ static void raise_size(struct occluders *out, const struct instance *instance)
         reach = fmax(reach, vector_reach(instance->vertices[i].position));
     for (int i = 0; i < 3; i++) {
         const double *m = instance->model_view.row[i];
-        out->size =
-            fmax(out->size, (fabs(m[0]) + fabs(m[1]) + fabs(m[2])) * reach + fabs(m[3]));
+        out->size = fmax(out->size, (fabs(m[0]) + fabs(m[1]) + fabs(m[2])) * reach + fabs(m[3]));
     }
 }
 

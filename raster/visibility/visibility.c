@@ -39,7 +39,8 @@ int occluder_side(const struct occluders *of, struct occluder at, const struct h
                         q = point->infinite ? point->at : vector_subtract(point->at, c[0]);
     const double height = vector_dot(n, q), sides = sum_of(u) + sum_of(v),
                  size = fmax(of->size, sum_of(point->at)),
-                 limit = (point->infinite ? sum_of(q) : size) * sum_of(n) + size * sum_of(q) * sides;
+                 limit =
+                     (point->infinite ? sum_of(q) : size) * sum_of(n) + size * sum_of(q) * sides;
     if (!(fabs(height) > 2 * PLACE_ERROR * limit))
         return 0;
     return height > 0 ? 1 : -1;
@@ -88,7 +89,8 @@ static bool turns_away(const struct query *query, const struct view *view)
     const struct seen_point *point = query->point;
     const bool parallel = view->projection.row[3][3] != 0;
     const struct homogeneous eye = {{0, 0, parallel ? 1 : 0}, parallel};
-    return query->of->vertices[point->of.surface] && parts(query->of, point->of, &eye, &query->light);
+    return query->of->vertices[point->of.surface] &&
+           parts(query->of, point->of, &eye, &query->light);
 }
 
 /* Returns whether something lies between the point and a light. */

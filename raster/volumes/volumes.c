@@ -314,7 +314,8 @@ static bool ends_in_view(const struct maker *maker)
 }
 
 /* Returns whether the far end lies beyond all in view as OpenGL has it, too: what it rounds of a
- * vertex, 12 roundings in each of x, y and z (see bounds/vertex.c), is less than half of the way. */
+ * vertex, 12 roundings in each of x, y and z (see bounds/vertex.c), is less than half of the way.
+ */
 static bool ends_beyond(const struct maker *maker)
 {
     const struct volume *out = maker->out;
