@@ -69,9 +69,11 @@ void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERD
     snprintf(out, STACK_VERDICT,
              "%s; %" PRIu64 " samples, %" PRIu64 " exact, %" PRIu64
              " within 1 count, largest difference %.3g counts, %" PRIu64 " of %" PRIu64
-             " pixels unexplained, %" PRIu64 " of %" PRIu64 " object pixels not checked",
+             " pixels unexplained, %" PRIu64 " of %" PRIu64 " object pixels not checked, %" PRIu64
+             " of them along edges",
              verdict->word, verdict->samples, verdict->exact, verdict->within_1, verdict->largest,
-             verdict->unexplained, verdict->pixels, verdict->unchecked, verdict->objects);
+             verdict->unexplained, verdict->pixels, verdict->unchecked, verdict->objects,
+             verdict->edges);
 }
 
 /* A line counts as read if it is the text of its numbers. */
@@ -82,9 +84,10 @@ bool stack_verdict_read(const char *line, struct stack_verdict *out)
     if (sscanf(line,
                "%15[a-z ]; %" SCNu64 " samples, %" SCNu64 " exact, %" SCNu64
                " within 1 count, largest difference %lf counts, %" SCNu64 " of %" SCNu64
-               " pixels unexplained, %" SCNu64 " of %" SCNu64 " object pixels not checked",
+               " pixels unexplained, %" SCNu64 " of %" SCNu64 " object pixels not checked, %" SCNu64
+               " of them along edges",
                out->word, &out->samples, &out->exact, &out->within_1, &out->largest,
-               &out->unexplained, &out->pixels, &out->unchecked, &out->objects) != 9)
+               &out->unexplained, &out->pixels, &out->unchecked, &out->objects, &out->edges) != 10)
         return false;
     stack_verdict_text(out, text);
     return strcmp(text, line) == 0;

@@ -154,7 +154,7 @@ struct stack_verdict {
     char word[16]; /* "agreed", "differs", "not verified" */
     uint64_t samples, exact, within_1;
     double largest; /* difference, in counts */
-    uint64_t unexplained, pixels, unchecked, objects;
+    uint64_t unexplained, pixels, unchecked, objects, edges; /* edges: of the unchecked ones */
 };
 void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT]);
 

@@ -23,6 +23,7 @@ enum bound_cause {
     CAUSE_DEPTH,
     CAUSE_SHADOW,
     CAUSE_UPON, /* several surfaces have one depth */
+    CAUSE_EDGE, /* the place of an edge, by a rounding: see is_between */
     BOUND_CAUSES
 };
 /* A bound in the mean of all bands, in parts of shaded_brightest: the part that follows from the

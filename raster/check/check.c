@@ -339,9 +339,8 @@ static struct mean_bound note_open(struct check *check, const struct tile *tile,
         is_edge = is_edge || check->chunk->candidates[c].rivals != of->rivals;
     check->floor[pixel] += (float)in_counts(check, of->open);
     if (was_checked && (double)check->floor[pixel] > limit) {
-        mean.cause = of->open_cause;
+        mean.cause = is_between(check, tile, pixel) ? CAUSE_EDGE : of->open_cause;
         check->verdict.open++;
-        check->verdict.between += is_between(check, tile, pixel);
     } else {
         check->verdict.edges += is_edge;
     }
@@ -377,9 +376,9 @@ static void settle(struct check *check, const struct tile *tile, size_t index,
     if (check->ratio)
         check->ratio[pixel] = (float)fmax(samples.worst_ratio, samples.worst_fit_ratio);
     if (lost) {
-        static const struct mean_bound none = {.cause = CAUSE_DEPTH};
+        const struct mean_bound none = {
+            .cause = is_between(check, tile, pixel) ? CAUSE_EDGE : CAUSE_DEPTH};
         check->verdict.open++;
-        check->verdict.between += is_between(check, tile, pixel);
         check->floor[pixel] = check->band_floor[pixel] = HUGE_VALF;
         totals_note(totals, chunk->picture.surface[pixel], chunk->picture.triangle[pixel], HUGE_VAL,
                     &none);

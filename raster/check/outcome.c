@@ -46,6 +46,7 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
     totals->verdict.objects++;
     totals->verdict.unbounded += !bounded;
     totals->verdict.unchecked += !checked;
+    totals->verdict.between += !checked && mean->cause == CAUSE_EDGE;
     totals->unchecked[surface][mean->cause] += !checked;
     if (!(floor < HUGE_VAL)) /* its samples are in no sum */
         return;
@@ -106,7 +107,8 @@ bool is_biased(const struct check_verdict *verdict)
 
 /* ---- the verdict ---- */
 
-/* Finds the surface with most pixels that are not checked, and the cause of most of those. */
+/* Finds the surface with most pixels that are not checked, but for edges, and the cause of most of
+ * those. */
 static void find_unchecked(struct check_totals *totals)
 {
     const struct plan *plan = totals->scene->lit->plan;
@@ -114,14 +116,14 @@ static void find_unchecked(struct check_totals *totals)
     totals->verdict.unchecked_surface = -1;
     for (int s = 0; s < plan->n_instances; s++) {
         uint64_t sum = 0;
-        for (int c = 0; c < BOUND_CAUSES; c++)
+        for (int c = 0; c < CAUSE_EDGE; c++)
             sum += totals->unchecked[s][c];
         if (sum > most) {
             most = sum;
             totals->verdict.unchecked_surface = s;
         }
     }
-    for (int c = 0; c < BOUND_CAUSES && most > 0; c++) {
+    for (int c = 0; c < CAUSE_EDGE && most > 0; c++) {
         uint64_t n = totals->unchecked[totals->verdict.unchecked_surface][c];
         if (n > largest) {
             largest = n;

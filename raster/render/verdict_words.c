@@ -23,9 +23,10 @@ const char *verdict_word(const struct plan *plan, const struct check_verdict *ve
     return plan->options.check ? words[check_outcome(verdict)] : "not checked";
 }
 
-static double unchecked_percent(const struct check_verdict *verdict)
+/* A share of the object pixels, in percent. */
+static double percent(const struct check_verdict *verdict, uint64_t n)
 {
-    return verdict->objects ? 100 * (double)verdict->unchecked / (double)verdict->objects : 0;
+    return verdict->objects ? 100 * (double)n / (double)verdict->objects : 0;
 }
 
 /* The cause of a bound that is too wide, and the change that narrows it. */
@@ -46,14 +47,16 @@ static const char *const causes[BOUND_CAUSES] = {
 static void unchecked_text(const struct plan *plan, const struct check_verdict *verdict, char *out,
                            size_t capacity)
 {
-    char object[256];
+    char object[256], edges[64] = "";
     object_text(plan, verdict->unchecked_surface, object, sizeof object);
-    snprintf(
-        out, capacity,
-        "%.3g %% of the object pixels could not be checked, at most %.3g %% may; most of them are "
-        "on %s: %s",
-        unchecked_percent(verdict), 100 * verdict->most_unchecked, object,
-        causes[verdict->unchecked_cause]);
+    if (verdict->between > 0)
+        snprintf(edges, sizeof edges, ", besides %.3g %% along edges",
+                 percent(verdict, verdict->between));
+    snprintf(out, capacity,
+             "%.3g %% of the object pixels could not be checked, at most %.3g %% may%s; most of "
+             "them are on %s: %s",
+             percent(verdict, verdict->unchecked - verdict->between), 100 * verdict->most_unchecked,
+             edges, object, causes[verdict->unchecked_cause]);
 }
 
 static void biased_text(const struct check_verdict *verdict, char *out, size_t capacity)
@@ -67,13 +70,17 @@ static void biased_text(const struct check_verdict *verdict, char *out, size_t c
 static void reason_text(const struct plan *plan, const struct check_verdict *verdict, char *out,
                         size_t capacity)
 {
+    char open[96] = "";
     switch (check_outcome(verdict)) {
     case OUTCOME_AGREED:
+        if (verdict->open > 0)
+            snprintf(open, sizeof open, " (%.3g %%: OpenGL could as well show something else)",
+                     percent(verdict, verdict->open));
         snprintf(out, capacity,
                  "every %s is what the scene's triangles call for; %.3g %% of the object pixels "
-                 "could not be checked",
+                 "could not be checked%s",
                  verdict->lacks.numbers || verdict->lacks.depths ? "colour" : "pixel",
-                 unchecked_percent(verdict));
+                 percent(verdict, verdict->unchecked), open);
         break;
     case OUTCOME_DIFFERS:
         if (verdict->unexplained == 0)
@@ -109,7 +116,8 @@ static void checked_text(const struct plan *plan, const struct check_verdict *ve
                                     .unexplained = verdict->unexplained,
                                     .pixels = verdict->pixels,
                                     .unchecked = verdict->unchecked,
-                                    .objects = verdict->objects};
+                                    .objects = verdict->objects,
+                                    .edges = verdict->between};
     snprintf(numbers.word, sizeof numbers.word, "%s", verdict_word(plan, verdict));
     stack_verdict_text(&numbers, out);
 }

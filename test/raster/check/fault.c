@@ -612,12 +612,19 @@ static void spoil_identity(GLuint *depths)
     }
 }
 
-/* 92: the stencil buffer wraps at 4 bits; 93: all lights have the shadows of the first. */
+/* 92: the stencil buffer wraps at 4 bits; 93: all lights have the shadows of the first; 100:
+ * nothing is in shadow; 101: everything; 102: what is not. */
 static void spoil_counts(GLuint *counts, size_t n)
 {
     static GLuint *first;
-    for (size_t i = 0; i < n && fault() == 92; i++)
-        counts[i] &= ~0xf0u;
+    for (size_t i = 0; i < n; i++) {
+        const GLuint count = counts[i] & 0xffu;
+        counts[i] = (counts[i] & ~0xffu) | (fault() == 92    ? count & 0xfu
+                                            : fault() == 100 ? 0
+                                            : fault() == 101 ? 1
+                                            : fault() == 102 ? count == 0
+                                                             : count);
+    }
     if (fault() == 93 && first)
         memcpy(counts, first, n * sizeof *counts);
     if (fault() == 93 && !first && (first = malloc(n * sizeof *first)) != NULL)
