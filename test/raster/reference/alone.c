@@ -59,7 +59,7 @@ static bool draw(const struct view *view, const struct instance instances[2])
     done = done && picture_draw(view, surfaces, 2, &all, TERMS, &picture);
     done = occluders_make(surfaces, 2, casts, &occluders) && done;
     if (done)
-        picture_shadow(view, &occluders, 1, &picture, dark);
+        picture_shadow(view, &occluders, &picture, dark);
     for (int i = 0; i < WIDTH * HEIGHT && done; i++)
         for (int t = 0; t < TERMS && picture.surface[i] >= 0; t++) {
             const double *row = picture.rows + t * WIDTH * HEIGHT + i;

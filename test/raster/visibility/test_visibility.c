@@ -38,15 +38,16 @@ static bool reaches(const struct solid *of, struct vector light, bool directiona
 {
     const struct surface beside = {.instance = &of->instance};
     const struct eye_light lights[1] = {{.directional = directional, .position = light}};
-    const struct view view = {.projection = matrix_identity(), .lights = lights, .n_lights = 1};
+    const struct view view = {
+        .projection = matrix_identity(), .lights = lights, .n_lights = 1, .n_shadowed = 1};
     const struct surface surfaces[2] = {of->surface, beside};
     struct vector *vertices[2] = {of->occluders.vertices[0], NULL};
     struct occluders occluders = of->occluders;
     occluders.surfaces = surfaces;
     occluders.vertices = vertices;
     occluders.n_surfaces = 2;
-    const struct seen_point at = {point, 1, 0}; /* of a surface that casts no shadow */
-    return lights_blocked(&occluders, &view, 1, 1, &at) == 0;
+    const struct seen_point at = {point, {1, 0}}; /* of a surface that casts no shadow */
+    return lights_blocked(&occluders, &view, 1, &at) == 0;
 }
 
 static int32_t add_vertex(struct solid *of, double x, double y, double z)
@@ -193,6 +194,51 @@ static void no_leaks(void)
     occluders_free(&box.occluders);
 }
 
+/* ---- near a plane ---- */
+
+/* A plate throws its shadow on all below it, however near above it the lamp stands, down to what
+ * doubles round; but a lamp that stands in its plane for all that roundings say throws none. A
+ * turned and a moved plate have corners that are rounded. */
+static void lamp_at_plate(void)
+{
+    struct vector axis = {1, 2, 3};
+    for (int turned = 0; turned < 2; turned++) {
+        static struct solid plate;
+        const struct matrix m =
+            matrix_product(matrix_translation((struct vector){turned * 7.3, turned * -2.1, 0}),
+                           matrix_rotation(turned * 37, axis));
+        long wrong = 0;
+        plate.n_vertices = plate.n_triangles = 0;
+        for (int i = 0; i < 4; i++) {
+            const struct vector at =
+                matrix_point(&m, (struct vector){i & 1 ? 1 : -1, i & 2 ? 1 : -1, 0});
+            add_vertex(&plate, at.x, at.y, at.z);
+        }
+        add_triangle(&plate, 0, 1, 3);
+        add_triangle(&plate, 0, 3, 2);
+        solid_make(&plate);
+        for (int exponent = 0; exponent < 40; exponent++) {
+            const struct vector above = matrix_point(
+                                    &m, (struct vector){0.3, -0.1, ldexp(1, -exponent)}),
+                                below = matrix_point(
+                                    &m, (struct vector){0.31, -0.12, -ldexp(1, -exponent)}),
+                                deep = matrix_point(
+                                    &m, (struct vector){5, 3, -40 * ldexp(1, -exponent)});
+            wrong += reaches(&plate, above, false, below) +
+                     (exponent < 4 && reaches(&plate, above, false, deep));
+        }
+        CHECK(wrong == 0, "a lamp near a plate throws its shadow: %ld of 40 distances do not",
+              wrong);
+        CHECK(reaches(&plate, matrix_point(&m, (struct vector){0.3, -0.1, 0x1p-51}), false,
+                      matrix_point(&m, (struct vector){0.3, -0.1, -1})),
+              "a lamp in the plane of a plate throws no shadow");
+        CHECK(reaches(&plate, matrix_point(&m, (struct vector){0.3, -0.1, 1}), false,
+                      matrix_point(&m, (struct vector){0.3, -0.1, -0x1p-51})),
+              "a point in the plane of a plate has no shadow from it");
+        occluders_free(&plate.occluders);
+    }
+}
+
 /* ---- a slow second implementation ---- */
 
 static long double determinant(const long double a[3], const long double b[3],
@@ -328,6 +374,7 @@ int main(void)
     box_shadow();
     sphere_shadow();
     no_leaks();
+    lamp_at_plate();
     agrees_with_slow();
     edges_are_shared();
     return test_end();
