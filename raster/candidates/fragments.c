@@ -442,7 +442,7 @@ static bool is_own_cap(const struct facet_visit *facet, const struct bounded_tri
 {
     const struct lit_scene *lit = facet->visit.of->tile->lit;
     const struct occluder *cap = &facet->volume->caps[facet->facet];
-    if (cap->surface < 0 || (triangle->cut && !facet->volume->cuts_caps))
+    if (cap->surface < 0)
         return false;
     const struct surface *surface = &lit->surfaces[cap->surface];
     if (cap->triangle == triangle->screen.triangle &&
@@ -490,8 +490,10 @@ static bool visit_facet(void *context, int x, int y)
     const bool may_end = facet->volume->is_doubtful && is_far(facet->volume, facet->facet);
     const double depth = depth_at(&triangle->screen, &visit->edges),
                  error = thin || may_end ? HUGE_VAL : triangle->depth_error;
-    const bool leaks =
-        !of->tile->lit->driver->watertight && (presence == POSSIBLE || is_on_seam(visit));
+    /* edges of a cap that is cut are not those of its sides, and of its part beyond */
+    const bool leaks = triangle->cut ? presence == POSSIBLE
+                                     : !of->tile->lit->driver->watertight &&
+                                           (presence == POSSIBLE || is_on_seam(visit));
     int32_t f =
         of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)].head;
     for (; f >= 0; f = of->fragments[f].next) {
@@ -512,7 +514,7 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
     struct triangle_part parts[TRIANGLE_PARTS];
     for (int t = 0; t < volume->n; t++) {
         const struct occluder *cap = &volume->caps[t];
-        const bool is_cut = cap->surface >= 0 && volume->cuts_caps;
+        const bool is_cut = cap->surface >= 0;
         const int n = triangle_parts(is_cut ? of->tile : tile, is_cut ? cap->surface : index,
                                      is_cut ? cap->triangle : t, &of->rows, parts);
         for (int i = 0; i < n; i++) {

@@ -51,14 +51,12 @@ static void draw_volume(const struct volume_draw *draw, const struct volume *vol
 {
     struct drawing *of = draw->of;
     const struct placed_instance *placed = &of->plan->instances[volume->instance];
-    const int n_inward = volume->n - volume->n_outward,
-              n_caps = volume->cuts_caps ? volume->n_caps : 0;
+    const int n_inward = volume->n - volume->n_outward, n_caps = volume->n_caps;
     of->call->FrontFace(placed->instance.mirrored != of->contexts->mirrored ? GL_CW : GL_CCW);
     draw->by->place(of, volume->instance);
     count_faces(of, true);
     draw_triangles(draw, volume, n_caps, volume->n_outward - n_caps);
-    if (volume->cuts_caps)
-        of->call->Disable(GL_DEPTH_CLAMP);
+    of->call->Disable(GL_DEPTH_CLAMP);
     draw_triangles(draw, volume, 0, n_caps);
     count_faces(of, false);
     draw_triangles(draw, volume, volume->n_outward, n_inward);

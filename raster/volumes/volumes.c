@@ -126,32 +126,32 @@ static void find_reach(struct maker *maker)
 
 /* ---- vertices ---- */
 
-static struct vector rounded(struct vector v)
+/* Adds a vertex, rounded as OpenGL gets it. */
+static bool add_vertex(struct volume *out, struct vector at, struct error *err)
 {
-    return (struct vector){(double)(float)v.x, (double)(float)v.y, (double)(float)v.z};
+    const struct vertex vertex = {
+        .position = {(double)(float)at.x, (double)(float)at.y, (double)(float)at.z}};
+    return array_add(&out->vertices, &out->n_vertices, &vertex, sizeof vertex, err);
 }
 
 static bool make_vertices(struct maker *maker, struct error *err)
 {
     const struct plan *plan = maker->lit->plan;
     struct volume *out = maker->out;
-    int n = 0;
     for (int i = maker->first; i < maker->end; i++)
-        maker->n_near += plan->instances[i].instance.n_vertices;
-    out->n_vertices = 2 * maker->n_near;
-    if (!MAKE_ARRAY(out->vertices, 2 * (size_t)maker->n_near, err, "the vertices of a shadow"))
-        return false;
-    for (int i = maker->first; i < maker->end; i++)
-        for (int v = 0; v < plan->instances[i].instance.n_vertices; v++, n++) {
-            const struct vector at = plan->instances[i].instance.vertices[v].position;
-            const struct vector far =
-                maker->light->directional
-                    ? vector_subtract(at, vector_scale(maker->towards, maker->reach))
-                    : vector_add(maker->towards,
-                                 vector_scale(vector_subtract(at, maker->towards), maker->reach));
-            out->vertices[n].position = rounded(at);
-            out->vertices[maker->n_near + n].position = rounded(far);
-        }
+        for (int v = 0; v < plan->instances[i].instance.n_vertices; v++)
+            if (!add_vertex(out, plan->instances[i].instance.vertices[v].position, err))
+                return false;
+    maker->n_near = out->n_vertices;
+    for (int v = 0; v < maker->n_near; v++) {
+        const struct vector at = out->vertices[v].position, towards = maker->towards;
+        const struct vector far =
+            maker->light->directional
+                ? vector_subtract(at, vector_scale(towards, maker->reach))
+                : vector_add(towards, vector_scale(vector_subtract(at, towards), maker->reach));
+        if (!add_vertex(out, far, err))
+            return false;
+    }
     return true;
 }
 
@@ -213,8 +213,39 @@ static bool is_beside(const struct maker *maker, const struct placed_instance *p
            at.y > high.y || at.z < low.z || at.z > high.z;
 }
 
+/* Adds the part of a cap beyond the far plane, which OpenGL cuts off the cap itself. Caps that
+ * share an edge cut it at the same numbers. */
+static bool add_beyond(struct maker *maker, const int32_t at[3], struct occluder of, int side,
+                       struct error *err)
+{
+    static const struct clip_plane far_plane = {{0, 0, 1, -1}, 0};
+    const struct surface *surface = &maker->lit->surfaces[of.surface];
+    const struct vertex *vertices = surface->instance->vertices;
+    const int32_t *v = surface->instance->triangles[of.triangle];
+    struct corner whole[3], corners[CLIP_CORNERS];
+    int32_t number[CLIP_CORNERS];
+    whole_corners(surface, v, whole);
+    const int n = clip_polygon(&far_plane, whole, 3, corners);
+    for (int i = 0; i < n; i++) {
+        struct vector point = {0, 0, 0};
+        for (int c = 0; c < 3; c++)
+            point = vector_add(point, vector_scale(vertices[v[c]].position, corners[i].share[c]));
+        number[i] =
+            corners[i].inner == corners[i].outer ? at[corners[i].inner] : maker->out->n_vertices;
+        if (number[i] == maker->out->n_vertices && !add_vertex(maker->out, point, err))
+            return false;
+    }
+    for (int i = 2; i < n; i++) {
+        const int32_t corner[3] = {number[0], number[side > 0 ? i - 1 : i],
+                                   number[side > 0 ? i : i - 1]};
+        if (!add_triangle(maker, corner, (struct occluder){-1, of.triangle}, err))
+            return false;
+    }
+    return true;
+}
+
 /* Parts that are made of triangles that face the light (side 1), or do not (-1). */
-enum cap_part { CAP_EDGES, CAP_NEAR, CAP_FAR };
+enum cap_part { CAP_EDGES, CAP_NEAR, CAP_FAR, CAP_BEYOND };
 
 /* Edges go round the light alike: a triangle that turns away is taken from behind. */
 static bool add_cap(struct maker *maker, const int32_t at[3], struct occluder of, int side,
@@ -223,6 +254,8 @@ static bool add_cap(struct maker *maker, const int32_t at[3], struct occluder of
     const int32_t n = part == CAP_FAR ? maker->n_near : 0, b = at[1] + n, c = at[2] + n,
                   turned[3] = {at[0] + n, part == CAP_FAR && side > 0 ? c : b,
                                part == CAP_FAR && side > 0 ? b : c};
+    if (part == CAP_BEYOND)
+        return add_beyond(maker, at, of, side, err);
     if (part != CAP_EDGES)
         return add_triangle(maker, turned,
                             part == CAP_NEAR ? of : (struct occluder){-1, of.triangle}, err);
@@ -280,7 +313,8 @@ static bool add_triangles(struct maker *maker, struct error *err)
     if (!add_sides(maker, err))
         return false;
     out->first_far = out->n;
-    if (!add_caps(maker, 1, CAP_FAR, err) || !add_caps(maker, -1, CAP_FAR, err))
+    if (!add_caps(maker, 1, CAP_FAR, err) || !add_caps(maker, -1, CAP_FAR, err) ||
+        !add_caps(maker, 1, CAP_BEYOND, err) || !add_caps(maker, -1, CAP_BEYOND, err))
         return false;
     out->n_outward = out->n;
     return add_caps(maker, -1, CAP_NEAR, err);
@@ -298,21 +332,6 @@ void volume_corners(const struct volume *volume, int first, int n, size_t step, 
     }
 }
 
-/* Returns whether OpenGL has no vertex of the object beyond the far plane, whatever it rounds. */
-static bool ends_in_view(const struct maker *maker)
-{
-    for (int i = maker->first; i < maker->end; i++) {
-        const struct surface *of = &maker->lit->surfaces[i];
-        for (int v = 0; v < of->instance->n_vertices; v++) {
-            const double *clip = of->vertices[v].clip;
-            const float *e = maker->lit->bounds[i].vertices[v].e_clip;
-            if (!(clip[CLIP_Z] + (double)e[CLIP_Z] < clip[CLIP_W] - (double)e[CLIP_W]))
-                return false;
-        }
-    }
-    return true;
-}
-
 /* Returns whether the far end lies beyond all in view as OpenGL has it, too: what it rounds of a
  * vertex, 12 roundings in each of x, y and z (see bounds/vertex.c), is less than half of the way.
  */
@@ -322,7 +341,7 @@ static bool ends_beyond(const struct maker *maker)
     const struct matrix *m = &maker->lit->plan->instances[maker->first].instance.model_view;
     const double spare = maker->light->directional ? maker->reach / 2 : maker->farthest;
     double largest = 0;
-    for (int i = maker->n_near; i < out->n_vertices; i++) {
+    for (int i = maker->n_near; i < 2 * maker->n_near; i++) {
         const struct vector at = out->vertices[i].position;
         const double far[4] = {at.x, at.y, at.z, 1};
         double magnitude[4];
@@ -338,7 +357,6 @@ static bool make_volume(struct maker *maker, struct error *err)
         light_in_mesh(&maker->lit->plan->instances[maker->first].instance, maker->light);
     find_reach(maker);
     const bool done = make_vertices(maker, err) && add_triangles(maker, err);
-    maker->out->cuts_caps = ends_in_view(maker);
     maker->out->is_doubtful = done && !ends_beyond(maker);
     index_free(&maker->edges);
     free(maker->list);

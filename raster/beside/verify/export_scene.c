@@ -202,7 +202,7 @@ static bool add_volume(struct description *to, int index, struct error *err)
     char name[FILE_NAME];
     print(&to->scene, "volume %d group %d triangles %d outward %d caps %d %s %s matrix", index,
           to->plan->n_light_groups - to->plan->view.n_shadowed + volume->shadowed, volume->n,
-          volume->n_outward, volume->n_caps, volume->cuts_caps ? "cut" : "clamped",
+          volume->n_outward, volume->n_caps, "cut",
           instance->mirrored ? "clockwise" : "counter-clockwise");
     print_matrix(&instance->model_view, &to->scene);
     snprintf(name, sizeof name, "volume-%d.bin", index);
