@@ -36,6 +36,11 @@ struct mesh {
 void mesh_box(const struct mesh *mesh, struct vector *low, struct vector *high);
 /* Sets texture coordinates, 0 to 1, from x and y in the bounding box of the mesh. */
 void mesh_planar(struct mesh *mesh);
+/* Lets a texture fit so often along s and t: multiplies them. Then brings them near 0, where single
+ * precision has most digits: halves edges until no triangle has the texture more than eight times,
+ * up to six times; and moves the coordinates of each triangle by whole numbers, which changes no
+ * texture, since it repeats. A vertex that triangles need at several places is copied. */
+bool mesh_repeat_texture(struct mesh *mesh, const double repeat[2], struct error *err);
 void mesh_free(struct mesh *mesh);
 
 /* ---- split.c: parts of a mesh, and of its edges ---- */
@@ -44,7 +49,7 @@ void mesh_free(struct mesh *mesh);
  * New vertices lie at exactly x = 0, with the same bits on both sides and in neighbouring
  * triangles, so that no crack opens. The parts and names of *from are lost. */
 bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
-/* Halves all edges of a mesh of a file, so that each triangle becomes four. The middle of an edge
+/* Halves all edges of a mesh, so that each triangle becomes four. The middle of an edge
  * depends on its ends alone: no crack opens. Keeps parts. */
 bool mesh_halve(struct mesh *mesh, struct error *err);
 /* Makes a mesh of the triangles of one part, with the vertices that they use, in their order. It
@@ -115,7 +120,5 @@ struct vertex patch_vertex(const struct patches *patches, int patch, double u, d
 /* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
 
-/* Lets a texture fit as often as the shape says: multiplies s and t. */
-void shape_repeat_texture(const struct shape *shape, struct mesh *mesh);
 
 #endif

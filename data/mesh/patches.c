@@ -360,11 +360,3 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
     patches_close(&patches);
     return done;
 }
-
-void shape_repeat_texture(const struct shape *shape, struct mesh *mesh)
-{
-    for (int i = 0; i < mesh->n_vertices; i++) {
-        mesh->vertices[i].s *= shape->repeat[0];
-        mesh->vertices[i].t *= shape->repeat[1];
-    }
-}

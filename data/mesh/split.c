@@ -46,13 +46,13 @@ static struct vertex cut_edge(const struct vertex *a, const struct vertex *b)
                            between(a->t, b->t, where)};
 }
 
-/* Sets the parameters of a vertex on the edge from a to b, near enough for an estimate of shading.
- */
-static void cut_parameters(struct mesh *mesh, int32_t a, int32_t b, int32_t at)
+/* Sets the parameters of a vertex on the edge from a to b, or in its middle, near enough for an
+ * estimate of shading. */
+static void cut_parameters(struct mesh *mesh, int32_t a, int32_t b, bool cutting, int32_t at)
 {
     const struct parameters p = mesh->parameters[a], q = mesh->parameters[b];
     const double x = mesh->vertices[a].position.x, y = mesh->vertices[b].position.x,
-                 share = x / (x - y);
+                 share = cutting ? x / (x - y) : 0.5;
     mesh->parameters[at] = (struct parameters){p.patch, p.u + (int32_t)(share * (q.u - p.u)),
                                                p.v + (int32_t)(share * (q.v - p.v))};
 }
@@ -85,7 +85,7 @@ static int add_vertices(struct mesh *mesh, const struct mesh *from, bool cutting
             continue;
         edges[kept++] = edges[i];
         if (mesh->parametric)
-            cut_parameters(mesh, a, b, mesh->n_vertices);
+            cut_parameters(mesh, a, b, cutting, mesh->n_vertices);
         mesh->vertices[mesh->n_vertices++] = cutting ? cut_edge(p, q) : middle_of(p, q);
     }
     return kept;
@@ -205,7 +205,7 @@ static bool take_parts(struct mesh *from, struct mesh *to, struct error *err)
 bool mesh_halve(struct mesh *mesh, struct error *err)
 {
     const size_t n = (size_t)mesh->n_triangles;
-    struct mesh finer = {.place = mesh->place};
+    struct mesh finer = {.place = mesh->place, .parametric = mesh->parametric};
     int64_t *edges;
     bool done = MAKE_ARRAY(edges, 3 * n, err, "the edges of a mesh") &&
                 mesh_begin(&finer, (size_t)mesh->n_vertices + 3 * n, 4 * n, err);

@@ -67,6 +67,8 @@ static struct direction eye_normal(const struct instance *instance,
 struct vertex_view {
     const struct view *view;
     const struct instance *instance;
+    const struct vertex *point;
+    const struct cofactors *cofactors; /* of model_view */
     struct direction normal;
     struct vector eye;
     double e_eye, e_rigid; /* e_eye: of the vertex's eye coordinates */
@@ -120,6 +122,20 @@ static struct bounded cosine_between(struct direction a, struct direction b, dou
     double sine = sqrt(fmax(0, 1 - value * value));
     double turn = fmin(a.e_turn + b.e_turn, 2);
     return (struct bounded){value, errors * (roundings(12) + sine * turn + 0.5 * turn * turn)};
+}
+
+/* Returns whether OpenGL has 0 for the cosine between a normal and a direction, however it rounds:
+ * each product that the cosine is a sum of has a factor of 0. */
+static bool is_square(const struct vertex_view *vertex, struct vector towards)
+{
+    const struct vector normal = vertex->point->normal;
+    const double n[3] = {normal.x, normal.y, normal.z}, l[3] = {towards.x, towards.y, towards.z};
+    bool square = true;
+    for (int i = 0; i < 9; i++)
+        square = square && (l[i / 3] == 0 || n[i % 3] == 0 ||
+                            (vertex->instance->model_view.row[i / 3][i % 3] == 0 &&
+                             vertex->cofactors->magnitude[i / 3][i % 3] == 0));
+    return square;
 }
 
 /* ---- weights ---- */
@@ -265,6 +281,8 @@ static void add_light(const struct eye_light *light, int index, const struct ver
     const struct instance *instance = vertex->instance;
     struct path path = path_to_light(vertex, light);
     struct bounded n_l = cosine_between(vertex->normal, path.towards, vertex->errors);
+    if (light->directional && is_square(vertex, light->position))
+        n_l = (struct bounded){0, 0};
     bool weakened = light->attenuated || light->spot;
     struct gated left = weakened ? falloff(light, &path, vertex) : ungated((struct bounded){1, 0});
     for (int t = 0; t < instance->n_terms; t++) {
@@ -295,6 +313,8 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
     const struct vertex *point = &of->instance->vertices[index];
     struct vertex_view vertex = {.view = view,
                                  .instance = of->instance,
+                                 .point = point,
+                                 .cofactors = &bounds->cofactors,
                                  .normal = eye_normal(of->instance, bounds, point->normal),
                                  .eye = matrix_point(&of->instance->model_view, point->position),
                                  .e_eye = e_eye,

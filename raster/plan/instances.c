@@ -71,10 +71,10 @@ static bool add_whole(struct instance_maker *maker, const struct shape *shape, i
     bool done = shape_build(shape, &whole.mesh, err);
     for (; done && halvings > 0; halvings--)
         done = mesh_halve(&whole.mesh, err);
+    if (done && shape->planar)
+        mesh_planar(&whole.mesh);
+    done = done && mesh_repeat_texture(&whole.mesh, shape->repeat, err);
     if (done) {
-        if (shape->planar)
-            mesh_planar(&whole.mesh);
-        shape_repeat_texture(shape, &whole.mesh);
         whole.centre = centre_of(&whole.mesh);
         whole.unit = mesh_unit(&whole.mesh, whole.centre);
         done = array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err);
