@@ -8,15 +8,24 @@
 
 #include "raster/volumes/volumes.h"
 
-/* A volume while it is made. */
+/* A triangle that throws a shadow. */
+struct cap {
+    struct occluder of;
+    int32_t corner[3]; /* vertices of the object: of its instances, one behind the other */
+    int side;          /* 1: it faces the light; -1: it turns away */
+};
+/* The volumes of an object while they are made. */
 struct maker {
     const struct lit_scene *lit;
     const struct eye_light *light;
-    struct vector towards; /* the light's place in the mesh's space, or the direction to it */
-    double farthest;       /* farthest_in_view */
-    double reach;          /* the scale from the light, or the length of the shift */
-    int first, end;        /* the instances of the object */
-    int n_near;            /* vertices; the far ones follow */
+    struct vector towards;    /* the light's place in the mesh's space, or the direction to it */
+    double farthest, nearest; /* from the light: any point in view; the caps */
+    double reach;             /* the scale from the light, or the length of the shift */
+    int first, end;           /* the instances of the object */
+    struct cap *caps;
+    int n_caps;
+    int32_t *number; /* of each vertex of the object in the volume that is made; -1: not in it */
+    int n_near;      /* vertices of it; the far ones follow */
     struct volume *out;
     struct index edges; /* by their ends, as floats; then for each one */
     struct edge {
@@ -99,29 +108,100 @@ static int light_side(const struct maker *maker, int surface, int triangle)
     return maker->lit->plan->instances[surface].instance.mirrored ? -side : side;
 }
 
-/* The distance of the nearest triangle that throws a shadow. */
-static double nearest_triangle(const struct maker *maker)
+/* ---- caps ---- */
+
+/* Returns whether all of a solid lies on one side of the light: the triangles that face it then
+ * throw all of its shadow. */
+static bool is_beside(const struct maker *maker, const struct placed_instance *placed)
 {
-    double nearest = HUGE_VAL;
-    for (int i = maker->first; i < maker->end; i++) {
-        const struct instance *of = &maker->lit->plan->instances[i].instance;
-        for (int t = 0; t < of->n_triangles; t++) {
-            struct vector corner[3];
-            for (int c = 0; c < 3; c++)
-                corner[c] = maker->lit->occluders.vertices[i][of->triangles[t][c]];
-            if (light_side(maker, i, t) != 0)
-                nearest = fmin(nearest, triangle_distance(maker->light, corner));
-        }
+    const struct instance *of = &placed->instance;
+    struct vector low = of->vertices[0].position, high = low;
+    if (!maker->lit->plan->meshes[placed->mesh].solid)
+        return false;
+    for (int i = 1; i < of->n_vertices; i++) {
+        low = vector_least(low, of->vertices[i].position);
+        high = vector_greatest(high, of->vertices[i].position);
     }
-    return nearest;
+    const struct vector at = maker->towards;
+    return maker->light->directional || at.x < low.x || at.x > high.x || at.y < low.y ||
+           at.y > high.y || at.z < low.z || at.z > high.z;
 }
 
-/* Finds how far the volume has to reach: beyond all in view, by as much again for roundings. */
-static void find_reach(struct maker *maker)
+/* Lists the triangles of an instance that throw a shadow. A solid beside the light needs those of
+ * one side only. offset: vertices of the instances before. */
+static bool list_caps(struct maker *maker, int instance, int offset, struct error *err)
 {
-    const double nearest = nearest_triangle(maker);
-    maker->reach = maker->light->directional ? 2 * fmax(0, maker->farthest - nearest)
-                                             : fmax(2, 2 * maker->farthest / nearest);
+    const struct placed_instance *placed = &maker->lit->plan->instances[instance];
+    const struct vector *eye = maker->lit->occluders.vertices[instance];
+    const bool beside = is_beside(maker, placed);
+    for (int t = 0; t < placed->instance.n_triangles; t++) {
+        const int32_t *v = placed->instance.triangles[t];
+        const struct vector corner[3] = {eye[v[0]], eye[v[1]], eye[v[2]]};
+        const struct cap cap = {{instance, t},
+                                {offset + v[0], offset + v[1], offset + v[2]},
+                                light_side(maker, instance, t)};
+        if (cap.side == 0 || (cap.side < 0 && beside))
+            continue;
+        maker->nearest = fmin(maker->nearest, triangle_distance(maker->light, corner));
+        if (!array_add(&maker->caps, &maker->n_caps, &cap, sizeof cap, err))
+            return false;
+    }
+    return true;
+}
+
+/* Returns the place in the mesh of a corner of a cap. */
+static struct vector corner_of(const struct maker *maker, const struct cap *cap, int i)
+{
+    const struct instance *of = &maker->lit->plan->instances[cap->of.surface].instance;
+    return of->vertices[of->triangles[cap->of.triangle][i]].position;
+}
+
+/* Brings the caps to the front that reach one side of a plane through the light and a point.
+ * Returns their number. */
+static int sort_caps(const struct maker *maker, struct cap *caps, int n, struct vector normal,
+                     struct vector point)
+{
+    int kept = 0;
+    for (int i = 0; i < n; i++) {
+        double most = -HUGE_VAL;
+        for (int c = 0; c < 3; c++)
+            most = fmax(most,
+                        vector_dot(normal, vector_subtract(corner_of(maker, &caps[i], c), point)));
+        if (most >= 0) {
+            const struct cap cap = caps[i];
+            caps[i] = caps[kept];
+            caps[kept++] = cap;
+        }
+    }
+    return kept;
+}
+
+/* OpenGL counts the caps between a point and the light in 8 bits. */
+enum { MOST_COUNTED = UINT8_MAX };
+
+/* Returns whether a ray of the light may meet more caps than can be counted. Planes through the
+ * light part them again and again: a ray lies on one side of each. *looks is how many caps may
+ * still be looked at: where that does not suffice, they may. */
+static bool may_wrap(const struct maker *maker, struct cap *caps, int n, int level, long *looks)
+{
+    struct vector middle = {0, 0, 0};
+    *looks -= n;
+    if (n <= MOST_COUNTED || *looks < 0)
+        return n > MOST_COUNTED;
+    for (int i = 0; i < n; i++)
+        middle = vector_add(middle, vector_scale(corner_of(maker, &caps[i], 0), 1.0 / n));
+    const struct vector ray =
+        maker->light->directional ? maker->towards : vector_subtract(middle, maker->towards);
+    const double r[3] = {fabs(ray.x), fabs(ray.y), fabs(ray.z)};
+    const int along = r[0] >= fmax(r[1], r[2]) ? 0
+                      : r[1] >= r[2]           ? 1
+                                               : 2,
+              axis = (along + 1 + level % 2) % 3;
+    struct vector normal = vector_cross(ray, (struct vector){axis == 0, axis == 1, axis == 2});
+    for (int side = 0; side < 2; side++, normal = vector_scale(normal, -1))
+        if (may_wrap(maker, caps, sort_caps(maker, caps, n, normal, middle), level + 1, looks))
+            return true;
+    return false;
 }
 
 /* ---- vertices ---- */
@@ -134,14 +214,18 @@ static bool add_vertex(struct volume *out, struct vector at, struct error *err)
     return array_add(&out->vertices, &out->n_vertices, &vertex, sizeof vertex, err);
 }
 
-static bool make_vertices(struct maker *maker, struct error *err)
+/* Numbers the vertices of n caps, and adds them: where they are, and then at the far end. */
+static bool make_vertices(struct maker *maker, const struct cap *caps, int n, struct error *err)
 {
-    const struct plan *plan = maker->lit->plan;
     struct volume *out = maker->out;
-    for (int i = maker->first; i < maker->end; i++)
-        for (int v = 0; v < plan->instances[i].instance.n_vertices; v++)
-            if (!add_vertex(out, plan->instances[i].instance.vertices[v].position, err))
-                return false;
+    for (int i = 0; i < 3 * n; i++) {
+        int32_t *number = &maker->number[caps[i / 3].corner[i % 3]];
+        if (*number >= 0)
+            continue;
+        *number = out->n_vertices;
+        if (!add_vertex(out, corner_of(maker, &caps[i / 3], i % 3), err))
+            return false;
+    }
     maker->n_near = out->n_vertices;
     for (int v = 0; v < maker->n_near; v++) {
         const struct vector at = out->vertices[v].position, towards = maker->towards;
@@ -196,94 +280,69 @@ static bool count_edge(struct maker *maker, int32_t from, int32_t to, struct err
            array_add(&maker->list, &maker->n_edges, &edge, sizeof edge, err);
 }
 
-/* Returns whether all of a solid lies on one side of the light: the triangles that face it then
- * throw all of its shadow. */
-static bool is_beside(const struct maker *maker, const struct placed_instance *placed)
-{
-    const struct instance *of = &placed->instance;
-    struct vector low = of->vertices[0].position, high = low;
-    if (!maker->lit->plan->meshes[placed->mesh].solid)
-        return false;
-    for (int i = 1; i < of->n_vertices; i++) {
-        low = vector_least(low, of->vertices[i].position);
-        high = vector_greatest(high, of->vertices[i].position);
-    }
-    const struct vector at = maker->towards;
-    return maker->light->directional || at.x < low.x || at.x > high.x || at.y < low.y ||
-           at.y > high.y || at.z < low.z || at.z > high.z;
-}
-
 /* Adds the part of a cap beyond the far plane, which OpenGL cuts off the cap itself. Caps that
  * share an edge cut it at the same numbers. */
-static bool add_beyond(struct maker *maker, const int32_t at[3], struct occluder of, int side,
+static bool add_beyond(struct maker *maker, const struct cap *cap, const int32_t at[3],
                        struct error *err)
 {
     static const struct clip_plane far_plane = {{0, 0, 1, -1}, 0};
-    const struct surface *surface = &maker->lit->surfaces[of.surface];
-    const struct vertex *vertices = surface->instance->vertices;
-    const int32_t *v = surface->instance->triangles[of.triangle];
+    const struct surface *surface = &maker->lit->surfaces[cap->of.surface];
+    const struct occluder none = {-1, cap->of.triangle};
     struct corner whole[3], corners[CLIP_CORNERS];
     int32_t number[CLIP_CORNERS];
-    whole_corners(surface, v, whole);
+    whole_corners(surface, surface->instance->triangles[cap->of.triangle], whole);
     const int n = clip_polygon(&far_plane, whole, 3, corners);
     for (int i = 0; i < n; i++) {
         struct vector point = {0, 0, 0};
         for (int c = 0; c < 3; c++)
-            point = vector_add(point, vector_scale(vertices[v[c]].position, corners[i].share[c]));
+            point = vector_add(point, vector_scale(corner_of(maker, cap, c), corners[i].share[c]));
         number[i] =
             corners[i].inner == corners[i].outer ? at[corners[i].inner] : maker->out->n_vertices;
         if (number[i] == maker->out->n_vertices && !add_vertex(maker->out, point, err))
             return false;
     }
     for (int i = 2; i < n; i++) {
-        const int32_t corner[3] = {number[0], number[side > 0 ? i - 1 : i],
-                                   number[side > 0 ? i : i - 1]};
-        if (!add_triangle(maker, corner, (struct occluder){-1, of.triangle}, err))
+        const int32_t corner[3] = {number[0], number[cap->side > 0 ? i - 1 : i],
+                                   number[cap->side > 0 ? i : i - 1]};
+        if (!add_triangle(maker, corner, none, err))
             return false;
     }
     return true;
 }
 
-/* Parts that are made of triangles that face the light (side 1), or do not (-1). */
+/* Parts that are made of caps: edges, the caps themselves, the far end, parts beyond the far plane.
+ */
 enum cap_part { CAP_EDGES, CAP_NEAR, CAP_FAR, CAP_BEYOND };
 
 /* Edges go round the light alike: a triangle that turns away is taken from behind. */
-static bool add_cap(struct maker *maker, const int32_t at[3], struct occluder of, int side,
-                    enum cap_part part, struct error *err)
+static bool add_cap(struct maker *maker, const struct cap *cap, enum cap_part part,
+                    struct error *err)
 {
-    const int32_t n = part == CAP_FAR ? maker->n_near : 0, b = at[1] + n, c = at[2] + n,
-                  turned[3] = {at[0] + n, part == CAP_FAR && side > 0 ? c : b,
-                               part == CAP_FAR && side > 0 ? b : c};
+    const int32_t *number = maker->number, n = part == CAP_FAR ? maker->n_near : 0,
+                  at[3] = {number[cap->corner[0]], number[cap->corner[1]], number[cap->corner[2]]};
+    const bool turned = part == CAP_FAR && cap->side > 0;
+    const int32_t corners[3] = {at[0] + n, at[turned ? 2 : 1] + n, at[turned ? 1 : 2] + n};
     if (part == CAP_BEYOND)
-        return add_beyond(maker, at, of, side, err);
+        return add_beyond(maker, cap, at, err);
     if (part != CAP_EDGES)
-        return add_triangle(maker, turned,
-                            part == CAP_NEAR ? of : (struct occluder){-1, of.triangle}, err);
+        return add_triangle(maker, corners,
+                            part == CAP_NEAR ? cap->of : (struct occluder){-1, cap->of.triangle},
+                            err);
     for (int i = 0; i < 3; i++) {
         const int32_t from = at[i], to = at[(i + 1) % 3];
-        if (!count_edge(maker, side > 0 ? from : to, side > 0 ? to : from, err))
+        if (!count_edge(maker, cap->side > 0 ? from : to, cap->side > 0 ? to : from, err))
             return false;
     }
     return true;
 }
 
-/* Adds this part of the caps on one side. A solid beside the light needs one side only. */
-static bool add_caps(struct maker *maker, int side, enum cap_part part, struct error *err)
+/* Adds this part of n caps: of those on one side, or, side 0, of all. */
+static bool add_caps(struct maker *maker, const struct cap *caps, int n, int side,
+                     enum cap_part part, struct error *err)
 {
-    int32_t offset = 0;
-    for (int i = maker->first; i < maker->end; i++) {
-        const struct placed_instance *placed = &maker->lit->plan->instances[i];
-        const struct instance *of = &placed->instance;
-        const bool none = side < 0 && is_beside(maker, placed);
-        for (int t = 0; t < of->n_triangles && !none; t++) {
-            const int32_t *v = of->triangles[t],
-                          at[3] = {offset + v[0], offset + v[1], offset + v[2]};
-            if (light_side(maker, i, t) == side &&
-                !add_cap(maker, at, (struct occluder){i, t}, side, part, err))
-                return false;
-        }
-        offset += of->n_vertices;
-    }
+    for (int i = 0; i < n; i++)
+        if ((side == 0 || caps[i].side == side) && !add_cap(maker, &caps[i], part, err))
+            return false;
     return true;
 }
 
@@ -303,21 +362,19 @@ static bool add_sides(struct maker *maker, struct error *err)
 }
 
 /* Caps that do not face the light come last, with the order of their corners. */
-static bool add_triangles(struct maker *maker, struct error *err)
+static bool add_triangles(struct maker *maker, const struct cap *caps, int n, struct error *err)
 {
     struct volume *out = maker->out;
-    if (!add_caps(maker, 1, CAP_EDGES, err) || !add_caps(maker, -1, CAP_EDGES, err) ||
-        !add_caps(maker, 1, CAP_NEAR, err))
+    if (!add_caps(maker, caps, n, 0, CAP_EDGES, err) || !add_caps(maker, caps, n, 1, CAP_NEAR, err))
         return false;
     out->n_caps = out->n;
     if (!add_sides(maker, err))
         return false;
     out->first_far = out->n;
-    if (!add_caps(maker, 1, CAP_FAR, err) || !add_caps(maker, -1, CAP_FAR, err) ||
-        !add_caps(maker, 1, CAP_BEYOND, err) || !add_caps(maker, -1, CAP_BEYOND, err))
+    if (!add_caps(maker, caps, n, 0, CAP_FAR, err) || !add_caps(maker, caps, n, 0, CAP_BEYOND, err))
         return false;
     out->n_outward = out->n;
-    return add_caps(maker, -1, CAP_NEAR, err);
+    return add_caps(maker, caps, n, -1, CAP_NEAR, err);
 }
 
 /* ---- volumes ---- */
@@ -351,16 +408,53 @@ static bool ends_beyond(const struct maker *maker)
     return roundings(12) * largest < spare;
 }
 
-static bool make_volume(struct maker *maker, struct error *err)
+/* Adds the volume of n caps to the list. */
+static bool make_volume(struct maker *maker, const struct cap *caps, int n, int shadowed,
+                        struct volumes *list, struct error *err)
 {
-    maker->towards =
-        light_in_mesh(&maker->lit->plan->instances[maker->first].instance, maker->light);
-    find_reach(maker);
-    const bool done = make_vertices(maker, err) && add_triangles(maker, err);
+    const struct volume fresh = {.shadowed = shadowed, .instance = maker->first};
+    if (!array_add(&list->list, &list->n, &fresh, sizeof fresh, err))
+        return false;
+    maker->out = &list->list[list->n - 1];
+    const bool done = make_vertices(maker, caps, n, err) && add_triangles(maker, caps, n, err);
     maker->out->is_doubtful = done && !ends_beyond(maker);
+    for (int i = 0; i < 3 * n; i++)
+        maker->number[caps[i / 3].corner[i % 3]] = -1;
     index_free(&maker->edges);
     free(maker->list);
+    maker->list = NULL;
+    maker->n_edges = 0;
     return done;
+}
+
+/* Makes the volumes of an object: one, or where OpenGL could not count its caps, several. They end
+ * beyond all in view, by as much again for roundings. */
+static bool make_volumes(struct maker *maker, int shadowed, struct volumes *list, struct error *err)
+{
+    const struct placed_instance *instances = maker->lit->plan->instances;
+    int n_vertices = 0;
+    maker->towards = light_in_mesh(&instances[maker->first].instance, maker->light);
+    maker->nearest = HUGE_VAL;
+    for (int i = maker->first; i < maker->end; i++) {
+        if (!list_caps(maker, i, n_vertices, err))
+            return false;
+        n_vertices += instances[i].instance.n_vertices;
+    }
+    maker->reach = maker->light->directional ? 2 * fmax(0, maker->farthest - maker->nearest)
+                                             : fmax(2, 2 * maker->farthest / maker->nearest);
+    if (!MAKE_ARRAY(maker->number, n_vertices, err, "the vertices of a shadow"))
+        return false;
+    for (int i = 0; i < n_vertices; i++)
+        maker->number[i] = -1;
+    long looks = 128L * maker->n_caps;
+    const int most =
+        may_wrap(maker, maker->caps, maker->n_caps, 0, &looks) ? MOST_COUNTED : maker->n_caps;
+    for (int i = 0, n; i < maker->n_caps; i += n) {
+        n = maker->n_caps - i < most ? maker->n_caps - i : most;
+        if (!make_volume(maker, maker->caps + i, n, shadowed, list, err))
+            return false;
+    }
+    return true;
 }
 
 /* Makes the volumes of a light. Instances of one object follow each other. */
@@ -369,26 +463,21 @@ static bool list_volumes(const struct lit_scene *lit, int shadowed, struct volum
 {
     const struct plan *plan = lit->plan;
     const struct eye_light *light = shadow_light(&plan->view, shadowed);
-    const double farthest = farthest_in_view(plan, light);
-    for (int first = 0, end; first < plan->n_instances; first = end) {
-        const struct object *object = plan->instances[first].object;
-        const struct volume fresh = {.shadowed = shadowed, .instance = first};
-        for (end = first; end < plan->n_instances && plan->instances[end].object == object;)
+    struct maker maker = {.lit = lit, .light = light, .farthest = farthest_in_view(plan, light)};
+    bool done = true;
+    for (int end; done && maker.first < plan->n_instances; maker.first = end) {
+        const struct placed_instance *first = &plan->instances[maker.first];
+        for (end = maker.first;
+             end < plan->n_instances && plan->instances[end].object == first->object;)
             end++;
-        if ((plan->instances[first].casts >> shadowed & 1) == 0)
-            continue;
-        if (!array_add(&out->list, &out->n, &fresh, sizeof fresh, err))
-            return false;
-        struct maker maker = {.lit = lit,
-                              .light = light,
-                              .farthest = farthest,
-                              .first = first,
-                              .end = end,
-                              .out = &out->list[out->n - 1]};
-        if (!make_volume(&maker, err))
-            return false;
+        maker.end = end;
+        done = (first->casts >> shadowed & 1) == 0 || make_volumes(&maker, shadowed, out, err);
+        FREE_ALL(maker.caps, maker.number);
+        maker.caps = NULL;
+        maker.number = NULL;
+        maker.n_caps = 0;
     }
-    return true;
+    return done;
 }
 
 bool volumes_make(const struct lit_scene *lit, struct volumes *out, struct error *err)
