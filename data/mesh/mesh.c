@@ -37,83 +37,76 @@ bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct
            mesh_reserve(mesh, n_vertices, n_triangles, err);
 }
 
-enum { MOST_TIMES = 8, MOST_HALVINGS = 6 };
-
-/* Returns how often a texture fits along the longest triangle. */
-static double largest_span(const struct mesh *mesh)
-{
-    double span = 0;
-    for (int i = 0; i < mesh->n_triangles; i++)
-        for (int c = 0; c < 3; c++) {
-            const struct vertex *a = &mesh->vertices[mesh->triangles[i][c]],
-                                *b = &mesh->vertices[mesh->triangles[i][(c + 1) % 3]];
-            span = fmax(span, fmax(fabs(a->s - b->s), fabs(a->t - b->t)));
-        }
-    return span;
-}
-
-/* A vertex, and the whole numbers that its texture coordinates are moved by. */
-struct moved_vertex {
-    double s, t;
-    int64_t vertex;
+/* The whole numbers below the middle of a triangle's texture coordinates; and the largest range of
+ * these. */
+struct texture_place {
+    double s, t, range;
 };
 
-/* Brings a triangle's texture coordinates next to 0. moves: of each vertex, the first one; vertex
- * -1: none. */
-static bool move_texture(struct mesh *mesh, int32_t triangle[3], struct moved_vertex *moves,
-                         struct index *copies, struct error *err)
+static struct texture_place texture_place(const struct mesh *mesh, int triangle)
 {
-    const struct vertex *v = mesh->vertices;
-    const double s[3] = {v[triangle[0]].s, v[triangle[1]].s, v[triangle[2]].s},
-                 t[3] = {v[triangle[0]].t, v[triangle[1]].t, v[triangle[2]].t};
-    struct moved_vertex move = {floor(0.5 * (least_of(s) + most_of(s))) + 0,
-                                floor(0.5 * (least_of(t) + most_of(t))) + 0, 0};
-    for (int c = 0; c < 3; c++) {
-        move.vertex = triangle[c];
-        if (moves[move.vertex].vertex < 0)
-            moves[move.vertex] = move;
-        if (memcmp(&moves[move.vertex], &move, sizeof move) == 0)
-            continue;
-        int known = index_find(copies, &move, sizeof move);
-        if (known < 0) {
-            known = mesh->n_vertices++;
-            mesh->vertices[known] = v[move.vertex];
-            if (mesh->parametric)
-                mesh->parameters[known] = mesh->parameters[move.vertex];
-            moves[known] = move;
-            if (!index_add(copies, &move, sizeof move, known, err))
+    const int32_t *corner = mesh->triangles[triangle];
+    const struct vertex *a = &mesh->vertices[corner[0]], *b = &mesh->vertices[corner[1]],
+                        *c = &mesh->vertices[corner[2]];
+    const double s[3] = {a->s, b->s, c->s}, t[3] = {a->t, b->t, c->t};
+    return (struct texture_place){floor(0.5 * (least_of(s) + most_of(s))),
+                                  floor(0.5 * (least_of(t) + most_of(t))),
+                                  fmax(most_of(s) - least_of(s), most_of(t) - least_of(t))};
+}
+
+/* Moves the texture coordinates of a triangle next to 0: its vertices are added to `to` unless
+ * `known` has them. */
+static bool move_texture(struct mesh *mesh, int triangle, struct index *known, struct mesh *to,
+                         struct error *err)
+{
+    const struct texture_place by = texture_place(mesh, triangle);
+    for (int i = 0; i < 3; i++) {
+        int32_t *corner = &mesh->triangles[triangle][i];
+        const double key[3] = {*corner, by.s, by.t};
+        int at = index_find(known, key, sizeof key);
+        if (at < 0) {
+            at = to->n_vertices++;
+            to->vertices[at] = mesh->vertices[*corner];
+            to->vertices[at].s -= by.s;
+            to->vertices[at].t -= by.t;
+            if (to->parametric)
+                to->parameters[at] = mesh->parameters[*corner];
+            if (!index_add(known, key, sizeof key, at, err))
                 return false;
         }
-        triangle[c] = known;
+        *corner = at;
     }
     return true;
 }
 
 bool mesh_repeat_texture(struct mesh *mesh, const double repeat[2], struct error *err)
 {
-    struct index copies = {0};
-    struct moved_vertex *moves = NULL;
+    enum { MOST_TIMES = 8, MOST_HALVINGS = 6 };
+    struct mesh moved = {.parametric = mesh->parametric};
+    struct index known = {0};
+    double range = 0;
+    bool done = true, moves = false;
     for (int i = 0; i < mesh->n_vertices; i++) {
         mesh->vertices[i].s *= repeat[0];
         mesh->vertices[i].t *= repeat[1];
     }
-    const double span = largest_span(mesh);
-    bool done = true;
-    for (int i = 0; done && i < MOST_HALVINGS && ldexp(span, -i) > MOST_TIMES; i++)
-        done = mesh_halve(mesh, err);
-    const size_t most = (size_t)mesh->n_vertices + 3 * (size_t)mesh->n_triangles;
-    done = done && mesh_reserve(mesh, 3 * (size_t)mesh->n_triangles, 0, err) &&
-           MAKE_ARRAY(moves, most, err, "the texture coordinates of a mesh");
-    for (size_t i = 0; done && i < most; i++)
-        moves[i].vertex = -1;
-    for (int i = 0; done && i < mesh->n_triangles; i++)
-        done = move_texture(mesh, mesh->triangles[i], moves, &copies, err);
-    for (int i = 0; done && i < mesh->n_vertices; i++) {
-        mesh->vertices[i].s -= moves[i].s;
-        mesh->vertices[i].t -= moves[i].t;
+    for (int i = 0; i < mesh->n_triangles; i++) {
+        const struct texture_place at = texture_place(mesh, i);
+        range = fmax(range, at.range);
+        moves = moves || at.s != 0 || at.t != 0 || at.range > MOST_TIMES;
     }
-    index_free(&copies);
-    free(moves);
+    for (int i = 0; done && i < MOST_HALVINGS && ldexp(range, -i) > MOST_TIMES; i++)
+        done = mesh_halve(mesh, err);
+    if (!done || !moves)
+        return done;
+    done = mesh_reserve(&moved, 3 * (size_t)mesh->n_triangles, 0, err);
+    for (int i = 0; done && i < mesh->n_triangles; i++)
+        done = move_texture(mesh, i, &known, &moved, err);
+    index_free(&known);
+    FREE_ALL(mesh->vertices, mesh->parameters);
+    mesh->vertices = moved.vertices;
+    mesh->parameters = moved.parameters;
+    mesh->n_vertices = moved.n_vertices;
     return done && mesh_reserve(mesh, 0, 0, err); /* gives back what was not needed */
 }
 

@@ -335,13 +335,22 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
 static bool find_occluders(struct lit_scene *lit, struct error *err)
 {
     const struct plan *plan = lit->plan;
+    double size = 0;
     bool *casts;
     if (!MAKE_ARRAY(casts, plan->n_instances, err, "%d objects", plan->n_instances))
         return false;
-    for (int i = 0; i < plan->n_instances; i++)
+    for (int i = 0; i < plan->n_instances; i++) {
+        const struct instance *of = &plan->instances[i].instance;
+        double reach = 0, sums[4];
+        for (int v = 0; v < of->n_vertices; v++)
+            reach = fmax(reach, vector_reach(of->vertices[v].position));
+        matrix_magnitudes(&of->model_view, (const double[4]){reach, reach, reach, 1}, sums);
+        size = fmax(size, most_of(sums));
         casts[i] = plan->instances[i].casts != 0;
-    const bool done = occluders_make(lit->surfaces, plan->n_instances, casts, &lit->occluders) ||
-                      memory_lacks(err, 0, "the triangles that throw shadows");
+    }
+    const bool done =
+        occluders_make(lit->surfaces, plan->n_instances, casts, size, &lit->occluders) ||
+        memory_lacks(err, 0, "the triangles that throw shadows");
     free(casts);
     return done;
 }

@@ -40,16 +40,12 @@ struct mean_bound {
 struct candidate {
     int32_t surface, triangle;
     float depth, depth_error;
-    bool loose;         /* its error has no bound here */
-    bool covers;        /* OpenGL has it there for sure, however it rounds edges */
-    bool vanishes;      /* its depth may round to that of the near or the far plane */
-    bool is_other_side; /* of a triangle that may turn */
-    unsigned gates;     /* see pixel_turn_gates */
-    uint32_t dark;      /* lights that do not reach it */
-    /* OpenGL may show a rival instead, and not for the place of an edge: see are_rivals. They have
-     * one number; in some band they are apart by up to `open`, in radiance, and why */
-    int32_t rivals;
-    float open;
+    bool loose;     /* its error has no bound here */
+    bool covers;    /* OpenGL has it there for sure, however it rounds edges */
+    bool vanishes;  /* its depth may round to that of the near or the far plane */
+    unsigned gates; /* see pixel_turn_gates */
+    uint32_t dark;  /* lights that do not reach it */
+    float open;     /* OpenGL may show a rival, so far apart in some band: see are_rivals */
     enum bound_cause open_cause;
     struct mean_bound mean;
     size_t first; /* index of its pixel_rows numbers in candidate_rows and candidate_errors */

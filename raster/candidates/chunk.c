@@ -4,7 +4,6 @@
  * gets candidates, each with its own bounds. */
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/candidates/inside.h"
 
@@ -60,7 +59,6 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
         .loose = fragment->loose,
         .covers = fragment->covers,
         .vanishes = fragment->vanishes,
-        .is_other_side = triangle->other_side,
         .gates = gates,
         .dark = bounding->pixel.dark,
         .mean = mean,
@@ -189,83 +187,62 @@ static bool are_rivals(const struct candidate *a, const struct candidate *b)
     return behind > 0 ? a->vanishes : b->vanishes;
 }
 
-/* Numbers the rivals among n candidates of a pixel: all have the number of the first of them. */
-static void number_rivals(struct candidate *of, int n)
-{
-    for (int i = 0; i < n; i++) {
-        of[i].rivals = i;
-        for (int j = i - 1; j >= 0 && of[i].rivals != 0; j--) {
-            const int a = of[i].rivals, b = of[j].rivals;
-            for (int k = 0; k <= i && a != b && are_rivals(&of[i], &of[j]); k++)
-                if (of[k].rivals == (a > b ? a : b))
-                    of[k].rivals = a > b ? b : a;
-        }
-    }
-}
-
-/* Why a candidate's rival differs from it; the first cause that holds. */
+/* Returns why OpenGL may show a rival instead; NULL: the background. */
 static enum bound_cause rival_cause(const struct candidate *of, const struct candidate *rival)
 {
-    const double apart = fabs((double)rival->depth - (double)of->depth);
+    if (!rival || fabs((double)rival->depth - (double)of->depth) >
+                      (double)rival->depth_error + (double)of->depth_error)
+        return CAUSE_DEPTH;
     if (rival->surface != of->surface || rival->triangle != of->triangle)
-        return apart > (double)rival->depth_error + (double)of->depth_error ? CAUSE_DEPTH
-                                                                            : CAUSE_UPON;
-    return rival->dark != of->dark                     ? CAUSE_SHADOW
-           : rival->gates != of->gates                 ? CAUSE_LIGHT
-           : rival->is_other_side != of->is_other_side ? CAUSE_THIN
-                                                       : CAUSE_TEXTURE;
+        return CAUSE_UPON;
+    return rival->dark != of->dark     ? CAUSE_SHADOW
+           : rival->gates != of->gates ? CAUSE_LIGHT
+                                       : of->mean.cause;
 }
 
-/* Bounds a candidate's radiance in any band; or, `from` not NULL, how far that is from the radiance
- * of a rival. */
+/* Bounds how far two candidates are apart in any band, in radiance; NULL: the background. A texture
+ * that differs from band to band changes by its largest value per texel, at most. */
 static double apart(const struct bounding *bounding, const struct candidate *of,
                     const struct candidate *from)
 {
-    const struct chunk *chunk = bounding->chunk;
     const struct lit_scene *lit = bounding->fragments.tile->lit;
     const struct shaded_material *shaded = lit->bounds[of->surface].shaded;
     const struct instance *instance = lit->surfaces[of->surface].instance;
-    const double *rows = chunk->candidate_rows + of->first,
-                 *other = from ? chunk->candidate_rows + from->first : rows;
-    double sum = 0, all = 0;
+    const bool alike = from && lit->bounds[from->surface].shaded == shaded;
+    const double *rows = bounding->chunk->candidate_rows + of->first,
+                 *other = bounding->chunk->candidate_rows + (alike ? from : of)->first;
+    double sum = 0, all = 0, moved = 0;
     for (int t = 0; t < instance->n_terms; t++) {
-        sum += fabs(rows[t] - other[t]) * shaded->made.terms[t].peak;
-        all += rows[t] * shaded->made.terms[t].peak;
+        const double peak = shaded->made.terms[t].peak;
+        sum += fabs(rows[t] - (alike ? other[t] : 0)) * peak;
+        all += fabs(rows[t]) * peak;
     }
-    const bool moved =
-        instance->varied && memcmp(rows + instance->n_terms, other + instance->n_terms,
-                                   (size_t)place_rows(&instance->texels) * sizeof *rows) != 0;
-    return (instance->varied ? shaded->texture->largest : 1) * (from && !moved ? sum : all);
+    for (int i = instance->n_terms; i < pixel_rows(instance); i++)
+        moved += fabs(rows[i] - other[i]);
+    if (instance->varied)
+        sum = (sum + fmin(moved, 1) * all) * shaded->texture->largest;
+    return from && !alike ? fmax(sum, apart(bounding, from, NULL)) : sum;
 }
 
-/* Raises what candidate `of` leaves open by what a rival shows; NULL: the background. */
-static void raise_open(const struct bounding *bounding, struct candidate *of,
-                       const struct candidate *rival)
-{
-    const struct surface_bounds *bounds = bounding->fragments.tile->lit->bounds;
-    const bool alike = rival && bounds[rival->surface].shaded == bounds[of->surface].shaded;
-    const double open = alike   ? apart(bounding, of, rival)
-                        : rival ? fmax(apart(bounding, of, NULL), apart(bounding, rival, NULL))
-                                : apart(bounding, of, NULL);
-    if (!(open > (double)of->open))
-        return;
-    of->open = (float)open;
-    of->open_cause = rival ? rival_cause(of, rival) : CAUSE_DEPTH;
-}
-
-/* Finds what the candidates of an ambiguous pixel leave open. */
+/* Finds what the candidates of an ambiguous pixel leave open; number -1 stands for the background.
+ */
 static void find_open(struct bounding *bounding, const struct ambiguous_pixel *pixel)
 {
     struct candidate *of = bounding->chunk->candidates + pixel->first;
-    float *open = &bounding->chunk->pixels[pixel->pixel].open;
-    number_rivals(of, pixel->count);
+    float *most = &bounding->chunk->pixels[pixel->pixel].open;
     for (int i = 0; i < pixel->count; i++) {
-        for (int j = 0; j < pixel->count; j++)
-            if (j != i && of[j].rivals == of[i].rivals)
-                raise_open(bounding, &of[i], &of[j]);
-        if (of[i].vanishes && pixel->background)
-            raise_open(bounding, &of[i], NULL);
-        *open = of[i].loose ? HUGE_VALF : fmaxf(*open, of[i].open);
+        for (int j = -1; j < pixel->count; j++) {
+            if (j < 0 ? !pixel->background || !of[i].vanishes
+                      : i == j || !are_rivals(&of[i], &of[j]))
+                continue;
+            const struct candidate *rival = j < 0 ? NULL : &of[j];
+            const float open = (float)apart(bounding, &of[i], rival);
+            if (open > of[i].open) {
+                of[i].open = open;
+                of[i].open_cause = rival_cause(&of[i], rival);
+            }
+        }
+        *most = of[i].loose ? HUGE_VALF : fmaxf(*most, of[i].open);
     }
 }
 

@@ -266,43 +266,19 @@ static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
     return a->band >= b->band ? a : b;
 }
 
-/* Returns whether the depth buffer may have lost the triangle that the reference shows: OpenGL
- * shows the background (NULL), or a candidate that lies behind it. */
-static bool is_lost(const struct chunk *chunk, const struct ambiguous_pixel *ambiguous,
-                    const struct candidate *candidate)
-{
-    const size_t pixel = (size_t)ambiguous->pixel;
-    const struct picture *picture = &chunk->picture;
-    return ambiguous->may_vanish &&
-           (!candidate || ((candidate->surface != picture->surface[pixel] ||
-                            candidate->triangle != picture->triangle[pixel]) &&
-                           (double)candidate->depth > picture->depth[pixel]));
-}
-
 /* ---- what OpenGL may show as well ---- */
 
-/* A pixel beside another one; chunk NULL: it lies outside of the tile. */
-struct neighbour {
-    const struct chunk *chunk;
-    size_t pixel;
-};
-
-/* Finds the pixels above, to the left, to the right and below. */
-static void find_neighbours(const struct tile *tile, const struct chunk *chunk, size_t pixel,
-                            struct neighbour out[4])
+/* Finds the chunk of a neighbour of a pixel, number 0 to 3, and its pixel there. NULL: it lies
+ * outside of the tile. */
+static const struct chunk *neighbour(const struct tile *tile, const struct chunk *chunk,
+                                     size_t *pixel, int number)
 {
-    const struct chunk *last = tile->chunks + tile->n_chunks - 1;
-    const size_t width = (size_t)chunk->picture.at.width, column = pixel % width;
-    out[0] = (struct neighbour){chunk, pixel - width};
-    out[1] = (struct neighbour){column > 0 ? chunk : NULL, pixel - 1};
-    out[2] = (struct neighbour){column < width - 1 ? chunk : NULL, pixel + 1};
-    out[3] = (struct neighbour){chunk, pixel + width};
-    if (pixel < width) {
-        out[0].chunk = chunk > tile->chunks ? chunk - 1 : NULL;
-        out[0].pixel = out[0].chunk ? chunk_pixels(out[0].chunk) - width + column : 0;
-    }
-    if (pixel + width >= chunk_pixels(chunk))
-        out[3] = (struct neighbour){chunk < last ? chunk + 1 : NULL, column};
+    const int width = tile->at.width, rows = tile->lit->plan->chunk_rows,
+              x = (int)*pixel % width + (number == 1) - (number == 2),
+              y = chunk->picture.at.y - tile->at.y + (int)*pixel / width + (number == 0) -
+                  (number == 3);
+    *pixel = (size_t)(y % rows * width + x);
+    return x < 0 || x >= width || y < 0 || y >= tile->at.height ? NULL : &tile->chunks[y / rows];
 }
 
 /* Radiance in counts. */
@@ -315,12 +291,12 @@ static double in_counts(const struct check *check, float radiance)
  * then the place of an edge by a rounding, and not what a region shows. */
 static bool is_between(const struct check *check, const struct tile *tile, size_t pixel)
 {
-    struct neighbour next[4];
     int n = 0;
-    find_neighbours(tile, check->chunk, pixel, next);
-    for (int i = 0; i < 4; i++)
-        n += next[i].chunk && in_counts(check, next[i].chunk->pixels[next[i].pixel].open) <=
-                                  checked_counts(check->scene->lit->plan);
+    for (int i = 0; i < 4; i++) {
+        size_t at = pixel;
+        const struct chunk *of = neighbour(tile, check->chunk, &at, i);
+        n += of && in_counts(check, of->pixels[at].open) <= checked_counts(check->scene->lit->plan);
+    }
     return n >= 2;
 }
 
@@ -336,7 +312,8 @@ static struct mean_bound note_open(struct check *check, const struct tile *tile,
     struct mean_bound mean = of->mean;
     bool is_edge = ambiguous->background;
     for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
-        is_edge = is_edge || check->chunk->candidates[c].rivals != of->rivals;
+        is_edge = is_edge || check->chunk->candidates[c].triangle != of->triangle ||
+                  check->chunk->candidates[c].surface != of->surface;
     check->floor[pixel] += (float)in_counts(check, of->open);
     if (was_checked && (double)check->floor[pixel] > limit) {
         mean.cause = is_between(check, tile, pixel) ? CAUSE_EDGE : of->open_cause;
@@ -360,9 +337,10 @@ static void settle(struct check *check, const struct tile *tile, size_t index,
     ptrdiff_t shown = best - check->hypotheses;
     const struct candidate *candidate =
         shown < (ptrdiff_t)chunk->n_candidates ? &chunk->candidates[shown] : NULL;
-    const bool lost = is_lost(chunk, ambiguous, candidate);
+    /* the depth buffer may have lost the triangle that the reference shows */
+    const bool lost = ambiguous->may_vanish && !candidate;
     struct check_samples samples = best->samples;
-    if (lost || (candidate && candidate->loose)) { /* counted, but no measure of OpenGL's errors */
+    if (candidate && candidate->loose) { /* counted, but no measure of OpenGL's errors */
         samples.largest = samples.sum = samples.sum_of_squares = 0;
         samples.worst_ratio = samples.worst_fit_ratio = -1;
     }
@@ -376,8 +354,8 @@ static void settle(struct check *check, const struct tile *tile, size_t index,
     if (check->ratio)
         check->ratio[pixel] = (float)fmax(samples.worst_ratio, samples.worst_fit_ratio);
     if (lost) {
-        const struct mean_bound none = {
-            .cause = is_between(check, tile, pixel) ? CAUSE_EDGE : CAUSE_DEPTH};
+        const struct mean_bound none = {.cause = is_between(check, tile, pixel) ? CAUSE_EDGE
+                                                                                : CAUSE_DEPTH};
         check->verdict.open++;
         check->floor[pixel] = check->band_floor[pixel] = HUGE_VALF;
         totals_note(totals, chunk->picture.surface[pixel], chunk->picture.triangle[pixel], HUGE_VAL,
@@ -396,14 +374,13 @@ static void settle(struct check *check, const struct tile *tile, size_t index,
 static bool is_smooth(const struct check *check, const struct tile *tile, size_t pixel)
 {
     const struct chunk *chunk = check->chunk;
-    struct neighbour next[4];
     bool inside = (double)chunk->pixels[pixel].steepness * FULL_COUNT <=
                   SMOOTH_COUNTS * check->scene->lit->full_scale;
-    find_neighbours(tile, chunk, pixel, next);
     for (int i = 0; i < 4 && inside; i++) {
-        const struct chunk *of = next[i].chunk;
-        inside = !of || (!of->is_ambiguous[next[i].pixel] &&
-                         of->picture.surface[next[i].pixel] == chunk->picture.surface[pixel]);
+        size_t at = pixel;
+        const struct chunk *of = neighbour(tile, chunk, &at, i);
+        inside = !of || (!of->is_ambiguous[at] &&
+                         of->picture.surface[at] == chunk->picture.surface[pixel]);
     }
     return inside;
 }

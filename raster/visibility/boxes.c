@@ -44,18 +44,6 @@ static void make_node(struct occluders *of, int node, int first, int n)
     make_node(of, at->first + 1, first + n / 2, n - n / 2);
 }
 
-/* Raises out->size to the numbers that the places of an instance are sums of. */
-static void raise_size(struct occluders *out, const struct instance *instance)
-{
-    double reach = 0;
-    for (int i = 0; i < instance->n_vertices; i++)
-        reach = fmax(reach, vector_reach(instance->vertices[i].position));
-    for (int i = 0; i < 3; i++) {
-        const double *m = instance->model_view.row[i];
-        out->size = fmax(out->size, (fabs(m[0]) + fabs(m[1]) + fabs(m[2])) * reach + fabs(m[3]));
-    }
-}
-
 static bool place_vertices(struct occluders *out, int surface)
 {
     const struct instance *instance = out->surfaces[surface].instance;
@@ -66,13 +54,13 @@ static bool place_vertices(struct occluders *out, int surface)
     return vertices != NULL;
 }
 
-bool occluders_make(const struct surface *surfaces, int n, const bool *casts, struct occluders *out)
+bool occluders_make(const struct surface *surfaces, int n, const bool *casts, double size,
+                    struct occluders *out)
 {
     size_t n_triangles = 0;
-    *out = (struct occluders){.surfaces = surfaces, .n_surfaces = n};
+    *out = (struct occluders){.surfaces = surfaces, .n_surfaces = n, .size = size};
     out->vertices = calloc((size_t)n + 1, sizeof(struct vector *));
     for (int i = 0; i < n && out->vertices; i++) {
-        raise_size(out, surfaces[i].instance);
         n_triangles += casts[i] ? (size_t)surfaces[i].instance->n_triangles : 0;
         if (casts[i] && !place_vertices(out, i))
             return false;

@@ -9,7 +9,7 @@
 struct query {
     const struct occluders *of;
     const struct seen_point *point;
-    struct homogeneous light, from; /* from: the point */
+    struct homogeneous light;
     bool blocked;
 };
 
@@ -20,16 +20,10 @@ static void corners_of(const struct occluders *of, struct occluder at, struct ve
         out[i] = of->vertices[at.surface][vertex[i]];
 }
 
-/* The sum of the magnitudes of a vector's components. */
-static double sum_of(struct vector v)
-{
-    return fabs(v.x) + fabs(v.y) + fabs(v.z);
-}
-
 /* With n = u x v for the edges u and v from corner a, and q = p - a, the height of point p is n q.
- * Where each component of a place is off by up to e, so is q by 2 e, and n by 2 e (|u| + |v|): the
- * height is off by at most 2 e (|n| + |q| (|u| + |v|)), in sums of magnitudes. A direction is no
- * such difference: it is off by its own roundings. */
+ * Where each component of a place is off by up to e, each of q is by 2 e, and each of n by 4 e (|u|
+ * + |v|), in largest components: so n q is by 6 e (|n| + 2 |q| (|u| + |v|)). A direction is no such
+ * difference: it is off by its own roundings. */
 int occluder_side(const struct occluders *of, struct occluder at, const struct homogeneous *point)
 {
     struct vector c[3];
@@ -37,13 +31,11 @@ int occluder_side(const struct occluders *of, struct occluder at, const struct h
     const struct vector u = vector_subtract(c[1], c[0]), v = vector_subtract(c[2], c[0]),
                         n = vector_cross(u, v),
                         q = point->infinite ? point->at : vector_subtract(point->at, c[0]);
-    const double height = vector_dot(n, q), sides = sum_of(u) + sum_of(v),
-                 size = fmax(of->size, sum_of(point->at)),
-                 limit =
-                     (point->infinite ? sum_of(q) : size) * sum_of(n) + size * sum_of(q) * sides;
-    if (!(fabs(height) > 2 * PLACE_ERROR * limit))
-        return 0;
-    return height > 0 ? 1 : -1;
+    const double size = fmax(of->size, vector_reach(point->at)), far = vector_reach(q),
+                 height = vector_dot(n, q),
+                 limit = (point->infinite ? far : size) * vector_reach(n) +
+                         2 * size * far * (vector_reach(u) + vector_reach(v));
+    return (height > 6 * PLACE_ERROR * limit) - (height < -6 * PLACE_ERROR * limit);
 }
 
 /* The side of the segment on which an edge passes. If they meet, it is the side on which the edge
@@ -54,7 +46,7 @@ static int passes(const struct query *query, struct vector a, struct vector b)
 {
     static const struct homogeneous axes[3] = {
         {{1, 0, 0}, true}, {{0, 1, 0}, true}, {{0, 0, 1}, true}};
-    struct homogeneous rows[4] = {query->light, query->from, {a, false}, {b, false}};
+    struct homogeneous rows[4] = {query->light, query->point->eye, {a, false}, {b, false}};
     int side = side_of(rows);
     for (int i = 0; i < 3 && side == 0; i++) {
         rows[0] = axes[i];
@@ -63,47 +55,43 @@ static int passes(const struct query *query, struct vector a, struct vector b)
     return side;
 }
 
-/* Returns whether the occluder's plane parts two points. */
-static bool parts(const struct occluders *of, struct occluder at, const struct homogeneous *a,
-                  const struct homogeneous *b)
+/* Returns whether an occluder's plane parts two points. */
+static bool parts(const struct occluders *of, const struct occluder *at,
+                  const struct homogeneous *a, const struct homogeneous *b)
 {
-    return occluder_side(of, at, a) * occluder_side(of, at, b) < 0;
+    return occluder_side(of, *at, a) * occluder_side(of, *at, b) < 0;
 }
 
 static bool visit(void *context, const struct occluder *met)
 {
     struct query *query = context;
+    const struct occluder *own = &query->point->of;
     struct vector c[3];
-    if (met->surface == query->point->of.surface && met->triangle == query->point->of.triangle)
-        return true;
     corners_of(query->of, *met, c);
     const int first = passes(query, c[0], c[1]);
     query->blocked = passes(query, c[1], c[2]) == first && passes(query, c[2], c[0]) == first &&
-                     parts(query->of, *met, &query->from, &query->light);
+                     parts(query->of, met, &query->point->eye, &query->light) &&
+                     (met->surface != own->surface || met->triangle != own->triangle);
     return !query->blocked;
 }
 
 /* Returns whether a point's own triangle turns one side to the light and the other to the eye. */
 static bool turns_away(const struct query *query, const struct view *view)
 {
-    const struct seen_point *point = query->point;
+    const struct occluder *own = &query->point->of;
     const bool parallel = view->projection.row[3][3] != 0;
-    const struct homogeneous eye = {{0, 0, parallel ? 1 : 0}, parallel};
-    return query->of->vertices[point->of.surface] &&
-           parts(query->of, point->of, &eye, &query->light);
+    const struct homogeneous eye = {{0, 0, parallel}, parallel};
+    return query->of->vertices[own->surface] && parts(query->of, own, &eye, &query->light);
 }
 
 /* Returns whether something lies between the point and a light. */
 static bool is_blocked(const struct occluders *of, const struct view *view,
                        const struct eye_light *light, const struct seen_point *point)
 {
-    struct query query = {.of = of,
-                          .point = point,
-                          .light = {light->position, light->directional},
-                          .from = {point->eye, false}};
+    struct query query = {.of = of, .point = point, .light = {light->position, light->directional}};
     query.blocked = turns_away(&query, view);
     if (!query.blocked)
-        occluders_along(of, point->eye, &query.light, visit, &query);
+        occluders_along(of, point->eye.at, &query.light, visit, &query);
     return query.blocked;
 }
 
@@ -123,7 +111,7 @@ struct seen_point seen_point(const struct surface *surfaces, const struct screen
     for (int i = 0; i < 3; i++)
         point =
             vector_add(point, vector_scale(instance->vertices[of->vertex[i]].position, share[i]));
-    return (struct seen_point){.eye = matrix_point(&instance->model_view, point),
+    return (struct seen_point){.eye = {matrix_point(&instance->model_view, point), false},
                                .of = {(int32_t)(of->surface - surfaces), of->triangle}};
 }
 

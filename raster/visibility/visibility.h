@@ -34,11 +34,12 @@ struct occluders {
     struct occluder *list;    /* owned */
     struct box_node *nodes;   /* the first is the root; owned */
     int n_surfaces, n, n_nodes;
-    double size; /* of the numbers that places in eye space are sums of; at most */
+    double size;
 };
-/* Lists the triangles of the surfaces that throw shadows: casts[i]. The surfaces must outlive *out.
- * False: no memory; occluders_free accepts what that left. */
-bool occluders_make(const struct surface *surfaces, int n, const bool *casts,
+/* Lists the triangles of the surfaces that throw shadows: casts[i]. Places of all surfaces are sums
+ * of numbers up to `size`. The surfaces must outlive *out. False: no memory; occluders_free accepts
+ * what that left. */
+bool occluders_make(const struct surface *surfaces, int n, const bool *casts, double size,
                     struct occluders *out);
 void occluders_free(struct occluders *occluders);
 
@@ -49,7 +50,7 @@ int shown_parts(const struct view *view, const struct surface *surface, int tria
                 struct screen_triangle out[SCREEN_TRIANGLES]);
 /* A point of a triangle, as the eye sees it. */
 struct seen_point {
-    struct vector eye;
+    struct homogeneous eye;
     struct occluder of;
 };
 /* Finds the point with these barycentric coordinates of the triangle. */

@@ -57,7 +57,7 @@ static bool draw(const struct view *view, const struct instance instances[2])
         for (int i = 0; i < instances[s].n_vertices; i++)
             surface_light(view, &surfaces[s], i, &work);
     done = done && picture_draw(view, surfaces, 2, &all, TERMS, &picture);
-    done = occluders_make(surfaces, 2, casts, &occluders) && done;
+    done = occluders_make(surfaces, 2, casts, 8, &occluders) && done;
     if (done)
         picture_shadow(view, &occluders, &picture, dark);
     for (int i = 0; i < WIDTH * HEIGHT && done; i++)

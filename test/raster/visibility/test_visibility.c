@@ -28,7 +28,7 @@ static void solid_make(struct solid *of)
                                      .model_view = matrix_identity(),
                                      .normal_matrix = matrix_identity()};
     of->surface = (struct surface){.instance = &of->instance};
-    test_need(occluders_make(&of->surface, 1, casts, &of->occluders), "no memory");
+    test_need(occluders_make(&of->surface, 1, casts, 16, &of->occluders), "no memory");
 }
 
 /* Returns whether the light at a place, or in a direction, reaches a point, which belongs to no
@@ -46,7 +46,7 @@ static bool reaches(const struct solid *of, struct vector light, bool directiona
     occluders.surfaces = surfaces;
     occluders.vertices = vertices;
     occluders.n_surfaces = 2;
-    const struct seen_point at = {point, {1, 0}}; /* of a surface that casts no shadow */
+    const struct seen_point at = {{point, false}, {1, 0}}; /* of a surface that casts no shadow */
     return lights_blocked(&occluders, &view, 1, &at) == 0;
 }
 
