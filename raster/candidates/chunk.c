@@ -187,8 +187,10 @@ static bool are_rivals(const struct candidate *a, const struct candidate *b)
     return behind > 0 ? a->vanishes : b->vanishes;
 }
 
-/* Returns why OpenGL may show a rival instead; NULL: the background. */
-static enum bound_cause rival_cause(const struct candidate *of, const struct candidate *rival)
+/* Returns why OpenGL may show a rival instead; NULL: the background. What has no texture and has
+ * one light is seen from two sides. */
+static enum bound_cause rival_cause(const struct candidate *of, const struct candidate *rival,
+                                    bool textured)
 {
     if (!rival || fabs((double)rival->depth - (double)of->depth) >
                       (double)rival->depth_error + (double)of->depth_error)
@@ -197,7 +199,8 @@ static enum bound_cause rival_cause(const struct candidate *of, const struct can
         return CAUSE_UPON;
     return rival->dark != of->dark     ? CAUSE_SHADOW
            : rival->gates != of->gates ? CAUSE_LIGHT
-                                       : of->mean.cause;
+           : textured                  ? CAUSE_TEXTURE
+                                       : CAUSE_THIN;
 }
 
 /* Bounds how far two candidates are apart in any band, in radiance; NULL: the background. A texture
@@ -224,22 +227,31 @@ static double apart(const struct bounding *bounding, const struct candidate *of,
     return from && !alike ? fmax(sum, apart(bounding, from, NULL)) : sum;
 }
 
+/* More candidates are not compared with each other: each leaves open all that one of them shows. */
+enum { MOST_COMPARED = 64 };
+
 /* Finds what the candidates of an ambiguous pixel leave open; number -1 stands for the background.
  */
 static void find_open(struct bounding *bounding, const struct ambiguous_pixel *pixel)
 {
     struct candidate *of = bounding->chunk->candidates + pixel->first;
-    float *most = &bounding->chunk->pixels[pixel->pixel].open;
+    const struct surface *surfaces = bounding->fragments.tile->lit->surfaces;
+    float *most = &bounding->chunk->pixels[pixel->pixel].open, brightest = 0;
+    for (int i = 0; i < pixel->count && pixel->count > MOST_COMPARED; i++)
+        brightest = fmaxf(brightest, (float)apart(bounding, &of[i], NULL));
     for (int i = 0; i < pixel->count; i++) {
-        for (int j = -1; j < pixel->count; j++) {
+        of[i].open = brightest;
+        of[i].open_cause = CAUSE_UPON;
+        const bool textured = surfaces[of[i].surface].instance->textured;
+        for (int j = -1; j < pixel->count && pixel->count <= MOST_COMPARED; j++) {
+            const struct candidate *rival = j < 0 ? NULL : &of[j];
             if (j < 0 ? !pixel->background || !of[i].vanishes
                       : i == j || !are_rivals(&of[i], &of[j]))
                 continue;
-            const struct candidate *rival = j < 0 ? NULL : &of[j];
             const float open = (float)apart(bounding, &of[i], rival);
             if (open > of[i].open) {
                 of[i].open = open;
-                of[i].open_cause = rival_cause(&of[i], rival);
+                of[i].open_cause = rival_cause(&of[i], rival, textured);
             }
         }
         *most = of[i].loose ? HUGE_VALF : fmaxf(*most, of[i].open);

@@ -74,7 +74,7 @@ ADDED = (
     ("a Donaldson matrix", {"words": "diffuse 0.5 donaldson matrix.csv"}, "bispectral",
      {"excitation_integrals": 3}),
     ("a texture", {"words": "diffuse 0.5 texture grey.tif"}, "texture", {"textures_loaded": 1}),
-    ("a spectral texture", {"words": "diffuse 0.5 spectral-texture stack.tif"}, "spectral_texture",
+    ("a spectral texture", {"words": "diffuse 0.5 spectral-texture stack.tif bilinear"}, "spectral_texture",
      {"textures_loaded": 1}),
     ("emission", {"words": "diffuse 0.5 emission 0.1"}, "emission", {"terms": 1}),
     ("a metameric partner", {"words": "diffuse 0.5 metamer n", "more": "material n { diffuse 0.4 }"},
@@ -198,7 +198,7 @@ def left_out():
 
 
 def sharing():
-    many = "\n".join(f"{PLANE} translate {i} 0 0" for i in range(24))
+    many = "\n".join(f"{PLANE} translate {i} 0 {-i / 64}" for i in range(24))
     work = report(scene_of("diffuse 0.5 texture grey.tif fluorescence uv 0.1", objects=many))["work"]
     check((work["materials_loaded"], work["textures_loaded"], work["terms"], work["excitation_integrals"])
           == (1, 1, 1, 1), "24 objects of one material take one material, texture, term and integral", work)
