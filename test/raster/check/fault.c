@@ -464,7 +464,7 @@ static void draw_volume(GLenum mode, GLint first, GLsizei count)
         count -= 3;
     }
     if (fault() == 90 && sides)
-        count -= 3;
+        count -= count / 12 * 3;
     if (fault() == 94)
         glDepthFunc(GL_LEQUAL);
     REAL(glDrawArrays)(mode, first, count);
@@ -612,17 +612,17 @@ static void spoil_identity(GLuint *depths)
     }
 }
 
-/* 92: the stencil buffer wraps at 4 bits; 93: all lights have the shadows of the first; 100:
- * nothing is in shadow; 101: everything; 102: what is not. */
+/* 92: the stencil buffer wraps at 4 bits; 93: all lights have the shadows of the first; 110:
+ * no pixel is in shadow; 111: each is; 112: each that is not. */
 static void spoil_counts(GLuint *counts, size_t n)
 {
     static GLuint *first;
     for (size_t i = 0; i < n; i++) {
         const GLuint count = counts[i] & 0xffu;
         counts[i] = (counts[i] & ~0xffu) | (fault() == 92    ? count & 0xfu
-                                            : fault() == 100 ? 0
-                                            : fault() == 101 ? 1
-                                            : fault() == 102 ? count == 0
+                                            : fault() == 110 ? 0
+                                            : fault() == 111 ? 1
+                                            : fault() == 112 ? count == 0
                                                              : count);
     }
     if (fault() == 93 && first)
