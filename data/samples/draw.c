@@ -43,7 +43,7 @@ struct instance {
     double matrix[16];
 };
 struct volume { /* the shadow of an object: the caps, its sides, its far end, caps turned inward */
-    int group, n_triangles, n_outward, n_caps, cut, clockwise;
+    int group, n_triangles, n_outward, n_caps, clockwise;
     double matrix[16];
     float *corners; /* 9 a triangle */
 };
@@ -178,13 +178,11 @@ static void read_instance(const char *line)
 static void read_volume(const char *line)
 {
     struct volume *to = &scene.volume[checked(scene.n_volumes++)];
-    char caps[16], turn[24], name[64];
+    char turn[24], name[64];
     int index, length;
-    if (sscanf(line, "volume %d group %d triangles %d outward %d caps %d %15s %23s matrix%n",
-               &index, &to->group, &to->n_triangles, &to->n_outward, &to->n_caps, caps, turn,
-               &length) != 7)
+    if (sscanf(line, "volume %d group %d triangles %d outward %d caps %d %23s matrix%n",
+               &index, &to->group, &to->n_triangles, &to->n_outward, &to->n_caps, turn, &length) != 6)
         fail("cannot read: %s", line);
-    to->cut = strcmp(caps, "cut") == 0;
     to->clockwise = strcmp(turn, "clockwise") == 0;
     read_doubles(line + length, 16, to->matrix);
     snprintf(name, sizeof name, "volume-%d.bin", index);
@@ -480,19 +478,17 @@ static void count_triangles(const struct volume *volume, int first, int n, int o
     glDrawArrays(GL_TRIANGLES, 0, 3 * n);
 }
 
-/* Depths are clamped but for the caps that are cut as surfaces are. */
+/* Depths are clamped but for the caps, which are cut as surfaces are. */
 static void count_volume(const struct volume *volume)
 {
-    const int n_caps = volume->cut ? volume->n_caps : 0, n = volume->n_triangles;
+    const int n_caps = volume->n_caps, n = volume->n_triangles;
     glFrontFace(volume->clockwise ? GL_CW : GL_CCW);
     load_matrix(GL_MODELVIEW, volume->matrix);
     glEnable(GL_DEPTH_CLAMP);
     count_triangles(volume, n_caps, volume->n_outward - n_caps, 1);
-    if (volume->cut)
-        glDisable(GL_DEPTH_CLAMP);
+    glDisable(GL_DEPTH_CLAMP);
     count_triangles(volume, 0, n_caps, 1);
     count_triangles(volume, volume->n_outward, n - volume->n_outward, 0);
-    glDisable(GL_DEPTH_CLAMP);
 }
 
 /* Makes black what lies in some volume, and clears the counts. */

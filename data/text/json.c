@@ -142,11 +142,10 @@ void json_string(struct json *json, const char *key, const char *value)
 
 void json_number(struct json *json, const char *key, double value)
 {
-    char exact[32] = "null", words[32];
-    if (isfinite(value))
-        snprintf(exact, sizeof exact, "%.17g", value);
+    char exact[32], words[32];
+    snprintf(exact, sizeof exact, "%.17g", value);
     snprintf(words, sizeof words, "%.6g", value);
-    put_value(json, key, exact, words);
+    put_value(json, key, isfinite(value) ? exact : "null", isfinite(value) ? words : "none");
 }
 
 void json_count(struct json *json, const char *key, uint64_t value)

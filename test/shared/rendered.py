@@ -103,8 +103,12 @@ def run(*words, program=os.path.abspath(SPECTRAL), text=True, **options):
     """Runs the program; its output and its errors are texts, or else bytes. Options in capitals are variables of its environment."""
     variables = {name: options.pop(name) for name in list(options) if name.isupper()}
     words = [word if isinstance(word, bytes) else str(word) for word in words]
-    return subprocess.run([program, *words], capture_output=True, text=text, check=False,
-                          env={**options.pop("env", os.environ), **variables}, **options)
+    result = subprocess.run([program, *words], capture_output=True, text=text, check=False,
+                            env={**options.pop("env", os.environ), **variables}, **options)
+    number = text and result.stdout and re.search(r"^.*(?<![\w.-])-?(nan|inf)(?![\w.-]).*$", result.stdout, re.M)
+    if number:  # a figure that does not exist is "none", or null in JSON
+        bail_out(*words, "prints a number that does not exist: " + number[0])
+    return result
 
 
 def output_of(*words, **options):

@@ -152,5 +152,6 @@ double ciede2000_difference(const double a[3], const double b[3])
         2 * sqrt(one.chroma * two.chroma) * sine_of(turn(one, two) / 2) / (1 + 0.015 * c * t);
     const double blue = 60 * exponential(-square((hue - 275) / 25));
     const double rotation = -2 * saturation(c) * sine_of(blue);
-    return sqrt(fmax(0, square(dl) + square(dc) + square(dh) + rotation * dc * dh));
+    const double sum = square(dl) + square(dc) + square(dh) + rotation * dc * dh;
+    return sqrt(sum < 0 ? 0 : sum); /* NaN stays NaN */
 }

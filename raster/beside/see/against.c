@@ -13,7 +13,7 @@
 /* The colours of both regions under a light. */
 struct match {
     double xyz[2][3], white[3], difference; /* CIEDE2000 */
-    double index;                           /* of metamerism; NaN: some XYZ is 0 */
+    double index;                           /* of metamerism; NaN: a recorded XYZ is 0 */
 };
 struct pair {
     struct probe probes[2];
@@ -50,9 +50,12 @@ static void match_under(struct pair *pair, struct match *out)
 static void find_index(const struct match *recorded, struct match *out)
 {
     double corrected[3];
-    for (int i = 0; i < 3; i++)
+    bool exists = true;
+    for (int i = 0; i < 3; i++) {
         corrected[i] = out->xyz[1][i] * recorded->xyz[0][i] / recorded->xyz[1][i];
-    out->index = difference(out->xyz[0], corrected, out->white);
+        exists = exists && recorded->xyz[0][i] > 0 && recorded->xyz[1][i] > 0;
+    }
+    out->index = exists ? difference(out->xyz[0], corrected, out->white) : (double)NAN;
 }
 
 /* ---- before ---- */
@@ -121,6 +124,7 @@ static bool print_lights(struct pair *pair, const struct options *options, struc
                          struct error *err)
 {
     struct match recorded, other;
+    char index[32];
     memcpy(pair->light, pair->white, (size_t)pair->n * sizeof *pair->light);
     match_under(pair, &recorded);
     print(to, "CIEDE2000         %.4f under the recorded light\n", recorded.difference);
@@ -133,8 +137,9 @@ static bool print_lights(struct pair *pair, const struct options *options, struc
             return false;
         match_under(pair, &other);
         find_index(&recorded, &other);
-        print(to, "CIEDE2000         %.4f under %s, metamerism index %.4f\n", other.difference,
-              name, other.index);
+        snprintf(index, sizeof index, "%.4f", other.index);
+        print(to, "CIEDE2000         %.4f under %s, metamerism index %s\n", other.difference, name,
+              isnan(other.index) ? "none" : index);
     }
     return true;
 }

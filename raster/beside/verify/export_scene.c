@@ -192,7 +192,7 @@ static void print_instance(const struct plan *plan, int index, struct printed *t
 /* ---- shadows ---- */
 
 /* Adds a shadow volume: the group of its light, its triangles, how many of them are turned outward
- * and how many begin these as caps, how depth cuts caps, how fronts turn, and where it lies. */
+ * and how many begin these as caps, how fronts turn, and where it lies. */
 static bool add_volume(struct description *to, int index, struct error *err)
 {
     const struct volume *volume = &to->lit->volumes->list[index];
@@ -200,9 +200,9 @@ static bool add_volume(struct description *to, int index, struct error *err)
     const size_t n = 3 * (size_t)volume->n;
     float(*corners)[3];
     char name[FILE_NAME];
-    print(&to->scene, "volume %d group %d triangles %d outward %d caps %d %s %s matrix", index,
+    print(&to->scene, "volume %d group %d triangles %d outward %d caps %d %s matrix", index,
           to->plan->n_light_groups - to->plan->view.n_shadowed + volume->shadowed, volume->n,
-          volume->n_outward, volume->n_caps, "cut",
+          volume->n_outward, volume->n_caps,
           instance->mirrored ? "clockwise" : "counter-clockwise");
     print_matrix(&instance->model_view, &to->scene);
     snprintf(name, sizeof name, "volume-%d.bin", index);

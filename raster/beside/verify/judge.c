@@ -77,7 +77,9 @@ static bool narrow(struct targets *of, struct driver *driver, struct error *err)
                 return false;
         }
     }
-    /* the largest rounding that the targets show is not the largest there is */
+    /* The targets may not show the largest error there is. One of n roundings, each as likely to be
+     * any, exceeds a part 1 - d of its bound in (n d / 2)^n / n! of all samples: for n up to 16 it
+     * comes to 0.59 of it, in 10^5 of them. So twice what is seen is enough. */
     driver->value_roundings *= driver->value_roundings > 5 ? 2 : 1;
     driver->lighting *= driver->lighting > 1 ? 2 : 1;
     driver->watertight = true;
@@ -135,7 +137,8 @@ static bool find_rule(struct targets *of, struct driver *driver, struct error *e
 }
 
 /* A known driver follows its own rule. Another one may be off it by twice the first of these with
- * which the targets agree. */
+ * which the targets agree: the error of a logarithm that is made of parabolas, or of steps, is half
+ * as large as its largest in at least half of each piece. */
 static bool find_detail(struct targets *of, struct driver *driver, struct error *err)
 {
     static const double errors[] = {0.006, 0.02};

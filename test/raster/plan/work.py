@@ -3,6 +3,7 @@
 # level: first; packages: python3-numpy python3-tifffile
 """Checks the program's own counters of work: an effect that a scene does not use costs nothing, and a used effect
 costs no more than it needs. Prints TAP."""
+import itertools
 import json
 import os
 
@@ -10,7 +11,7 @@ import numpy as np
 import tifffile
 
 import rendered
-from rendered import TMP, check, done, write
+from rendered import TMP, check, done, output_of, write
 
 HEAD = "wavelengths 400 700 20\nsize 24 16\ncamera ortho 12\n"
 LIGHT = "light d65 1 position 0 0 8"
@@ -227,6 +228,14 @@ def reasons():
                  "light 0: intensity 1, off spectrum 0 at every wavelength shown",
                  "light gaussian:300,1: intensity 2, off spectrum 0 at every wavelength shown"):
         check(line in lines, "plan says: " + line, words)
+    # every order of four lights: two throw shadows, and come last in the plan; one reaches nothing; one is 0
+    kinds = {"1 0 0 1 shadows": None, "1 1 0 1 shadows": None, "1 0 0 -1": "it reaches no object in view", "0 0 0 1": "intensity 0"}
+    for order in itertools.permutations(kinds):
+        lights = "".join(f"light d65 {kind[0]} direction {kind[2:]}\n" for kind in order)
+        plan = json.loads(output_of("plan", write("order.scene", f"size 9 6\ncamera ortho 9\n{lights}material m {{ diffuse 0.5 }}\n"
+                                                  "object plane 9 6 material m\nobject box 1 1 1 material m translate 0 0 2\n"), "--json"))
+        check([light["off"] for light in plan["lights"]] == [kinds[kind] for kind in order],
+              "plan says which lights shine, in every order: " + ", ".join(order), plan["lights"])
     words = run("plan", scene_of("emission 1")).stdout
     check("no material reflects it" in words and "no light shines" in words,
           "plan says that no material reflects a light", words)

@@ -88,4 +88,11 @@ output_of("render", write("twins.scene", "size 60 40\nlight d65 1 direction 0 0 
 for words, why in ((["m", "--against", "2"], "2 objects are named 'm'"), (["no", "--against", "2"], "there is no object 'no'"), (["0", "--against", "1"], "no object '0'")):
     result = run("probe", f"{TMP}/t.tif", *words)
     check(result.returncode == 2 and why in result.stderr, f"refused: {' '.join(words)}", result.stderr)
+# an index that does not exist
+output_of("render", write("black.scene", "size 60 40\nlight d65 1 direction 0 0 1\nmaterial k { diffuse 0 }\nmaterial w { diffuse 0.5 }\n"
+                          "object plane 3 3 material k translate -2 0 0\nobject plane 3 3 material w translate 2 0 0\ncamera ortho 8\n"),
+          "-o", f"{TMP}/k.tif", "--quiet")
+for one, other in ("k", "k"), ("k", "w"), ("w", "k"):
+    result = run("probe", f"{TMP}/k.tif", one, "--against", other, "--light", "1=a")
+    check("metamerism index none" in result.stdout, f"{one} against {other}: where a region is black, there is no metamerism index", result.stdout)
 done()
