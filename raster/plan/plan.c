@@ -72,7 +72,7 @@ static struct matrix projection_of(const struct camera *camera, int width, int h
  * depths of its pixels are well apart from that of the far plane. */
 static struct matrix background_of(const struct camera *camera, const struct matrix *projection)
 {
-    const double distance = camera->far - (camera->far - camera->near) / 256;
+    const double distance = camera->far - (camera->far - camera->near) / 128;
     const double size = (camera->perspective ? distance : 1) * 2.0625;
     const struct vector sizes = {size / projection->row[0][0], size / projection->row[1][1], 1};
     return matrix_product(matrix_translation((struct vector){0, 0, -distance}),

@@ -78,7 +78,7 @@ refuses 'near\.scene:2:1: error: vertex [1-4] of this object reflects no finite 
 absent "$tmp/near.tif" "a light at a vertex"
 
 "$SPECTRAL" render patches --size 4x4 --renderer raster --no-check --quiet -o "$tmp/stack.tif"
-printf '%s\n' 'material m { diffuse 0.5 spectral-texture stack.tif }' 'object plane 9 9 material m' \
+printf '%s\n' 'material m { diffuse 0.5 spectral-texture stack.tif bilinear }' 'object plane 9 9 material m' \
     'light d65 1 direction 0 0 1' 'size 4 4' >"$tmp/spectral.scene"
 for sampling in basis:3 rgb xyz; do
     refuses "spectral\.scene:1:26: error: $sampling " "$sampling takes no spectral texture" \

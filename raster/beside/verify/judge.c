@@ -79,7 +79,7 @@ static bool narrow(struct targets *of, struct driver *driver, struct error *err)
     }
     /* The targets may not show the largest error there is. One of n roundings, each as likely to be
      * any, exceeds a part 1 - d of its bound in (n d / 2)^n / n! of all samples: for n up to 16 it
-     * comes to 0.59 of it, in 10^5 of them. So twice what is seen is enough. */
+     * comes to 0.59 of it, in 10^5 of them. Twice the seen error is enough. */
     driver->value_roundings *= driver->value_roundings > 5 ? 2 : 1;
     driver->lighting *= driver->lighting > 1 ? 2 : 1;
     driver->watertight = true;

@@ -233,7 +233,7 @@ def reasons():
     for order in itertools.permutations(kinds):
         lights = "".join(f"light d65 {kind[0]} direction {kind[2:]}\n" for kind in order)
         plan = json.loads(output_of("plan", write("order.scene", f"size 9 6\ncamera ortho 9\n{lights}material m {{ diffuse 0.5 }}\n"
-                                                  "object plane 9 6 material m\nobject box 1 1 1 material m translate 0 0 2\n"), "--json"))
+                                                  "object plane 9 6 material m\nobject plane 2 2 material m translate 0 0 2\n"), "--json", "-"))
         check([light["off"] for light in plan["lights"]] == [kinds[kind] for kind in order],
               "plan says which lights shine, in every order: " + ", ".join(order), plan["lights"])
     words = run("plan", scene_of("emission 1")).stdout

@@ -77,23 +77,29 @@ uint64_t digest(void)
 {
     const struct matrix turn = matrix_rotation(35, (struct vector){1, 1, 0}),
                         place = matrix_translation((struct vector){0, 0, -3});
-    struct instance instances[2] = {{.vertices = vertices,
-                                     .triangles = (const int32_t(*)[3])triangles,
-                                     .n_vertices = SIDES * RINGS,
-                                     .n_triangles = 2 * SIDES * RINGS,
-                                     .model_view = matrix_product(place, turn),
-                                     .normal_matrix = turn},
-                                    {.vertices = corners,
-                                     .triangles = halves,
-                                     .n_vertices = 4,
-                                     .n_triangles = 2,
-                                     .model_view = matrix_identity(),
-                                     .normal_matrix = matrix_identity(),
-                                     .textured = true,
-                                     .texels = {texels, 2, 2, true}}};
-    struct view view = {WIDTH, HEIGHT,  {{{1.2}, {0, 1.8}, {0, 0, -1.25, -1.125}, {0, 0, -1}}},
-                        true,  GOURAUD, &spot,
-                        1};
+    struct instance instances[2] = {
+        {.vertices = vertices,
+         .triangles = (const int32_t(*)[3])triangles,
+         .n_vertices = SIDES * RINGS,
+         .n_triangles = 2 * SIDES * RINGS,
+         .model_view = matrix_product(place, turn),
+         .normal_matrix = turn},
+        {.vertices = corners,
+         .triangles = halves,
+         .n_vertices = 4,
+         .n_triangles = 2,
+         .model_view = matrix_identity(),
+         .normal_matrix = matrix_identity(),
+         .textured = true,
+         .texels = {.values = texels, .width = 2, .height = 2, .linear = true, .n_levels = 1}}};
+    struct view view = {.width = WIDTH,
+                        .height = HEIGHT,
+                        .projection = {{{1.2}, {0, 1.8}, {0, 0, -1.25, -1.125}, {0, 0, -1}}},
+                        .local_viewer = true,
+                        .shading = GOURAUD,
+                        .lights = &spot,
+                        .n_lights = 1,
+                        .n_shadowed = 1};
     uint64_t hash = 0xcbf29ce484222325; /* FNV-1a: G. Fowler, L. Noll, P. Vo, public domain */
     for (int i = 0; i < 2; i++) {
         instances[i].terms = terms;
