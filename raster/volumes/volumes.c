@@ -156,18 +156,18 @@ static struct vector corner_of(const struct maker *maker, const struct cap *cap,
     return of->vertices[of->triangles[cap->of.triangle][i]].position;
 }
 
-/* Brings the caps to the front that reach one side of a plane through the light and a point.
- * Returns their number. */
+/* Brings the caps to the front that reach one side of a plane through a point. Returns their
+ * number. */
 static int sort_caps(const struct maker *maker, struct cap *caps, int n, struct vector normal,
                      struct vector point)
 {
     int kept = 0;
     for (int i = 0; i < n; i++) {
-        double most = -HUGE_VAL;
+        bool reaches = false;
         for (int c = 0; c < 3; c++)
-            most = fmax(most,
-                        vector_dot(normal, vector_subtract(corner_of(maker, &caps[i], c), point)));
-        if (most >= 0) {
+            reaches = reaches ||
+                      vector_dot(normal, vector_subtract(corner_of(maker, &caps[i], c), point)) > 0;
+        if (reaches) {
             const struct cap cap = caps[i];
             caps[i] = caps[kept];
             caps[kept++] = cap;
@@ -177,29 +177,26 @@ static int sort_caps(const struct maker *maker, struct cap *caps, int n, struct 
 }
 
 /* OpenGL counts the caps between a point and the light in 8 bits. */
-enum { MOST_COUNTED = UINT8_MAX };
+enum { MOST_COUNTED = UINT8_MAX, MOST_PLANES = 512, MOST_LOOKS = 256 };
 
 /* Returns whether a ray of the light may meet more caps than can be counted. Planes through the
- * light part them again and again: a ray lies on one side of each. *looks is how many caps may
- * still be looked at: where that does not suffice, they may. */
+ * light and an edge of a cap part them again and again: a ray lies on one side of each. *looks is
+ * how many caps may still be looked at: where that does not suffice, they may. */
 static bool may_wrap(const struct maker *maker, struct cap *caps, int n, int level, long *looks)
 {
-    struct vector middle = {0, 0, 0};
     *looks -= n;
-    if (n <= MOST_COUNTED || *looks < 0)
+    if (n <= MOST_COUNTED || *looks < 0 || level == MOST_PLANES)
         return n > MOST_COUNTED;
-    for (int i = 0; i < n; i++)
-        middle = vector_add(middle, vector_scale(corner_of(maker, &caps[i], 0), 1.0 / n));
-    const struct vector ray =
-        maker->light->directional ? maker->towards : vector_subtract(middle, maker->towards);
-    const double r[3] = {fabs(ray.x), fabs(ray.y), fabs(ray.z)};
-    const int along = r[0] >= fmax(r[1], r[2]) ? 0
-                      : r[1] >= r[2]           ? 1
-                                               : 2,
-              axis = (along + 1 + level % 2) % 3;
-    struct vector normal = vector_cross(ray, (struct vector){axis == 0, axis == 1, axis == 2});
+    const struct cap *cap = &caps[level * 7919L % n]; /* another one at each level */
+    const struct vector from = corner_of(maker, cap, level % 3),
+                        to = corner_of(maker, cap, (level + 1) % 3),
+                        ray = maker->light->directional ? maker->towards
+                                                        : vector_subtract(from, maker->towards);
+    struct vector normal = vector_cross(ray, vector_subtract(to, from));
+    if (!(vector_reach(normal) > 0))
+        return may_wrap(maker, caps, n, level + 1, looks);
     for (int side = 0; side < 2; side++, normal = vector_scale(normal, -1))
-        if (may_wrap(maker, caps, sort_caps(maker, caps, n, normal, middle), level + 1, looks))
+        if (may_wrap(maker, caps, sort_caps(maker, caps, n, normal, from), level + 1, looks))
             return true;
     return false;
 }
@@ -446,7 +443,7 @@ static bool make_volumes(struct maker *maker, int shadowed, struct volumes *list
         return false;
     for (int i = 0; i < n_vertices; i++)
         maker->number[i] = -1;
-    long looks = 128L * maker->n_caps;
+    long looks = (long)MOST_LOOKS * maker->n_caps;
     const int most =
         may_wrap(maker, maker->caps, maker->n_caps, 0, &looks) ? MOST_COUNTED : maker->n_caps;
     for (int i = 0, n; i < maker->n_caps; i += n) {

@@ -618,8 +618,8 @@ def kinds(files, effects):
             *(name for name, used in effects.items() if used and name != "lights")]
 
 
-SUMS = ["pixels", "object_pixels", "ambiguous_pixels", "unexplained_pixels", "unchecked_pixels",
-        "unbounded_pixels"]
+SUMS = ["pixels", "object_pixels", "ambiguous_pixels", "unexplained_pixels", "unchecked_pixels", "open_pixels", "open_edge_pixels",
+        "edge_pixels", "unbounded_pixels"]
 LARGEST = ["worst_error_over_bound", "worst_band_error_over_bound", "worst_depth_error_over_bound"]
 
 
@@ -667,8 +667,10 @@ def judge(driver, n, total, failed, refused):
     check(refused <= 0.05 * n, f"{driver}: few scenes are refused", f"{refused} of {n}")
     check(total["unexplained_pixels"] == 0 < total["pixels"],
           f"{driver}: every pixel is explained at all wavelengths", total)
-    check(total["unchecked_pixels"] < 0.01 * total["object_pixels"],
-          f"{driver}: fewer than one object pixel in 100 cannot be checked", total)
+    # many scenes have surfaces in one plane, and a light that just reaches a vertex, or a shadow that may end anywhere
+    check(total["unchecked_pixels"] - total["open_pixels"] < 0.01 * total["object_pixels"],
+          f"{driver}: fewer than one object pixel in 100 cannot be checked, besides those that OpenGL leaves open", total)
+    check(total["open_pixels"] < 0.25 * total["object_pixels"], f"{driver}: it leaves less than a quarter open", total)
     for name, what in zip(LARGEST, ("bounds", "bounds of one band", "bounds on depth")):
         check(least < total[name] <= 1, f"{driver}: the {what} are neither exceeded nor far too wide", total[name])
 
