@@ -163,8 +163,8 @@ def verdicts():
 
 def unchecked():
     """A part that lacks too much of its check is stored, and the whole is judged by its own share."""
-    is_same("a part is not verified", (*ROOM, "--unchecked", "0.000002"))
-    names, parts = draw(3, ROOM, "--unchecked", "0.000002")
+    is_same("a part is not verified", (*ROOM, "--unchecked", "0.0005"))
+    names, parts = draw(3, ROOM, "--unchecked", "0.0005")
     words = [run("info", name).stdout.split("verdict ")[1].split(";")[0].strip() for name in names]
     check(sorted(words) == ["agreed", "agreed", "not verified"], "a part alone is not verified", words, *(part.stderr for part in parts))
     names, _ = draw(3, ROOM, "--unchecked", "0")

@@ -157,7 +157,7 @@ def faults():
         for number in 0, 96, 97, 98, 99:
             status, found, message = report(SCENE, GALLIUM_DRIVER=driver, LD_PRELOAD=FAULTS, FAULT=str(number))
             if number == 0:
-                check(status == 0 and found["effects"]["mipmaps"] and found["check"]["unchecked_pixels"] < 10,
+                check(status == 0 and found["effects"]["mipmaps"] and found["check"]["unchecked_pixels"] < 100,
                       f"{driver}: mipmaps agree, nearly all pixels checked", message, found and found["check"])
             else:
                 check(status == 1 and re.search(r"first at \d+,\d+ on \w+ ", message),
