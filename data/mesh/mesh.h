@@ -120,5 +120,4 @@ struct vertex patch_vertex(const struct patches *patches, int patch, double u, d
 /* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
 
-
 #endif

@@ -180,8 +180,8 @@ static void read_volume(const char *line)
     struct volume *to = &scene.volume[checked(scene.n_volumes++)];
     char turn[24], name[64];
     int index, length;
-    if (sscanf(line, "volume %d group %d triangles %d outward %d caps %d %23s matrix%n",
-               &index, &to->group, &to->n_triangles, &to->n_outward, &to->n_caps, turn, &length) != 6)
+    if (sscanf(line, "volume %d group %d triangles %d outward %d caps %d %23s matrix%n", &index,
+               &to->group, &to->n_triangles, &to->n_outward, &to->n_caps, turn, &length) != 6)
         fail("cannot read: %s", line);
     to->clockwise = strcmp(turn, "clockwise") == 0;
     read_doubles(line + length, 16, to->matrix);

@@ -153,7 +153,7 @@ const char *stack_library(void);                 /* name and version of the libt
 struct stack_verdict {
     char word[16]; /* "agreed", "differs", "not verified" */
     uint64_t samples, exact, within_1;
-    double largest; /* difference, in counts */
+    double largest;                                          /* difference, in counts */
     uint64_t unexplained, pixels, unchecked, objects, edges; /* edges: of the unchecked ones */
 };
 void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT]);

@@ -301,7 +301,8 @@ bool drawing_open(struct drawing *of, int n_buffers, struct error *err)
     const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
     if (!renderer_make_buffers(&of->renderer, n_buffers, n, "the pixels of a tile", err) ||
         !(plan->view.n_shadowed == 0 ||
-          (MAKE_ARRAY(of->reached, (size_t)plan->view.n_shadowed * n, err, "the shadows of a tile") &&
+          (MAKE_ARRAY(of->reached, (size_t)plan->view.n_shadowed * n, err,
+                      "the shadows of a tile") &&
            MAKE_ARRAY(of->counts, n, err, "the shadows of a tile"))) ||
         !(plan->n_light_groups == 1 || MAKE_ARRAY(of->part, 4 * n, err, "the pixels of a tile")) ||
         !(!plan->options.check || (MAKE_ARRAY(of->shown, 4 * n, err, "the numbers of a tile") &&

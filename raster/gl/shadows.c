@@ -80,9 +80,9 @@ static void read_reached(struct drawing *of, int shadowed)
     of->call->Clear(GL_STENCIL_BUFFER_BIT);
 }
 
-/* Counts the volumes of a light, some at a time. A surface lies in no more volumes than there are
- * caps, and 8 bits count to 255: only an object that throws 256 shadows upon each other by itself
- * could come to 0 again. */
+/* Counts the volumes of a light, some at a time: 8 bits count to 255. A surface lies in no more
+ * volumes than there are caps. A volume with more caps has no ray that meets so many: see may_wrap
+ * in raster/volumes. */
 static void count_volumes(const struct volume_draw *draw, int shadowed)
 {
     struct drawing *of = draw->of;

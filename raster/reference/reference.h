@@ -39,7 +39,7 @@ struct view {
     bool local_viewer;        /* highlights are seen from the eye; otherwise from far along +z */
     enum shading_model shading;
     const struct eye_light *lights;
-    int n_lights, n_shadowed; /* n_shadowed: the last ones, each with terms of its own */
+    int n_lights, n_shadowed;   /* n_shadowed: the last ones, each with terms of its own */
     detail_finder *find_detail; /* by this rule; only of mipmaps */
     const struct detail_rule *detail;
 };

@@ -11,15 +11,15 @@
 /* The volume of an object and a light. Triangles go round counter-clockwise, seen from outside; but
  * from n_outward on clockwise, as the object has them. */
 struct volume {
-    int shadowed;          /* the number of the light: see light_group */
-    int instance;          /* one that throws it; its matrix places the volume */
-    int n, n_outward;      /* triangles */
-    int n_caps;            /* the first ones, and those from n_outward on, repeat triangles: they are
-                              cut in depth as those are. Depths of the others are clamped */
-    int first_far;         /* these and the following ones up to n_outward are the far end, and the
-                              parts of caps beyond the far plane */
-    struct occluder *caps; /* the triangle that this one repeats; surface -1: none; owned */
-    bool is_doubtful;      /* the light is so near that the far end may lie too near */
+    int shadowed;     /* the number of the light: see light_group */
+    int instance;     /* one that throws it; its matrix places the volume */
+    int n, n_outward; /* triangles */
+    int n_caps;       /* the first ones, and those from n_outward on, repeat triangles: they are
+                         cut in depth as those are. Depths of the others are clamped */
+    int first_far;    /* these and the following ones up to n_outward are the far end, and the
+                         parts of caps beyond the far plane */
+    struct occluder *caps;   /* the triangle that this one repeats; surface -1: none; owned */
+    bool is_doubtful;        /* the light is so near that the far end may lie too near */
     struct vertex *vertices; /* as of the mesh; this and the next one are of the plan's instance */
     int32_t (*triangles)[3];
     int n_vertices;
