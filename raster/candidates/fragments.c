@@ -491,9 +491,9 @@ static bool visit_facet(void *context, int x, int y)
     const double depth = depth_at(&triangle->screen, &visit->edges),
                  error = thin || may_end ? HUGE_VAL : triangle->depth_error;
     /* edges of a cap that is cut are not those of its sides, and of its part beyond */
-    const bool leaks = triangle->cut ? presence == POSSIBLE
-                                     : !of->tile->lit->driver->watertight &&
-                                           (presence == POSSIBLE || is_on_seam(visit));
+    const bool leaks =
+        (triangle->cut && presence == POSSIBLE) ||
+        (!of->tile->lit->driver->watertight && (presence == POSSIBLE || is_on_seam(visit)));
     int32_t f =
         of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)].head;
     for (; f >= 0; f = of->fragments[f].next) {

@@ -182,7 +182,7 @@ enum { MOST_COUNTED = UINT8_MAX, MOST_PLANES = 512, MOST_LOOKS = 256 };
 /* Returns whether a ray of the light may meet more caps than can be counted. Planes through the
  * light and an edge of a cap part them again and again: a ray lies on one side of each. *looks is
  * how many caps may still be looked at: where that does not suffice, they may. */
-static bool may_wrap(const struct maker *maker, struct cap *caps, int n, int level, long *looks)
+static bool may_wrap(const struct maker *maker, struct cap *caps, int n, int level, int64_t *looks)
 {
     *looks -= n;
     if (n <= MOST_COUNTED || *looks < 0 || level == MOST_PLANES)
@@ -443,7 +443,7 @@ static bool make_volumes(struct maker *maker, int shadowed, struct volumes *list
         return false;
     for (int i = 0; i < n_vertices; i++)
         maker->number[i] = -1;
-    long looks = (long)MOST_LOOKS * maker->n_caps;
+    int64_t looks = (int64_t)MOST_LOOKS * maker->n_caps;
     const int most =
         may_wrap(maker, maker->caps, maker->n_caps, 0, &looks) ? MOST_COUNTED : maker->n_caps;
     for (int i = 0, n; i < maker->n_caps; i += n) {
