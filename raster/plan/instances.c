@@ -26,16 +26,35 @@ struct instance_maker {
 
 /* ---- whole meshes ---- */
 
+/* Returns whether a texture may repeat on an object: some material of it has one. */
+static bool repeats(const struct scene *scene, const struct object *object)
+{
+    const int n = object->material < 0 ? object->n_assignments : 1;
+    const double *repeat = object->shape.repeat;
+    bool textured = false;
+    for (int i = 0; i < n; i++) {
+        const struct material *of = &scene->materials[object->material < 0
+                                                          ? object->assignments[i].material
+                                                          : object->material],
+                              *partner = scene_partner(scene, of);
+        textured = textured || of->texture || (partner && partner->texture);
+    }
+    return textured && (object->shape.kind == SHAPE_MESH || repeat[0] != 1 || repeat[1] != 1);
+}
+
 /* Returns the key of a shape, allocated, and its length: shapes of one key have one mesh. NULL: no
  * memory. */
-static char *shape_key(const struct shape *shape, int halvings, size_t *length, struct error *err)
+static char *shape_key(const struct shape *shape, int halvings, bool repeated, size_t *length,
+                       struct error *err)
 {
     const bool is_mesh = shape->kind == SHAPE_MESH;
-    const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, halvings};
+    const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, halvings,
+                         repeated};
     const double crease_deg = shape->crease_deg + 0; /* -0 becomes 0 */
     struct printed key = {.text = NULL};
     print_bytes(&key, words, sizeof words);
-    print_bytes(&key, shape->repeat, sizeof shape->repeat);
+    if (repeated)
+        print_bytes(&key, shape->repeat, sizeof shape->repeat);
     if (is_mesh) {
         print_bytes(&key, &crease_deg, sizeof crease_deg);
         print_text(&key, shape->path);
@@ -65,7 +84,7 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
 }
 
 static bool add_whole(struct instance_maker *maker, const struct shape *shape, int halvings,
-                      struct error *err)
+                      bool repeated, struct error *err)
 {
     struct whole whole = {.shape = *shape};
     bool done = shape_build(shape, &whole.mesh, err);
@@ -73,7 +92,7 @@ static bool add_whole(struct instance_maker *maker, const struct shape *shape, i
         done = mesh_halve(&whole.mesh, err);
     if (done && shape->planar)
         mesh_planar(&whole.mesh);
-    done = done && mesh_repeat_texture(&whole.mesh, shape->repeat, err);
+    done = done && (!repeated || mesh_repeat_texture(&whole.mesh, shape->repeat, err));
     if (done) {
         whole.centre = centre_of(&whole.mesh);
         whole.unit = mesh_unit(&whole.mesh, whole.centre);
@@ -94,12 +113,13 @@ static int find_whole(struct instance_maker *maker, const struct object *object,
               of_mesh = is_mesh ? halvings : 0;
     const struct shape shape =
         shape_tessellated(&object->shape, ldexp(scene->tessellation, halvings));
+    const bool repeated = repeats(scene, object);
     size_t length;
-    char *key = shape_key(&shape, of_mesh, &length, err);
+    char *key = shape_key(&shape, of_mesh, repeated, &length, err);
     if (!key)
         return -1;
     int found = index_find(&maker->shapes, key, length);
-    if (found < 0 && add_whole(maker, &shape, of_mesh, err) &&
+    if (found < 0 && add_whole(maker, &shape, of_mesh, repeated, err) &&
         index_add(&maker->shapes, key, length, maker->n_wholes - 1, err))
         found = maker->n_wholes - 1;
     free(key);

@@ -106,6 +106,7 @@ NOTHING = (
     ("specular 0", {"words": "diffuse 0.5 specular 0 gloss 20"}),
     ("a local viewer of matt objects", {"more": "viewer local"}),
     ("attenuation 1 0 0", {"light": LIGHT + " attenuation 1 0 0"}),
+    ("a texture that would repeat, without one", {"objects": PLANE + " repeat 40 40"}),
     ("a spot of cutoff 180", {"light": LIGHT + " spot 0 0 -1 180 5"}),
     ("materials without an object, whose files do not exist",
      {"more": "material a none.txt\nmaterial b { diffuse 0.5 texture none.tif donaldson none.csv }"}))
