@@ -120,9 +120,8 @@ static bool conclude(struct joined *joined, struct error *err)
         return false;
     if (strcmp(sums->word, "differs") != 0)
         snprintf(sums->word, sizeof sums->word, "%s",
-                 (double)(sums->unchecked - sums->edges) > most * (double)sums->objects
-                     ? "not verified"
-                     : "agreed");
+                 (double)stack_unchecked(sums, most) > most * (double)sums->objects ? "not verified"
+                                                                                    : "agreed");
     return true;
 }
 

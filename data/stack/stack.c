@@ -76,6 +76,12 @@ void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERD
              verdict->edges);
 }
 
+uint64_t stack_unchecked(const struct stack_verdict *verdict, double most)
+{
+    const bool many = (double)verdict->edges > EDGE_SHARES * most * (double)verdict->objects;
+    return verdict->unchecked - (many ? 0 : verdict->edges);
+}
+
 /* A line counts as read if it is the text of its numbers. */
 bool stack_verdict_read(const char *line, struct stack_verdict *out)
 {

@@ -157,6 +157,11 @@ struct stack_verdict {
     uint64_t unexplained, pixels, unchecked, objects, edges; /* edges: of the unchecked ones */
 };
 void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT]);
+/* Returns how many of the unchecked pixels of objects decide on a picture of which the share `most`
+ * may stay unchecked: those along edges do not, as long as they are at most EDGE_SHARES times as
+ * many; so with a share of 0 all do. */
+enum { EDGE_SHARES = 25 };
+uint64_t stack_unchecked(const struct stack_verdict *verdict, double most);
 
 /* ---- tags_read.c ---- */
 

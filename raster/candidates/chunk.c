@@ -171,10 +171,12 @@ static bool shows_hidden(const struct bounding *bounding, size_t index)
 /* ---- rivals ---- */
 
 /* Returns whether OpenGL may show `b` where it may show `a`, and not for the place of an edge: they
- * are one triangle, in two lights or places of its texture; or both are there, at depths that may
- * be the same; or the depth of the one in front may be lost. Where an edge decides which of two
- * triangles a pixel has, it is open by a rounding of the edge, and OpenGL says which it is. */
-static bool are_rivals(const struct candidate *a, const struct candidate *b)
+ * are one triangle, in two lights or places of its texture; or their depths may be the same, and
+ * one is there for sure, or they are no neighbours; or the depth of the one in front may be lost.
+ * Where an edge decides which of two triangles a pixel has, it is open by a rounding of the edge,
+ * and OpenGL says which it is. */
+static bool are_rivals(const struct lit_scene *lit, const struct candidate *a,
+                       const struct candidate *b)
 {
     const double behind = (double)b->depth - (double)a->depth,
                  either = (double)a->depth_error + (double)b->depth_error;
@@ -183,7 +185,9 @@ static bool are_rivals(const struct candidate *a, const struct candidate *b)
     if (a->surface == b->surface && a->triangle == b->triangle)
         return true;
     if (fabs(behind) <= either)
-        return a->covers || b->covers;
+        return a->covers || b->covers ||
+               !share_corner(&lit->surfaces[a->surface], a->triangle, &lit->surfaces[b->surface],
+                             b->triangle);
     return behind > 0 ? a->vanishes : b->vanishes;
 }
 
@@ -235,18 +239,18 @@ enum { MOST_COMPARED = 64 };
 static void find_open(struct bounding *bounding, const struct ambiguous_pixel *pixel)
 {
     struct candidate *of = bounding->chunk->candidates + pixel->first;
-    const struct surface *surfaces = bounding->fragments.tile->lit->surfaces;
+    const struct lit_scene *lit = bounding->fragments.tile->lit;
     float *most = &bounding->chunk->pixels[pixel->pixel].open, brightest = 0;
     for (int i = 0; i < pixel->count && pixel->count > MOST_COMPARED; i++)
         brightest = fmaxf(brightest, (float)apart(bounding, &of[i], NULL));
     for (int i = 0; i < pixel->count; i++) {
         of[i].open = brightest;
         of[i].open_cause = CAUSE_UPON;
-        const bool textured = surfaces[of[i].surface].instance->textured;
+        const bool textured = lit->surfaces[of[i].surface].instance->textured;
         for (int j = -1; j < pixel->count && pixel->count <= MOST_COMPARED; j++) {
             const struct candidate *rival = j < 0 ? NULL : &of[j];
             if (j < 0 ? !pixel->background || !of[i].vanishes
-                      : i == j || !are_rivals(&of[i], &of[j]))
+                      : i == j || !are_rivals(lit, &of[i], &of[j]))
                 continue;
             const float open = (float)apart(bounding, &of[i], rival);
             if (open > of[i].open) {

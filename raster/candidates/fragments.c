@@ -417,13 +417,12 @@ struct facet_visit {
     int facet;
 };
 
-/* Returns whether two triangles of a mesh have a corner in common. */
-static bool share_corner(const struct surface *of, const int32_t a[3],
-                         const struct screen_triangle *b)
+bool share_corner(const struct surface *a, int32_t of_a, const struct surface *b, int32_t of_b)
 {
+    const int32_t *v = a->instance->triangles[of_a], *w = b->instance->triangles[of_b];
     for (int i = 0; i < 9; i++)
-        if (memcmp(of->vertices[a[i / 3]].clip, b->surface->vertices[b->vertex[i % 3]].clip,
-                   sizeof of->vertices->clip) == 0)
+        if (memcmp(a->vertices[v[i / 3]].clip, b->vertices[w[i % 3]].clip,
+                   sizeof a->vertices->clip) == 0)
             return true;
     return false;
 }
@@ -450,7 +449,8 @@ static bool is_own_cap(const struct facet_visit *facet, const struct bounded_tri
         return true;
     return presence == POSSIBLE && lit->driver->watertight &&
            triangle->screen.clockwise == visited(&facet->visit)->screen.clockwise &&
-           share_corner(surface, surface->instance->triangles[cap->triangle], &triangle->screen);
+           share_corner(surface, cap->triangle, triangle->screen.surface,
+                        triangle->screen.triangle);
 }
 
 /* Returns whether a facet belongs to the far end. */

@@ -114,6 +114,8 @@ struct fragments {
 bool fragments_find(struct fragments *out);
 void fragments_free(struct fragments *fragments);
 unsigned count_bits(unsigned bits); /* those that are 1 */
+/* Returns whether two triangles have a corner of the same numbers. */
+bool share_corner(const struct surface *a, int32_t of_a, const struct surface *b, int32_t of_b);
 /* True if an edge near the centre always has a triangle on either side. */
 bool is_closed(const struct seam *seam);
 /* Makes room for `more` elements behind n, in an array that had room for n by this function. False:

@@ -183,6 +183,8 @@ void totals_finish(struct check_totals *totals);
  * of all samples, is not what OpenGL may show. Not verified: too little could be checked. */
 enum check_outcome { OUTCOME_AGREED, OUTCOME_DIFFERS, OUTCOME_NOT_VERIFIED };
 enum check_outcome check_outcome(const struct check_verdict *verdict);
+/* Returns how many of the unchecked pixels decide: see stack_unchecked. */
+uint64_t check_unchecked(const struct check_verdict *verdict);
 /* The mean of OpenGL - reference over all samples; NaN: there is none. */
 double mean_residual(const struct check_samples *samples);
 /* True if roundings cannot leave so large a mean. */

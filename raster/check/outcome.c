@@ -3,6 +3,7 @@
 #include <float.h>
 #include <math.h>
 
+#include "data/stack/stack.h"
 #include "raster/check/inside.h"
 
 /* ---- totals ---- */
@@ -107,23 +108,32 @@ bool is_biased(const struct check_verdict *verdict)
 
 /* ---- the verdict ---- */
 
-/* Finds the surface with most pixels that are not checked, but for edges, and the cause of most of
- * those. */
+uint64_t check_unchecked(const struct check_verdict *verdict)
+{
+    const struct stack_verdict sums = {
+        .unchecked = verdict->unchecked, .objects = verdict->objects, .edges = verdict->between};
+    return stack_unchecked(&sums, verdict->most_unchecked);
+}
+
+/* Finds the surface with most of the unchecked pixels that decide, and the cause of most of those.
+ */
 static void find_unchecked(struct check_totals *totals)
 {
     const struct plan *plan = totals->scene->lit->plan;
+    const bool besides_edges = check_unchecked(&totals->verdict) < totals->verdict.unchecked;
+    const int n_causes = besides_edges ? CAUSE_EDGE : BOUND_CAUSES;
     uint64_t most = 0, largest = 0;
     totals->verdict.unchecked_surface = -1;
     for (int s = 0; s < plan->n_instances; s++) {
         uint64_t sum = 0;
-        for (int c = 0; c < CAUSE_EDGE; c++)
+        for (int c = 0; c < n_causes; c++)
             sum += totals->unchecked[s][c];
         if (sum > most) {
             most = sum;
             totals->verdict.unchecked_surface = s;
         }
     }
-    for (int c = 0; c < CAUSE_EDGE && most > 0; c++) {
+    for (int c = 0; c < n_causes && most > 0; c++) {
         uint64_t n = totals->unchecked[totals->verdict.unchecked_surface][c];
         if (n > largest) {
             largest = n;
@@ -143,8 +153,7 @@ enum check_outcome check_outcome(const struct check_verdict *verdict)
 {
     if (verdict->unexplained > 0 || is_biased(verdict))
         return OUTCOME_DIFFERS;
-    return (double)(verdict->unchecked - verdict->between) >
-                   verdict->most_unchecked * (double)verdict->objects
+    return (double)check_unchecked(verdict) > verdict->most_unchecked * (double)verdict->objects
                ? OUTCOME_NOT_VERIFIED
                : OUTCOME_AGREED;
 }

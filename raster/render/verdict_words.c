@@ -39,6 +39,8 @@ static const char *const causes[BOUND_CAUSES] = {
     [CAUSE_DEPTH] = ("its depth rounds to that of the near or the far plane, and OpenGL does "
                      "not show it; move the near plane away, or the far plane near"),
     [CAUSE_SHADOW] = "a shadow may end there, or not; move the light away from what it shades",
+    [CAUSE_EDGE] = "it lies along edges of shadows, texels or highlights, whose place a rounding "
+                   "decides; render it larger",
     [CAUSE_UPON] = "several surfaces lie there at one depth; move them apart",
     [CAUSE_FAR] = "its triangles reach too far; split them, or move the near plane away",
 };
@@ -47,16 +49,17 @@ static const char *const causes[BOUND_CAUSES] = {
 static void unchecked_text(const struct plan *plan, const struct check_verdict *verdict, char *out,
                            size_t capacity)
 {
+    const uint64_t n = check_unchecked(verdict);
     char object[256], edges[64] = "";
     object_text(plan, verdict->unchecked_surface, object, sizeof object);
-    if (verdict->between > 0)
+    if (n < verdict->unchecked)
         snprintf(edges, sizeof edges, ", besides %.3g %% along edges",
-                 percent(verdict, verdict->between));
+                 percent(verdict, verdict->unchecked - n));
     snprintf(out, capacity,
              "%.3g %% of the object pixels could not be checked, at most %.3g %% may%s; most of "
              "them are on %s: %s",
-             percent(verdict, verdict->unchecked - verdict->between), 100 * verdict->most_unchecked,
-             edges, object, causes[verdict->unchecked_cause]);
+             percent(verdict, n), 100 * verdict->most_unchecked, edges, object,
+             causes[verdict->unchecked_cause]);
 }
 
 static void biased_text(const struct check_verdict *verdict, char *out, size_t capacity)

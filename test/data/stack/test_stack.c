@@ -477,8 +477,28 @@ static void test_narrow(void)
     unlink(path);
 }
 
+/* Unchecked pixels along edges decide only where they are more than 25 times the share. */
+static void edges_decide(void)
+{
+    static const struct {
+        uint64_t unchecked, edges;
+        double most;
+        uint64_t decide;
+    } cases[] = {{40, 30, 0.01, 10},    {260, 250, 0.01, 10}, {261, 251, 0.01, 261},
+                 {5, 5, 0, 5},          {5, 0, 0, 5},         {0, 0, 0, 0},
+                 {1000, 1000, 0.04, 0}, {1000, 1000, 1, 0},   {9, 3, 0.0001, 9}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const struct stack_verdict sums = {
+            .unchecked = cases[i].unchecked, .edges = cases[i].edges, .objects = 1000};
+        CHECK(stack_unchecked(&sums, cases[i].most) == cases[i].decide,
+              "of %d unchecked pixels, %d along edges, %d decide with a share of %g",
+              (int)cases[i].unchecked, (int)cases[i].edges, (int)cases[i].decide, cases[i].most);
+    }
+}
+
 int main(void)
 {
+    edges_decide();
     test_enter();
     TIFFSetWarningHandler(NULL); /* private tags are intended */
     test_small();
