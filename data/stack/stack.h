@@ -157,9 +157,9 @@ struct stack_verdict {
     uint64_t unexplained, pixels, unchecked, objects, edges; /* edges: of the unchecked ones */
 };
 void stack_verdict_text(const struct stack_verdict *verdict, char out[STACK_VERDICT]);
-/* Returns how many of the unchecked pixels of objects decide on a picture of which the share `most`
- * may stay unchecked: those along edges do not, as long as they are at most EDGE_SHARES times as
- * many; so with a share of 0 all do. */
+/* Returns how many of the unchecked pixels of objects decide whether a picture is verified. The
+ * share `most` of its pixels may stay unchecked. Those along edges do not decide while their share
+ * is at most EDGE_SHARES times as large; with a share of 0 all of them decide. */
 enum { EDGE_SHARES = 25 };
 uint64_t stack_unchecked(const struct stack_verdict *verdict, double most);
 

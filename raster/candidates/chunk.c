@@ -231,8 +231,18 @@ static double apart(const struct bounding *bounding, const struct candidate *of,
     return from && !alike ? fmax(sum, apart(bounding, from, NULL)) : sum;
 }
 
-/* More candidates are not compared with each other: each leaves open all that one of them shows. */
+/* More candidates are not compared with each other, but all with the first one. */
 enum { MOST_COMPARED = 64 };
+
+/* Bounds how far any candidate of a pixel is apart from its first one. */
+static double most_apart(const struct bounding *bounding, const struct ambiguous_pixel *pixel)
+{
+    const struct candidate *of = bounding->chunk->candidates + pixel->first;
+    double most = 0;
+    for (int i = 1; i < pixel->count; i++)
+        most = fmax(most, apart(bounding, &of[i], of));
+    return most;
+}
 
 /* Finds what the candidates of an ambiguous pixel leave open; number -1 stands for the background.
  */
@@ -240,14 +250,14 @@ static void find_open(struct bounding *bounding, const struct ambiguous_pixel *p
 {
     struct candidate *of = bounding->chunk->candidates + pixel->first;
     const struct lit_scene *lit = bounding->fragments.tile->lit;
-    float *most = &bounding->chunk->pixels[pixel->pixel].open, brightest = 0;
-    for (int i = 0; i < pixel->count && pixel->count > MOST_COMPARED; i++)
-        brightest = fmaxf(brightest, (float)apart(bounding, &of[i], NULL));
+    float *most = &bounding->chunk->pixels[pixel->pixel].open;
+    const int n_compared = pixel->count <= MOST_COMPARED ? pixel->count : 0;
+    const double others = n_compared == 0 ? most_apart(bounding, pixel) : 0;
     for (int i = 0; i < pixel->count; i++) {
-        of[i].open = brightest;
+        of[i].open = n_compared == 0 ? (float)(apart(bounding, &of[i], of) + others) : 0;
         of[i].open_cause = CAUSE_UPON;
         const bool textured = lit->surfaces[of[i].surface].instance->textured;
-        for (int j = -1; j < pixel->count && pixel->count <= MOST_COMPARED; j++) {
+        for (int j = -1; j < n_compared; j++) {
             const struct candidate *rival = j < 0 ? NULL : &of[j];
             if (j < 0 ? !pixel->background || !of[i].vanishes
                       : i == j || !are_rivals(lit, &of[i], &of[j]))

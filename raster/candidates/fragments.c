@@ -459,6 +459,12 @@ static bool is_far(const struct volume *volume, int facet)
     return facet >= volume->first_far && facet < volume->n_outward;
 }
 
+/* Returns whether a facet is the part of a cap beyond the far plane. */
+static bool is_beyond(const struct volume *volume, int facet)
+{
+    return facet >= volume->first_beyond && facet < volume->first_far;
+}
+
 /* Returns whether a facet lies beyond the far plane for sure: clamped to it, it is behind all. */
 static bool is_behind_all(const struct volume *volume, int facet,
                           const struct bounded_triangle *triangle)
@@ -467,10 +473,24 @@ static bool is_behind_all(const struct volume *volume, int facet,
            least_of(triangle->screen.z) > 1 + triangle->depth_error;
 }
 
+/* Returns whether a facet meets others at a pixel so that OpenGL may have none of them there, or
+ * two. Where the far plane cuts a cap, the edges of its two parts are not those of its sides; and
+ * at the plane OpenGL may have the cap, its part beyond, both, or none. farthest: its depth there.
+ */
+static bool facet_leaks(const struct facet_visit *facet, enum presence presence, double farthest)
+{
+    const struct visit *visit = &facet->visit;
+    const struct volume *volume = facet->volume;
+    const bool is_cap = volume->caps[facet->facet].surface >= 0,
+               is_part = visited(visit)->cut || is_beyond(volume, facet->facet);
+    if ((is_part && presence == POSSIBLE) || (is_cap && farthest >= 1))
+        return true;
+    return !visit->of->tile->lit->driver->watertight && (presence == POSSIBLE || is_on_seam(visit));
+}
+
 /* Doubts the shadow of each fragment that the facet may lie in front of or behind; and of one that
  * OpenGL may not have, where the facet has an edge, too: they may be neighbours. A fragment is in
- * a shadow by the number of facets behind it; where these meet, a driver that is not watertight may
- * have none of them, or two. */
+ * a shadow by the number of facets behind it, and in doubt if these may leak. */
 static bool visit_facet(void *context, int x, int y)
 {
     struct facet_visit *facet = context;
@@ -490,10 +510,7 @@ static bool visit_facet(void *context, int x, int y)
     const bool may_end = facet->volume->is_doubtful && is_far(facet->volume, facet->facet);
     const double depth = depth_at(&triangle->screen, &visit->edges),
                  error = thin || may_end ? HUGE_VAL : triangle->depth_error;
-    /* edges of a cap that is cut are not those of its sides, and of its part beyond */
-    const bool leaks =
-        (triangle->cut && presence == POSSIBLE) ||
-        (!of->tile->lit->driver->watertight && (presence == POSSIBLE || is_on_seam(visit)));
+    const bool leaks = facet_leaks(facet, presence, depth + triangle->depth_error);
     int32_t f =
         of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)].head;
     for (; f >= 0; f = of->fragments[f].next) {

@@ -13,6 +13,7 @@ struct cap {
     struct occluder of;
     int32_t corner[3]; /* vertices of the object: of its instances, one behind the other */
     int side;          /* 1: it faces the light; -1: it turns away */
+    bool is_behind;    /* beyond the far plane, or at it */
 };
 /* The volumes of an object while they are made. */
 struct maker {
@@ -127,6 +128,18 @@ static bool is_beside(const struct maker *maker, const struct placed_instance *p
            at.y > high.y || at.z < low.z || at.z > high.z;
 }
 
+/* Returns whether OpenGL may have all of a triangle beyond the far plane, or at it. */
+static bool is_behind(const struct lit_scene *lit, int instance, const int32_t vertex[3])
+{
+    for (int i = 0; i < 3; i++) {
+        const double *clip = lit->surfaces[instance].vertices[vertex[i]].clip;
+        const float *e_clip = lit->bounds[instance].vertices[vertex[i]].e_clip;
+        if (clip[CLIP_Z] + (double)e_clip[CLIP_Z] < clip[CLIP_W] - (double)e_clip[CLIP_W])
+            return false;
+    }
+    return true;
+}
+
 /* Lists the triangles of an instance that throw a shadow. A solid beside the light needs those of
  * one side only. offset: vertices of the instances before. */
 static bool list_caps(struct maker *maker, int instance, int offset, struct error *err)
@@ -139,7 +152,8 @@ static bool list_caps(struct maker *maker, int instance, int offset, struct erro
         const struct vector corner[3] = {eye[v[0]], eye[v[1]], eye[v[2]]};
         const struct cap cap = {{instance, t},
                                 {offset + v[0], offset + v[1], offset + v[2]},
-                                light_side(maker, instance, t)};
+                                light_side(maker, instance, t),
+                                is_behind(maker->lit, instance, v)};
         if (cap.side == 0 || (cap.side < 0 && beside))
             continue;
         maker->nearest = fmin(maker->nearest, triangle_distance(maker->light, corner));
@@ -238,6 +252,9 @@ static bool make_vertices(struct maker *maker, const struct cap *caps, int n, st
 
 /* ---- triangles ---- */
 
+/* A triangle of a volume that repeats no other one has this one. */
+static const struct occluder no_cap = {-1, -1};
+
 static bool add_triangle(struct maker *maker, const int32_t corners[3], struct occluder cap,
                          struct error *err)
 {
@@ -284,7 +301,6 @@ static bool add_beyond(struct maker *maker, const struct cap *cap, const int32_t
 {
     static const struct clip_plane far_plane = {{0, 0, 1, -1}, 0};
     const struct surface *surface = &maker->lit->surfaces[cap->of.surface];
-    const struct occluder none = {-1, cap->of.triangle};
     struct corner whole[3], corners[CLIP_CORNERS];
     int32_t number[CLIP_CORNERS];
     whole_corners(surface, surface->instance->triangles[cap->of.triangle], whole);
@@ -301,15 +317,20 @@ static bool add_beyond(struct maker *maker, const struct cap *cap, const int32_t
     for (int i = 2; i < n; i++) {
         const int32_t corner[3] = {number[0], number[cap->side > 0 ? i - 1 : i],
                                    number[cap->side > 0 ? i : i - 1]};
-        if (!add_triangle(maker, corner, none, err))
+        if (!add_triangle(maker, corner, no_cap, err))
             return false;
     }
     return true;
 }
 
-/* Parts that are made of caps: edges, the caps themselves, the far end, parts beyond the far plane.
- */
-enum cap_part { CAP_EDGES, CAP_NEAR, CAP_FAR, CAP_BEYOND };
+/* Parts that are made of caps: edges; caps, and what of them lies beyond the far plane; the far
+ * end; and caps that are behind. */
+enum cap_part { CAP_EDGES, CAP_NEAR, CAP_BEYOND, CAP_FAR, CAP_BEHIND };
+
+static bool has_part(const struct cap *cap, enum cap_part part)
+{
+    return part == CAP_EDGES || part == CAP_FAR || cap->is_behind == (part == CAP_BEHIND);
+}
 
 /* Edges go round the light alike: a triangle that turns away is taken from behind. */
 static bool add_cap(struct maker *maker, const struct cap *cap, enum cap_part part,
@@ -317,14 +338,12 @@ static bool add_cap(struct maker *maker, const struct cap *cap, enum cap_part pa
 {
     const int32_t *number = maker->number, n = part == CAP_FAR ? maker->n_near : 0,
                   at[3] = {number[cap->corner[0]], number[cap->corner[1]], number[cap->corner[2]]};
-    const bool turned = part == CAP_FAR && cap->side > 0;
+    const bool turned = (part == CAP_FAR && cap->side > 0) || (part == CAP_BEHIND && cap->side < 0);
     const int32_t corners[3] = {at[0] + n, at[turned ? 2 : 1] + n, at[turned ? 1 : 2] + n};
     if (part == CAP_BEYOND)
         return add_beyond(maker, cap, at, err);
     if (part != CAP_EDGES)
-        return add_triangle(maker, corners,
-                            part == CAP_NEAR ? cap->of : (struct occluder){-1, cap->of.triangle},
-                            err);
+        return add_triangle(maker, corners, part == CAP_NEAR ? cap->of : no_cap, err);
     for (int i = 0; i < 3; i++) {
         const int32_t from = at[i], to = at[(i + 1) % 3];
         if (!count_edge(maker, cap->side > 0 ? from : to, cap->side > 0 ? to : from, err))
@@ -338,21 +357,21 @@ static bool add_caps(struct maker *maker, const struct cap *caps, int n, int sid
                      enum cap_part part, struct error *err)
 {
     for (int i = 0; i < n; i++)
-        if ((side == 0 || caps[i].side == side) && !add_cap(maker, &caps[i], part, err))
+        if ((side == 0 || caps[i].side == side) && has_part(&caps[i], part) &&
+            !add_cap(maker, &caps[i], part, err))
             return false;
     return true;
 }
 
 static bool add_sides(struct maker *maker, struct error *err)
 {
-    static const struct occluder none = {-1, -1};
     for (int i = 0; i < maker->n_edges; i++) {
         const struct edge *edge = &maker->list[i];
         const int32_t a = edge->n > 0 ? edge->from : edge->to,
                       b = edge->n > 0 ? edge->to : edge->from, n = maker->n_near;
         const int32_t one[3] = {b, a, a + n}, other[3] = {b, a + n, b + n};
         for (int k = abs(edge->n); k > 0; k--)
-            if (!add_triangle(maker, one, none, err) || !add_triangle(maker, other, none, err))
+            if (!add_triangle(maker, one, no_cap, err) || !add_triangle(maker, other, no_cap, err))
                 return false;
     }
     return true;
@@ -367,8 +386,11 @@ static bool add_triangles(struct maker *maker, const struct cap *caps, int n, st
     out->n_caps = out->n;
     if (!add_sides(maker, err))
         return false;
+    out->first_beyond = out->n;
+    if (!add_caps(maker, caps, n, 0, CAP_BEYOND, err))
+        return false;
     out->first_far = out->n;
-    if (!add_caps(maker, caps, n, 0, CAP_FAR, err) || !add_caps(maker, caps, n, 0, CAP_BEYOND, err))
+    if (!add_caps(maker, caps, n, 0, CAP_FAR, err) || !add_caps(maker, caps, n, 0, CAP_BEHIND, err))
         return false;
     out->n_outward = out->n;
     return add_caps(maker, caps, n, -1, CAP_NEAR, err);

@@ -16,8 +16,10 @@ struct volume {
     int n, n_outward; /* triangles */
     int n_caps;       /* the first ones, and those from n_outward on, repeat triangles: they are
                          cut in depth as those are. Depths of the others are clamped */
-    int first_far;    /* these and the following ones up to n_outward are the far end, and the
-                         parts of caps beyond the far plane */
+    int first_beyond; /* these and the following ones are what of cut caps lies beyond the far
+                         plane */
+    int first_far;    /* these and the following ones up to n_outward are the far end, and what
+                         of the object lies beyond the far plane as a whole */
     struct occluder *caps;   /* the triangle that this one repeats; surface -1: none; owned */
     bool is_doubtful;        /* the light is so near that the far end may lie too near */
     struct vertex *vertices; /* as of the mesh; this and the next one are of the plan's instance */
