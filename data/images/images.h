@@ -216,16 +216,6 @@ bool pages_finish(struct pages *pages, const char *room, struct error *err);
 bool picture_accepts(const char *path, struct error *err);
 bool picture_is_png(const char *path); /* any other picture, as one of /dev/stdout, is a TIFF */
 
-/* The meaning of the colours of a PNG, in rows that are put below its own. */
-enum { MOST_MARKS = 2 };
-struct picture_legend {
-    const char *text; /* ASCII: before the colours of scale_colour */
-    double least;
-    struct {
-        const char *text; /* NULL: no more */
-        uint8_t rgb[3];
-    } marks[MOST_MARKS]; /* further colours */
-};
 enum { MOST_PAGES_OF_FLOATS = 4 };
 struct picture_options {
     int width, height; /* a TIFF above 4 GiB becomes a BigTIFF */
@@ -234,9 +224,8 @@ struct picture_options {
     bool srgb;                    /* a PNG says so in chunks of its own, and needs no profile */
     const unsigned char *profile; /* ICC; NULL: none */
     size_t profile_length;
-    const char *description;             /* ASCII */
-    const struct picture_legend *legend; /* of a PNG of 8 bits; NULL: none */
-    struct printed *memory; /* takes the bytes of a PNG, and no file is written; NULL: a file */
+    const char *description; /* ASCII */
+    struct printed *memory;  /* takes the bytes of a PNG, and no file is written; NULL: a file */
 };
 /* Replaces all but newlines and printable ASCII by '?', as a description needs it. Returns the
  * text; NULL is fine. */
@@ -250,8 +239,6 @@ struct picture_writer {
     bool finished;
     struct pages pages; /* of a TIFF; a PNG has its output */
     struct png *png;    /* NULL: a TIFF; owned */
-    uint8_t *legend;    /* legend_rows rows below the picture's own; owned */
-    int legend_rows;
     struct picture_strip {
         char *samples;  /* owned */
         int first, end; /* its rows */

@@ -53,16 +53,4 @@ int png_paeth(int left, int above, int corner);
 /* foreign.c: decodes an open file of such a format, and lets its client read the samples. */
 bool foreign_read(struct image *image, const char *format, struct error *err);
 
-/* ---- scale.c ---- */
-
-/* Finds colour number `step` of the scale, and a label: the largest number that has it, or ">64".
- * Returns false beyond the last one. */
-bool scale_step(int step, double least, uint8_t out[3], char label[32]);
-
-/* ---- legend.c ---- */
-
-/* Makes the rows of a legend, of RGB, below a picture of this width. The caller frees *out. */
-bool legend_make(const struct picture_legend *legend, int width, uint8_t **out, int *rows,
-                 struct error *err);
-
 #endif

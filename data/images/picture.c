@@ -61,12 +61,7 @@ bool picture_open(struct picture_writer *out, const char *path,
     assert(!floating || !png);
     if (!png)
         return pages_open(&out->pages, path, set_tags, options, err);
-    struct picture_options all = *options;
-    if (options->legend &&
-        !legend_make(options->legend, options->width, &out->legend, &out->legend_rows, err))
-        return false;
-    all.height += out->legend_rows;
-    return png_open(&out->png, &out->pages.output, path, &all, err);
+    return png_open(&out->png, &out->pages.output, path, options, err);
 }
 
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err)
@@ -124,11 +119,8 @@ bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
 bool picture_finish(struct picture_writer *writer, struct error *err)
 {
     assert(writer->options.bits == 32 || writer->row == writer->options.height);
-    writer->finished = writer->png
-                           ? (writer->legend_rows == 0 ||
-                              png_write(writer->png, writer->legend, writer->legend_rows, err)) &&
-                                 png_finish(writer->png, err)
-                           : pages_finish(&writer->pages, NULL, err);
+    writer->finished =
+        writer->png ? png_finish(writer->png, err) : pages_finish(&writer->pages, NULL, err);
     return writer->finished;
 }
 
@@ -144,6 +136,6 @@ void picture_discard(struct picture_writer *writer)
 {
     png_free(writer->png);
     output_discard(&writer->pages.output);
-    FREE_ALL(writer->strip.samples, writer->legend);
+    free(writer->strip.samples);
     *writer = (struct picture_writer){.row = 0};
 }

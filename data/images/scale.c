@@ -23,18 +23,6 @@ void scale_colour(double value, double least, uint8_t out[3])
         out[channel] = value == 0 ? 0 : steps[step].rgb[channel];
 }
 
-bool scale_step(int step, double least, uint8_t out[3], char label[32])
-{
-    if (step >= STEPS)
-        return false;
-    const bool last = step == STEPS - 1;
-    const double power = ldexp(least, last ? step - 1 : step);
-    memcpy(out, steps[step].rgb, 3);
-    snprintf(label, 32, power < 1 ? "%s1/%.0f" : "%s%.0f", last ? ">" : "",
-             power < 1 ? 1 / power : power);
-    return true;
-}
-
 void scale_print(double least, struct printed *to)
 {
     print_text(to, "up to ");

@@ -45,16 +45,10 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
     print_text(&colours, "Cross-check of OpenGL. ");
     check_map_print_colours(&colours);
     char *in_words = printed_take(&colours, err);
-    const struct picture_legend legend = {
-        .text = "largest error that can pass, in counts, in all bands alike (left) and in one band "
-                "(right), up to:",
-        .least = least_floor,
-        .marks = {{"background", {0, 0, 0}}, {"differs", {255, 0, 255}}}};
     struct picture_options options = {.width = coloured ? 2 * width : width,
                                       .height = plan->scene->height,
                                       .bits = coloured ? 8 : 32,
                                       .srgb = coloured,
-                                      .legend = coloured ? &legend : NULL,
                                       .description = coloured ? in_words : planes_in_words};
     if (!coloured)
         memcpy(options.channels, plane_names, sizeof plane_names);

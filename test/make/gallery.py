@@ -99,14 +99,14 @@ def pasted(folder, name, size, *parts):
 
 
 def room_checked(folder):
-    """The room by day and by lamplight, above the map of its check with the legend."""
+    """The room by day and by lamplight, above the map of its check."""
     with tempfile.TemporaryDirectory() as work:
         make(work, "day", "room", "420x280", (), AUTO)
         make(work, "lamp", "room", "420x280", ALL_A, AUTO + ("--adaptation", "fairchild"))
         subprocess.run([SPECTRAL, "render", "room", "--size", "420x280", "-o", "/dev/null", "--quiet", "--check-map",
                         os.path.join(work, "map.png")], check=True)
         day, lamp, checked = (opened(work, name) for name in ("day", "lamp", "map"))
-        pasted(folder, "room-checked", (840, 280 + checked.height), (day, (0, 0)), (lamp, (420, 0)), (checked, (0, 280)))
+        pasted(folder, "room-checked", (840, 560), (day, (0, 0)), (lamp, (420, 0)), (checked, (0, 280)))
 
 
 def metamers(folder):

@@ -379,17 +379,12 @@ static bool open_map(struct comparison *of, struct error *err)
         comparison_print_colours(of, &printed);
     }
     char *description = printed_take(&printed, err);
-    char words[96];
     const bool coloured = of->shown != MAP_NUMBERS;
-    snprintf(words, sizeof words, "%s, up to:", coloured ? map_scales[of->shown].name : "");
-    const struct picture_legend legend = {
-        .text = words, .least = map_scales[of->shown].least, .marks = {{"0", {0, 0, 0}}}};
     const struct picture_options options = {
         .width = of->a.cube.image.width,
         .height = of->a.cube.image.height,
         .bits = coloured ? 8 : 32,
         .srgb = coloured,
-        .legend = coloured ? &legend : NULL,
         .channels = {components ? "largest difference of components"
                                 : "largest difference of radiance",
                      components ? "component angle in degrees" : "spectral angle in degrees",

@@ -180,9 +180,7 @@ def test_colours(what, b, page, least, *options):
     pairs = set(zip(expected.ravel(), colours.ravel()))
     check(len(pairs) == len({step for step, _ in pairs}) == len({colour for _, colour in pairs}) > 5 and
           (0, 0) in pairs, f"{what}: each power of two has a colour, and 0 is black", sorted(pairs))
-    legend = set(colours[len(expected):].ravel())
-    check(set(colours[:len(expected)].ravel()) | {0xffffff} <= legend and len(legend) == 16,
-          f"{what}: the legend below the picture has all colours of the scale, black and white", len(legend))
+    check(colours.shape == expected.shape, f"{what}: the picture has the size of the stacks", colours.shape)
     navy = 8 << 16 | 29 << 8 | 88
     check((1, navy) in pairs and f"map colours       {what}: 0 black, up to 1/{1 / least:.0f} navy, " in table,
           f"{what}: the table says what navy stands for", table[-400:])
