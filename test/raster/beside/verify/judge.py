@@ -97,12 +97,19 @@ def in_place(scene, *options, program=DRAW):
     return folder
 
 
+def strictly(scene):
+    result = run("judge", in_place(scene, "--size", "90x60", *SHORT), "--strict")
+    check(result.returncode == 0, "a strict judgement of a scene without shadows needs no more", result.stdout, result.stderr)
+
+
 def folder_alone(scene):
     folder = in_place(scene, "--size", "90x60", *SHORT)
     result = run("judge", folder)
     check(result.returncode == 0 and " 90 x 60 pixels, 7 wavelengths" in result.stdout, "judge needs the folder alone", result.stdout, result.stderr)
     refuses("options of the scene", r"judge has no option '--size'", "judge", folder, "--size", "600x400")
-    check(run("judge", folder, "--strict").returncode == 0, "a strict judgement needs no more")
+    strict = run("judge", folder, "--strict")
+    check(strict.returncode == 1 and "error: not verified: " in strict.stderr, "a strict judgement counts pixels along edges of shadows",
+          strict.stdout, strict.stderr)
     drawn = os.path.join(folder, "drawn.txt")
     with open(drawn) as file:
         lines = file.read()
@@ -327,6 +334,7 @@ def whole_or_not():
 
 
 compile_sample()
+strictly("patches")
 folder_alone("room")
 beside_folder()
 measured("colorchecker")
