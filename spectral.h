@@ -47,10 +47,31 @@ struct place {
     int line, column; /* from 1; a column counts bytes */
 };
 
-/* The longest side of a picture, in pixels: of one that is rendered, and of one that is read. */
-enum { LONGEST_SIDE = 262144 };
-/* Positions a side of each pixel, at most: see scene_set_samples. */
-enum { MOST_POSITIONS = 16 };
+/* Limits: what lies beyond one is refused. test/program/limits.py tries each of them. */
+enum {
+    LONGEST_SIDE = 262144,      /* pixels of a picture, rendered or read: a float has 1/64 of one */
+    LARGEST_PAGE = 1 << 24,     /* pixels of a page: browsers refuse larger canvases */
+    MOST_PAGE_OBJECTS = 65535,  /* of a page, whose maps of objects have 16 bits */
+    MOST_POSITIONS = 16,        /* a side of each pixel: see scene_set_samples */
+    MOST_WAVELENGTHS = 65535,   /* of a scene: a TIFF file counts its pages in 16 bits */
+    LARGEST_QUADRATURE = 64,    /* nodes: rules of more are not found in double precision */
+    MOST_SHADOWED = 32,         /* lights that throw shadows: a pixel has a bit for each */
+    MOST_DIVISIONS = 4096,      /* of a built-in shape, each way */
+    MOST_TEAPOT_DIVISIONS = 64, /* of each of its 32 patches, each way */
+    MOST_CHANNELS = 256,        /* of a detector */
+    MOST_BANDS = 1 << 20,       /* of a CGATS table without names of fields */
+    LARGEST_MATRIX = 4096,      /* rows, and columns, of a matrix of fluorescence */
+    DEEPEST_INCLUDE = 32,       /* scenes that include one another */
+    MOST_INCLUDES = 1000,       /* files in all: pairs of includes, so deep, would be 2^32 */
+    MOST_CURVES = 64,           /* of a chart or a table of `show` */
+    MOST_OPERANDS = 1024,       /* of a command line */
+    MOST_RECORDED = 64          /* options of a command line that decide the picture */
+};
+/* Does not compile where a limit no longer fits what it counts in. */
+typedef char limits_fit[MOST_SHADOWED <= 32 && MOST_WAVELENGTHS <= UINT16_MAX &&
+                                MOST_PAGE_OBJECTS <= UINT16_MAX && LONGEST_SIDE <= 1 << 18
+                            ? 1
+                            : -1];
 
 enum exit_status {
     EXIT_AGREED = 0,    /* done, and the pictures agree */

@@ -114,9 +114,8 @@ bool output_sync(const struct output *output, struct error *err); /* bytes are t
 void output_discard(struct output *out); /* safe after output_pass, and on a zeroed struct */
 
 /* The outputs of a command: they appear together, when all that can fail is done. */
-enum { MOST_OUTPUTS = 4 };
 struct outputs {
-    struct output list[MOST_OUTPUTS]; /* complete, and owned */
+    struct output *list; /* complete; they and the list are owned */
     int n;
 };
 /* Passes a complete output, which is zeroed, to a command's outputs. NULL: lets it appear at once.
@@ -158,7 +157,7 @@ char *output_name(const char *path, const char *ending, struct error *err);
 /* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
  * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
 bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
-bool output_is_standard(const char *path); /* true of "-", standard output */
+bool output_is_standard(const char *path); /* true of "-" and /dev/stdout, standard output */
 bool output_is_stream(const char *path);   /* true of "-", a pipe and a device */
 
 /* ---- temporary.c: a folder for files that nobody keeps ---- */

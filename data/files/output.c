@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes files that appear whole or not at all: a long rendering must never leave half a stack, or
  * destroy an older one. */
-#include <assert.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <sys/stat.h>
@@ -216,10 +215,12 @@ bool output_pass(struct output *output, struct outputs *outputs, struct error *e
     }
     if (!outputs || output->copied)
         return commit(output, err);
-    assert(outputs->n < MOST_OUTPUTS);
-    outputs->list[outputs->n++] = *output;
-    *output = (struct output){.path = NULL};
-    return true;
+    const bool done = array_add(&outputs->list, &outputs->n, output, sizeof *output, err);
+    if (done)
+        *output = (struct output){.path = NULL};
+    else
+        output_discard(output);
+    return done;
 }
 
 /* The outputs have the names that open_beside found. A pipe may have none. */
@@ -268,7 +269,8 @@ void outputs_discard(struct outputs *outputs)
 {
     for (int i = 0; i < outputs->n; i++)
         output_discard(&outputs->list[i]);
-    outputs->n = 0;
+    free(outputs->list);
+    *outputs = (struct outputs){.list = NULL};
 }
 
 /* ---- small files ---- */

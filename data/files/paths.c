@@ -59,11 +59,11 @@ char *file_relative(const char *base, const char *name)
 
 /* ---- what a path names ---- */
 
-/* Fails only where the system does. */
+/* Fails only where the system does. Examines standard output by its descriptor. */
 static bool examine(const char *path, bool *exists, struct stat *out, struct error *err)
 {
     struct error failure = {.status = EXIT_AGREED};
-    *exists = stat(path, out) == 0;
+    *exists = (output_is_standard(path) ? fstat(STDOUT_FILENO, out) : stat(path, out)) == 0;
     if (*exists)
         return true;
     error_cause(&failure, NOWHERE, "cannot examine %s", path);
@@ -147,7 +147,11 @@ bool output_ending(const char *path, const char *const *endings, int *out, struc
 
 bool output_is_standard(const char *path)
 {
-    return strcmp(path, "-") == 0;
+    static const char *const names[] = {"-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1", NULL};
+    int i = 0;
+    while (names[i] && strcmp(path, names[i]) != 0)
+        i++;
+    return names[i] != NULL;
 }
 
 bool output_is_stream(const char *path)

@@ -205,6 +205,8 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     char below[sizeof out->path]; /* dirname changes it */
     const struct place place = {path, 0, 0};
     *out = (struct folder){.entries = NULL};
+    if (output_is_standard(path))
+        return error_usage(err, "standard output is no folder; expected the name of a new folder");
     if (!file_is_missing(path))
         return error_at(err, place, "this folder exists already; expected a new name");
     snprintf(below, sizeof below, "%s", path);

@@ -182,7 +182,7 @@ bool show_file(struct options *options, struct error *err)
                  error_usage(err, "show prints one file; add --csv or --svg for curves")) &&
                 find_shown(options->operand ? options->operand : "", &path, err) &&
                 file_open(path, NOWHERE, &descriptor, &file, err);
-    if (done && isatty(STDOUT_FILENO) && strcmp(output, "-") == 0 &&
+    if (done && isatty(STDOUT_FILENO) && output_is_standard(output) &&
         memchr(file->bytes, '\0', file->length))
         done = error_usage(err, "%s is no text; add -o FILE", options->operand);
     done =

@@ -41,7 +41,7 @@ void mtl_free(struct mtl *mtl);
 
 enum { HIGHEST_GLOSS = 128 }; /* as GL_SHININESS */
 
-enum { DEEPEST_INCLUDE = 32, MOST_INCLUDES = 1000, N_ONCE = 6 };
+enum { N_ONCE = 6 };
 
 /* The state of reading a scene. A function NAME_read below reads one statement, from behind its
  * first word. */

@@ -7,9 +7,6 @@
 
 static const double smallest_positive = DBL_MIN;
 static const double longest_nm = 1e6; /* a millimetre: beyond, nothing is light */
-enum {
-    MOST_WAVELENGTHS = 65535 /* a TIFF file counts its pages in 16 bits */
-};
 
 /* ---- wavelengths ---- */
 

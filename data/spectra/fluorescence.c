@@ -108,8 +108,6 @@ double excitation_mean(const struct spectrum *light, const struct spectrum *exci
 
 /* ---- the matrix ---- */
 
-enum { LARGEST_MATRIX = 4096 }; /* rows, and columns */
-
 /* A matrix that is being read. */
 struct matrix_table {
     struct text text, header; /* header: the cursor before the first column */

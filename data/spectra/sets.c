@@ -196,18 +196,24 @@ bool samples_read(struct table *table, struct error *err)
 
 /* ---- CGATS ---- */
 
-/* Reads the next word of the file, on this line or a later one. Tabs alone separate the words of a
- * line that has some: names may then have blanks without quotes. */
+/* Tabs alone separate the words of a line that has some: names may then have blanks without quotes.
+ */
+static void begin_line(struct table *table)
+{
+    const struct text *text = &table->text;
+    const size_t length = (size_t)(text->line_end - text->line_start);
+    table->separator = memchr(text->line_start, '\t', length) ? '\t' : ' ';
+}
+
+/* Reads the next word of the file, on this line or a later one. */
 static bool next_word(struct table *table, struct word *out)
 {
-    struct text *text = &table->text;
-    do {
-        const size_t length = (size_t)(text->line_end - text->line_start);
-        table->separator = memchr(text->line_start, '\t', length) ? '\t' : ' ';
-        if (table_field(table, out))
-            return true;
-    } while (text_next_line(text));
-    return false;
+    while (!table_field(table, out)) {
+        if (!text_next_line(&table->text))
+            return false;
+        begin_line(table);
+    }
+    return true;
 }
 
 /* Reads the next word outside of the data. */
@@ -220,7 +226,7 @@ static bool head_word(struct text *text, struct word *out)
 }
 
 /* The words of a CGATS file that describe its data. */
-enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS, MOST_BANDS = 1 << 20 };
+enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS };
 static const char *const cgats_words[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM", "SPECTRAL_END_NM",
                                           "SPECTRAL_NORM"};
 
@@ -229,6 +235,8 @@ static bool check_cgats(const double *head, struct place place, struct error *er
     for (int i = BANDS; i <= END_NM; i++)
         if (head[i] == 0)
             return error_at(err, place, "%s is missing before the data", cgats_words[i]);
+    if (head[BANDS] > MOST_BANDS)
+        return error_at(err, place, "%.15g bands; expected at most %d", head[BANDS], MOST_BANDS);
     return (head[BANDS] > 1 ? head[START_NM] < head[END_NM] : head[START_NM] == head[END_NM]) ||
            error_at(err, place, "%.15g bands from %.15g to %.15g nm; they must increase",
                     head[BANDS], head[START_NM], head[END_NM]);
@@ -243,7 +251,7 @@ static bool find_bands(struct fields *fields, const double *head, struct place p
     const double span = head[END_NM] - head[START_NM], steps = fmax(head[BANDS] - 1, 1);
     if (fields->n == 0 && !check_cgats(head, place, err))
         return false;
-    for (int i = 0, n = fields->n == 0 ? (int)fmin(head[BANDS], MOST_BANDS) : 0; i < n; i++)
+    for (int i = 0, n = fields->n == 0 ? (int)head[BANDS] : 0; i < n; i++)
         if (!add_field(fields, &band, err))
             return false;
     if (fields->n_bands == 0)
@@ -262,6 +270,7 @@ static bool read_data(struct table *table, struct fields *fields, struct place b
 {
     struct word word;
     int n = 0;
+    begin_line(table);
     while (next_word(table, &word)) {
         if (word_is(&word, "END_DATA"))
             return n == 0 ||
@@ -278,6 +287,7 @@ static bool read_format(struct table *table, struct fields *fields, struct error
 {
     struct word word;
     fields->n = fields->n_bands = 0;
+    begin_line(table);
     while (next_word(table, &word) && !word_is(&word, "END_DATA_FORMAT"))
         if (!add_field(fields, &word, err))
             return false;

@@ -61,7 +61,6 @@ bool table_is_detector(const struct builtin_file *file);
 
 /* ---- detector.c: the response of a detector to a spectrum ---- */
 
-enum { MOST_CHANNELS = 256 };
 /* Sensitivities over wavelength, one a channel. */
 struct detector {
     char *name;     /* as written; owned */
@@ -105,7 +104,6 @@ void detector_lost_outside(const struct detector *detector, double first_nm, dou
 
 /* ---- quadrature.c: Gaussian quadrature ---- */
 
-enum { LARGEST_QUADRATURE = 64 };
 struct quadrature {
     int n; /* nodes, increasing */
     double node[LARGEST_QUADRATURE], weight[LARGEST_QUADRATURE];

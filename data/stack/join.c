@@ -312,5 +312,5 @@ const struct command join_command = {
     .run = run_join,
     .lists = lists,
     .own_size = sizeof(struct join_options),
-    .n_operands = MAX_OPERANDS,
+    .n_operands = MOST_OPERANDS,
 };

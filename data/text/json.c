@@ -199,3 +199,18 @@ bool json_write(struct json *json, const char *path, struct outputs *outputs, st
     print_text(&json->printed, "}\n");
     return printed_write(&json->printed, path, outputs, err);
 }
+
+bool report_write(struct options *options, struct json *json, struct printed *text,
+                  struct error *err)
+{
+    const bool wanted = options->output || !options->json;
+    bool done = true;
+    if (options->json)
+        done = json_write(json, options->json, &options->outputs, err);
+    else
+        free(printed_end(&json->printed));
+    if (done && wanted)
+        return printed_write(text, options->output ? options->output : "-", &options->outputs, err);
+    free(printed_end(text));
+    return done;
+}

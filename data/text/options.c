@@ -134,8 +134,8 @@ static bool refuse_option(const struct reading *reading, const char *word, size_
 bool options_record(struct options *options, const char *name, const char *value, struct error *err)
 {
     size_t length = strlen(name) + (value ? strlen(value) : 0) + sizeof "=";
-    if (options->n_recorded == MAX_RECORDED)
-        return error_usage(err, "%s: more than %d options of the picture", name, MAX_RECORDED);
+    if (options->n_recorded == MOST_RECORDED)
+        return error_usage(err, "%s: more than %d options of the picture", name, MOST_RECORDED);
     char *word;
     if (!MAKE_ARRAY(word, length, err, "the option %s", name))
         return false;
@@ -238,7 +238,8 @@ static bool spares_option(const struct options *options, const struct option *wr
                *other;
     bool same;
     const bool again = row->made_again && written == options->output;
-    if (row == writes || !named || strcmp(written, "/dev/null") == 0 || again)
+    if (row == writes || !named || strcmp(written, "/dev/null") == 0 ||
+        strcmp(named, "/dev/null") == 0 || again)
         return true;
     if (!names_written(written, named, row->writes, &same, err))
         return false;
@@ -316,7 +317,7 @@ bool options_name_output(struct options *options, const char *path, const char *
     if (options->output)
         return true;
     options->output = options->named_output =
-        output_name(strcmp(path, "-") == 0 ? "scene" : path, ending, err);
+        output_name(output_is_standard(path) ? "scene" : path, ending, err);
     return options->output && check_outputs(options, err);
 }
 

@@ -161,6 +161,11 @@ void json_strings(struct json *json, const char *key, const char *const *values,
 char *json_take(struct json *json, struct error *err);
 /* Ends both and writes the text to a file, as file_write; words appear on standard output. */
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err);
+struct options;
+/* Writes what a command reports, and ends both. The JSON goes where --json says. The text goes to
+ * --output; where that is not given, it goes to standard output, unless the report is JSON. */
+bool report_write(struct options *options, struct json *json, struct printed *text,
+                  struct error *err);
 
 /* ---- names.c ---- */
 
@@ -224,7 +229,6 @@ struct option_list {
         (rows), (int)(sizeof(rows) / sizeof *(rows))                                               \
     }
 
-struct options;
 struct command {
     const char *name;
     const char *operands, *summary; /* for --help, which breaks the lines of the summary */
@@ -232,7 +236,7 @@ struct command {
     bool (*run)(struct options *options, struct error *err);
     const struct option_list *const *lists; /* the options that it takes, then NULL */
     size_t own_size;                        /* bytes of its own options; 0: it has none */
-    int n_operands;                         /* the most; at most MAX_OPERANDS */
+    int n_operands;                         /* the most; at most MOST_OPERANDS */
 };
 
 /* The commands of this program, then NULL: see raster/beside/commands.c. */
@@ -249,17 +253,15 @@ struct option_change {
     const char *value;
 };
 
-enum { MAX_OPERANDS = 1024, MAX_RECORDED = 64 };
-
 /* A command line as it was read. Texts point into it. NULL, 0 or false means that an option was not
  * given. */
 struct options {
     const struct command *command;
     const char *program; /* the name that the user started the program by */
     const char *operand; /* the first one: SCENE, STACK or KIND; NULL: none */
-    const char *operands[MAX_OPERANDS];
-    struct option_change changes[MAX_RECORDED]; /* in the order given */
-    char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each option with `recorded`; owned */
+    const char *operands[MOST_OPERANDS];
+    struct option_change changes[MOST_RECORDED]; /* in the order given */
+    char *recorded[MOST_RECORDED]; /* "NAME=VALUE" of each option with `recorded`; owned */
     int n_operands, n_changes, n_recorded;
     char *named_output;     /* of options_name_output; owned */
     struct outputs outputs; /* complete; they appear when the command has ended well */

@@ -24,7 +24,7 @@
 #include "raster/candidates/candidates.h"
 #include "raster/counts/counts.h"
 
-enum { MAX_PILOT_PASSES = 3, MAX_PILOTS = MAX_PILOT_PASSES * BANDS_PER_PASS };
+enum { MOST_PILOT_PASSES = 3, MOST_PILOTS = MOST_PILOT_PASSES * BANDS_PER_PASS };
 /* A material; spectra are in counts. Arrays are owned. */
 struct material_fit {
     int n_terms;
@@ -39,9 +39,9 @@ struct material_fit {
 struct fit {
     const struct plan *plan;
     int n_passes,
-        passes[MAX_PILOT_PASSES];     /* of the pilots, ascending: only the last may be short */
-    int n_pilots, pilots[MAX_PILOTS]; /* their bands */
-    struct material_fit *materials;   /* as of the plan */
+        passes[MOST_PILOT_PASSES];     /* of the pilots, ascending: only the last may be short */
+    int n_pilots, pilots[MOST_PILOTS]; /* their bands */
+    struct material_fit *materials;    /* as of the plan */
 };
 /* Chooses the pilots: the passes that say most about the weights of all materials. Nothing is
  * fitted in a colour buffer of few steps, whose rounding hides what a fit could show, and on

@@ -161,7 +161,7 @@ static bool choose_pass(struct choice *choice)
     for (int m = 0; m < fit->plan->n_materials; m++)
         add_pass(fit, &choice->known[m], best);
     fit->passes[fit->n_passes++] = best;
-    return fit->n_passes < MAX_PILOT_PASSES;
+    return fit->n_passes < MOST_PILOT_PASSES;
 }
 
 static int compare_passes(const void *a, const void *b)
@@ -214,7 +214,7 @@ static size_t row_of_pair(int i, int j)
 }
 /* Single precision rounds the sums by less than this part of their largest number, and what they
  * explain of differences up to 10^4 n by less than a hundredth of the bound. */
-static const double sums_error = MAX_PILOTS * 6e-8, estimate_factor = 1.01;
+static const double sums_error = MOST_PILOTS * 6e-8, estimate_factor = 1.01;
 
 static bool has_places(const struct shaded_material *shaded)
 {
@@ -366,7 +366,7 @@ static bool make_gains(const struct fit *fit, struct material_fit *of, struct er
 /* The influence of the pilots on a band: h of each, and the sum of |S_tb g_tk|, which its roundings
  * are relative to. */
 struct influence {
-    double h[MAX_PILOTS], size[MAX_PILOTS], sum;
+    double h[MOST_PILOTS], size[MOST_PILOTS], sum;
     int itself; /* the pilot that is this band; -1: none */
 };
 
@@ -402,7 +402,7 @@ double fit_leaves(const struct fit *fit, const struct shaded_material *shaded, i
 static const float small_share = 0x1p-10F;
 
 /* The estimate is a sum over pilots in single precision, and so is what it explains. */
-enum { ESTIMATE_ROUNDINGS = MAX_PILOTS + 8 };
+enum { ESTIMATE_ROUNDINGS = MOST_PILOTS + 8 };
 
 static void bound_band(const struct fit *fit, struct material_fit *of, int band)
 {
@@ -453,7 +453,7 @@ static bool make_spectra(struct fit *fit, double full_scale, struct error *err)
         if (!MAKE_ARRAY(out->spectra, n, err, "the spectra of a material") ||
             !MAKE_ARRAY(out->own, n, err, "the bounds of a material") ||
             !MAKE_ARRAY(out->rest, n, err, "the bounds of a material") ||
-            !MAKE_ARRAY(out->gains, n_terms * MAX_PILOTS, err, "the fit of a material") ||
+            !MAKE_ARRAY(out->gains, n_terms * MOST_PILOTS, err, "the fit of a material") ||
             !MAKE_ARRAY(out->bands, n_bands, err, "the fit of a material"))
             return false;
         for (size_t t = 0; t < n_terms; t++)

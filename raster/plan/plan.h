@@ -148,7 +148,6 @@ void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4])
 bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed);
 bool reflects(const struct instance *instance, const struct eye_light *light); /* by some term */
 /* Lights that OpenGL draws at a time: up to LIGHTS_PER_PASS, or one that throws shadows. */
-enum { MOST_SHADOWED = 32 };
 struct light_group {
     int first, n; /* of the plan's lights */
     int shadowed; /* the number of the one that throws shadows, from 0; -1: none does */

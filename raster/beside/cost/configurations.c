@@ -153,7 +153,7 @@ static void add(struct cost *cost, const char *sampling, const struct style *sty
 {
     struct cost_entry *entry = &cost->entries[cost->n];
     const int named = (int)strcspn(more, " ");
-    if (cost->n == MAX_CONFIGURATIONS || (style >= styles + LLVMPIPE && !gl_is_built()))
+    if (cost->n == MOST_CONFIGURATIONS || (style >= styles + LLVMPIPE && !gl_is_built()))
         return;
     *entry = (struct cost_entry){.n_words = 0};
     snprintf(entry->sampling, sizeof entry->sampling, "%s", sampling);

@@ -20,7 +20,7 @@ struct cost_options {
     int runs;
 };
 
-enum { COST_WORDS = 10, MAX_CONFIGURATIONS = 80, COST_OPTIONS = 128 };
+enum { COST_WORDS = 10, MOST_CONFIGURATIONS = 80, COST_OPTIONS = 128 };
 /* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either
  * picture shows an object (0 if there are none); and in radiance at every nm, relative rms. */
 struct accuracy {
@@ -71,7 +71,7 @@ struct cost {
     bool peaks; /* adaptive sampling finds emission peaks */
     char chosen[N_CHOSEN][SAMPLING_NAME];
     int runs, n;
-    struct cost_entry *entries; /* room for MAX_CONFIGURATIONS; by seconds in the end; owned */
+    struct cost_entry *entries; /* room for MOST_CONFIGURATIONS; by seconds in the end; owned */
     char **notes;               /* on the scene, and on configurations that failed; owned */
     int n_notes;
     double standard_seconds;

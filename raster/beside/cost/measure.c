@@ -17,7 +17,7 @@ enum { DEFAULT_RUNS = 5 };
 static bool read_words(const struct options *options, const struct cost_entry *entry,
                        struct options *out, struct error *err)
 {
-    const char *line[MAX_RECORDED + COST_WORDS];
+    const char *line[MOST_RECORDED + COST_WORDS];
     int n = 0;
     for (int i = 0; i < options->n_recorded; i++)
         line[n++] = options->recorded[i];
@@ -47,7 +47,7 @@ static void add_count(const char *line[], int *n, const char *name, int count, c
 static bool run_program(const struct options *options, const struct cost_entry *entry,
                         const char *output, struct run_seconds *out, struct error *err)
 {
-    const char *line[MAX_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
+    const char *line[MOST_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
     char threads[32], memory[32];
     int n = 2;
     for (int i = 0; i < options->n_recorded; i++)
@@ -319,7 +319,7 @@ static bool measure(struct measurement *measurement, struct error *err)
              measurement->folder.path);
     guard_remove(measurement->stack);
     return make_standard(measurement, err) &&
-           MAKE_ARRAY(cost->entries, MAX_CONFIGURATIONS, err, "the table of configurations") &&
+           MAKE_ARRAY(cost->entries, MOST_CONFIGURATIONS, err, "the table of configurations") &&
            announce(measurement, err) && measure_all(measurement, err) && conclude(cost, err);
 }
 

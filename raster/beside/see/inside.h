@@ -205,7 +205,7 @@ void comparison_free(struct comparison *of);
 
 /* A column of a table: the wavelengths; the radiance, and its standard deviation over the region;
  * then, of a scene, spectra that explain the radiance, e.g. that of a light. */
-enum { WAVELENGTH, MEAN, SPREAD, CURVES, MAX_PROBE_COLUMNS = CURVES + 64 };
+enum { WAVELENGTH, MEAN, SPREAD, CURVES };
 struct probe_column {
     char name[96];  /* e.g. "light 1 (d65)", "reflectance" */
     bool relative;  /* a reflectance, excitation or emission; otherwise a radiance */
@@ -223,8 +223,8 @@ struct probe {
     char *object;  /* name of the only object in the region; owned; NULL: unknown, or several */
     bool absolute; /* radiances are in W sr-1 m-2 nm-1, and Y in cd m-2 */
     bool has_white;
-    double xyz[3], of_white[3]; /* of the mean, and of the white */
-    struct probe_column columns[MAX_PROBE_COLUMNS];
+    double xyz[3], of_white[3];   /* of the mean, and of the white */
+    struct probe_column *columns; /* owned */
     int n_columns;
     struct moments *moments; /* of each band, while samples come; owned */
     struct region_object {

@@ -35,12 +35,13 @@ static void add_values(struct moments *moments, const float *values, size_t n)
 /* Adds a column of zeros. Returns it; NULL: no memory. */
 static struct probe_column *add_column(struct probe *probe, const char *name, struct error *err)
 {
-    struct probe_column *out = &probe->columns[probe->n_columns];
-    if (!MAKE_ARRAY(out->values, (size_t)probe->n, err, "a spectrum of %d bands", probe->n))
+    if (!array_add(&probe->columns, &probe->n_columns, NULL, sizeof *probe->columns, err))
         return NULL;
+    struct probe_column *out = &probe->columns[probe->n_columns - 1];
     snprintf(out->name, sizeof out->name, "%s", name);
-    probe->n_columns++;
-    return out;
+    return MAKE_ARRAY(out->values, (size_t)probe->n, err, "a spectrum of %d bands", probe->n)
+               ? out
+               : NULL;
 }
 
 static void note_shown(struct probe *probe, int number)
@@ -175,13 +176,10 @@ static void add_band(void *context, const struct drawn_band *drawn)
  */
 enum curve_kind { LIGHT, REFLECTANCE, LUMINESCENCE };
 
-/* Adds the curve factor x spectrum; spectrum NULL: 1 at every wavelength. Leaves out a curve beyond
- * MAX_PROBE_COLUMNS. */
+/* Adds the curve factor x spectrum; spectrum NULL: 1 at every wavelength. */
 static bool add_curve(struct probe *probe, const char *name, enum curve_kind kind, double factor,
                       const struct spectrum *spectrum, struct error *err)
 {
-    if (probe->n_columns == MAX_PROBE_COLUMNS)
-        return true;
     struct probe_column *out = add_column(probe, name, err);
     if (!out)
         return false;
@@ -297,5 +295,5 @@ void probe_free(struct probe *probe)
 {
     for (int column = 0; column < probe->n_columns; column++)
         free(probe->columns[column].values);
-    FREE_ALL(probe->source, probe->object, probe->moments);
+    FREE_ALL(probe->columns, probe->source, probe->object, probe->moments);
 }

@@ -200,12 +200,23 @@ static bool probe_write(struct options *options, const struct probe *probe, stru
     const struct probe_own *own = options->own;
     struct printed printed = {.text = NULL};
     struct json json;
-    if (options->json) {
-        probe_json(probe, &json);
-        return json_write(&json, options->json, &options->outputs, err);
-    }
+    probe_json(probe, &json);
     (own->svg ? probe_svg : own->csv ? probe_print_csv : probe_print)(probe, &printed);
-    return printed_write(&printed, options->output ? options->output : "-", &options->outputs, err);
+    return report_write(options, &json, &printed, err);
+}
+
+/* Refuses forms of a report that would not be written. */
+static bool check_forms(const struct options *options, struct error *err)
+{
+    const struct probe_own *own = options->own;
+    if (own->objects && (options->n_operands != 1 || own->svg))
+        return error_usage(err, "--objects takes a STACK alone, and no --svg");
+    if (own->edges && !own->objects)
+        return error_usage(err, "--edges belongs to --objects");
+    return own->csv + own->svg + (options->json && !options->output) < 2 ||
+           error_usage(err,
+                       "--csv, --svg and --json exclude each other; give one of them, or --json "
+                       "with -o FILE");
 }
 
 static bool run_probe(struct options *options, struct error *err)
@@ -213,8 +224,8 @@ static bool run_probe(struct options *options, struct error *err)
     const struct probe_own *own = options->own;
     struct probe probe = {
         .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
-    if (own->objects && (options->n_operands != 1 || own->svg))
-        return error_usage(err, "--objects takes a STACK alone, and no --svg");
+    if (!check_forms(options, err))
+        return false;
     if (own->objects)
         return scene_refuse(options->operand, err) && refuse_changes(options, err) &&
                probe_objects(options, own->csv, own->edges, err);
@@ -228,8 +239,6 @@ static bool run_probe(struct options *options, struct error *err)
         return scene_refuse(options->operand, err) &&
                probe_against(options, &probe, &second, own->csv, err);
     }
-    if (own->csv + own->svg + (options->json != NULL) > 1)
-        return error_usage(err, "--csv, --svg and --json exclude each other; give one of them");
     bool done = probe_operand(options, &probe, err) && probe_write(options, &probe, err);
     probe_free(&probe);
     return done;

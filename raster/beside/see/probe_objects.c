@@ -267,23 +267,25 @@ static void put_json(const struct measured *of, const struct values *values, str
     json_close(json, '}');
 }
 
-/* Prints all objects in the form that the command asks for. */
+/* Reports all objects, as JSON and as text or a table. */
 static void put_objects(const struct measured *of, struct values *values, bool csv,
                         struct json *json, struct printed *to)
 {
+    json_begin(json);
+    json_string(json, "source", of->rows.cube.image.path);
+    json_string(json, "unit", cube_unit(&of->rows.cube));
+    json_numbers(json, "wavelengths_nm", of->rows.cube.image.wavelengths_nm,
+                 of->rows.cube.image.n_pages);
+    json_strings(json, "channel_names", (const char *const *)of->detector.channel, of->detector.n);
+    json_open(json, "objects", '[');
     if (csv)
         print_csv_head(of, to);
-    if (json)
-        json_open(json, "objects", '[');
     for (int object = 0; object < of->n_objects; object++) {
         find_values(of, object, values);
-        if (json)
-            put_json(of, values, json);
-        else
-            (csv ? print_csv : print_line)(of, values, to);
+        put_json(of, values, json);
+        (csv ? print_csv : print_line)(of, values, to);
     }
-    if (json)
-        json_close(json, ']');
+    json_close(json, ']');
 }
 
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)
@@ -296,20 +298,9 @@ bool probe_objects(struct options *options, bool csv, bool edges, struct error *
                 measure(&of, err) &&
                 MAKE_ARRAY(values.mean, of.n_columns, err, "the values of an object") &&
                 MAKE_ARRAY(values.spread, of.n_columns, err, "the values of an object");
-    if (done && options->json) {
-        json_begin(&json);
-        json_string(&json, "source", options->operand);
-        json_string(&json, "unit", cube_unit(&of.rows.cube));
-        json_numbers(&json, "wavelengths_nm", of.rows.cube.image.wavelengths_nm,
-                     of.rows.cube.image.n_pages);
-        json_strings(&json, "channel_names", (const char *const *)of.detector.channel,
-                     of.detector.n);
-        put_objects(&of, &values, false, &json, NULL);
-        done = json_write(&json, options->json, &options->outputs, err);
-    } else if (done) {
-        put_objects(&of, &values, csv, NULL, &printed);
-        done = printed_write(&printed, options->output ? options->output : "-", &options->outputs,
-                             err);
+    if (done) {
+        put_objects(&of, &values, csv, &json, &printed);
+        done = report_write(options, &json, &printed, err);
     }
     FREE_ALL(values.mean, values.spread);
     measured_free(&of);

@@ -10,7 +10,6 @@ struct show_own {
     bool csv, svg;
 };
 
-enum { MOST_CURVES = MAX_PROBE_COLUMNS - CURVES };
 struct curves {
     struct curve {
         char name[96];
@@ -149,6 +148,8 @@ static bool find_wavelengths(const struct curves *curves, struct probe *out, str
 /* Makes a probe of no region: its columns are the curves. Beyond a table they have no values. */
 static bool fill_probe(const struct curves *curves, struct probe *out, struct error *err)
 {
+    if (!MAKE_ARRAY(out->columns, CURVES - 1 + curves->n, err, "a table of %d curves", curves->n))
+        return false;
     out->n_columns = CURVES - 1 + curves->n;
     if (!find_wavelengths(curves, out, err))
         return false;

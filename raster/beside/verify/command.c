@@ -149,7 +149,7 @@ static void take(const struct plan *plan, const struct render_result *result,
 /* The change comes before those of the command line, so that the user's win. */
 static void put_first(struct options *options, struct option_change change)
 {
-    if (options->n_changes == MAX_RECORDED)
+    if (options->n_changes == MOST_RECORDED)
         return;
     memmove(options->changes + 1, options->changes,
             (size_t)options->n_changes * sizeof *options->changes);
@@ -300,5 +300,5 @@ const struct command verify_command = {
     .run = run_verify,
     .lists = lists,
     .own_size = sizeof(struct verify_options),
-    .n_operands = MAX_OPERANDS,
+    .n_operands = MOST_OPERANDS,
 };

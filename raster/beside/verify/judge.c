@@ -166,7 +166,7 @@ bool targets_detail(const char *folder, struct driver *out, struct error *err)
 
 /* ---- the options of export ---- */
 
-enum { EXPORTED_WORDS = 1 + MAX_RECORDED };
+enum { EXPORTED_WORDS = 1 + MOST_RECORDED };
 
 /* Prints the scene, and each option as options_read takes it, in lines. */
 static void print_exported(const struct options *options, struct printed *to)
@@ -270,7 +270,8 @@ static bool run_judge(struct options *options, struct error *err)
 /* ---- the commands ---- */
 
 static const struct option export_rows[] = {
-    {"-o, --output FOLDER", "writes the files into this new folder", SHARED(TEXT, output)},
+    {"-o, --output FOLDER", "writes the files into this new folder", SHARED(TEXT, output),
+     .writes = true},
 };
 static const struct option_list export_list = OPTION_LIST(export_rows);
 static const struct option_list *const export_lists[] = {

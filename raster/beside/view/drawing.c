@@ -129,9 +129,9 @@ static bool put_picture(const struct lit_scene *lit, struct planes *planes, stru
 
 bool page_allows(const struct plan *plan, struct error *err)
 {
-    if (plan->n_instances > LARGEST_SAMPLE)
+    if (plan->n_instances > MOST_PAGE_OBJECTS)
         return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
-                           LARGEST_SAMPLE, plan->n_instances);
+                           MOST_PAGE_OBJECTS, plan->n_instances);
     if ((int64_t)plan->view.width * plan->view.height > LARGEST_PAGE)
         return error_usage(err, "a page shows at most %d %s, not %d x %d; use --size WxH",
                            LARGEST_PAGE, plan->scene->positions > 1 ? "positions" : "pixels",

@@ -85,12 +85,10 @@ bool stack_page_write(struct stack_page *of, struct options *options, bool alone
                       struct error *err);
 void stack_page_free(struct stack_page *of);
 
-/* The largest sample of a plane, and the most pixels: browsers refuse longer texts and larger
- * canvases. */
-enum { LARGEST_SAMPLE = 65535, LARGEST_PAGE = 1 << 24 };
+enum { LARGEST_SAMPLE = UINT16_MAX }; /* of a plane */
 
 /* Refuses pictures and scenes that are too large for a page: more than LARGEST_PAGE pixels, or
- * LARGEST_SAMPLE instances. */
+ * MOST_PAGE_OBJECTS instances. */
 bool page_allows(const struct plan *plan, struct error *err);
 /* Writes the differences between neighbours, all low bytes before all high bytes: 2 n bytes. Small
  * and similar numbers compress well. */

@@ -106,7 +106,7 @@ static const struct cost_entry *named(const struct cost *cost, const char *name)
 /* Entries as they are added without any measurement: the chosen sampling is that of the scene. */
 static void configurations(void)
 {
-    static struct cost_entry entries[MAX_CONFIGURATIONS];
+    static struct cost_entry entries[MOST_CONFIGURATIONS];
     struct cost cost = {.entries = entries, .positions = 4, .tessellated = true, .shaded = true};
     configurations_first(&cost);
     entries[1].accuracy.rank = 3;

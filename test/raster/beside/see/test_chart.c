@@ -16,7 +16,9 @@ static struct probe probe_of(int n, const double *x, const double *y)
 {
     static char source[] = "source";
     static double zero[8];
-    struct probe probe = {.width = 1, .height = 1, .source = source, .n = n, .n_columns = CURVES};
+    static struct probe_column columns[CURVES + 64];
+    struct probe probe = {
+        .width = 1, .height = 1, .source = source, .n = n, .columns = columns, .n_columns = CURVES};
     probe.columns[WAVELENGTH] = (struct probe_column){.values = (double *)(uintptr_t)x};
     probe.columns[MEAN] =
         (struct probe_column){.name = "radiance", .values = (double *)(uintptr_t)y};
