@@ -29,19 +29,49 @@ static struct box box_of(const struct occluders *of, int first, int n)
                         {high.x + by, high.y + by, high.z + by}};
 }
 
-/* Halves a node by the order of its triangles: in meshes those that follow each other are
- * neighbours. */
-static void make_node(struct occluders *of, int node, int first, int n)
+/* Three times the place of a triangle's middle along an axis. */
+static double middle_of(const struct occluders *of, int number, struct vector axis)
+{
+    double sum = 0;
+    for (int i = 0; i < 3; i++)
+        sum += vector_dot(axis, *corner_of(of, &of->list[number], i));
+    return sum;
+}
+
+/* Puts those of n occluders whose middles lie below the middle of the longest side of their box
+ * before the others. Returns how many they are. */
+static int part(struct occluders *of, const struct box *box, int first, int n)
+{
+    const double *low = box->low, *high = box->high, x = high[0] - low[0], y = high[1] - low[1],
+                 z = high[2] - low[2];
+    const struct vector axis = {x >= y && x >= z, y > x && y >= z, z > x && z > y},
+                        ends = {low[0] + high[0], low[1] + high[1], low[2] + high[2]};
+    const double middle = 1.5 * vector_dot(axis, ends);
+    int n_below = 0;
+    for (int i = first; i < first + n; i++)
+        if (middle_of(of, i, axis) < middle) {
+            const struct occluder below = of->list[i];
+            of->list[i] = of->list[first + n_below];
+            of->list[first + n_below++] = below;
+        }
+    return n_below;
+}
+
+/* Divides a node by space, where that leaves some occluders on each side and the tree is not deep;
+ * otherwise by their number. */
+static void make_node(struct occluders *of, int node, int depth, int first, int n)
 {
     struct box_node *at = &of->nodes[node];
     *at = (struct box_node){.box = box_of(of, first, n), .first = first, .n = n};
     if (n <= LEAF)
         return;
+    int half = depth < DEEPEST / 2 ? part(of, &at->box, first, n) : 0;
+    half = half == 0 || half == n ? n / 2 : half;
     at->first = of->n_nodes;
     at->n = 0;
     of->n_nodes += 2;
-    make_node(of, at->first, first, n / 2);
-    make_node(of, at->first + 1, first + n / 2, n - n / 2);
+    make_node(of, at->first, depth + 1, first, half);
+    make_node(of, at->first + 1, depth + 1, first + half, n - half);
 }
 
 static bool place_vertices(struct occluders *out, int surface)
@@ -74,7 +104,7 @@ bool occluders_make(const struct surface *surfaces, int n, const bool *casts, do
             out->list[out->n++] = (struct occluder){i, t};
     out->n_nodes = 1;
     if (out->n > 0)
-        make_node(out, 0, 0, out->n);
+        make_node(out, 0, 0, 0, out->n);
     return true;
 }
 

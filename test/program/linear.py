@@ -8,6 +8,7 @@ import concurrent.futures
 import io
 import math
 import os
+import random
 import re
 import shutil
 import subprocess
@@ -124,13 +125,13 @@ def write(folder, files):
     return os.path.join(folder, next(name for name in files if name in ("a.scene", "a.tif")))
 
 
-def instructions(path):
+def instructions(path, *words):
     """Counts those of reading a file; infinite: it takes too long. An input without an object, or a TIFF file that
     is no stack, is refused in the end, which is no matter here."""
-    command = "info" if path.endswith(".tif") else "plan"
+    words = words or (PROGRAM, "info" if path.endswith(".tif") else "plan")
     try:
         result = subprocess.run(["valgrind", "--tool=cachegrind", "--cache-sim=no",
-                                 "--cachegrind-out-file=/dev/null", PROGRAM, command, path],
+                                 "--cachegrind-out-file=/dev/null", *words, path],
                                 check=False, timeout=LIMIT_S, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                                 universal_newlines=True)
     except subprocess.TimeoutExpired:
@@ -166,7 +167,31 @@ def check_readers():
                   f"{few} and {many} instructions: {many / max(few, 1):.1f} times as many", *refused)
 
 
+def ring(shuffled):
+    """A torus above a plane, which throws a shadow: its triangles in the order of its rings, or in any order."""
+    rings, sides = 96, 32
+    at = [(2 * math.pi * i / rings, 2 * math.pi * k / sides) for i in range(rings) for k in range(sides)]
+    number = [[i % rings * sides + k % sides + 1 for k in range(sides + 1)] for i in range(rings + 1)]
+    faces = [f"f {number[i][k]} {number[i][k + 1]} {number[i + 1][k + 1]}\nf {number[i][k]} {number[i + 1][k + 1]} {number[i + 1][k]}\n"
+             for i in range(rings) for k in range(sides)]
+    if shuffled:
+        random.Random(1).shuffle(faces)
+    return {"a.scene": HEAD.replace("0 0 1", "1 3 2 shadows") + "camera perspective 40 eye 0 3 4 look 0 0 0\n" + GREY +
+            "object mesh a.obj material m\nobject plane 8 8 1 material m rotate -90 1 0 0 translate 0 -0.6 0\n",
+            "a.obj": "".join(f"v {(1 + 0.4 * math.cos(b)) * math.cos(a):.6f} {0.4 * math.sin(b):.6f} "
+                             f"{(1 + 0.4 * math.cos(b)) * math.sin(a):.6f}\n" for a, b in at) + "".join(faces)}
+
+
+def check_order():
+    words = "render", "--renderer", "raster", "--no-check", "--size", "60x40", "-q", "-o", "/dev/null"
+    counts = [instructions(write(f"{FOLDER}/ring-{shuffled}", ring(shuffled)), f"{BUILD}/spectral", *words) for shuffled in (False, True)]
+    (sorted_count, said), (shuffled_count, also_said) = counts
+    check(not said and not also_said and shuffled_count < 1.5 * sorted_count, "the order of a mesh's triangles does not matter for its shadow",
+          f"{sorted_count} and {shuffled_count} instructions", said, also_said)
+
+
 shutil.rmtree(FOLDER, ignore_errors=True)
 check_readers()
+check_order()
 shutil.rmtree(FOLDER, ignore_errors=True)
 done()
