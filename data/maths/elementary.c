@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Elementary functions. C libraries differ in their last bit, which pictures would show. Here they
  * are made of +, -, *, / and sqrt, which IEEE 754 rounds alike everywhere. Code that computes a
- * picture calls only those functions of the C library that are exact or correctly rounded: sqrt,
- * fabs, fmin, fmax, floor, ceil, frexp, ldexp, fma and remquo.
+ * picture calls only those functions of the C library that are exact or correctly rounded, and that
+ * all C libraries and emulated processors have right: sqrt, fabs, fmin, fmax, floor, ceil, frexp,
+ * ldexp, fma, fmod and nearbyint. test/program/house.py finds calls of others, and
+ * test/data/maths/test_elementary.c tests these. remquo is not among them: under qemu glibc's code
+ * for i386 has no quotient.
  * Error bounds count units in the last place of the result. With u = DOUBLE_ROUNDOFF, a relative
  * error e is e / u units at most. */
 #include <float.h>
@@ -253,8 +256,13 @@ void sine_cosine_of_turn(int64_t part, int64_t whole, double *sine, double *cosi
 
 void sine_cosine(double angle_deg, double *sine, double *cosine)
 {
-    int quarters; /* the low bits of the quotient, with its sign */
-    const double off = remquo(angle_deg, 90, &quarters), size = fabs(off); /* exact */
+    int quarters = 0;
+    double off = fmod(angle_deg, 360); /* exact, and so are the sums */
+    for (; off > 45 || (off == 45 && quarters % 2 != 0); quarters++)
+        off -= 90;
+    for (; off < -45 || (off == -45 && quarters % 2 != 0); quarters--)
+        off += 90;
+    const double size = fabs(off);
     const double head = floor(size / 45 * 0x1p31) * 0x1p-31;
 
     series(head, (size - 45 * head) / 45, sine, cosine); /* the difference is exact, too */

@@ -53,7 +53,8 @@ files() (
             "$@" develop "whole-$depth.tif" --bits 16 -q -o "picture-$depth.tif" &&
             "$@" develop "whole-$depth.tif" --raw -q -o "raw-$depth.tif" || return
     done
-    "$@" view whole-16.tif -o counts.html && "$@" view whole-32f.tif -o floats.html && "$@" render --again whole-16.tif -q -o again.tif
+    "$@" render room --size 60x40 --wavelengths 400:700:100 --renderer raster --no-check -q -o room.tif &&
+        "$@" view whole-16.tif -o counts.html && "$@" view whole-32f.tif -o floats.html && "$@" render --again whole-16.tif -q -o again.tif
 )
 
 # as_here NAME PROGRAM...: the program's files are those of this machine's program

@@ -48,6 +48,11 @@ SYSTEM_HEADERS = (
 C_LIBRARY = {name + ".h" for name in """
     assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdarg
     stdbool stddef stdint stdio stdlib string tgmath time wchar wctype""".split()}
+# Functions of <math.h> that C libraries round differently, or that some emulated processors have wrong: see
+# data/maths/elementary.c, which has them, or lists what may be called instead.
+NOT_ALIKE = {name + width for width in ("", "f", "l") for name in """
+    acos asin atan atan2 cos sin tan acosh asinh atanh cosh sinh tanh exp exp2 expm1 log log10 log1p log2 cbrt hypot pow erf erfc
+    lgamma tgamma remquo""".split()}
 FORBIDDEN_NAMES = set("""
     finish setting part use products trials truth body tally samples weighing keyword""".split())
 # An underscore separates words. A line that cites OpenGL's specification may name OpenGL.
@@ -111,6 +116,7 @@ class Source:
                 self.includes.append((plain.count("\n", 0, directive.start()) + 1, *include.groups()))
         tokens = self.tokens(re.sub(INCLUDE, blank, plain))
         self.words = collections.Counter(word for word, _ in tokens)
+        self.calls = [(word, line) for (word, line), (after, _) in zip(tokens, tokens[1:]) if after == "("]
         self.struct_names = self.structs_named(tokens)
         self.read_statements(self.tokens(DIRECTIVE.sub(blank, plain)))
 
@@ -382,6 +388,13 @@ def core_words(tree):
                                                 "geometry and light only")
 
 
+def mathematics(tree):
+    for path, source in tree.sources.items():
+        for word, line in source.calls:
+            if word in NOT_ALIKE:
+                yield Finding(path, line, f"{word} of the C library differs from system to system; take data/maths/elementary.c's")
+
+
 def figures(tree):
     """Each size that has a budget: what has it, where it begins, the figure and its unit, the budget, and what to do."""
     for path, source in tree.sources.items():
@@ -492,6 +505,7 @@ RULES = (
     (includes, "includes run downward, and none is repeated"),
     (names, "no two files share a name, and no name must be looked up"),
     (core_words, f"{CORE} knows geometry and light only"),
+    (mathematics, "no function of the C library is called that differs from system to system"),
     (budgets, "every size is within its budget"),
     (declarations, "every function that a header declares has a user in another file"),
     (tests_reasons, "every function in FOR_TESTS has no user but tests"),
@@ -573,6 +587,8 @@ def plants(tree):
              at_core + 'the core names "slack"; it must know geometry and light only'),
             ("a forbidden word in a name of the core", {core: "int n_tiles;"},
              at_core + 'the core names "tiles"; it must know geometry and light only'),
+            ("a sine of the C library", {source: "static double planted(double x) { return sin(x); } /* cos(x) */"},
+             at_source + "sin of the C library differs from system to system"),
             ("a function of OpenGL in the core", {core: "/* as glBegin does */"},
              at_core + 'the core names "glBegin"; it must know geometry and light only'),
             ("a citation of OpenGL's specification in the core",

@@ -15,7 +15,7 @@ language='-std=c99 -O2 -I. -ffp-contract=off -fno-trapping-math -fno-math-errno 
   -Wundef -Wvla -Wcast-qual -Wwrite-strings'
 webassembly='--target=wasm32-wasi --sysroot=/usr -nostartfiles -Wl,--no-entry,--export=digest,--strip-all'
 may_call='malloc calloc realloc free memcpy memset memmove memcmp
-  fabs fma fmax fmin floor ceil trunc rint sqrt frexp ldexp copysign remquo'
+  fabs fma fmax fmin floor ceil trunc rint sqrt frexp ldexp copysign fmod'
 # gcc adds these to loops that it compiles for AVX2, too: they choose the loop for the processor.
 may_call="$may_call __cpu_indicator_init __cpu_model _GLOBAL_OFFSET_TABLE_"
 
