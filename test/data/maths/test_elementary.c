@@ -254,7 +254,7 @@ static void check_eighths(void)
 
 /* ---- the C library ---- */
 
-/* What the C library of this system gives, on this processor or an emulated one, where nothing is
+/* Asks the C library of this system, on this processor or an emulated one, for results that are not
  * known when this is compiled. 2^1000 mod 360 is 16. */
 static void check_library(void)
 {
