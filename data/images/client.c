@@ -51,7 +51,9 @@ static tmsize_t client_write(thandle_t handle, void *bytes, tmsize_t length)
         if (pages->room != NULL && (size_t)length == pages->room_bytes &&
             memcmp(bytes, pages->room, strlen(pages->room)) == 0)
             pages->room_offset = client->position;
-        if (!write_at(client->descriptor, bytes, (size_t)length, client->position)) {
+        if (!bytes)
+            errno = ENOMEM; /* libtiff had none for them, and goes on */
+        if (!bytes || !write_at(client->descriptor, bytes, (size_t)length, client->position)) {
             note_failure(client, "cannot be written");
             return -1;
         }

@@ -18,6 +18,7 @@ struct foreign {
     uint32_t width, height, channels, sample_bytes;
     bool planar;        /* one channel after the other */
     char *description;  /* of a PNG; owned; NULL: none */
+    bool lacks;         /* memory for it */
     unsigned char *out; /* the samples, big-endian, from FIRST on; owned */
     size_t out_length;
 };
@@ -63,8 +64,10 @@ static bool png_join(struct foreign *of, size_t *packed)
             return false;
         if (memcmp(chunk + 4, "IEND", 4) == 0)
             return true;
-        if (length >= 12 && memcmp(chunk + 4, "tEXtDescription", 16) == 0 && !of->description)
+        if (length >= 12 && memcmp(chunk + 4, "tEXtDescription", 16) == 0 && !of->description) {
             of->description = strndup((const char *)chunk + 20, length - 12);
+            of->lacks = !of->description;
+        }
         if (memcmp(chunk + 4, "IDAT", 4) == 0) {
             memmove(of->bytes + 8 + *packed, chunk + 8, length);
             *packed += length;
@@ -79,12 +82,13 @@ static bool png_unfilter(const struct foreign *of, const unsigned char *raw)
 {
     const size_t pixel = (size_t)of->channels * of->sample_bytes, row = pixel * of->width;
     unsigned char *to = of->out + FIRST;
-    for (uint32_t y = 0; y < of->height; y++, to += row, raw += row + 1) {
+    const unsigned char *last = NULL; /* the row above */
+    for (uint32_t y = 0; y < of->height; y++, last = to, to += row, raw += row + 1) {
         if (raw[0] >= FILTERS)
             return false;
         for (size_t i = 0; i < row; i++) {
-            const int left = i < pixel ? 0 : to[i - pixel], above = y == 0 ? 0 : to[i - row];
-            const int corner = i < pixel || y == 0 ? 0 : to[i - row - pixel];
+            const int left = i < pixel ? 0 : to[i - pixel], above = last ? last[i] : 0;
+            const int corner = i < pixel || !last ? 0 : last[i - pixel];
             const int predicted[FILTERS] = {[FILTER_SUB] = left,
                                             [FILTER_UP] = above,
                                             [FILTER_AVERAGE] = (left + above) / 2,
@@ -118,10 +122,12 @@ static bool read_png(struct foreign *of, struct error *err)
     unsigned char *raw;
     if (!MAKE_ARRAY(raw, length, err, "the pixels of %s", of->image->path))
         return false;
-    const bool good = png_join(of, &packed) &&
-                      uncompress(raw, &got, of->bytes + 8, (uLong)packed) == Z_OK &&
-                      got == length && png_unfilter(of, raw);
+    const int status =
+        png_join(of, &packed) ? uncompress(raw, &got, of->bytes + 8, (uLong)packed) : Z_DATA_ERROR;
+    const bool good = status == Z_OK && got == length && png_unfilter(of, raw);
     free(raw);
+    if (status == Z_MEM_ERROR || of->lacks)
+        return memory_lacks(err, (double)length, "the pixels of %s", of->image->path);
     return good || refuse(of, "the PNG file is damaged or was cut", err);
 }
 

@@ -99,14 +99,14 @@ bool scene_is_input(const char *path)
     return strcmp(path, input_path) == 0;
 }
 
-bool scene_is_missing(const char *name)
+bool scene_is_missing(const char *name, bool *out, struct error *err)
 {
     const struct word word = name_word(name);
-    struct error ignored = {.status = EXIT_AGREED};
     char *path;
-    const bool missing = word_file(&word, FILE_SCENE, &path, &ignored) && file_is_missing(path);
+    const bool done = word_file(&word, FILE_SCENE, &path, err);
+    *out = done && file_is_missing(path);
     free(path);
-    return missing;
+    return done;
 }
 
 /* Sets *out if the file is a list of materials: its first line has one word, and that is no

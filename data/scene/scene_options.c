@@ -58,7 +58,10 @@ bool scene_refuse(const char *stack, struct error *err)
     if (!file_format(stack, &format, err))
         return false;
     const bool is_text = strcmp(format, "text") == 0;
-    return (!is_text && (!file_is_missing(stack) || scene_is_missing(stack))) ||
+    bool missing = true;
+    if (!is_text && file_is_missing(stack) && !scene_is_missing(stack, &missing, err))
+        return false;
+    return (!is_text && missing) ||
            error_usage(err, "%s is %s, not a stack; spectral render writes the stack of a scene",
                        stack, is_text ? "a text file" : "a scene");
 }

@@ -229,15 +229,14 @@ static bool split(const struct word *word, char mark, struct word *before, struc
     return true;
 }
 
-/* Returns whether a word names a built-in table or a file that exists. */
-static bool is_file(const struct word *word)
+/* Finds whether a word names a built-in table or a file that exists. Fails for lack of memory. */
+static bool find_file(const struct word *word, bool *out, struct error *err)
 {
-    struct error ignored = {0};
     char *path = NULL;
-    const bool found =
-        word->length > 0 && word_file(word, FILE_TABLE, &path, &ignored) && !file_is_missing(path);
+    const bool done = word->length == 0 || word_file(word, FILE_TABLE, &path, err);
+    *out = path && !file_is_missing(path);
     free(path);
-    return found;
+    return done;
 }
 
 /* Reads NAME or FILE, with :COLUMN or without: the number or the name of a column or a sample. */
@@ -248,7 +247,10 @@ static bool read_named(const struct word *word, struct columns *columns, struct 
     columns->table = *word;
     if (split(word, ':', &before, &sample) && sample.length > 0) {
         const bool number = strspn(sample.start, "0123456789") >= sample.length;
-        if (number || (!is_file(word) && is_file(&before))) {
+        bool is_whole, is_table;
+        if (!find_file(word, &is_whole, err) || !find_file(&before, &is_table, err))
+            return false;
+        if (number || (!is_whole && is_table)) {
             columns->table.length = before.length;
             columns->sample = sample;
         }

@@ -256,6 +256,32 @@ static bool spares_operand(const char *written, const char *operand, struct erro
            (!same || error_usage(err, "%s would replace an input; expected another file", written));
 }
 
+/* Returns whether an option was given, of any kind but those that change the scene. */
+static bool is_given(const struct options *options, const struct option *row)
+{
+    const char *at = (const char *)(row->own ? options->own : options) + row->offset;
+    int count;
+    if (row->kind == OPTION_COUNT)
+        memcpy(&count, at, sizeof count);
+    return row->kind == OPTION_FLAG    ? *(const bool *)at
+           : row->kind == OPTION_COUNT ? count != 0
+                                       : given_text(options, row) != NULL;
+}
+
+/* Refuses an option that has an effect only beside another, which was not given. */
+static bool check_needs(const struct options *options, struct error *err)
+{
+    const struct option *row, *other;
+    for (int i = 0; (row = option_at(options->command, i)); i++)
+        for (int k = 0;
+             row->needs && is_given(options, row) && (other = option_at(options->command, k)); k++)
+            if (names_option(other->usage, row->needs, strlen(row->needs), true) &&
+                !is_given(options, other))
+                return error_usage(err, "%.*s has an effect beside %s only",
+                                   (int)strcspn(row->usage, ", "), row->usage, row->needs);
+    return true;
+}
+
 /* Refuses outputs that would replace another file of the command line. */
 static bool check_outputs(const struct options *options, struct error *err)
 {
@@ -297,7 +323,7 @@ bool options_read(const struct command *command, bool recorded, const char *cons
         }
     }
     out->operand = out->operands[0];
-    return check_outputs(out, err);
+    return check_needs(out, err) && check_outputs(out, err);
 }
 
 void options_free(struct options *options)

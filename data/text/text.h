@@ -209,9 +209,10 @@ struct option {
     /* OPTION_TEXT: refuses a value that the command cannot use; NULL: any is good. */
     bool (*accepts)(const char *option, const char *value, struct error *err);
     bool (*change)(struct scene *scene, const char *value, struct error *err);
-    bool writes;     /* OPTION_TEXT: the value names a file that the command writes */
-    bool made_again; /* OPTION_TEXT: the value names a file that --output may name, too */
-    bool recorded;   /* it decides the picture: a stack records it, and --again reads it there */
+    const char *needs; /* it has an effect beside this option only, as "--objects"; NULL: always */
+    bool writes;       /* OPTION_TEXT: the value names a file that the command writes */
+    bool made_again;   /* OPTION_TEXT: the value names a file that --output may name, too */
+    bool recorded;     /* it decides the picture: a stack records it, and --again reads it there */
 };
 /* Where the value of an option is: in struct options, or in the own struct of the command. */
 #define SHARED(KIND, field) .kind = OPTION_##KIND, .offset = offsetof(struct options, field)

@@ -155,11 +155,13 @@ static bool can_be_same(const struct record *record, const struct render_output 
     if (record->rows.n > 0)
         return error_usage(err, "%s is a part of a picture; expected a whole stack, as join writes",
                            output->again);
-    return !scene_is_missing(record->scene) ||
-           error_usage(err,
-                       "%s: its scene '%.500s' does not exist; a relative name starts from the "
-                       "folder where the stack was made",
-                       output->again, record->scene);
+    bool missing;
+    return scene_is_missing(record->scene, &missing, err) &&
+           (!missing ||
+            error_usage(err,
+                        "%s: its scene '%.500s' does not exist; a relative name starts from the "
+                        "folder where the stack was made",
+                        output->again, record->scene));
 }
 
 static bool render_recorded(const struct options *options, const struct render_output *output,

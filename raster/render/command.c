@@ -22,14 +22,11 @@ static bool check_stack_name(const char *path, struct error *err)
                     "pictures)");
 }
 
-/* Refuses such an option beside --no-check, and a map of an unknown format. */
+/* Refuses outputs of an unknown format. */
 static bool check_asked(const struct options *options, const struct render_output *output,
                         struct error *err)
 {
     const struct render_options *own = options->own;
-    const char *checks = own->no_check ? asks_check(own) : NULL;
-    if (checks)
-        return error_usage(err, "%s needs the check that --no-check leaves out", checks);
     return check_stack_name(output->path, err) && check_stack_name(own->maps, err) &&
            (!output->check_map || picture_accepts(output->check_map, err));
 }
@@ -218,7 +215,9 @@ void options_forget_check(struct options *options)
     for (int i = 0; i < options->n_recorded; i++)
         if (strcmp(options->recorded[i], "--no-check") == 0 ||
             strcmp(options->recorded[i], "--strict") == 0 ||
-            strncmp(options->recorded[i], "--unchecked=", strlen("--unchecked=")) == 0)
+            strncmp(options->recorded[i], "--unchecked=", strlen("--unchecked=")) == 0 ||
+            strncmp(options->recorded[i], "--gl=", strlen("--gl=")) == 0 ||
+            strncmp(options->recorded[i], "--buffer=", strlen("--buffer=")) == 0)
             free(options->recorded[i]);
         else
             options->recorded[n++] = options->recorded[i];
@@ -325,8 +324,8 @@ static const struct option render_rows[] = {
     {"--again STACK",
      "makes that stack again, from its record (default output: STACK's name + -again.tif)",
      OWN(TEXT, render_options, again), .made_again = true},
-    {"--trust", "--again reads files outside of this folder, too",
-     OWN(FLAG, render_options, trust)},
+    {"--trust", "--again reads files outside of this folder, too", OWN(FLAG, render_options, trust),
+     .needs = "--again"},
     {"--no-check", "does not cross-check", OWN(FLAG, render_options, no_check), .recorded = true},
     {"--keep", "stores the stack even if the check fails", OWN(FLAG, render_options, keep)},
     {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, render_options, envi)},

@@ -82,8 +82,8 @@ void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
 void report_print(const struct plan *plan, const struct render_result *result, struct printed *to);
 /* Puts all figures. */
 void report_put(const struct plan *plan, const struct render_result *result, struct json *json);
-/* Removes --no-check and --strict from the options that the stack records. A stack of the
- * reference's pixels is the same with any check. */
+/* Removes those options from what the stack records that decide how it is checked, and by which
+ * OpenGL. A stack of the reference's pixels is the same with any check. */
 void options_forget_check(struct options *options);
 
 /* ---- again.c: spectral render --again ---- */
@@ -96,8 +96,6 @@ bool render_again(struct options *options, struct error *err);
 
 /* The word of --renderer is "raster": the stack has the pixels of the reference. */
 bool stores_raster(const struct render_options *own);
-/* Returns an option that needs a check, if there is one; otherwise NULL. */
-const char *asks_check(const struct render_options *own);
 
 /* Puts what the judge of shading found, as the object "accuracy". */
 void notes_put_shading(const struct plan *plan, const struct notes *notes, struct json *json);

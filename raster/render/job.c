@@ -11,18 +11,28 @@ bool stores_raster(const struct render_options *own)
     return own->renderer && strcmp(own->renderer, "raster") == 0;
 }
 
-const char *asks_check(const struct render_options *own)
+/* Refuses options that ask for OpenGL, or for its check, where a picture does without. */
+static bool check_used(const struct render_options *own, const struct plan_options *plan,
+                       struct error *err)
 {
-    return own->strict      ? "--strict"
-           : own->unchecked ? "--unchecked"
-           : own->check_map ? "--check-map"
-                            : NULL;
+    const char *for_check = own->strict      ? "--strict"
+                            : own->unchecked ? "--unchecked"
+                            : own->check_map ? "--check-map"
+                                             : NULL,
+               *for_gl = own->gl       ? "--gl"
+                         : own->buffer ? "--buffer"
+                                       : NULL,
+               *unused = plan->use_gl ? NULL : for_gl;
+    unused = plan->check || !for_check ? unused : for_check;
+    return !unused || error_usage(err, "%s is for OpenGL and its check, %s", unused,
+                                  !gl_is_built()  ? "but this program was built without OpenGL"
+                                  : own->no_check ? "which --no-check leaves out"
+                                                  : "which phong shading has not");
 }
 
 /* Refuses options that need OpenGL in a program without it. Reads no file. */
 static bool check_gl(const struct render_options *own, struct error *err)
 {
-    const char *checks = asks_check(own);
     const char *driver;
     if (gl_is_built())
         return drawing_ways.open[driver_way(own->renderer, &driver)] ||
@@ -30,24 +40,19 @@ static bool check_gl(const struct render_options *own, struct error *err)
                            "this program draws without shaders; expected another --renderer "
                            "than %s",
                            own->renderer);
-    if (!stores_raster(own))
-        return error_usage(err, "this program was built without OpenGL; add --renderer raster");
-    return !checks ||
-           error_usage(err, "%s checks OpenGL, but this program was built without OpenGL", checks);
+    return stores_raster(own) ||
+           error_usage(err, "this program was built without OpenGL; add --renderer raster");
 }
 
 /* Phong shading lights each pixel. OpenGL lights vertices only, so it can neither draw nor check
  * this shading. */
-static bool check_shading(const struct render_options *own, const struct scene *scene,
-                          struct plan_options *plan, struct error *err)
+static bool check_shading(const struct scene *scene, struct plan_options *plan, struct error *err)
 {
     if (scene->shading != SHADING_PHONG)
         return true;
     if (!plan->store_raster)
         return error_usage(err, "OpenGL lights vertices only and cannot draw phong shading; add %s",
                            plan->complete ? "--shading smooth" : "--renderer raster");
-    if (asks_check(own))
-        return error_usage(err, "%s checks OpenGL, which has no phong shading", asks_check(own));
     plan->check = plan->use_gl = false;
     return true;
 }
@@ -93,7 +98,8 @@ bool job_read(const struct options *options, bool foreign, struct render_job *jo
     const bool done = plan_options_of(options, foreign, job, err) &&
                       (foreign || check_gl(options->own, err)) &&
                       scene_read_sampled(options, &job->scene, &job->sampling, err) &&
-                      check_shading(options->own, &job->scene, &job->options, err);
+                      check_shading(&job->scene, &job->options, err) &&
+                      check_used(options->own, &job->options, err);
     job->seconds.read = clock_seconds() - start;
     return done;
 }

@@ -374,6 +374,7 @@ static const struct option accuracy_rows[] = {
      "at most this error for 95 % of object pixels: CIEDE2000, as 0.5, or counts, as 8counts",
      SHARED(TEXT, accuracy), .accepts = accuracy_accepts, .recorded = true},
     {"--max-triangles N", "--accuracy makes at most N (default: 4000000)",
-     SHARED(COUNT, max_triangles), .lowest = 1, .highest = 1 << 30, .recorded = true},
+     SHARED(COUNT, max_triangles), .lowest = 1, .highest = 1 << 30, .needs = "--accuracy",
+     .recorded = true},
 };
 const struct option_list accuracy_options = OPTION_LIST(accuracy_rows);

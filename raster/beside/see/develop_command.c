@@ -105,6 +105,8 @@ static bool name_picture(struct options *options, const char *stack, struct erro
         snprintf(ending, sizeof ending, "%s.tif", floats + 1); /* "-xyz.tif" */
     if (!options_name_output(options, stack, ending, err) || !picture_accepts(options->output, err))
         return false;
+    if (own->bits && (own->xyz || own->lab))
+        return error_usage(err, "%s writes floats; expected no --bits", floats);
     return !floats || !picture_is_png(options->output) ||
            error_at(err, (struct place){options->output, 0, 0},
                     "%s writes floats, and a PNG has none; expected .tif or .tiff", floats);

@@ -211,8 +211,6 @@ static bool check_forms(const struct options *options, struct error *err)
     const struct probe_own *own = options->own;
     if (own->objects && (options->n_operands != 1 || own->svg))
         return error_usage(err, "--objects takes a STACK alone, and no --svg");
-    if (own->edges && !own->objects)
-        return error_usage(err, "--edges belongs to --objects");
     return own->csv + own->svg + (options->json && !options->output) < 2 ||
            error_usage(err,
                        "--csv, --svg and --json exclude each other; give one of them, or --json "
@@ -254,7 +252,8 @@ static const struct option probe_rows[] = {
      OWN(TEXT, probe_own, against)},
     {"--objects", "prints the mean of each object of a stack, and of a detector's channels",
      OWN(FLAG, probe_own, objects)},
-    {"--edges", "--objects counts pixels beside another object, too", OWN(FLAG, probe_own, edges)},
+    {"--edges", "--objects counts pixels beside another object, too", OWN(FLAG, probe_own, edges),
+     .needs = "--objects"},
 };
 static const struct option_list probe_list = OPTION_LIST(probe_rows);
 static const struct option_list *const lists[] = {

@@ -168,18 +168,24 @@ bool targets_detail(const char *folder, struct driver *out, struct error *err)
 
 enum { EXPORTED_WORDS = 1 + MOST_RECORDED };
 
-/* Prints the scene, and each option as options_read takes it, in lines. */
-static void print_exported(const struct options *options, struct printed *to)
+/* Prints the scene, and each option as options_read takes it, in lines. Refuses a line break in
+ * them: the rest would be read as another option. */
+static bool print_exported(const struct options *options, struct printed *to, struct error *err)
 {
     const char *scene = options_scene(options);
     char path[PATH_MAX];
-    struct error ignored;
-    bool is_file; /* a folder may have the name of a built-in scene, as that of an export */
-    const bool found = !scene_is_input(scene) && file_is_regular(scene, &is_file, &ignored) &&
-                       is_file && realpath(scene, path);
+    bool found = false; /* a folder may have the name of a built-in scene, as that of an export */
+    if (!scene_is_input(scene) && !file_is_regular(scene, &found, err))
+        return false;
+    if (found && !realpath(scene, path))
+        return error_system(err, "cannot find the folder of %s", scene);
     print(to, "%s\n", found ? path : scene);
-    for (int i = 0; i < options->n_recorded; i++)
+    bool broken = strchr(found ? path : scene, '\n') != NULL;
+    for (int i = 0; i < options->n_recorded; i++) {
+        broken = broken || strchr(options->recorded[i], '\n');
         print(to, "%s\n", options->recorded[i]);
+    }
+    return !broken || error_usage(err, "a name with a line break cannot be exported");
 }
 
 /* Reads these lines; the words point into the text, which is returned. */
@@ -212,10 +218,10 @@ static bool run_export(struct options *options, struct error *err)
     struct printed lines = {.text = NULL};
     if (!options->output)
         return error_usage(err, "export needs -o FOLDER");
-    print_exported(options, &lines);
+    const bool prints = print_exported(options, &lines, err);
     char *words = printed_take(&lines, err);
-    const bool done = words && job_read(options, true, &job, err) && job_plan(options, &job, err) &&
-                      plan_targets(&targets, err) &&
+    const bool done = prints && words && job_read(options, true, &job, err) &&
+                      job_plan(options, &job, err) && plan_targets(&targets, err) &&
                       export_plans(&job.plan, &targets.plan, words, options->output, err) &&
                       options_show_output(options, "folder", options->output, err);
     free(words);
