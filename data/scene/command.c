@@ -104,7 +104,7 @@ static bool print_samples(const char *path, struct printed *to, struct error *er
     free(file);
     if (!done)
         return false;
-    done = set_read(text, 0, HUGE_VAL, NULL, &names, err);
+    done = set_read(text, HUGE_VAL, NULL, &names, err);
     print(to, "%s\n", path);
     for (int i = 0; i < names.n; i++)
         print(to, "  %s\n", names.name[i]);

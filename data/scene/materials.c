@@ -75,18 +75,15 @@ bool listed_add(struct scene_reader *reader, const struct word *word, int *out, 
     return known;
 }
 
-bool sample_add(struct scene_reader *reader, struct text set, int sample, int *out,
-                struct error *err)
+bool sample_add(struct scene_reader *reader, struct place place, const char *name,
+                struct spectrum *sample, struct error *err)
 {
     struct scene *scene = reader->scene;
-    struct material material = {.place = text_whole(&set)};
-    struct set_names names = {0};
-    *out = scene->n_materials;
-    bool done = set_read(set, sample, 1, &material.diffuse, &names, err);
-    done = done && string_copy(names.name[sample - 1], &material.name, err) &&
-           string_copy(material.name, &material.diffuse.name, err) &&
-           array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err);
-    set_names_free(&names);
+    struct material material = {.place = place, .diffuse = *sample};
+    *sample = (struct spectrum){.kind = SPECTRUM_NONE};
+    const bool done =
+        string_copy(name, &material.name, err) && string_copy(name, &material.diffuse.name, err) &&
+        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err);
     if (!done)
         material_free(&material);
     return done;

@@ -246,11 +246,14 @@ static bool add_samples(struct scene_reader *reader, const struct text *set,
                         struct description *pattern, struct error *err)
 {
     struct set_names names = {0};
-    bool done = set_read(*set, 0, 1, NULL, &names, err);
-    for (int i = 1; done && i <= names.n; i++)
-        done = sample_add(reader, *set, i, &pattern->object.material, err) &&
+    struct spectrum *samples = NULL;
+    bool done = set_read(*set, 1, &samples, &names, err);
+    for (int i = 0; done && i < names.n; i++) {
+        pattern->object.material = reader->scene->n_materials;
+        done = sample_add(reader, text_whole(set), names.name[i], &samples[i], err) &&
                add_object(reader, pattern, err);
-    set_names_free(&names);
+    }
+    set_free(samples, &names);
     return done;
 }
 

@@ -119,7 +119,7 @@ struct scene {
 };
 /* SCENE: a built-in name, a scene file, a thesis list file, or "-", standard input. */
 bool scene_read(const char *name, struct scene *out, struct error *err);
-bool scene_is_input(const char *path);   /* of a scene: it was read from standard input */
+bool scene_is_input(const char *path); /* of a scene: it was read from standard input */
 /* Finds whether a name is neither built in nor a file. Refuses an empty one. */
 bool scene_is_missing(const char *name, bool *out, struct error *err);
 void scene_free(struct scene *scene);

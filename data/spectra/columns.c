@@ -163,7 +163,7 @@ static bool check_columns(struct table *table, long n_columns, struct place plac
     if (table->first > n_columns)
         return error_at(err, wanted->table.place, "'%.*s' has no value column %ld; its last is %ld",
                         word_shown(&wanted->table), wanted->table.start, table->first, n_columns);
-    if (wanted->all)
+    if (wanted->all || wanted->is_set)
         return true;
     if (wanted->count == 0 && n_columns == 3 && !named)
         return error_at(err, place,
@@ -326,7 +326,8 @@ static bool read_heading(struct table *table, struct text heading, struct error 
                             "the first column must hold the wavelengths; it is named '%.*s'",
                             word_shown(&name), name.start);
         if (wants_fractions(table) && name_says_percent(&word) &&
-            (n == first || (n > 0 && table->first == 0 && line.separator == ' ')))
+            (n == first ||
+             (n > 0 && (table->wanted->is_set || (table->first == 0 && line.separator == ' ')))))
             return refuse_percent(table, &word, err);
     }
     return true;

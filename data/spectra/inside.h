@@ -12,6 +12,7 @@ struct columns {
     long first;                     /* the number of a column or sample, from 1; 0: the only one */
     struct word sample;             /* its name, which goes before the number; length 0: none */
     bool all;                       /* all samples are counted and named, and none is read */
+    bool is_set;                    /* all are read, and are no detector's channels */
     double lowest, highest, factor; /* limits of a value times the factor */
     bool scaled;                    /* the factor was written */
 };

@@ -52,10 +52,12 @@ struct set_names {
     int n;
 };
 void set_names_free(struct set_names *names);
-/* Reads a sample, from 1, as spectrum_read reads a file of one; 0: none. The caller's cursor stays.
- * The caller frees *names, also after a failure. */
-bool set_read(struct text text, int sample, double highest, struct spectrum *out,
-              struct set_names *names, struct error *err);
+/* Reads all samples, each as spectrum_read reads a file of one: *out has as many as *names; out
+ * NULL: the names alone. The caller's cursor stays. The caller frees both, also after a failure, by
+ * set_free. */
+bool set_read(struct text text, double highest, struct spectrum **out, struct set_names *names,
+              struct error *err);
+void set_free(struct spectrum *samples, struct set_names *names); /* NULL is fine */
 /* Returns true if a built-in table has three values a line. */
 bool table_is_detector(const struct builtin_file *file);
 

@@ -80,9 +80,15 @@ static bool take_channels(struct table *table, struct detector *out, struct erro
     return take_rows(table, n, out->sensitivity, err);
 }
 
+/* Makes a spectrum of each sample. */
+static bool take_samples(const struct table *table, struct spectrum **out, struct error *err)
+{
+    const int n = table->n_values / table->n_rows;
+    return MAKE_ARRAY(*out, n, err, "%d samples", n) && take_rows(table, n, *out, err);
+}
+
 /* Reads a text in the format that it begins with. */
-static bool read_text(struct table *table, struct spectrum *out, struct detector *detector,
-                      struct error *err)
+static bool read_text(struct table *table, struct error *err)
 {
     struct text *text = &table->text;
     const char *mark = strstr(text->at, "BEGIN_DATA");
@@ -94,22 +100,19 @@ static bool read_text(struct table *table, struct spectrum *out, struct detector
         done = cgats_read(table, err);
     else if (text_next_line(text))
         done = columns_read(table, err);
-    if (done && table->n_rows == 0 && !table->wanted->all)
-        done = error_at(err, text_whole(text),
-                        "no line begins with a wavelength; expected rows such as 400,0.1");
-    if (done && detector)
-        done = take_channels(table, detector, err);
-    else if (done && out)
-        done = take_rows(table, table->wanted->count, out, err);
-    FREE_ALL(table->row, table->value);
-    return done;
+    return done && (table->n_rows > 0 || table->wanted->all ||
+                    error_at(err, text_whole(text),
+                             "no line begins with a wavelength; expected rows such as 400,0.1"));
 }
 
 static bool read_file(const char *path, struct table *table, struct spectrum *out,
                       struct detector *detector, struct error *err)
 {
     const bool done = text_open(&table->text, path, table->wanted->table.place, TEXT_XML, err) &&
-                      read_text(table, out, detector, err);
+                      read_text(table, err) &&
+                      (detector ? take_channels(table, detector, err)
+                                : take_rows(table, table->wanted->count, out, err));
+    FREE_ALL(table->row, table->value);
     set_names_free(&table->names);
     text_free(&table->text);
     return done;
@@ -123,22 +126,30 @@ bool set_is(struct text text)
            columns_found(text);
 }
 
-bool set_read(struct text text, int sample, double highest, struct spectrum *out,
-              struct set_names *names, struct error *err)
+bool set_read(struct text text, double highest, struct spectrum **out, struct set_names *names,
+              struct error *err)
 {
     const struct columns columns = {.table = {.start = path_name(text.path),
                                               .length = strlen(path_name(text.path)),
                                               .place = text_whole(&text)},
-                                    .count = 1,
-                                    .first = sample,
                                     .lowest = highest < HUGE_VAL ? 0 : -HUGE_VAL,
                                     .highest = highest,
                                     .factor = 1,
-                                    .all = sample == 0};
+                                    .all = out == NULL,
+                                    .is_set = true};
     struct table table = {.wanted = &columns, .text = text};
-    const bool done = read_text(&table, sample > 0 ? out : NULL, NULL, err);
+    const bool done = read_text(&table, err) && (!out || take_samples(&table, out, err));
     *names = table.names;
+    FREE_ALL(table.row, table.value);
     return done;
+}
+
+void set_free(struct spectrum *samples, struct set_names *names)
+{
+    for (int i = 0; samples && i < names->n; i++)
+        spectrum_free(&samples[i]);
+    free(samples);
+    set_names_free(names);
 }
 
 bool table_is_detector(const struct builtin_file *file)

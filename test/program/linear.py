@@ -110,6 +110,16 @@ READERS = {
     "rows of a table": (800, lambda n: {
         "t.csv": joined(n, lambda i: f"{300 + 400 * i / n:.6f},0.5\n"),
         **scene("material m { diffuse t.csv }\nobject plane 1 1 material m\n")}),
+    "samples of a set": (200, lambda n: {
+        "s.ti3": "CTI3\nBEGIN_DATA_FORMAT\nSAMPLE_ID SPEC_400 SPEC_500 SPEC_600\nEND_DATA_FORMAT\nBEGIN_DATA\n" +
+                 joined(n, lambda i: f"A{i} 0.2 0.3 0.4\n") + "END_DATA\n",
+        **scene("checker s.ti3 plane 1 1\n")}),
+    "columns of a set": (200, lambda n: {
+        "s.csv": "nm" + joined(n, lambda i: f",c{i}") + "".join(f"\n{nm}" + n * ",0.5" for nm in (400, 500, 600)) + "\n",
+        **scene("checker s.csv plane 1 1\n")}),
+    "bands in one line": (2000, lambda n: {
+        "s.ti3": f"CGATS.17\nSPECTRAL_BANDS {n}\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 700\nBEGIN_DATA\n" + n * "0.5 " + "\nEND_DATA\n",
+        **scene("material m { diffuse s.ti3 }\nobject plane 1 1 material m\n")}),
     "comments": (3000, lambda n: scene(GREY + "object plane 1 1 material m\n" + "# nothing\n" * n)),
     "pages that OME-XML describes": (1500, ome),
     "lines of a record": (1000, record),

@@ -64,19 +64,14 @@ static bool add_detector(struct curves *curves, const char *name, struct error *
 static bool add_samples(struct curves *curves, const char *path, struct error *err)
 {
     struct set_names names = {0};
+    struct spectrum *samples = NULL;
     struct text text;
     if (!text_open(&text, path, NOWHERE, TEXT_XML, err))
         return false;
-    bool done = set_read(text, 0, HUGE_VAL, NULL, &names, err) && names.n > 0;
-    for (int i = 1; done && i <= names.n; i++) {
-        struct spectrum sample = {0};
-        struct set_names again = {0};
-        done = set_read(text, i, HUGE_VAL, &sample, &again, err) &&
-               add_curve(curves, names.name[i - 1], "", &sample, err);
-        set_names_free(&again);
-        spectrum_free(&sample);
-    }
-    set_names_free(&names);
+    bool done = set_read(text, HUGE_VAL, &samples, &names, err) && names.n > 0;
+    for (int i = 0; done && i < names.n; i++)
+        done = add_curve(curves, names.name[i], "", &samples[i], err);
+    set_free(samples, &names);
     text_free(&text);
     return done;
 }
