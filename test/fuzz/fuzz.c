@@ -18,6 +18,8 @@ static const struct fuzz_target targets[] = {
     {"map", ".map", fuzz_map},
     {"matrix", ".csv", fuzz_matrix},
     {"texture", ".texture.tif", fuzz_texture},
+    {"png", NULL, fuzz_png},
+    {"set", ".ti3", fuzz_table},
     {"record", NULL, fuzz_record},
     {"stack", ".tif", fuzz_stack},
     {"line", NULL, fuzz_line},

@@ -44,6 +44,7 @@ void fuzz_mtl(const struct fuzz_input *input);
 void fuzz_map(const struct fuzz_input *input);
 void fuzz_matrix(const struct fuzz_input *input);
 void fuzz_texture(const struct fuzz_input *input);
+void fuzz_png(const struct fuzz_input *input);
 void fuzz_record(const struct fuzz_input *input);
 void fuzz_stack(const struct fuzz_input *input);
 void fuzz_line(const struct fuzz_input *input);

@@ -51,7 +51,9 @@ fuzz_seeds() {
     mtl) find test/cases/bad/maps "$made" -name '*.mtl' ;;
     map) find data/builtin/models test/cases/bad/maps "$made" -name '*.map' ;;
     matrix) find test/cases/bad/matrices "$made" -name '*.csv' ;;
-    texture) find data/builtin/textures test/cases/bad/textures "$made" -name '*.tif' ;;
+    texture) find data/builtin/textures test/cases/bad/textures "$made" -name '*.tif' -o -name '*.sgi' ;;
+    png) find "$made" -name 'png-*' ;;
+    set) find "$made" -name '*.ti3' ;;
     stack) find "$made" -name 'stack-*' ;;
     record) find "$made" -name 'record-*' ;;
     line) find "$made" -name 'line-*' ;;
@@ -64,9 +66,9 @@ fuzz_words() {
     scene) words='data/scene data/mesh/shape.c data/spectra' ;;
     list | map) words='data/scene/material*.c' ;;
     material | mtl) words='data/scene/material.c data/scene/mtl.c data/spectra/spectrum.c' ;;
-    table | matrix) words='data/spectra' ;;
+    table | set | matrix) words='data/spectra' ;;
     mesh) words=data/mesh/obj.c ;;
-    texture) words=data/images ;;
+    texture | png) words=data/images ;;
     record) words='data/stack/record.c data/stack/tags.c data/sampling/method.c' ;;
     stack) words='data/images data/stack data/sampling/method.c' ;;
     line) words='spectral.c data/sampling data/spectra data/scene raster/render raster/beside' ;;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #include "data/base/base.h"
 #include "data/images/images.h"
@@ -150,4 +151,42 @@ void fuzz_texture(const struct fuzz_input *input)
 {
     read_texture(input->path, false);
     read_texture(input->path, true);
+}
+
+/* Puts a chunk of a PNG file with its length and checksum. Returns the place behind it. */
+static unsigned char *put_chunk(unsigned char *to, const char *kind, const void *bytes, size_t n)
+{
+    memcpy(to + 4, kind, 4);
+    memcpy(to + 8, bytes, n);
+    const uint32_t sum = (uint32_t)crc32(0, to + 4, (uInt)n + 4);
+    for (int i = 0; i < 4; i++) {
+        to[i] = (unsigned char)(n >> (24 - 8 * i) & 255);
+        to[8 + n + (size_t)i] = (unsigned char)(sum >> (24 - 8 * i) & 255);
+    }
+    return to + 12 + n;
+}
+
+/* Reads bytes as the filtered rows of a PNG file: its checksums and its compression are right, so
+ * that inputs reach the filters. The first four bytes are width, height, depth and kind of colour.
+ */
+void fuzz_png(const struct fuzz_input *input)
+{
+    const unsigned char *from = (const unsigned char *)input->bytes;
+    if (input->length < 5)
+        return;
+    const uLong n = (uLong)input->length - 4;
+    uLongf packed = compressBound(n);
+    unsigned char *file = malloc(packed + 128), *rows = malloc(packed);
+    unsigned char head[13] = {0, 0, 0, from[0], 0, 0, 0, from[1], from[2], from[3]};
+    char path[FUZZ_PATH];
+    if (file && rows && compress(rows, &packed, from + 4, n) == Z_OK) {
+        memcpy(file, "\x89PNG\r\n\x1a\n", 8);
+        unsigned char *end = put_chunk(file + 8, "IHDR", head, sizeof head);
+        end = put_chunk(end, "IDAT", rows, packed);
+        end = put_chunk(end, "IEND", "", 0);
+        fuzz_write(".png", (const char *)file, (size_t)(end - file), path);
+        read_texture(path, false);
+    }
+    free(file);
+    free(rows);
 }
