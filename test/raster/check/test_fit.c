@@ -10,7 +10,7 @@
 #include "raster/reference/reference.h"
 #include "test.h"
 
-enum { MOST_TERMS = 4, MOST_BANDS = 31, TRIALS = 20000, SIDE = 4 };
+enum { MOST_TERMS = 4, BANDS_TRIED = 31, TRIALS = 20000, SIDE = 4 };
 
 /* A plan with one material, and one pixel of it. */
 struct bench {
@@ -20,11 +20,11 @@ struct bench {
     struct texture texture;
     struct fit fit;
     struct run run;
-    float texels[MOST_BANDS][2 * SIDE * SIDE];
-    double spectra[MOST_TERMS * MOST_BANDS], rows[MOST_TERMS + TEXEL_PLACE],
+    float texels[BANDS_TRIED][2 * SIDE * SIDE];
+    double spectra[MOST_TERMS * BANDS_TRIED], rows[MOST_TERMS + TEXEL_PLACE],
         off[MOST_TERMS + TEXEL_PLACE];
     float errors[MOST_TERMS + TEXEL_PLACE], own[MOST_TERMS + TEXEL_PLACE], estimate[MOST_TERMS + 9];
-    double difference[MOST_BANDS], bound[MOST_BANDS];
+    double difference[BANDS_TRIED], bound[BANDS_TRIED];
     struct textured_sample textured;
 };
 
@@ -144,7 +144,7 @@ static bool is_explained(struct bench *bench, int band, double *floor)
 }
 
 /* Learns from the pilots. Returns how many bands are explained; floors: of each band. */
-static int judge(struct bench *bench, double floors[MOST_BANDS])
+static int judge(struct bench *bench, double floors[BANDS_TRIED])
 {
     int n = 0;
     memset(bench->estimate, 0, sizeof bench->estimate);
@@ -170,7 +170,7 @@ static void check_fit(const char *name, int n_terms, int n_bands, bool alike, in
                name))
         return;
     for (int i = 0; i < trials; i++) {
-        double floors[MOST_BANDS], changed[MOST_BANDS];
+        double floors[BANDS_TRIED], changed[BANDS_TRIED];
         int band = (int)test_random(&state, 0, n_bands);
         draw_pixel(&bench, &state);
         draw_differences(&bench, &state);
