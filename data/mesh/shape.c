@@ -12,6 +12,7 @@ struct size {
     int lowest, highest;
     double otherwise;
 };
+enum { MOST = MOST_DIVISIONS };
 
 /* A shape's word, and its sizes up to a name that is NULL. */
 static const struct form {
@@ -19,35 +20,25 @@ static const struct form {
     struct size sizes[5];
 } forms[] = {
     [SHAPE_SPHERE] = {"sphere",
-                      {{"radius", 0, 0, 1},
-                       {"slices", 3, MOST_DIVISIONS, 48},
-                       {"stacks", 2, MOST_DIVISIONS, 24}}},
-    [SHAPE_TORUS] = {"torus",
-                     {{"tube", 0, 0, 0.25},
-                      {"ring", 0, 0, 3},
-                      {"sides", 3, MOST_DIVISIONS, 24},
-                      {"rings", 3, MOST_DIVISIONS, 48}}},
-    [SHAPE_BOX] = {"box",
-                   {{"width", 0, 0, 1},
-                    {"height", 0, 0, 1},
-                    {"depth", 0, 0, 1},
-                    {"divisions", 1, MOST_DIVISIONS, 1}}},
-    [SHAPE_PLANE] =
-        {"plane", {{"width", 0, 0, 1}, {"height", 0, 0, 1}, {"divisions", 1, MOST_DIVISIONS, 1}}},
+                      {{"radius", 0, 0, 1}, {"slices", 3, MOST, 48}, {"stacks", 2, MOST, 24}}},
+    [SHAPE_TORUS] =
+        {"torus",
+         {{"tube", 0, 0, 0.25}, {"ring", 0, 0, 3}, {"sides", 3, MOST, 24}, {"rings", 3, MOST, 48}}},
+    [SHAPE_BOX] =
+        {"box",
+         {{"width", 0, 0, 1}, {"height", 0, 0, 1}, {"depth", 0, 0, 1}, {"divisions", 1, MOST, 1}}},
+    [SHAPE_PLANE] = {"plane", {{"width", 0, 0, 1}, {"height", 0, 0, 1}, {"divisions", 1, MOST, 1}}},
     [SHAPE_CYLINDER] = {"cylinder",
                         {{"radius", 0, 0, 1},
                          {"height", 0, 0, 2},
-                         {"slices", 3, MOST_DIVISIONS, 48},
-                         {"stacks", 1, MOST_DIVISIONS, 1}}},
+                         {"slices", 3, MOST, 48},
+                         {"stacks", 1, MOST, 1}}},
     [SHAPE_CONE] = {"cone",
                     {{"radius", 0, 0, 1},
                      {"height", 0, 0, 2},
-                     {"slices", 3, MOST_DIVISIONS, 48},
-                     {"stacks", 1, MOST_DIVISIONS, 1}}},
-    [SHAPE_DISK] = {"disk",
-                    {{"radius", 0, 0, 1},
-                     {"slices", 3, MOST_DIVISIONS, 48},
-                     {"rings", 1, MOST_DIVISIONS, 1}}},
+                     {"slices", 3, MOST, 48},
+                     {"stacks", 1, MOST, 1}}},
+    [SHAPE_DISK] = {"disk", {{"radius", 0, 0, 1}, {"slices", 3, MOST, 48}, {"rings", 1, MOST, 1}}},
     [SHAPE_TEAPOT] = {"teapot", {{"size", 0, 0, 1}, {"divisions", 1, MOST_TEAPOT_DIVISIONS, 10}}},
     [SHAPE_MESH] = {"mesh", {{NULL, 0, 0, 0}}},
 };

@@ -259,13 +259,12 @@ static bool spares_operand(const char *written, const char *operand, struct erro
 /* Returns whether an option was given, of any kind but those that change the scene. */
 static bool is_given(const struct options *options, const struct option *row)
 {
+    static const char none[sizeof(double)] = {0};
     const char *at = (const char *)(row->own ? options->own : options) + row->offset;
-    int count;
-    if (row->kind == OPTION_COUNT)
-        memcpy(&count, at, sizeof count);
-    return row->kind == OPTION_FLAG    ? *(const bool *)at
-           : row->kind == OPTION_COUNT ? count != 0
-                                       : given_text(options, row) != NULL;
+    return memcmp(at, none,
+                  row->kind == OPTION_FLAG    ? sizeof(bool)
+                  : row->kind == OPTION_COUNT ? sizeof(int)
+                                              : sizeof(char *)) != 0;
 }
 
 /* Refuses an option that has an effect only beside another, which was not given. */
