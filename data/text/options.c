@@ -262,9 +262,10 @@ static bool is_given(const struct options *options, const struct option *row)
     static const char none[sizeof(double)] = {0};
     const char *at = (const char *)(row->own ? options->own : options) + row->offset;
     return memcmp(at, none,
-                  row->kind == OPTION_FLAG    ? sizeof(bool)
-                  : row->kind == OPTION_COUNT ? sizeof(int)
-                                              : sizeof(char *)) != 0;
+                  row->kind == OPTION_FLAG     ? sizeof(bool)
+                  : row->kind == OPTION_COUNT  ? sizeof(int)
+                  : row->kind == OPTION_NUMBER ? sizeof(double)
+                                               : sizeof(char *)) != 0;
 }
 
 /* Refuses an option that has an effect only beside another, which was not given. */
