@@ -12,17 +12,30 @@ enum { DEFAULT_RUNS = 5 };
 
 /* ---- a configuration as a command line of render ---- */
 
+/* Puts the words that cost was given, then those of the entry. The reference alone, whose words are
+ * "... --renderer=raster --no-check", has no use for a library of OpenGL. Returns how many. */
+static int put_words(const struct options *options, const struct cost_entry *entry,
+                     const char *line[])
+{
+    bool alone = false;
+    int n = 0;
+    for (int i = 0; i < entry->n_words; i++)
+        alone = alone || strcmp(entry->words[i], "--renderer=raster") == 0;
+    for (int i = 0; i < options->n_recorded; i++)
+        if (!alone || strncmp(options->recorded[i], "--gl=", strlen("--gl=")) != 0)
+            line[n++] = options->recorded[i];
+    for (int i = 0; i < entry->n_words; i++)
+        line[n++] = entry->words[i];
+    return n;
+}
+
 /* Reads a command line of render: the changes of the scene that cost was given, then the words of
  * the entry. */
 static bool read_words(const struct options *options, const struct cost_entry *entry,
                        struct options *out, struct error *err)
 {
     const char *line[MOST_RECORDED + COST_WORDS];
-    int n = 0;
-    for (int i = 0; i < options->n_recorded; i++)
-        line[n++] = options->recorded[i];
-    for (int i = 0; i < entry->n_words; i++)
-        line[n++] = entry->words[i];
+    const int n = put_words(options, entry, line);
     if (!options_read(&render_command, false, line, n, out, err))
         return false;
     out->operand = options->operand;
@@ -49,11 +62,7 @@ static bool run_program(const struct options *options, const struct cost_entry *
 {
     const char *line[MOST_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
     char threads[32], memory[32];
-    int n = 2;
-    for (int i = 0; i < options->n_recorded; i++)
-        line[n++] = options->recorded[i];
-    for (int i = 0; i < entry->n_words; i++)
-        line[n++] = entry->words[i];
+    int n = 2 + put_words(options, entry, line + 2);
     add_count(line, &n, "--threads", options->threads, threads);
     add_count(line, &n, "--memory", options->memory_mib, memory);
     const char *const last[] = {"--quiet", "--output", output, "--", options_scene(options), NULL};
