@@ -12,7 +12,7 @@ import shutil
 
 from PIL import Image, PngImagePlugin
 
-from rendered import FAIL, TMP, bytes_of, check, done, output_of, path_of, run, write
+from rendered import FAIL, bytes_of, check, done, output_of, path_of, run, write
 
 MOST = 500
 STEP = 1 if "FULL" in os.environ else 7

@@ -9,7 +9,7 @@ import re
 import numpy as np
 import tifffile
 
-from rendered import TMP, check, done, output_of, path_of, run, write
+from rendered import check, done, output_of, path_of, run, write
 
 PLANE = "object plane 1 1 material m\n"
 SCENE = "size 2 2\nlight d65 1 direction 0 0 1\nmaterial m { diffuse 0.5 }\n"

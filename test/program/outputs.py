@@ -11,7 +11,7 @@ import os
 import shutil
 import subprocess
 
-from rendered import TMP, check, done, output_of, path_of, run, write
+from rendered import check, done, output_of, path_of, run, write
 from sanitized import tables
 
 SMALL = "--size", "6x4", "--wavelengths", "500:600:50"
@@ -59,8 +59,8 @@ def is_whole(option, content):
 
 def fault_of(command, words, options, forms):
     """Runs the command once; returns what is wrong, or nothing."""
-    folder = path_of("_".join([command, str(WORDS[command].index(words)), *(o["names"][-1].strip("-") for o in options),
-                               *(form.replace("/", "") for form in forms)]))
+    folder = os.path.abspath(path_of("_".join([command, str(WORDS[command].index(words)), *(o["names"][-1].strip("-") for o in options),
+                               *(form.replace("/", "") for form in forms)])))
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     named = [value_of(option, form, folder) for option, form in zip(options, forms)]
@@ -69,7 +69,7 @@ def fault_of(command, words, options, forms):
     line = [command, *(FILES.get(word, word) for word in words)]
     for option, (value, _) in zip(options, named):
         line += [option["names"][-1], value]
-    result = run(*line, text=False)
+    result = run(*line, text=False, cwd=folder)  # where outputs without a name appear
     says = result.stderr.decode(errors="replace")
     for reader in readers:
         if result.returncode not in (0, 1):
@@ -114,8 +114,8 @@ def main():
     write("tiny.scene", output_of("show", "patches"))
     shutil.rmtree(path_of("exported"), ignore_errors=True)
     output_of("export", "patches", *SMALL, "-o", path_of("exported"))
-    FILES.update({"STACK": path_of("stack.tif"), "OTHER": path_of("other.tif"), "PART": path_of("part.tif"), "FOLDER": path_of("exported"),
-                  "tiny.scene": path_of("tiny.scene")})
+    FILES.update({word: os.path.abspath(path_of(name)) for word, name in (
+        ("STACK", "stack.tif"), ("OTHER", "other.tif"), ("PART", "part.tif"), ("FOLDER", "exported"), ("tiny.scene", "tiny.scene"))})
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for command, (_, options) in commands.items():
             writing = [option for option in options if option["writes"]]
