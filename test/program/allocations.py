@@ -51,6 +51,9 @@ COMMANDS = {  # words; {} stands for an output
 }
 
 
+WITHOUT_TIFF = "plan", "list a set", "show spectra", "info", "export"  # here nothing may crash; elsewhere libtiff does: see trust.md
+
+
 def files():
     picture, words = Image.new("RGB", (24, 16)), PngImagePlugin.PngInfo()
     picture.putdata([(random.Random(i).randrange(256),) * 3 for i in range(24 * 16)])
@@ -83,10 +86,11 @@ def tried(words, number):
     return result.returncode, result.stderr.decode(errors="replace"), (out.replace(folder.encode(), b""), wrote)
 
 
-def fault_of(words, right, number):
+def fault_of(name, words, right, number):
     status, says, wrote = tried(words, number)
     if status == 3:
-        good = re.search("memory|MiB|libtiff|thread|shared object", says) and says.count("error:") == 1 and not wrote[1]
+        good = re.search("memory|MiB|libtiff|thread|shared object", says) and says.count("error:") == 1 and not wrote[1] and \
+            not (name in WITHOUT_TIFF and "crashed" in says)
     else:
         good = status == right[0] and wrote == right[2]
     return None if good else f"FAIL=own:{number}: status {status}, {says[:300]}"
@@ -99,7 +103,7 @@ def main():
             right = tried(words, 0)
             if "judge" not in name:
                 check(right[0] == 0, f"{name}: nothing fails", *right[:2])
-            faults = [fault for fault in pool.map(lambda n: fault_of(words, right, n), range(1, MOST + 1, STEP)) if fault]
+            faults = [fault for fault in pool.map(lambda n: fault_of(name, words, right, n), range(1, MOST + 1, STEP)) if fault]
             check(not faults, f"{name}: allocations that fail", *faults[:5])
     done()
 
