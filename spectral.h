@@ -50,6 +50,7 @@ struct place {
 /* Limits: what lies beyond one is refused. test/program/limits.py tries each of them. */
 enum {
     LONGEST_SIDE = 262144,      /* pixels of a picture, rendered or read: a float has 1/64 of one */
+    LONGEST_TEXTURE = 16384,    /* texels a side: OpenGL has a limit, too */
     LARGEST_PAGE = 1 << 24,     /* pixels of a page: browsers refuse larger canvases */
     MOST_PAGE_OBJECTS = 65535,  /* of a page, whose maps of objects have 16 bits */
     MOST_POSITIONS = 16,        /* a side of each pixel: see scene_set_samples */
@@ -58,9 +59,12 @@ enum {
     MOST_SHADOWED = 32,         /* lights that throw shadows: a pixel has a bit for each */
     MOST_DIVISIONS = 4096,      /* of a built-in shape, each way */
     MOST_TEAPOT_DIVISIONS = 64, /* of each of its 32 patches, each way */
+    LONGEST_FACE = 10000,       /* corners: cutting takes seconds at most */
     MOST_CHANNELS = 256,        /* of a detector */
     MOST_BANDS = 1 << 20,       /* of a CGATS table without names of fields */
     LARGEST_MATRIX = 4096,      /* rows, and columns, of a matrix of fluorescence */
+    LONGEST_TEXT = 256 << 20,   /* bytes of a text; a mesh may have more */
+    LONGEST_LINE = 64 << 20,    /* bytes: a face of a million corners has 24 MB */
     DEEPEST_INCLUDE = 32,       /* scenes that include one another */
     MOST_INCLUDES = 1000,       /* files in all: pairs of includes, so deep, would be 2^32 */
     MOST_CURVES = 64,           /* of a chart or a table of `show` */

@@ -9,7 +9,7 @@
 #include "data/images/inside.h"
 #include "data/text/text.h"
 
-enum { FIRST = 1, LONGEST_FOREIGN = 1 << 16 }; /* the offset of the samples; a side in pixels */
+enum { FIRST = 1 }; /* the offset of the samples */
 
 struct foreign {
     const struct image *image;
@@ -40,8 +40,8 @@ static bool refuse(const struct foreign *of, const char *why, struct error *err)
 static bool allocate(struct foreign *of, struct error *err)
 {
     const double bytes = (double)of->width * of->height * of->channels * of->sample_bytes;
-    if (of->width - 1 >= LONGEST_FOREIGN || of->height - 1 >= LONGEST_FOREIGN)
-        return refuse(of, "a side has 1 to 65536 pixels", err);
+    if (of->width - 1 >= LONGEST_SIDE || of->height - 1 >= LONGEST_SIDE)
+        return refuse(of, "a side has 1 to 262144 pixels", err);
     if (!memory_suffices(2 * bytes, of->image->file->from, err, "%s", of->image->path))
         return false;
     of->out_length = FIRST + (size_t)bytes;

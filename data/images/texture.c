@@ -6,8 +6,6 @@
 #include "data/images/inside.h"
 #include "data/text/text.h"
 
-enum { LONGEST_TEXTURE = 16384 }; /* in texels a side; OpenGL has a limit, too */
-
 /* Returns the texels of level 0. */
 static size_t page_size(const struct texture *texture)
 {

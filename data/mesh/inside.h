@@ -11,7 +11,6 @@ struct vector polygon_normal(const struct vector *ring, int n);
 /* The interior angle at ring[i], 0 to 2 pi, seen against the normal. Neighbours differ. */
 double polygon_angle(const struct vector *ring, int n, int i, struct vector normal);
 
-enum { LONGEST_FACE = 10000 }; /* in corners; cutting takes seconds at most */
 /* A corner of the rest of the polygon, a ring that shrinks ear by ear. */
 struct cutter_node {
     double x, y; /* in the plane of the polygon, which is counter-clockwise there */

@@ -16,14 +16,11 @@ enum {
 
 /* ---- lines ---- */
 
-static const size_t longest_line = (size_t)64 << 20; /* a face of a million corners has 24 MB */
-static const size_t longest_text = (size_t)256 << 20;
-
 static bool refuse_length(const char *path, size_t length, struct error *err)
 {
     return error_at(err, (struct place){path, 0, 0},
-                    "the file has %zu MB; a text file has at most %zu MB", (length >> 20) + 1,
-                    longest_text >> 20);
+                    "the file has %zu MB; a text file has at most %d MB", (length >> 20) + 1,
+                    LONGEST_TEXT >> 20);
 }
 
 /* Refuses a text that is too long, or that has a line that is. */
@@ -33,12 +30,12 @@ static bool check_lengths(const struct text *text, size_t longest, struct error 
     struct place place = {text->path, 1, 1};
     if (text->length > longest)
         return refuse_length(text->path, text->length, err);
-    for (; (size_t)(end - at) > longest_line; at = next + 1, place.line++) {
+    for (; (size_t)(end - at) > LONGEST_LINE; at = next + 1, place.line++) {
         next = memchr(at, '\n', (size_t)(end - at));
         next = next != NULL ? next : end;
-        if ((size_t)(next - at) > longest_line)
-            return error_at(err, place, "the line has %zu MB; a line has at most %zu MB",
-                            ((size_t)(next - at) >> 20) + 1, longest_line >> 20);
+        if ((size_t)(next - at) > LONGEST_LINE)
+            return error_at(err, place, "the line has %zu MB; a line has at most %d MB",
+                            ((size_t)(next - at) >> 20) + 1, LONGEST_LINE >> 20);
     }
     return true;
 }
@@ -84,7 +81,7 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
 /* Refuses a long regular file before it is read. */
 bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err)
 {
-    const size_t longest = may & TEXT_LARGE ? SIZE_MAX : longest_text;
+    const size_t longest = may & TEXT_LARGE ? SIZE_MAX : LONGEST_TEXT;
     struct stat status;
     *out = (struct text){0};
     if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && (uint64_t)status.st_size > longest)
@@ -108,12 +105,12 @@ bool text_open_input(struct text *out, const char *name, struct error *err)
 {
     char *bytes = input_read(name, err);
     *out = (struct text){0};
-    return bytes && start(out, name, bytes, longest_text, err);
+    return bytes && start(out, name, bytes, LONGEST_TEXT, err);
 }
 
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
 {
-    return start(out, name, strdup(string), longest_text, err);
+    return start(out, name, strdup(string), LONGEST_TEXT, err);
 }
 
 bool text_open_line(struct text *out, const char *name, const char *line, struct error *err)

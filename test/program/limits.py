@@ -36,6 +36,28 @@ def include(n):
     return "plan", path_of(f"{n}.scene")
 
 
+def texture(n):
+    tifffile.imwrite(path_of("texture.tif"), np.zeros((1, n), np.uint8))
+    return plan(SCENE + "material t { diffuse 0.5 texture texture.tif }\n" + PLANE.replace("material m", "material t"))
+
+
+def face(n):
+    """A polygon of n corners on a circle."""
+    at = 2 * np.pi * np.arange(n) / n
+    write("face.obj", "".join(f"v {x:.9f} {y:.9f} 0\n" for x, y in zip(np.cos(at), np.sin(at))) +
+          "f " + " ".join(str(i + 1) for i in range(n)) + "\n")
+    return plan(SCENE + "object mesh face.obj material m\n")
+
+
+def line(n):
+    return plan(SCENE + PLANE + "#" * n + "\n")
+
+
+def text(n):
+    start = SCENE + PLANE
+    return plan(start + "\n" * (n - len(start)))
+
+
 def includes(n):
     write("empty.scene", "# nothing\n")
     return plan(SCENE + PLANE + n * "include empty.scene\n")
@@ -71,6 +93,10 @@ TRIALS = {
     "MOST_SHADOWED": lambda n: plan(SCENE + n * "light d65 0.1 direction 0 1 1 shadows\n" + PLANE + PLANE.replace("\n", " translate 0 0 1\n")),
     "MOST_DIVISIONS": lambda n: plan(SCENE + f"object sphere 1 {n} 2 material m\n"),
     "MOST_TEAPOT_DIVISIONS": lambda n: plan(SCENE + f"object teapot 1 {n} material m\n"),
+    "LONGEST_TEXTURE": texture,
+    "LONGEST_FACE": face,
+    "LONGEST_TEXT": text,
+    "LONGEST_LINE": line,
     "MOST_CHANNELS": channels,
     "MOST_BANDS": bands,
     "LARGEST_MATRIX": matrix,
@@ -80,9 +106,10 @@ TRIALS = {
     "MOST_OPERANDS": operands,
     "MOST_RECORDED": lambda n: ("plan", "patches", *["--light", "1=a"] * n),
 }
-# The trial of a limit is refused for another reason, or would draw for minutes.
+MEGABYTES = {"LONGEST_TEXT", "LONGEST_LINE"}  # of these, a message says MB
+# The trial of a limit is refused for another reason, or would draw for minutes, or read for seconds.
 OTHERWISE = {"MOST_OPERANDS": "none.tif"}
-ONE_BEYOND = {"LARGEST_PAGE"}
+ONE_BEYOND = {"LARGEST_PAGE", "LONGEST_TEXT"}
 
 STACK = path_of("stack.tif")
 output_of("render", "patches", "--size", "4x4", "--wavelengths", "500:600:50", "-o", STACK, "-q", "--renderer", "raster")
@@ -93,6 +120,6 @@ for name, trial in TRIALS.items():
         at = run(*trial(limit))
         check(at.returncode == 0 if name not in OTHERWISE else OTHERWISE[name] in at.stderr, f"{name}: {limit} is taken", at.returncode, at.stderr)
     beyond = run(*trial(limit + 1))
-    check(beyond.returncode == 2 and beyond.stderr.count("\n") == 1 and (str(limit) in beyond.stderr or "unexpected operand" in beyond.stderr),
+    check(beyond.returncode == 2 and beyond.stderr.count("\n") == 1 and (str(limit >> 20 if name in MEGABYTES else limit) in beyond.stderr or "unexpected operand" in beyond.stderr),
           f"{name}: {limit + 1} is refused", beyond.returncode, beyond.stderr)
 done()

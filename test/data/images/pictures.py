@@ -106,7 +106,7 @@ for name, content, why in (
         ("cut.png", whole[:-30], "damaged or was cut"), ("bit.png", whole[:60] + bytes([whole[60] ^ 1]) + whole[61:], "damaged"),
         ("palette.png", png(np.zeros((2, 2, 1), np.uint8), struct.pack(">IIBBBBB", 2, 2, 8, 3, 0, 0, 0)), "grey or RGB"),
         ("interlaced.png", png(np.zeros((2, 2, 1), np.uint8), struct.pack(">IIBBBBB", 2, 2, 8, 0, 0, 0, 1)), "interlaced"),
-        ("huge.png", png(np.zeros((2, 2, 1), np.uint8), struct.pack(">IIBBBBB", 2**31, 2, 8, 0, 0, 0, 0)), "65536"),
+        ("huge.png", png(np.zeros((2, 2, 1), np.uint8), struct.pack(">IIBBBBB", 2**31, 2, 8, 0, 0, 0, 0)), "262144"),
         ("cut.sgi", sgi(np.zeros((4, 4, 3), np.uint8), True)[:-9], "damaged or was cut"),
         ("tiny.sgi", b"\x01\xda\x00", "header")):
     save(name, content)
