@@ -83,8 +83,8 @@ static void draw_pass(int first_band, double full_scale)
 }
 
 /* Returns the cosine of the nearest fragment at a pixel's centre; 0: background. A triangle has a
- * fragment there if none of its barycentric coordinates a, b, c is negative. spectral clips, divides
- * by w, and decides without error which of two triangles has a centre on their edge. */
+ * fragment there if none of its barycentric coordinates a, b, c is negative. spectral clips,
+ * divides by w, and decides without error which of two triangles has a centre on their edge. */
 static double cosine_at(const struct vertex *v, int pixel)
 {
     const double x = 2 * (pixel % SIZE + 0.5) / SIZE - 1, y = 1 - 2 * (pixel / SIZE + 0.5) / SIZE;

@@ -67,7 +67,19 @@ struct plan_options {
 /* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
  * pass, or for several that follow each other and have the same products of spectra. A pass whose
  * products are 0 has no frame: its pixels are 0. Where another program draws (plan_options), each
- * pass has a frame of its own. */
+ * pass has a frame of its own. Ten bands, of which 3 to 5 are dark and 9 is the last:
+ *
+ *     band     0    1    2  |  3    4    5  |  6    7    8  |  9      a page of the stack
+ *     pass          0       |       1       |       2       |  3
+ *     colour  red green blue| red green blue| red green blue| red
+ *     frame         0       |      DARK     |       1       |  2
+ *
+ * OpenGL draws a frame once for each group of lights, and the drawings are added. Ten lights, and
+ * two that throw shadows, make four groups:
+ *
+ *     group    0                 1             2                  3
+ *     lights   0 to 7            8 and 9       10, where its      11, where its
+ *              and constant                    light reaches      light reaches */
 enum { DARK = -1 };
 struct passes {
     int n_frames, n_dark; /* n_dark: passes without a frame */
