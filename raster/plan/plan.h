@@ -67,7 +67,7 @@ struct plan_options {
 /* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
  * pass, or for several that follow each other and have the same products of spectra. A pass whose
  * products are 0 has no frame: its pixels are 0. Where another program draws (plan_options), each
- * pass has a frame of its own. Ten bands, of which 3 to 5 are dark and 9 is the last:
+ * pass has a frame of its own. Ten bands; 3 to 5 are dark:
  *
  *     band     0    1    2  |  3    4    5  |  6    7    8  |  9      a page of the stack
  *     pass          0       |       1       |       2       |  3

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* level: full; packages: libosmesa6-dev */
 /* Measures, through OSMesa, how Mesa's two software drivers differ from OpenGL and from each other,
- * and the behaviour of both that the program relies on. test/README.md explains each measurement.
+ * and the behaviour of both that the program relies on. data/doc/mesa.md explains each measurement.
  * Facts about Mesa must hold in 22.3.6; if another version behaves otherwise, the test says so and
  * skips the fact. Behaviour that the program relies on must hold in every version. */
 #include <sys/wait.h>

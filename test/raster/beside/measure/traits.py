@@ -1,7 +1,7 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared:test/raster/check /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults liar
-"""Checks the measurements of a driver (raster/beside/measure): of Mesa's two drivers they find what test/README.md says;
+"""Checks the measurements of a driver (raster/beside/measure): of Mesa's two drivers they find what data/doc/mesa.md says;
 the bounds made of them hold, of an OpenGL of another name (liar.c), too; and an OpenGL that does something else gets wider
 bounds, or is refused with the reason. test_mesa.c measures what the program does not. Prints TAP."""
 import json
