@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Plants one fault between the program and OSMesa, to prove that the cross-check finds it.
  * LD_PRELOAD loads this library before OSMesa; the environment variable FAULT is the fault's number
- * in test/README.md. Faults of place and state change every draw call; faults of samples, bands and
+ * in faults.md. Faults of place and state change every draw call; faults of samples, bands and
  * passes change the passes of colours, which the program draws by glDrawElements.
  *
  * Faults 73 to 75 change a sample by FAULT_COUNTS counts at the pixel FAULT_PIXEL, "x,y" from the

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # level: first; packages: libosmesa6-dev; makes: faults mutant
 # Each fault planted in OpenGL must end with exit 1 and one line that names a pixel, an object and
-# what differs; the scene drawn without it must pass. test/README.md has the table of faults. $FAULTS is the library
+# what differs; the scene drawn without it must pass. faults.md has the table of faults. $FAULTS is the library
 # made of test/raster/check/fault.c, $MUTANT the program with all bounds a thousand times too wide. Scenes lie in
 # test/cases/faults/. FULL=1 plants all faults; without it some of each kind, on llvmpipe.
 . test/shared/tap.sh
@@ -13,9 +13,9 @@ export FAULT_PASSES
 few=' 1 3 6 10 13 14 21 25 34 43 45 46 49 59 65 69 71 '
 
 # Number, fault and scene. Any implementation may have faults 1 to 46.
-sed -n '/^| number | fault | scene |$/,/^$/p' test/README.md | grep '^| [0-9]' >"$tmp/table"
+sed -n '/^| number | fault | scene |$/,/^$/p' test/raster/check/faults.md | grep '^| [0-9]' >"$tmp/table"
 [ "$(cut -d ' ' -f 2 "$tmp/table" | uniq)" = "$(seq 72)" ] && [ "$(wc -l <"$tmp/table")" = 77 ]
-ok $? "the table in test/README.md has the faults 1 to 72, some of them in several scenes"
+ok $? "the table in faults.md has the faults 1 to 72, some of them in several scenes"
 
 render() { # FAULT SCENE [OPTION...]
     fault=$1

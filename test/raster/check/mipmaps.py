@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults mutants
 """Tests mipmaps: levels against averages, the reference against a second implementation, planted faults, drivers with other rules for
-the level of detail, invariances, and random scenes. Faults 96 to 100 are those of test/README.md; spectral-detail is the program with
+the level of detail, invariances, and random scenes. Faults 96 to 100 are those of faults.md; spectral-detail is the program with
 another rule. Prints TAP.
 
     test/raster/check/mipmaps.py                      30 random scenes by each way of drawing; with FULL=1 1000

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults mutants
 """Tests shadows: planted faults are found, shadows cost nothing where none falls into view, and parts, threads and samples do not
-change them. Faults 88 to 95 and 110 to 112 are those of test/README.md. MOVED_MUTANT is the program whose shadow volumes are those of lights that
+change them. Faults 88 to 95 and 110 to 112 are those of faults.md. MOVED_MUTANT is the program whose shadow volumes are those of lights that
 are moved. Prints TAP.
 
     test/raster/check/shadows.py          60 random scenes for the drivers that lie; with FULL=1 300"""

@@ -3,7 +3,7 @@
 # level: full; packages: python3-numpy python3-tifffile python3-pil libosmesa6-dev; makes: faults mutants
 """Checks what the program ($SPECTRAL) says of its own check: that a picture in which little could be checked is never
 called agreed, that small faults in single samples are found where the floor says so, and that the map shows both.
-Prints TAP. Faults 73 to 84 are those of test/README.md; $FAULTS plants them. ENDLESS is the program with infinite
+Prints TAP. Faults 73 to 84 are those of faults.md; $FAULTS plants them. ENDLESS is the program with infinite
 bounds for the first object of a scene; HOLLOW takes open meshes for solids; WHOLE draws the backs of solids, too."""
 import json
 import math

@@ -238,7 +238,7 @@ def buffers():
 
 
 def faults():
-    """Faults planted between the program and OpenGL, by their numbers in test/README.md."""
+    """Faults planted between the program and OpenGL, by their numbers in test/raster/check/faults.md."""
     large = ("1 patches", "3 patches", "5 patches", "11 patches", "15 patches", "24 glossy", "38 patches", "42 patches",
              "48 patches", "58 groups", "62 textures", "69 patches", "70 patches")
     small = ("34 patches", "37 patches", "43 patches", "47 patches", "58 groups", "62 textures")

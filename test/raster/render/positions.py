@@ -38,7 +38,7 @@ def is_mean_of_a_wider_picture():
     for side, (options, step) in ((2, (("--depth", "32f"), 0)), (4, (("--depth", "32f", "--renderer", "raster"), 0)),
                                   (4, ((), 1)), (8, (("--depth", "8", "--renderer", "softpipe"), 1)),
                                   (2, (("--buffer", "8", "--depth", "32f"), 0)), (16, (("--renderer", "raster"), 1))):
-        for scene in ("textures", "metals" if "softpipe" in options else "room"):  # see verification.md: the rug's rim
+        for scene in ("textures", "metals" if "softpipe" in options else "room"):  # see mesa.md: the rug's rim
             means, report = render(scene, *NM, "--size", "60x40", "--samples", str(side), *options)
             wide, other = render(scene, *NM, "--size", f"{60 * side}x{40 * side}", *options, stack="wide.tif")
             error = np.abs(means - blocks(wide, side).mean(-1)).max()
