@@ -67,9 +67,6 @@ const struct surface_bounds *bounds_of(const struct lit_scene *lit,
 /* False where nothing of a surface can be in the rectangle. */
 bool surface_reaches(const struct surface_bounds *surface, const struct rectangle *at);
 
-/* The relative error of Mesa's base^exponent. */
-double pow_error(double base, double exponent);
-
 /* ---- facing.c: on which side a triangle is seen ---- */
 
 /* The error with which OpenGL follows an edge, in pixels, in a tile of this size. It may move the

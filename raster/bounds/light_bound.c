@@ -156,7 +156,7 @@ static double counted_power(double base, double exponent, const struct vertex_vi
 
 /* Relative error of Mesa's pow: exp2(g log2 x), log2 to 2.2e-7 plus a rounding of its value, the
  * product rounded, exp2 to 2.7e-7 (polynomials of lp_bld_arit.c, measured over their range). */
-double pow_error(double base, double exponent)
+static double pow_error(double base, double exponent)
 {
     double octaves = base > 0 ? fabs(binary_logarithm(base)) : 0;
     return 0.6931471805599453 * exponent * (2.2e-7 + roundings(2) * octaves) + 3e-7;

@@ -149,10 +149,6 @@ struct contexts {
     const struct context_kind *kind; /* NULL: no library was found */
     void *own;                       /* of osmesa.c or egl.c; owned */
 };
-/* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
- * opens one of them. contexts_close frees *out, also after a failure. */
-bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err);
-void contexts_close(struct contexts *contexts); /* NULL is fine; after all of its canvases */
 
 /* A context with a buffer of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
  * own, and shares no objects. */
@@ -161,14 +157,9 @@ struct canvas_size {
     int bits, width, height; /* bits: of a channel, 8, 10 (EGL), 16, or 32 of floats */
     int n_colours;           /* buffers of colours, where shaders draw; otherwise 1 */
 };
-/* The caller closes *out, also after a failure. */
-bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
-                 struct error *err);
 void canvas_close(struct canvas *canvas); /* NULL is fine */
 /* Makes OpenGL draw on the canvas, whose pixels go to the caller's memory: rows from the top. */
 bool canvas_use(struct canvas *canvas, void *pixels, struct error *err);
-/* Waits until all is drawn, and has filled the caller's pixels. */
-void canvas_fill(const struct canvas *canvas);
 /* Waits, and reads one of the buffers of colours of a canvas of EGL. */
 void canvas_read(const struct canvas *canvas, int colour, void *pixels);
 /* Returns whether OpenGL has an extension; a canvas is open. */
@@ -225,11 +216,11 @@ void drawing_close(struct drawing *of);
 /* Opens a canvas of the size of a tile: see canvas_open. */
 bool drawing_canvas(const struct drawing *of, int bits, int n_colours, struct canvas **out,
                     struct error *err);
-/* Takes the names of what draws the plan, and the bounds by which it is judged: an unknown driver
- * is measured first. A canvas is in use. Refuses a tile that is too large for OpenGL, another
- * driver than the wanted one, which was chosen before the first canvas, and what driver_has_threads
- * refuses. The bounds of raster/bounds hold for the shaders of a known driver as for its own
- * lighting: the shaders do the same operations, and both measure the same (traits.py). */
+/* Takes the names of what draws the plan, and the driver of that name. A canvas is in use. Refuses
+ * a tile that is too large for OpenGL, another driver than the wanted one, which was chosen before
+ * the first canvas, and what driver_has_threads refuses. The bounds of raster/bounds hold for the
+ * shaders of a known driver as for its own lighting: the shaders do the same operations, and both
+ * measure the same (traits.py). */
 bool drawing_accept(struct drawing *of, struct error *err);
 /* As struct renderer_kind says. The first uploads all but the texels of spectral textures into the
  * current context. */

@@ -20,6 +20,18 @@ bool library_find_all(void *library, const char *const *names, size_t n, void *o
  * are NULL. Fails with EXIT_SYSTEM if one is missing. */
 bool functions_find(struct contexts *to, void *library, struct error *err);
 
+/* ---- context.c ---- */
+
+/* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
+ * opens one of them. contexts_close frees *out, also after a failure. */
+bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err);
+void contexts_close(struct contexts *contexts); /* NULL is fine; after all of its canvases */
+/* The caller closes *out, also after a failure. */
+bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
+                 struct error *err);
+/* Waits until all is drawn, and has filled the caller's pixels. */
+void canvas_fill(const struct canvas *canvas);
+
 /* A library: all in which OSMesa and EGL differ. */
 struct context_kind {
     const char *name;

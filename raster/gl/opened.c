@@ -322,24 +322,6 @@ bool drawing_canvas(const struct drawing *of, int bits, int n_colours, struct ca
     return canvas_open(of->contexts, &size, out, err);
 }
 
-/* Finds the driver by which the pixels are judged: a known one, or, where they are judged, one that
- * is measured. */
-static bool choose_driver(const struct drawing *of, struct driver *out, struct error *err)
-{
-    const char *gl_renderer = of->renderer.names.renderer;
-    const struct driver *known = driver_of(gl_renderer);
-    *out = *known;
-    driver_of_version(out, of->renderer.names.version);
-    if (known != driver_of(NULL) || !of->plan->options.check)
-        return true;
-    if (!drawing_ways.measure)
-        return error_unsupported(err,
-                                 "%s is not known, and this program cannot measure it; --no-check "
-                                 "draws without a check",
-                                 gl_renderer);
-    return drawing_ways.measure(of->contexts, gl_renderer, out, err);
-}
-
 bool drawing_accept(struct drawing *of, struct error *err)
 {
     static const char *const any[] = {
@@ -358,8 +340,9 @@ bool drawing_accept(struct drawing *of, struct error *err)
                                  "this %s draws with %.100s, not with %s; --renderer %s takes any "
                                  "driver",
                                  names->library, names->renderer, wanted, any[contexts->way]);
-    return driver_has_threads(names->renderer, &of->before, err) && shadows_can_draw(of, err) &&
-           choose_driver(of, &of->renderer.driver, err);
+    of->renderer.driver = *driver_of(names->renderer);
+    driver_of_version(&of->renderer.driver, names->version);
+    return driver_has_threads(names->renderer, &of->before, err) && shadows_can_draw(of, err);
 }
 
 bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err)

@@ -28,14 +28,39 @@ static bool open_check(struct rendering *of, struct error *err)
     return done;
 }
 
+/* Opens OpenGL. A driver that is not known is measured before it draws the plan: one renderer can
+ * be open at a time. */
+static bool open_gl(const struct plan *plan, int n_buffers, struct renderer **out,
+                    struct error *err)
+{
+    const struct plan_options *options = &plan->options;
+    struct driver measured;
+    if (!drawing_ways.open[options->gl_way](plan, n_buffers, out, err))
+        return false;
+    if (!options->check || driver_is_known(&(*out)->driver))
+        return true;
+    if (!drawing_ways.measure)
+        return error_unsupported(err,
+                                 "%s is not known, and this program cannot measure it; --no-check "
+                                 "draws without a check",
+                                 (*out)->names.renderer);
+    (*out)->kind->close(*out);
+    *out = NULL;
+    if (!drawing_ways.measure(options, &measured, err) ||
+        !drawing_ways.open[options->gl_way](plan, n_buffers, out, err))
+        return false;
+    (*out)->driver = measured;
+    return true;
+}
+
 static bool open_renderer(struct rendering *of, struct error *err)
 {
     const struct plan *plan = of->plan;
     const struct render_foreign *foreign = of->output->foreign;
     const int n_buffers = plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
-    const bool done = foreign ? foreign->open(foreign->of, plan, n_buffers, &of->renderer, err)
-                              : !plan->options.use_gl || drawing_ways.open[plan->options.gl_way](
-                                                             plan, n_buffers, &of->renderer, err);
+    const bool done = foreign
+                          ? foreign->open(foreign->of, plan, n_buffers, &of->renderer, err)
+                          : !plan->options.use_gl || open_gl(plan, n_buffers, &of->renderer, err);
     of->result->driver = *driver_of(NULL);
     if (done && of->renderer) {
         of->result->names = of->renderer->names;

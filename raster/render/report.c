@@ -53,11 +53,6 @@ static void print_lacks(const struct renderer_lacks *lacks, struct printed *to)
               lacks->depths ? "depths and fragments" : "");
 }
 
-static bool is_known(const struct driver *driver)
-{
-    return !driver->is_measured && strcmp(driver->name, driver_of(NULL)->name) != 0;
-}
-
 static void print_bounds(const struct driver *driver, struct printed *to)
 {
     char words[DRIVER_WORDS];
@@ -82,7 +77,7 @@ static void print_clipped(const struct plan *plan, const struct render_result *r
 void report_print(const struct plan *plan, const struct render_result *result, struct printed *to)
 {
     print_picture(plan, result, to);
-    if (plan->options.check && !is_known(&result->driver))
+    if (plan->options.check && !driver_is_known(&result->driver))
         print_bounds(&result->driver, to);
     print_verdict(plan, &result->check, to);
     if (result->notes)
@@ -328,7 +323,7 @@ void report_put(const struct plan *plan, const struct render_result *result, str
         json_effects(json, plan);
     } else {
         json_number(json, "full_scale", result->full_scale);
-        if (plan->options.check && is_known(&result->driver))
+        if (plan->options.check && driver_is_known(&result->driver))
             print_bounds(&result->driver, &json->printed);
     }
     put_figures(plan, result, json);

@@ -7,16 +7,6 @@
 
 #include "raster/renderers/renderers.h"
 
-struct detail_rule detail_rule(int i)
-{
-    return (struct detail_rule){.quad = true,
-                                .right = i % 2,
-                                .lower = i / 2 % 2,
-                                .first_row = i / 4 % 2,
-                                .largest = i / 8 % 2,
-                                .logarithm = (enum detail_logarithm)(i / 16)};
-}
-
 struct detail_pixels detail_pixels(const struct detail_rule *rule, int x, int y)
 {
     if (!rule->quad)

@@ -34,6 +34,11 @@ const struct driver *driver_of(const char *gl_renderer)
     return &drivers[N_KNOWN];
 }
 
+bool driver_is_known(const struct driver *driver)
+{
+    return !driver->is_measured && strcmp(driver->name, drivers[N_KNOWN].name) != 0;
+}
+
 /* softpipe of Mesa 20.3 takes logarithms without a table, which are off by half a step of it at
  * most, 0.0029. Which version between it and 22.3 changed has not been tried. */
 void driver_of_version(struct driver *driver, const char *gl_version)

@@ -9,9 +9,9 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-struct contexts;
 struct lit_scene;
 struct plan;
+struct plan_options;
 
 /* ---- detail.c: the level of detail of a texture with mipmaps ---- */
 
@@ -25,10 +25,6 @@ struct detail_rule {
     bool largest;      /* the largest component of the steps counts; otherwise their length */
     enum detail_logarithm logarithm;
 };
-/* The rules that a driver that is not known may follow: eight corners and pairs of rows, for each
- * of two norms, for each logarithm. */
-enum { DETAIL_RULES = 4 * 2 * 2 * 3 };
-struct detail_rule detail_rule(int i);
 /* The pixels whose centres a rule looks at: x[i], y[i]; steps run from the first to the others. */
 struct detail_pixels {
     int x[3], y[3];
@@ -65,6 +61,7 @@ struct driver {
 };
 /* NULL stands for an unknown one. */
 const struct driver *driver_of(const char *gl_renderer);
+bool driver_is_known(const struct driver *driver); /* by its name: neither unknown nor measured */
 /* Changes a driver that is known to one of an older Mesa, if GL_VERSION names such a one. */
 void driver_of_version(struct driver *driver, const char *gl_version);
 
@@ -173,10 +170,10 @@ struct drawing_ways {
      * open at a time. NULL: this program does not draw so. */
     bool (*open[GL_WAYS])(const struct plan *plan, int n_buffers, struct renderer **out,
                           struct error *err);
-    /* Measures a driver that is not known. A canvas is in use, and stays so. Fails with
-     * EXIT_SYSTEM, and the reason, where the driver cannot be checked. NULL: cannot measure. */
-    bool (*measure)(struct contexts *contexts, const char *gl_renderer, struct driver *out,
-                    struct error *err);
+    /* Measures the driver that these options choose, by a renderer of its own; none is open. Fails
+     * with EXIT_SYSTEM, and the reason, where the driver cannot be checked. NULL: cannot measure.
+     */
+    bool (*measure)(const struct plan_options *by, struct driver *out, struct error *err);
     /* Writes name, version and driver of the library that is used by default; NULL: no OpenGL. */
     void (*library)(char *out, size_t capacity);
 };

@@ -99,7 +99,7 @@ void driver_options(const struct listed_driver *driver, char out[64])
 const char *driver_profile(const struct listed_driver *driver)
 {
     const struct driver *known = driver_of(driver->is.names.renderer);
-    return !driver->usable ? "" : known == driver_of(NULL) ? "measured" : known->name;
+    return !driver->usable ? "" : driver_is_known(known) ? known->name : "measured";
 }
 
 /* ---- the command ---- */
@@ -111,48 +111,34 @@ struct drivers_options {
 static bool measure(void *context, void *out, struct error *err)
 {
     const struct context_wish wish = wish_of(context);
-    struct contexts *contexts;
-    const bool done = contexts_open(&wish, &contexts, err) && traits_measure(contexts, out, err);
-    contexts_close(contexts);
-    return done;
+    const struct plan_options by = {.gl_library = wish.library,
+                                    .gl_driver = wish.driver,
+                                    .gl_way = wish.way,
+                                    .threads = wish.threads};
+    return driver_measure(&by, out, err);
 }
 
-static void json_bounds(const struct driver *of, struct json *json)
-{
-    json_open(json, "measured_bounds", '{');
-    json_number(json, "edge_px", of->grid_px);
-    json_number(json, "value_px", of->corner_px);
-    json_number(json, "depth_steps", of->depth_roundings);
-    json_number(json, "filter_texels", of->filter_texels);
-    json_number(json, "detail", of->detail_error >= 0 ? of->detail_error : HUGE_VAL);
-    json_number(json, "lighting", of->lighting);
-    json_truth(json, "watertight", of->watertight);
-    json_truth(json, "exact_fill_rule", of->fill_rule != FILL_ANY);
-    json_close(json, '}');
-}
-
-/* Puts the bounds of a driver that draws as was measured, or why there are none. */
-static void put_bounds(const struct traits *traits, struct json *json)
+/* Measures a driver, and puts its bounds, or why there are none. verbose: as a table, too. */
+static void put_bounds(struct listed_driver *driver, bool verbose, struct json *json)
 {
     struct driver profile;
-    struct error refused = {.status = EXIT_AGREED};
     char words[DRIVER_WORDS];
-    const bool bounded = traits_profile(traits, &profile, &refused);
+    const bool bounded = try_alone(measure, driver, &profile, sizeof profile);
     if (bounded)
         driver_print(&profile, words);
-    if (json->words) {
+    if (json->words)
         print(&json->printed, "  bounds          %s%s\n",
-              bounded ? "" : "none: ", bounded ? words : error_words(&refused));
-        return;
-    }
-    json_string(json, "cannot_be_checked", bounded ? NULL : error_words(&refused));
-    if (bounded)
-        json_bounds(&profile, json);
+              bounded ? "" : "none: ", bounded ? words : driver->reason);
+    else
+        json_string(json, "cannot_be_checked", bounded ? NULL : driver->reason);
+    if (bounded && !json->words)
+        traits_json(&profile, json);
+    else if (bounded && verbose)
+        traits_print(&profile, &json->printed);
 }
 
-/* Puts the options, and what they choose; and what was measured (NULL: nothing). */
-static void put_driver(const struct listed_driver *driver, const struct traits *traits,
-                       struct json *json)
+/* Puts the options, and what they choose. */
+static void put_driver(const struct listed_driver *driver, struct json *json)
 {
     const struct context_description *is = &driver->is;
     char options[64];
@@ -175,14 +161,6 @@ static void put_driver(const struct listed_driver *driver, const struct traits *
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);
     }
-    if (traits) {
-        if (json->words)
-            traits_print(traits, &json->printed);
-        else
-            traits_json(traits, json);
-        put_bounds(traits, json);
-    }
-    json_close(json, '}');
 }
 
 static bool run_drivers(struct options *options, struct error *err)
@@ -196,11 +174,11 @@ static bool run_drivers(struct options *options, struct error *err)
         json_open(&json, "drivers", '[');
     for (int i = 0; done && i < drivers.n; i++) {
         struct listed_driver *driver = &drivers.list[i];
-        struct traits traits;
-        const bool measured =
-            own->measure && driver->usable && try_alone(measure, driver, &traits, sizeof traits);
+        put_driver(driver, &json);
         usable = usable || driver->usable;
-        put_driver(driver, measured ? &traits : NULL, &json);
+        if (own->measure && driver->usable)
+            put_bounds(driver, options->verbose, &json);
+        json_close(&json, '}');
     }
     json_close(&json, ']');
     if (!done)
@@ -211,15 +189,17 @@ static bool run_drivers(struct options *options, struct error *err)
 }
 
 static const struct option drivers_rows[] = {
-    {"--measure", "measures what each one does where OpenGL leaves it free",
+    {"--measure", "measures how far each one goes where OpenGL leaves it free",
      OWN(FLAG, drivers_options, measure)},
+    {"-v, --verbose", "prints each trait, and what OpenGL allows, too", SHARED(FLAG, verbose),
+     .needs = "--measure"},
 };
 static const struct option_list drivers_options_list = OPTION_LIST(drivers_rows);
 static const struct option_list *const lists[] = {&drivers_options_list, &json_option,
                                                   &common_options, NULL};
 const struct command drivers_command = {
     .name = "drivers",
-    .operands = "[--measure] [--json FILE]",
+    .operands = "[--measure [-v]] [--json FILE]",
     .summary = "list what OpenGL can draw here, by which options",
     .example = "drivers",
     .run = run_drivers,

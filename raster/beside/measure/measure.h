@@ -1,21 +1,30 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "measure": what OpenGL can draw on this system, and how it does what its specification
- * leaves free, measured on small targets with known answers. The profile of a driver is made from
- * that. Bounds then come from the specification (of OpenGL 2.1) and from these measurements, never
- * from the scene under test. */
+/* The room "measure": what OpenGL can draw on this system, and how far a driver that is not known
+ * goes in what the specification (of OpenGL 2.1) leaves free. It draws the targets, a built-in
+ * scene of small triangles, as any scene; its profile is the narrowest one that explains them.
+ * Bounds then come from the specification and from the targets, never from the scene under test. */
 #ifndef RASTER_BESIDE_MEASURE_MEASURE_H
 #define RASTER_BESIDE_MEASURE_MEASURE_H
 
 #include "data/text/text.h"
 #include "raster/gl/gl.h"
+#include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 #include "spectral.h"
 
-/* ---- values.c ---- */
+/* ---- targets.c ---- */
 
-/* Makes the profile of a driver from measurements: see struct drawing_ways. */
-bool driver_measure(struct contexts *contexts, const char *gl_renderer, struct driver *out,
-                    struct error *err);
+/* Reads and plans the scene of the targets, to be drawn by the OpenGL that `by` asks for; NULL: by
+ * another program. The caller frees the job, also after a failure. */
+bool targets_plan(const struct plan_options *by, struct render_job *job, struct error *err);
+/* Measures the driver that draws the targets, or drew them: opens the source, once, as a renderer
+ * of their plan. *out comes in: a known driver, whose rule for the level of detail is found; or
+ * driver_of(NULL), of which all is found. Fails with EXIT_SYSTEM, and the first pixel, where the
+ * targets differ by more than OpenGL leaves free. */
+bool targets_measure(const struct render_foreign *source, const struct plan_options *by,
+                     struct driver *out, struct error *err);
+/* Measures the driver that draws here: see struct drawing_ways. */
+bool driver_measure(const struct plan_options *by, struct driver *out, struct error *err);
 
 /* ---- command.c: spectral drivers ---- */
 

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/inside.h"
 
 struct verify_options {

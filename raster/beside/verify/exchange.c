@@ -11,6 +11,8 @@
 
 #include "raster/beside/verify/inside.h"
 
+const char targets_prefix[] = "targets-";
+
 /* Pixels of another program as a renderer. */
 struct drawn {
     struct renderer renderer; /* the first member */
@@ -214,29 +216,29 @@ static bool read_folder(struct drawn *of, struct error *err)
     return done;
 }
 
-/* Finds the driver by which the pixels are judged: the one that is given; a known one of that name;
- * one that is measured by its targets; one as wide as the bits of drawn.txt say, since OpenGL may
- * cut a position off to its grid, and values run through corners that are moved so. Depth of fewer
- * than 24 bits rounds to a step of its own. */
+/* Finds the driver by which the pixels are judged: a known one of that name; one that is measured
+ * by its targets; one as wide as the bits of drawn.txt say, since OpenGL may cut a position off to
+ * its grid, and values run through corners that are moved so. Depth of fewer than 24 bits rounds to
+ * a step of its own. Where a known one drew no targets, its program may draw upside down. */
 static bool find_driver(const struct drawn *of, struct driver *out, struct error *err)
 {
-    const char *name = of->renderer.names.renderer;
-    char targets[sizeof of->path];
+    struct foreign_pixels pixels = {of->pixels->path, targets_prefix};
+    const struct render_foreign targets = {.open = drawn_open, .of = &pixels};
+    char path[sizeof of->path];
     struct stat status;
-    *out = of->pixels->driver ? *of->pixels->driver : *driver_of(name);
-    snprintf(targets, sizeof targets, "%.4095s/%sdrawn.txt", of->pixels->path, targets_prefix);
-    if (of->pixels->driver)
+    *out = *driver_of(of->renderer.names.renderer);
+    snprintf(path, sizeof path, "%.4095s/%sdrawn.txt", pixels.path, pixels.prefix);
+    if (of->pixels->prefix[0]) /* these are the targets */
         return true;
-    const bool is_known = driver_of(name) != driver_of(NULL), drew = stat(targets, &status) == 0;
-    out->detail_error = -1; /* the program may draw upside down */
-    if (drew && !is_known && !targets_measure(of->pixels->path, out, err))
-        return false;
-    if (drew && plan_has_mipmaps(of->plan)) {
-        if (!targets_detail(of->pixels->path, out, err))
+    if (stat(path, &status) == 0) {
+        if ((!driver_is_known(out) || plan_has_mipmaps(of->plan)) &&
+            !targets_measure(&targets, NULL, out, err))
             return false;
         out->detail.first_row &= of->plan->view.height % 2;
+        return true;
     }
-    if (drew || is_known)
+    out->detail_error = -1;
+    if (driver_is_known(out))
         return true;
     if (of->bits[0] > 0)
         out->grid_px = out->corner_px = ldexp(1, -(int)of->bits[0]);

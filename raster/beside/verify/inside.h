@@ -6,6 +6,7 @@
 #include "data/base/base.h"
 #include "data/files/files.h"
 #include "data/scene/scene.h"
+#include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/verify.h"
 #include "raster/bounds/bounds.h"
 #include "raster/check/check.h"
@@ -32,25 +33,14 @@ bool export_plans(const struct plan *plan, const struct plan *targets, const cha
 
 /* ---- exchange.c: pixels of another program ---- */
 
-/* Where they lie, and the driver by which they are judged. */
+extern const char targets_prefix[]; /* of the files of the targets */
 struct foreign_pixels {
-    const char *path;            /* the folder */
-    const char *prefix;          /* of the names of the files there */
-    const struct driver *driver; /* NULL: find_driver in exchange.c finds it */
+    const char *path;   /* the folder */
+    const char *prefix; /* of the names of the files there: "", or targets_prefix */
 };
 /* Opens struct foreign_pixels as a renderer: see struct render_foreign. */
 bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct renderer **out,
                 struct error *err);
-
-/* ---- judge.c: the targets ---- */
-
-extern const char targets_prefix[]; /* of the files of the targets */
-/* Measures the driver that drew the targets of a folder. Fails with EXIT_SYSTEM where they differ
- * by more than OpenGL leaves free. */
-bool targets_measure(const char *folder, struct driver *out, struct error *err);
-/* Finds its rule for the level of detail. The targets have an odd number of rows, so that they show
- * whether rows pair from the top; in another picture that may matter, too. */
-bool targets_detail(const char *folder, struct driver *out, struct error *err);
 
 /* ---- command.c ---- */
 

@@ -3,7 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/inside.h"
 
 /* ---- the table ---- */

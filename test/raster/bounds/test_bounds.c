@@ -232,11 +232,11 @@ static void check_weights(void)
         printf("# worst difference / bound %g, near a texel's centre %g\n", worst, worst_beside);
 }
 
-/* The interval of the level of detail takes in that of all steps within their bounds, for every
- * rule; of a table it is two values, where only two are near. */
+/* The interval of the level of detail takes in that of all steps within their bounds, for each norm
+ * and logarithm; of a table it is two values, where only two are near. */
 static void check_detail(void)
 {
-    enum { TRIALS = 20000 };
+    enum { TRIALS = 20000, RULES = 6 };
     const struct texels texels = {NULL, 256, 64, true, 9};
     uint64_t state = 19;
     int missed = 0, pairs = 0;
@@ -245,7 +245,8 @@ static void check_detail(void)
         struct driver driver = *driver_of("llvmpipe");
         double steps[2][2], errors[2][2], seen[2][2];
         struct texel_point at = {.e_weights = 0};
-        driver.detail = detail_rule(i % DETAIL_RULES);
+        driver.detail =
+            (struct detail_rule){.largest = i % 2, .logarithm = (enum detail_logarithm)(i / 2 % 3)};
         for (int k = 0; k < 4; k++) {
             const double step = pow(10, test_random(&state, -1, 2));
             steps[k / 2][k % 2] = k % 3 ? step : -step;
@@ -260,12 +261,13 @@ static void check_detail(void)
         pairs += at.other != at.place[PLACE_DETAIL];
         widest = fmax(widest, e);
     }
-    for (int i = 0; i < DETAIL_RULES; i++) {
+    for (int i = 0; i < RULES; i++) {
         struct driver driver = *driver_of("llvmpipe");
         double steps[2][2] = {{1, 2}, {3, (double)NAN}},
                errors[2][2] = {{0, 0}, {HUGE_VAL, HUGE_VAL}};
         struct texel_point at = {.e_weights = 0};
-        driver.detail = detail_rule(i);
+        driver.detail =
+            (struct detail_rule){.largest = i % 2, .logarithm = (enum detail_logarithm)(i / 2)};
         texel_detail(&texels, &driver, steps, errors, &at);
         widest_any = fmin(widest_any, at.place[PLACE_DETAIL] + (double)at.e_place[PLACE_DETAIL]);
     }

@@ -235,11 +235,13 @@ static void clamp_colours(GLenum name)
     glClampColorARB(name, GL_TRUE);
 }
 
-/* OpenGL counts biases in steps of 1/256. Fault 100 changes it from draw call to draw call. */
+/* OpenGL counts biases in steps of 1/256. Fault 100 changes it from draw call to draw call, by bits
+ * of Knuth's generator, so that no picture has as many changes as the one before. */
 static void bias_detail(GLenum steps_of_256)
 {
-    static GLfloat factor = 1;
-    factor = fault() == 100 ? -factor : factor;
+    static uint64_t state = 1;
+    state = state * 6364136223846793005u + 1442695040888963407u;
+    const GLfloat factor = fault() == 100 && state >> 63 ? -1 : 1;
     glTexEnvf(GL_TEXTURE_FILTER_CONTROL, GL_TEXTURE_LOD_BIAS, factor * (GLfloat)steps_of_256 / 256);
 }
 

@@ -5,8 +5,8 @@
  *
  *     low       a depth in four is a step too low
  *     coarse    depths have 16 bits
- *     filter    linear filtering has weights of 8 bits, cut off
- *     passes    triangles that are drawn by numbers lie a step of depth further back
+ *     filter    linear filtering has weights of 5 bits, cut off
+ *     passes    each second mesh lies further back where it is lit than where it is numbered
  *
  * Other lies are faults of fault.c, which is then loaded behind this library. */
 #define _GNU_SOURCE
@@ -51,9 +51,9 @@ void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format
 
 /* ---- values ---- */
 
-/* Linear filtering by weights of 8 bits is nearest filtering of a texture that is 256 times as
- * large a side. Textures with mipmaps stay as they are. */
-enum { WEIGHTS = 256 };
+/* Linear filtering by weights of 5 bits is nearest filtering of a texture that is 32 times as large
+ * a side. Textures with mipmaps stay as they are. */
+enum { WEIGHTS = 32 };
 
 static bool mipmapped; /* the texture whose filter was set last */
 
@@ -106,9 +106,11 @@ void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLs
 
 void glDrawElements(GLenum mode, GLsizei count, GLenum type, const void *indices)
 {
-    if (lies("passes")) {
+    static bool second;
+    second = !second;
+    if (second && lies("passes")) {
         glEnable(GL_POLYGON_OFFSET_FILL);
-        glPolygonOffset(0, 1);
+        glPolygonOffset(0, 4096);
     }
     REAL(glDrawElements)(mode, count, type, indices);
     glDisable(GL_POLYGON_OFFSET_FILL);

@@ -145,7 +145,7 @@ def measured(scene):
             check(result.returncode == 3 and "the driver cannot be checked: its targets differ by more than OpenGL leaves free: " in result.stderr,
                   "corners moved by 1/8 pixel: refused", result.stdout, result.stderr)
             continue
-        found = re.search(r"^bounds +measured by its targets: edges to (\S+) pixel", result.stdout, re.MULTILINE)
+        found = re.search(r"^bounds +measured: edges to (\S+) pixel", result.stdout, re.MULTILINE)
         bounds[steps] = float(found.group(1)) if found else 0
         check(result.returncode == 0, f"corners moved by {steps}/32 pixel: agreed", result.stdout, result.stderr)
         with open(os.path.join(folder, "colours-3.bin"), "r+b") as file:
