@@ -154,9 +154,7 @@ static bool fits(const struct drawing *of, const struct texture *texture, struct
     if (texture->image.width > largest || texture->image.height > largest)
         return error_system(err, "%.500s: this OpenGL has textures of at most %d texels a side",
                             texture->image.path, largest);
-    /* OpenGL ES filters floats where an extension allows it */
-    return !texture->linear || of->contexts->way != GL_ES ||
-           contexts_have(of->contexts, "GL_OES_texture_float_linear") ||
+    return !texture->linear || !of->renderer.unfiltered ||
            error_unsupported(err, "%.500s: this OpenGL ES does not filter floats; add `nearest`",
                              texture->image.path);
 }
@@ -335,6 +333,9 @@ bool drawing_accept(struct drawing *of, struct error *err)
         return error_unsupported(err, "%s draws at most %d x %d pixels at once", contexts->name,
                                  largest[0], largest[1]);
     identify(contexts, names);
+    /* OpenGL ES filters floats where an extension allows it */
+    of->renderer.unfiltered =
+        contexts->way == GL_ES && !contexts_have(contexts, "GL_OES_texture_float_linear");
     if (wanted && strncmp(names->renderer, wanted, strlen(wanted)) != 0)
         return error_unsupported(err,
                                  "this %s draws with %.100s, not with %s; --renderer %s takes any "

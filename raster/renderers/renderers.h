@@ -128,6 +128,7 @@ struct renderer {
     struct driver driver;      /* by which it is judged */
     struct renderer_work work; /* of all that was drawn so far */
     struct renderer_lacks lacks;
+    bool unfiltered; /* it refuses linear textures */
 };
 struct renderer_kind {
     /* Takes the lit scene of the plan, before the first `aim`. It must outlive the renderer. */

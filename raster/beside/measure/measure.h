@@ -14,12 +14,13 @@
 
 /* ---- targets.c ---- */
 
-/* Reads and plans the scene of the targets, to be drawn by the OpenGL that `by` asks for; NULL: by
- * another program. The caller frees the job, also after a failure. */
-bool targets_plan(const struct plan_options *by, struct render_job *job, struct error *err);
+/* Reads and plans the scene of the targets, with textures or not, to be drawn by the OpenGL that
+ * `by` asks for; NULL: by another program. The caller frees the job, also after a failure. */
+bool targets_plan(const struct plan_options *by, bool textured, struct render_job *job,
+                  struct error *err);
 /* Measures the driver that draws the targets, or drew them: opens the source, once, as a renderer
- * of their plan. *out comes in: a known driver, whose rule for the level of detail is found; or
- * driver_of(NULL), of which all is found. Fails with EXIT_SYSTEM, and the first pixel, where the
+ * of their plan. *out comes in as a known driver, whose rule for the level of detail is found, or as
+ * driver_of(NULL). Fails with EXIT_SYSTEM, and the first pixel, where the
  * targets differ by more than OpenGL leaves free. */
 bool targets_measure(const struct render_foreign *source, const struct plan_options *by,
                      struct driver *out, struct error *err);

@@ -12,11 +12,13 @@
 
 /* ---- the scene ---- */
 
-bool targets_plan(const struct plan_options *by, struct render_job *job, struct error *err)
+bool targets_plan(const struct plan_options *by, bool textured, struct render_job *job,
+                  struct error *err)
 {
     struct options options = {.operand = NULL};
     bool done = options_read(&render_command, true, NULL, 0, &options, err);
-    options.operand = BUILTIN_PREFIX "targets/targets.scene";
+    options.operand = textured ? BUILTIN_PREFIX "targets/targets.scene"
+                               : BUILTIN_PREFIX "targets/untextured.scene";
     done = done && job_read(&options, true, job, err);
     if (by) {
         job->options.gl_library = by->gl_library;
@@ -113,23 +115,32 @@ static void keep(struct targets *of)
         of->kept.buffers[i] = of->source->buffers[0];
 }
 
-static bool targets_open(const struct render_foreign *source, const struct plan_options *by,
-                         struct targets *out, struct error *err)
-{
-    *out = (struct targets){.source = NULL};
-    if (!targets_plan(by, &out->job, err) ||
-        !source->open(source->of, &out->job.plan, 2, &out->source, err) || !draw(out, err))
-        return false;
-    keep(out);
-    return true;
-}
-
 static void targets_close(struct targets *of)
 {
     if (of->source)
         of->source->kind->close(of->source);
     lit_free(&of->lit);
     job_free(&of->job);
+    *of = (struct targets){.source = NULL};
+}
+
+/* Opens the source. One that filters no textures gets none. */
+static bool targets_open(const struct render_foreign *source, const struct plan_options *by,
+                         struct targets *out, struct error *err)
+{
+    bool textured = true, done;
+    *out = (struct targets){.source = NULL};
+    do {
+        done = targets_plan(by, textured, &out->job, err) &&
+               source->open(source->of, &out->job.plan, 2, &out->source, err);
+        textured = done && !(textured && out->source->unfiltered);
+        if (!textured)
+            targets_close(out);
+    } while (done && !textured);
+    done = done && draw(out, err);
+    if (done)
+        keep(out);
+    return done;
 }
 
 static bool kept_open(void *targets, const struct plan *plan, int n_buffers, struct renderer **out,

@@ -235,8 +235,8 @@ static void clamp_colours(GLenum name)
     glClampColorARB(name, GL_TRUE);
 }
 
-/* OpenGL counts biases in steps of 1/256. Fault 100 changes it from draw call to draw call, by bits
- * of Knuth's generator, so that no picture has as many changes as the one before. */
+/* OpenGL counts biases in steps of 1/256. Fault 100 changes it from draw call to draw call, by
+ * Knuth's random numbers: no two pictures have the same. */
 static void bias_detail(GLenum steps_of_256)
 {
     static uint64_t state = 1;

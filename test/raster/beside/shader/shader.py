@@ -84,6 +84,11 @@ def limits():
     result = run(*words, "--renderer", "es-shader", SPOIL="unknown depths", LD_PRELOAD=SPOIL)
     check(result.returncode == 0 and "\nbounds            measured: " in result.stdout and "every colour is what" in result.stdout,
           "an unknown OpenGL ES without depths is measured without them", result.stdout, result.stderr)
+    result = run(*words, "--renderer", "es-shader", SPOIL="unknown filters", LD_PRELOAD=SPOIL)
+    check(result.returncode == 0 and "\nbounds            measured: " in result.stdout and "agreed: every pixel is" in result.stdout,
+          "one that does not filter floats is measured without textures", result.stdout, result.stderr)
+    refuses("a linear texture there", "this OpenGL ES does not filter floats; add `nearest`", "render", "room", "-o", "/dev/null", "--renderer", "es-shader",
+            status=3, SPOIL="unknown filters", LD_PRELOAD=SPOIL)
     result = run(*words, "--renderer", "gl-shader", "--no-check", SPOIL="unknown", LD_PRELOAD=SPOIL)
     check(result.returncode == 0 and "drawn by          Foo 9000, " in result.stdout, "without a check it draws", result.stderr)
     for renderer, gl, pattern in (("gl-shader", "osmesa", "OSMesa draws without shaders here; add --gl egl"), ("es-shader", "egl:60", "there is no egl:60")):

@@ -6,6 +6,7 @@
  *     crash     the driver ends the process where a texture is switched on
  *     unknown   the driver has another name
  *     depths    OpenGL ES cannot read depths
+ *     filters   OpenGL ES does not filter floats
  *
  * In shaders the light is that of the variable "diffuse". */
 #define _GNU_SOURCE
@@ -86,9 +87,10 @@ const GLubyte *glGetStringi(GLenum name, GLuint index)
     const GLubyte *(*next)(GLenum, GLuint);
     real("glGetStringi", &next);
     const GLubyte *text = next(name, index);
-    return spoils("depths") && strcmp((const char *)text, "GL_NV_read_depth_stencil") == 0
-               ? (const GLubyte *)"GL_hidden"
-               : text;
+    const bool hidden =
+        (spoils("depths") && strcmp((const char *)text, "GL_NV_read_depth_stencil") == 0) ||
+        (spoils("filters") && strcmp((const char *)text, "GL_OES_texture_float_linear") == 0);
+    return hidden ? (const GLubyte *)"GL_hidden" : text;
 }
 
 const GLubyte *glGetString(GLenum name)
