@@ -82,12 +82,12 @@ prepare() {
 # list what a program contains of the rooms in that folder, which the core does not know.
 find_sources() {
     rooms='data raster/reference raster/visibility raster/renderers raster/plan raster/bounds raster/volumes raster/candidates raster/counts raster/check raster/render'
-    all='raster/beside/colour raster/beside/accuracy raster/beside/verify raster/beside/see raster/beside/cost raster/beside/view'
+    all='raster/beside/colour raster/beside/accuracy raster/beside/measure raster/beside/verify raster/beside/see raster/beside/cost raster/beside/view'
     commands=commands ways=ways
     without='/no_[a-z]*[.]c$'
     case $GL in
-    osmesa) rooms="$rooms raster/gl" all="$all raster/beside/shader raster/beside/measure" ;;
-    none) commands=commands_no_gl ways=ways_none without="$without|^raster/beside/verify/(command|tables)[.]c" ;;
+    osmesa) rooms="$rooms raster/gl" all="$all raster/beside/shader" ;;
+    none) commands=commands_no_gl ways=ways_none without="$without|^raster/beside/(measure|verify)/(command|tables)[.]c" ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
     case $TIER in

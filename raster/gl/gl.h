@@ -167,11 +167,6 @@ bool contexts_have(const struct contexts *contexts, const char *extension);
 
 /* ---- opened.c: what can be used ---- */
 
-struct context_description {
-    struct renderer_names names;
-    char vendor[128];
-    int largest_viewport[2], largest_texture; /* pixels, texels, a side */
-};
 /* Opens a library and closes it. For a process of its own, which opens no other one. */
 bool contexts_describe(const struct context_wish *wish, struct context_description *out,
                        struct error *err);

@@ -104,6 +104,12 @@ struct renderer_names {
     char library[16], renderer[128], version[128]; /* "OSMesa" or "EGL", GL_RENDERER, GL_VERSION;
                                                       empty: nothing draws */
 };
+/* A library of OpenGL as it describes itself. */
+struct context_description {
+    struct renderer_names names;
+    char vendor[128];
+    int largest_viewport[2], largest_texture; /* pixels, texels, a side */
+};
 struct renderer_work {
     long passes, draw_calls;
 };

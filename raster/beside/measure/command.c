@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "raster/beside/measure/inside.h"
+#include "raster/gl/gl.h"
 
 static struct context_wish wish_of(const struct listed_driver *listed)
 {

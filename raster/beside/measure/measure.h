@@ -7,7 +7,6 @@
 #define RASTER_BESIDE_MEASURE_MEASURE_H
 
 #include "data/text/text.h"
-#include "raster/gl/gl.h"
 #include "raster/render/render.h"
 #include "raster/renderers/renderers.h"
 #include "spectral.h"
