@@ -21,7 +21,6 @@ struct instance_maker {
     struct whole *wholes;
     int n_wholes;
     struct index shapes, cuttings; /* wholes by their shape, and meshes of the plan by cutting */
-    const int *halvings;           /* of the edges of each object; NULL: none */
 };
 
 /* ---- whole meshes ---- */
@@ -44,12 +43,10 @@ static bool repeats(const struct scene *scene, const struct object *object)
 
 /* Returns the key of a shape, allocated, and its length: shapes of one key have one mesh. NULL: no
  * memory. */
-static char *shape_key(const struct shape *shape, int halvings, bool repeated, size_t *length,
-                       struct error *err)
+static char *shape_key(const struct shape *shape, bool repeated, size_t *length, struct error *err)
 {
     const bool is_mesh = shape->kind == SHAPE_MESH;
-    const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, halvings,
-                         repeated};
+    const int words[] = {(int)shape->kind, shape->planar, is_mesh && shape->unitize, repeated};
     const double crease_deg = shape->crease_deg + 0; /* -0 becomes 0 */
     struct printed key = {.text = NULL};
     print_bytes(&key, words, sizeof words);
@@ -83,12 +80,12 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
     return largest > 0 ? ldexp(1, exponent) : 1;
 }
 
-static bool add_whole(struct instance_maker *maker, const struct shape *shape, int halvings,
-                      bool repeated, struct error *err)
+static bool add_whole(struct instance_maker *maker, const struct shape *shape, bool repeated,
+                      struct error *err)
 {
     struct whole whole = {.shape = *shape};
     bool done = shape_build(shape, &whole.mesh, err);
-    for (; done && halvings > 0; halvings--)
+    for (int i = maker->plan->options.halvings; done && shape->kind == SHAPE_MESH && i > 0; i--)
         done = mesh_halve(&whole.mesh, err);
     if (done && shape->planar)
         mesh_planar(&whole.mesh);
@@ -108,18 +105,15 @@ static bool add_whole(struct instance_maker *maker, const struct shape *shape, i
 static int find_whole(struct instance_maker *maker, const struct object *object, struct error *err)
 {
     const struct scene *scene = maker->plan->scene;
-    const bool is_mesh = object->shape.kind == SHAPE_MESH;
-    const int halvings = maker->halvings ? maker->halvings[object - scene->objects] : 0,
-              of_mesh = is_mesh ? halvings : 0;
-    const struct shape shape =
-        shape_tessellated(&object->shape, ldexp(scene->tessellation, halvings));
+    const struct shape shape = shape_tessellated(
+        &object->shape, ldexp(scene->tessellation, maker->plan->options.halvings));
     const bool repeated = repeats(scene, object);
     size_t length;
-    char *key = shape_key(&shape, of_mesh, repeated, &length, err);
+    char *key = shape_key(&shape, repeated, &length, err);
     if (!key)
         return -1;
     int found = index_find(&maker->shapes, key, length);
-    if (found < 0 && add_whole(maker, &shape, of_mesh, repeated, err) &&
+    if (found < 0 && add_whole(maker, &shape, repeated, err) &&
         index_add(&maker->shapes, key, length, maker->n_wholes - 1, err))
         found = maker->n_wholes - 1;
     free(key);
@@ -406,9 +400,9 @@ static void fill_instance(const struct plan *plan, struct placed_instance *place
         out->texels = plan_texels(shaded->texture, 0);
 }
 
-bool instances_make(struct plan *plan, const int *halvings, struct error *err)
+bool instances_make(struct plan *plan, struct error *err)
 {
-    struct instance_maker maker = {.plan = plan, .halvings = halvings};
+    struct instance_maker maker = {.plan = plan};
     bool done = true;
     for (int i = 0; i < plan->scene->n_objects && done; i++)
         done = add_object(&maker, &plan->scene->objects[i], err);

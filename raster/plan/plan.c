@@ -241,7 +241,7 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     if (!check_size(scene, err) || !MAKE_ARRAY(out->materials, most, err, "%zu materials", most) ||
         !MAKE_ARRAY(out->textures, most, err, "%zu textures", most) ||
         !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
-        !lights_list(out, err) || !instances_make(out, NULL, err) || !lights_drop_idle(out, err))
+        !lights_list(out, err) || !instances_make(out, err) || !lights_drop_idle(out, err))
         return false;
     out->view = view_of(out, &camera);
     if (!reach_find(out, err))
@@ -251,45 +251,19 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     return passes_make(out, err);
 }
 
-/* Forgets meshes, instances, and what reaches the picture. */
-static void forget_instances(struct plan *plan)
+void plan_free(struct plan *plan)
 {
     for (int i = 0; i < plan->n_meshes; i++)
         mesh_free(&plan->meshes[i].mesh);
-    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture, plan->passes.frame,
-             plan->passes.first_pass);
-    plan->meshes = NULL;
-    plan->instances = NULL;
-    plan->is_idle = plan->shows_texture = NULL;
-    plan->passes = (struct passes){.frame = NULL};
-    plan->n_meshes = plan->n_instances = 0;
-}
-
-bool plan_refine(struct plan *plan, const int *halvings, struct error *err)
-{
-    forget_instances(plan);
-    plan->n_vertices = plan->n_triangles = 0;
-    plan->work.unseen_instances = plan->work.idle_lights = plan->work.undrawn_textures = 0;
-    if (!instances_make(plan, halvings, err))
-        return false;
-    if (!reach_find(plan, err))
-        return false;
-    size_tiles(plan);
-    return passes_make(plan, err);
-}
-
-void plan_free(struct plan *plan)
-{
-    forget_instances(plan);
     for (int i = 0; i < plan->n_materials; i++) {
         free(plan->materials[i].terms);
         material_terms_free(&plan->materials[i].made);
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
-    FREE_ALL(plan->materials, plan->textures);
+    FREE_ALL(plan->meshes, plan->instances, plan->is_idle, plan->shows_texture, plan->passes.frame,
+             plan->passes.first_pass, plan->materials, plan->textures, plan->lights, plan->sources);
     index_free(&plan->by_material);
-    FREE_ALL(plan->lights, plan->sources);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};
 }

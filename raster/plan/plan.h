@@ -63,6 +63,7 @@ struct plan_options {
     bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
     bool complete;     /* another program draws: every pass, and the backs that solids hide, too */
     int threads;       /* 0: one a processor; the plan holds the number */
+    int halvings;      /* how often the edges of all objects are halved */
 };
 /* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
  * pass, or for several that follow each other and have the same products of spectra. A pass whose
@@ -126,8 +127,6 @@ struct plan {
  * at its place, what cannot be drawn. Scene and sampling (NULL: none) must outlive the plan. */
 bool plan_make(const struct scene *scene, const struct sampling *sampling,
                const struct plan_options *options, struct plan *out, struct error *err);
-/* Makes the instances again: halvings[i] is how often the edges of object i are halved. */
-bool plan_refine(struct plan *plan, const int *halvings, struct error *err);
 /* A region, in positions, is drawn in so many tiles of the plan's size or smaller, row by row. */
 struct rectangle plan_picture(const struct plan *plan); /* all positions */
 struct rectangle plan_pixels(const struct plan *plan, const struct rectangle *positions);

@@ -8,10 +8,10 @@
 
 /* ---- refine.c ---- */
 
-/* See raster/render/render.h. It refines a plan if the options ask for it: divides all triangles of
- * an object, again and again, until 95 % of its pixels have at most the wanted error. Built-in
- * shapes get twice as many slices, stacks, ..., and edges of mesh files are halved. Objects that
- * are good enough stay as they are, and so does flat shading. */
+/* See raster/render/render.h. It refines a plan if the options ask for it: divides all objects
+ * alike, again and again, until 95 % of the pixels of objects have at most the wanted error.
+ * Built-in shapes get twice as many slices, stacks, ..., and edges of mesh files are halved. Flat
+ * shading stays as it is. */
 extern const struct shading_judge accuracy_judge;
 
 #endif
