@@ -44,10 +44,14 @@ struct surface_bounds {
 /* The weights that one group of lights adds to surface.weights; NULL: there is one group. */
 float *group_weights(const struct surface *surface, const struct surface_bounds *bounds, int group);
 struct volumes;
-/* A scene with all of its vertices in the window and lit, by the reference and with bounds. */
+/* A scene with all of its vertices in the window and lit, by the reference and with bounds; or its
+ * shadow volumes, in the window without light. */
 struct lit_scene {
     const struct plan *plan;
     const struct driver *driver;
+    const struct placed_instance *instances; /* those of the plan, or the volumes */
+    int n;                                   /* of them */
+    bool are_volumes; /* the near and the far plane cut nothing of them, and none is hidden */
     struct surface *surfaces; /* one an instance, in drawing order */
     struct surface_bounds *bounds;
     struct occluders occluders;    /* none, where no light throws shadows into view */
@@ -60,6 +64,10 @@ struct lit_scene {
  * left. Without a check no errors of weights are bounded. */
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
               struct error *err);
+/* Places shadow volumes in the window. Refuses infinity. Both must outlive *out; lit_free accepts
+ * what a failure left. */
+bool lit_place_volumes(const struct lit_scene *scene, const struct placed_instance *volumes, int n,
+                       struct lit_scene *out, struct error *err);
 void lit_free(struct lit_scene *lit);
 void light_work_add(struct light_work *to, const struct light_work *from);
 const struct surface_bounds *bounds_of(const struct lit_scene *lit,

@@ -71,11 +71,12 @@ static void bound_place(const struct plan *plan, const double magnitude[4],
 /* True if the clip coordinates of an instance's vertices may come out exact: an orthographic
  * picture in one tile, and matrices that multiply without rounding. Their product is stored. The
  * vertices of shadow volumes are rounded themselves. */
-static bool may_be_exact(const struct plan *plan, const struct instance *instance,
+static bool may_be_exact(const struct lit_scene *lit, const struct instance *instance,
                          struct matrix *product)
 {
+    const struct plan *plan = lit->plan;
     *product = matrix_product(plan->view.projection, instance->model_view);
-    return !plan->scene->camera.perspective && !plan->tiled && !plan->clamps_depth &&
+    return !plan->scene->camera.perspective && !plan->tiled && !lit->are_volumes &&
            exact_product(&plan->view.projection, &instance->model_view);
 }
 
@@ -131,7 +132,8 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
         out->slack_px = 0;
     double e_eye =
         roundings(EYE_ROUNDINGS) * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
-    light_bounds(of->lit, of->surface_index, index, e_eye, work);
+    if (!of->lit->are_volumes)
+        light_bounds(of->lit, of->surface_index, index, e_eye, work);
 }
 
 /* ---- refusals ---- */
@@ -259,7 +261,7 @@ static bool allocate(const struct bounding *of, const struct placed_instance *pl
                      struct error *err)
 {
     const struct plan *plan = of->lit->plan;
-    const char *name = object_name(plan, of->surface_index);
+    const char *name = plan->materials[placed->shaded].material->name;
     struct surface_bounds *bounds = of->bounds;
     bounds->placed = placed;
     bounds->shaded = &plan->materials[placed->shaded];
@@ -303,9 +305,9 @@ static void make_vertices(void *context, size_t first, size_t end)
 
 static bool make_surface(struct lit_scene *lit, int index, struct error *err)
 {
-    const struct placed_instance *placed = &lit->plan->instances[index];
-    const bool is_lit = instance_is_lit(lit->plan, placed);
-    const bool checks_near = lit->plan->scene->camera.perspective && !lit->plan->clamps_depth;
+    const struct placed_instance *placed = &lit->instances[index];
+    const bool is_lit = !lit->are_volumes && instance_is_lit(lit->plan, placed);
+    const bool checks_near = lit->plan->scene->camera.perspective && !lit->are_volumes;
     struct view unlit = lit->plan->view;
     unlit.n_lights = 0;
     struct bounding of = {.lit = lit,
@@ -316,7 +318,7 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
                           .lock = PTHREAD_MUTEX_INITIALIZER};
     if (!allocate(&of, placed, err))
         return false;
-    of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);
+    of.may_be_exact = may_be_exact(lit, &placed->instance, &of.product);
     threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
                    make_vertices, &of);
     if (is_lit)
@@ -328,7 +330,8 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
         if (!check_near(lit->plan, of.surface, of.bounds, i, err))
             return false;
     find_extent(of.surface, of.bounds);
-    return !(placed->in_view && lit->plan->options.use_gl) || find_hidden(lit, index, err);
+    return !(placed->in_view && lit->plan->options.use_gl) || lit->are_volumes ||
+           find_hidden(lit, index, err);
 }
 
 /* Lists what throws shadows. */
@@ -355,23 +358,42 @@ static bool find_occluders(struct lit_scene *lit, struct error *err)
     return done;
 }
 
+static bool make_surfaces(struct lit_scene *out, struct error *err)
+{
+    if (!MAKE_ARRAY(out->surfaces, out->n, err, "%d objects", out->n) ||
+        !MAKE_ARRAY(out->bounds, out->n, err, "the bounds of %d objects", out->n))
+        return false;
+    for (int i = 0; i < out->n; i++)
+        if (!make_surface(out, i, err))
+            return false;
+    return true;
+}
+
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
               struct error *err)
 {
-    const int n = plan->n_instances;
-    *out = (struct lit_scene){.plan = plan, .driver = driver, .full_scale = 1};
-    if (!MAKE_ARRAY(out->surfaces, n, err, "%d objects", n) ||
-        !MAKE_ARRAY(out->bounds, n, err, "the bounds of %d objects", n))
-        return false;
-    for (int i = 0; i < plan->n_instances; i++)
-        if (!make_surface(out, i, err))
-            return false;
-    return plan->view.n_shadowed == 0 || find_occluders(out, err);
+    *out = (struct lit_scene){.plan = plan,
+                              .driver = driver,
+                              .instances = plan->instances,
+                              .n = plan->n_instances,
+                              .full_scale = 1};
+    return make_surfaces(out, err) && (plan->view.n_shadowed == 0 || find_occluders(out, err));
+}
+
+bool lit_place_volumes(const struct lit_scene *scene, const struct placed_instance *volumes, int n,
+                       struct lit_scene *out, struct error *err)
+{
+    *out = (struct lit_scene){.plan = scene->plan,
+                              .driver = scene->driver,
+                              .instances = volumes,
+                              .n = n,
+                              .are_volumes = true};
+    return make_surfaces(out, err);
 }
 
 void lit_free(struct lit_scene *lit)
 {
-    for (int i = 0; lit->surfaces && lit->bounds && i < lit->plan->n_instances; i++) {
+    for (int i = 0; lit->surfaces && lit->bounds && i < lit->n; i++) {
         surface_close(&lit->surfaces[i]);
         FREE_ALL(lit->bounds[i].vertices, lit->bounds[i].errors, lit->bounds[i].jumps,
                  lit->bounds[i].hidden, lit->bounds[i].group_weights);

@@ -282,7 +282,7 @@ static struct polygon clip_whole(const struct tile *tile, const struct screen_tr
         for (int k = 0; k < 4; k++)
             out.cut[i].e[k] = (double)e_clip[k];
     }
-    for (int p = 0; p < (tile->lit->plan->clamps_depth ? 4 : CLIP_PLANES) && out.n > 0; p++)
+    for (int p = 0; p < (tile->lit->are_volumes ? 4 : CLIP_PLANES) && out.n > 0; p++)
         clip(&out, planes[p], p);
     for (int i = 0; i < out.n; i++)
         if (!(out.corner[i].clip[CLIP_W] > 0)) /* the eye's plane, where nothing has a bound */
@@ -532,16 +532,15 @@ static int place_parts(const struct tile *tile, const struct screen_triangle *wh
     struct clip_plane planes[CLIP_PLANES];
     const bool cut = crosses_depth(tile->lit, whole);
     clip_planes(tile, whole, planes);
-    const int n_cuts = !cut ? 0
-                       : tile->lit->plan->clamps_depth
-                           ? 1
-                           : 2; /* what lies behind the far plane counts */
+    const int n_cuts = !cut                     ? 0
+                       : tile->lit->are_volumes ? 1
+                                                : 2; /* what lies behind the far plane counts */
     int n = screen_triangles(&tile->lit->plan->view, whole->surface, whole->triangle, planes + 4,
                              n_cuts, parts);
     for (int i = 0; i < n; i++) {
         struct bounded_triangle *triangle = &out[i].bounded;
-        *triangle = (struct bounded_triangle){.screen = parts[i],
-                                              .cut = cut && !tile->lit->plan->clamps_depth};
+        *triangle =
+            (struct bounded_triangle){.screen = parts[i], .cut = cut && !tile->lit->are_volumes};
         triangle->straddles = cut || crosses_border(tile, whole);
         for (int v = 0; v < 3 && !cut; v++)
             widen(&triangle->slack, whole_slack(tile->lit, whole, v));

@@ -95,7 +95,6 @@ struct plan {
     double unit;       /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
     double near;       /* distance of the near plane, in that unit */
     bool tiled;        /* there is more than one tile */
-    bool clamps_depth; /* of shadow volumes: nothing is cut by the near and the far plane */
     struct matrix world_to_eye, background_to_eye;
     struct view view; /* of the picture, for the reference */
     struct plan_mesh *meshes;

@@ -499,34 +499,34 @@ static bool list_volumes(const struct lit_scene *lit, int shadowed, struct volum
     return done;
 }
 
+/* A volume as a mesh that is placed like the object that throws the shadow. */
+static struct placed_instance place_volume(const struct plan *plan, const struct volume *volume)
+{
+    const struct placed_instance *of = &plan->instances[volume->instance];
+    return (struct placed_instance){
+        .object = of->object,
+        .shaded = of->shaded,
+        .in_view = true,
+        .instance = {.vertices = volume->vertices,
+                     .triangles = (const int32_t(*)[3])volume->triangles,
+                     .n_vertices = volume->n_vertices,
+                     .n_triangles = volume->n,
+                     .model_view = of->instance.model_view,
+                     .normal_matrix = of->instance.normal_matrix,
+                     .mirrored = of->instance.mirrored}};
+}
+
 bool volumes_make(const struct lit_scene *lit, struct volumes *out, struct error *err)
 {
-    struct plan *plan = &out->plan;
-    *out = (struct volumes){.plan = *lit->plan};
-    plan->instances = NULL;
-    plan->n_instances = plan->n_lights = plan->view.n_shadowed = 0;
-    plan->n_light_groups = 1;
-    plan->view.n_lights = 0;
-    plan->clamps_depth = true;
-    plan->options.use_gl = false; /* no triangle of a volume is hidden */
+    *out = (struct volumes){.n = 0};
     for (int i = 0; i < lit->plan->view.n_shadowed; i++)
         if (!list_volumes(lit, i, out, err))
             return false;
-    if (!MAKE_ARRAY(plan->instances, out->n, err, "%d shadows", out->n))
+    if (!MAKE_ARRAY(out->instances, out->n, err, "%d shadows", out->n))
         return false;
-    for (int i = 0; i < out->n; i++) {
-        const struct volume *volume = &out->list[i];
-        struct placed_instance *placed = &plan->instances[plan->n_instances++];
-        *placed = lit->plan->instances[volume->instance];
-        placed->in_view = true;
-        placed->instance.vertices = volume->vertices;
-        placed->instance.triangles = (const int32_t(*)[3])volume->triangles;
-        placed->instance.n_vertices = volume->n_vertices;
-        placed->instance.n_triangles = volume->n;
-        placed->instance.n_terms = 0;
-        placed->instance.textured = placed->instance.two_sided = false;
-    }
-    return lit_make(plan, lit->driver, &out->lit, err);
+    for (int i = 0; i < out->n; i++)
+        out->instances[i] = place_volume(lit->plan, &out->list[i]);
+    return lit_place_volumes(lit, out->instances, out->n, &out->lit, err);
 }
 
 void volumes_free(struct volumes *volumes)
@@ -536,6 +536,6 @@ void volumes_free(struct volumes *volumes)
         struct volume *volume = &volumes->list[i];
         FREE_ALL(volume->caps, volume->vertices, volume->triangles);
     }
-    FREE_ALL(volumes->list, volumes->plan.instances);
+    FREE_ALL(volumes->list, volumes->instances);
     *volumes = (struct volumes){.n = 0};
 }

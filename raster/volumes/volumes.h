@@ -22,18 +22,18 @@ struct volume {
                          of the object lies beyond the far plane as a whole */
     struct occluder *caps;   /* the triangle that this one repeats; surface -1: none; owned */
     bool is_doubtful;        /* the light is so near that the far end may lie too near */
-    struct vertex *vertices; /* as of the mesh; this and the next one are of the plan's instance */
+    struct vertex *vertices; /* as of the mesh; this and the next one are owned */
     int32_t (*triangles)[3];
     int n_vertices;
 };
 struct volumes {
     struct volume *list; /* owned */
     int n;
-    struct plan plan;     /* its instances are the volumes */
-    struct lit_scene lit; /* of that plan */
+    struct placed_instance *instances; /* the same volumes, placed; owned */
+    struct lit_scene lit;              /* of these */
 };
-/* Makes the volumes of all shadows that a scene throws into view. The scene must outlive *out,
- * whose address must stay. volumes_free accepts what a failure left. */
+/* Makes the volumes of all shadows that a scene throws into view. The scene must outlive *out.
+ * volumes_free accepts what a failure left. */
 bool volumes_make(const struct lit_scene *lit, struct volumes *out, struct error *err);
 void volumes_free(struct volumes *volumes);
 /* Writes the corners of some triangles of a volume, one behind the other: the place of each, and
