@@ -9,7 +9,7 @@
 /* ---- refine.c ---- */
 
 /* See raster/render/render.h. It refines a plan if the options ask for it: divides all objects
- * alike, again and again, until 95 % of the pixels of objects have at most the wanted error.
+ * alike, again and again, until 95 % of the pixels of each have at most the wanted error.
  * Built-in shapes get twice as many slices, stacks, ..., and edges of mesh files are halved. Flat
  * shading stays as it is. */
 extern const struct shading_judge accuracy_judge;

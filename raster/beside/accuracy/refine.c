@@ -35,15 +35,36 @@ static bool accuracy_accepts(const char *option, const char *value, struct error
 /* ---- the error of the plan ---- */
 
 struct shading {
-    struct accuracy_estimate estimate;      /* of the plan as it is now */
-    bool is_refined;                        /* otherwise all that follows is zeroed */
-    double wanted;                          /* error that 95 % of object pixels may have */
-    long most_triangles;                    /* that the picture may have */
-    double error_before;                    /* quantile_95 of the plan that came in */
-    int levels;                             /* how often all objects were divided */
+    struct accuracy_estimate estimate; /* of the plan as it is now */
+    bool is_refined;                   /* otherwise all that follows is zeroed */
+    double wanted;                     /* error that 95 % of the pixels of each object may have */
+    long most_triangles;               /* that the picture may have */
+    double error_before;               /* quantile_95 of the plan that came in */
+    int levels;                        /* how often all objects were divided */
     long triangles_before, triangles_after; /* of the plan */
-    bool stopped; /* most_triangles allows no more, though the picture is not good enough */
+    bool stopped; /* most_triangles allows no more, though an object is not good enough */
 };
+
+/* A difference of 1 CIEDE2000 is about the least that an observer sees. */
+static const double just_seen = 1;
+/* An object of fewer judged pixels has no quantile to rely on. */
+enum { FEWEST_POINTS = 20 };
+
+/* Returns the object whose shading is worst; NULL: none has enough pixels. The worst one comes
+ * first. */
+static const struct accuracy_object *worst_of(const struct accuracy_estimate *estimate)
+{
+    for (int i = 0; i < estimate->n_objects; i++)
+        if (estimate->objects[i].points >= FEWEST_POINTS)
+            return &estimate->objects[i];
+    return NULL;
+}
+
+static double worst_error(const struct accuracy_estimate *estimate)
+{
+    const struct accuracy_object *worst = worst_of(estimate);
+    return worst ? worst->quantile_95 : 0;
+}
 
 /* Judges the picture of a plan. */
 static bool look(const struct plan *plan, enum measure_unit unit, const char *observer,
@@ -91,14 +112,14 @@ static bool divide(struct plan *plan, struct shading *result, bool *divided, str
     return done;
 }
 
-/* Divides all objects until the picture is good enough, or they can be divided no more. */
+/* Divides all objects until each is good enough, or they can be divided no more. */
 static bool refine_plan(struct plan *plan, enum measure_unit unit, const char *observer,
                         struct shading *out, struct error *err)
 {
     bool done = look(plan, unit, observer, &out->estimate, err), divided = true;
     out->error_before = out->estimate.quantile_95;
     out->triangles_before = plan->n_triangles;
-    while (done && divided && out->estimate.quantile_95 > out->wanted) {
+    while (done && divided && worst_error(&out->estimate) > out->wanted) {
         done = divide(plan, out, &divided, err) &&
                (!divided || look(plan, unit, observer, &out->estimate, err));
         out->levels += divided;
@@ -138,21 +159,6 @@ static void free_shading(struct shading *shading)
 
 /* ---- the error in words ---- */
 
-/* A difference of 1 CIEDE2000 is about the least that an observer sees. */
-static const double just_seen = 1;
-/* An object of fewer judged pixels has no quantile to rely on. */
-enum { FEWEST_POINTS = 20 };
-
-/* Returns the object whose shading is worst; NULL: none has enough pixels. The worst one comes
- * first. */
-static const struct accuracy_object *worst_of(const struct accuracy_estimate *estimate)
-{
-    for (int i = 0; i < estimate->n_objects; i++)
-        if (estimate->objects[i].points >= FEWEST_POINTS)
-            return &estimate->objects[i];
-    return NULL;
-}
-
 static const char *unit_of(const struct accuracy_estimate *estimate)
 {
     return estimate->unit == MEASURE_COUNTS ? "counts" : "CIEDE2000";
@@ -161,17 +167,19 @@ static const char *unit_of(const struct accuracy_estimate *estimate)
 /* ---- notes ---- */
 
 /* Adds a note on a refinement that did not reach the wanted error. */
-static void note_refined(struct notes *notes)
+static void note_refined(const struct plan *plan, struct notes *notes)
 {
     const struct shading *refined = notes->shading;
-    char limit[64] = "the finest --tessellation is reached";
-    if (refined->estimate.quantile_95 <= refined->wanted)
+    const struct accuracy_object *worst = worst_of(&refined->estimate);
+    char name[256], limit[64] = "the finest --tessellation is reached";
+    if (worst_error(&refined->estimate) <= refined->wanted)
         return;
     if (refined->stopped)
         snprintf(limit, sizeof limit, "--max-triangles %ld allows no more",
                  refined->most_triangles);
-    note_add(notes, "accuracy", "the error is still %.3g %s, since %s",
-             refined->estimate.quantile_95, unit_of(&refined->estimate), limit);
+    object_text(plan, worst->surface, name, sizeof name);
+    note_add(notes, "accuracy", "the error is still %.3g %s on %s, since %s", worst->quantile_95,
+             unit_of(&refined->estimate), name, limit);
 }
 
 /* Adds a note on the object whose shading is worst, if it is seen to be wrong. */
@@ -179,8 +187,7 @@ static void note_shading(const struct plan *plan, struct notes *notes)
 {
     const struct accuracy_object *worst = worst_of(&notes->shading->estimate);
     char name[256];
-    if (!worst || notes->shading->estimate.unit != MEASURE_CIEDE2000 ||
-        !(worst->quantile_95 > just_seen))
+    if (!worst || !(worst->quantile_95 > just_seen))
         return;
     object_text(plan, worst->surface, name, sizeof name);
     note_add(notes, "shading",
@@ -259,11 +266,12 @@ static bool estimate(const struct lit_scene *lit, int pixels, struct accuracy_es
 static bool judge(const struct lit_scene *lit, int pixels, struct notes *notes, struct error *err)
 {
     if (notes->shading && notes->shading->is_refined)
-        note_refined(notes);
+        note_refined(lit->plan, notes);
     else if (!make_shading(&notes->shading, err) ||
              !estimate(lit, pixels, &notes->shading->estimate, err))
         return false;
-    note_shading(lit->plan, notes);
+    else
+        note_shading(lit->plan, notes);
     return true;
 }
 
