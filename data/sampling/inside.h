@@ -74,4 +74,13 @@ bool sample_basis(const struct sampling_task *task, struct error *err);
  * are orthogonal, the longest first: Jacobi's method on one side. */
 void orthogonal_rows(double *row, int rows, int n);
 
+/* Makes the spectra of all lights, and of every term of every material that an object shows, over
+ * the range of the scene's wavelengths. Opens no mesh and no texture. */
+bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
+
+/* Makes a sampling of a scene's spectra; its wavelengths, or numbers of components, replace the
+ * scene's. Refuses what sampling_make refuses, and spectral textures under basis, rgb and xyz. */
+bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
+                  struct sampling *out, struct error *err);
+
 #endif

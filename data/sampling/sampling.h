@@ -142,9 +142,6 @@ struct fine_spectra {
     int n_products;   /* every term of every material: light times reflectance, luminescence, ... */
     double *products; /* [product][nm], none negative; owned */
 };
-/* Makes the spectra of all lights, and of every term of every material that an object shows, over
- * the range of the scene's wavelengths. Opens no mesh and no texture. */
-bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
 void fine_spectra_free(struct fine_spectra *spectra);
 
 /* A detector at first_nm, first_nm + 1, ... nm. */
@@ -185,10 +182,6 @@ struct sampling {
  * makes NaN or infinity. */
 bool sampling_make(const struct sampling_method *method, const char *detector,
                    const struct fine_spectra *spectra, struct sampling *out, struct error *err);
-/* Makes a sampling of a scene's spectra; its wavelengths, or numbers of components, replace the
- * scene's. Refuses what sampling_make refuses, and spectral textures under basis, rgb and xyz. */
-bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
-                  struct sampling *out, struct error *err);
 /* Returns whether the pages of a method have no wavelengths, but are components of whole spectra.
  */
 bool sampling_makes_components(const struct sampling_method *method);

@@ -111,4 +111,11 @@ bool scene_set_samples(struct scene *scene, const char *text, struct error *err)
 /* Gives all lights shadows; the text is of no matter. */
 bool scene_set_shadows(struct scene *scene, const char *text, struct error *err);
 
+bool scene_set_ambient(struct scene *scene, const char *text, struct error *err);
+bool scene_set_shading(struct scene *scene, const char *text, struct error *err);
+bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);
+
+/* SCENE: a built-in name, a scene file, a thesis list file, or "-", standard input. */
+bool scene_read(const char *name, struct scene *out, struct error *err);
+
 #endif

@@ -117,8 +117,6 @@ struct scene {
     struct object *objects;
     int n_ambients, n_lights, n_materials, n_objects;
 };
-/* SCENE: a built-in name, a scene file, a thesis list file, or "-", standard input. */
-bool scene_read(const char *name, struct scene *out, struct error *err);
 bool scene_is_input(const char *path); /* of a scene: it was read from standard input */
 /* Finds whether a name is neither built in nor a file. Refuses an empty one. */
 bool scene_is_missing(const char *name, bool *out, struct error *err);
@@ -133,9 +131,6 @@ const struct material *scene_partner(const struct scene *scene, const struct mat
 bool scene_set_wavelengths(struct scene *scene, const char *text, struct error *err);
 bool scene_set_size(struct scene *scene, const char *text, struct error *err);
 bool scene_set_light(struct scene *scene, const char *text, struct error *err);
-bool scene_set_ambient(struct scene *scene, const char *text, struct error *err);
-bool scene_set_shading(struct scene *scene, const char *text, struct error *err);
-bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);
 
 /* ---- scene_options.c: a scene as the command line names and changes it ---- */
 

@@ -87,21 +87,25 @@ static bool take_samples(const struct table *table, struct spectrum **out, struc
     return MAKE_ARRAY(*out, n, err, "%d samples", n) && take_rows(table, n, *out, err);
 }
 
-/* Reads a text in the format that it begins with. */
+typedef bool table_reader(struct table *table, struct error *err);
+
+/* Returns the reader of a text's format, before its first line; NULL: columns, or no table. */
+static table_reader *reader_of(const struct text *text)
+{
+    const char *mark = strstr(text->at, "BEGIN_DATA");
+    if (strncmp(text->at, "<?xml", 5) == 0)
+        return spdx_read;
+    return mark && (mark == text->at || mark[-1] == '\n') ? cgats_read : NULL;
+}
+
 static bool read_text(struct table *table, struct error *err)
 {
-    struct text *text = &table->text;
-    const char *mark = strstr(text->at, "BEGIN_DATA");
-    bool done = true;
+    table_reader *reader = reader_of(&table->text);
     table->first = table->wanted->first;
-    if (strncmp(text->at, "<?xml", 5) == 0)
-        done = spdx_read(table, err);
-    else if (mark && (mark == text->bytes || mark[-1] == '\n'))
-        done = cgats_read(table, err);
-    else if (text_next_line(text))
-        done = columns_read(table, err);
+    const bool done =
+        reader ? reader(table, err) : !text_next_line(&table->text) || columns_read(table, err);
     return done && (table->n_rows > 0 || table->wanted->all ||
-                    error_at(err, text_whole(text),
+                    error_at(err, text_whole(&table->text),
                              "no line begins with a wavelength; expected rows such as 400,0.1"));
 }
 
@@ -122,8 +126,7 @@ static bool read_file(const char *path, struct table *table, struct spectrum *ou
 
 bool set_is(struct text text)
 {
-    return strncmp(text.at, "<?xml", 5) == 0 || strstr(text.at, "\nBEGIN_DATA") ||
-           columns_found(text);
+    return reader_of(&text) || columns_found(text);
 }
 
 bool set_read(struct text text, double highest, struct spectrum **out, struct set_names *names,

@@ -99,10 +99,6 @@ void record_put_part(struct printed *to, const struct part_rows *rows, int heigh
  * recorded. Refuses the first difference. */
 bool record_has_files(const struct record *record, const struct scene *scene, const char *detector,
                       struct error *err);
-/* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
- * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
-char *record_text(const struct record *record, struct error *err);
-
 /* Returns the sum of the lights' intensities; 0: no white is recorded. */
 double record_illumination(const struct record *record);
 void record_free(struct record *record);

@@ -50,12 +50,6 @@ struct fit {
 bool fit_make(const struct lit_scene *lit, struct fit *out, struct error *err);
 void fit_free(struct fit *fit);
 
-/* A run in a band, in counts: the part of each difference that the estimate explains, a bound on
- * the rest, and the largest error of this band alone that can pass. */
-struct fit_block {
-    float explained[BLOCK], limit[BLOCK], floor[BLOCK];
-};
-
 /* ---- statistics.c: sums over many samples ---- */
 
 /* Samples beside the candidates that explain them; in counts, before rounding. */
@@ -127,22 +121,6 @@ struct check_verdict {
     double most_unchecked;       /* of struct verdict_limits */
 };
 
-/* Samples together with the values and bounds that are expected. */
-struct block {
-    size_t n;
-    float *seen;            /* OpenGL's, in parts of full scale; has room for whole lanes */
-    double expected[BLOCK]; /* in counts */
-    float bound[BLOCK];
-    struct textured_sample textured[BLOCK]; /* kept for the fit */
-    bool fitted;
-    struct fit_block fit;    /* with no limit if the band is not fitted */
-    float difference[BLOCK]; /* seen - expected, in counts */
-};
-
-/* Adds a block to a comparison, and fills in its differences. Returns false where any is outside of
- * its bound, or the rest that the fit leaves of it is outside of the limit. */
-bool samples_compare(struct check_samples *samples, struct block *block);
-void floor_note(struct check_floor *to, double counts);
 void verdict_add(struct check_verdict *to, const struct check_verdict *from);
 
 /* ---- outcome.c: the verdict on the picture ---- */
@@ -231,14 +209,5 @@ void check_settle(struct check *check, const struct tile *tile, struct check_tot
 enum check_class { CLASS_CHECKED, CLASS_AMBIGUOUS, CLASS_NOT_CHECKED, CLASS_DIFFERS };
 enum check_class check_class(const struct check *check, size_t pixel);
 void check_free(struct check *check);
-
-/* The hypothesis that OpenGL shows a candidate: it is alive until it fails to explain a sample. */
-struct hypothesis {
-    bool alive;
-    struct check_samples samples;
-    double floor, band_floor; /* the largest errors that could pass */
-    struct check_failure failure;
-    int band; /* the last one; -1: OpenGL shows another candidate */
-};
 
 #endif

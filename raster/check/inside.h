@@ -5,6 +5,12 @@
 
 #include "raster/check/check.h"
 
+/* A run in a band, in counts: the part of each difference that the estimate explains, a bound on
+ * the rest, and the largest error of this band alone that can pass. */
+struct fit_block {
+    float explained[BLOCK], limit[BLOCK], floor[BLOCK];
+};
+
 /* Returns the number of a pass with pilots; -1: it has none. */
 int pilot_pass(const struct fit *fit, int pass);
 /* Numbers of an estimate: of a pixel, at most; of a run's material. */
@@ -34,6 +40,22 @@ void find_odd_bands(struct check *check);
 
 /* Numbers that the compiler treats together: BLOCK is a multiple. */
 enum { LANES = 4 };
+/* Samples together with the values and bounds that are expected. */
+struct block {
+    size_t n;
+    float *seen;            /* OpenGL's, in parts of full scale; has room for whole lanes */
+    double expected[BLOCK]; /* in counts */
+    float bound[BLOCK];
+    struct textured_sample textured[BLOCK]; /* kept for the fit */
+    bool fitted;
+    struct fit_block fit;    /* with no limit if the band is not fitted */
+    float difference[BLOCK]; /* seen - expected, in counts */
+};
+
+/* Adds a block to a comparison, and fills in its differences. Returns false where any is outside of
+ * its bound, or the rest that the fit leaves of it is outside of the limit. */
+bool samples_compare(struct check_samples *samples, struct block *block);
+void floor_note(struct check_floor *to, double counts);
 
 /* ---- outcome.c: the verdict on the picture ---- */
 
@@ -42,6 +64,15 @@ double checked_counts(const struct plan *plan);
 /* Adds a pixel of an object to the totals. An infinite floor: it has no bound. */
 void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
                  const struct mean_bound *mean);
+
+/* The hypothesis that OpenGL shows a candidate: it is alive until it fails to explain a sample. */
+struct hypothesis {
+    bool alive;
+    struct check_samples samples;
+    double floor, band_floor; /* the largest errors that could pass */
+    struct check_failure failure;
+    int band; /* the last one; -1: OpenGL shows another candidate */
+};
 
 /* Counts the pixel as not explained. The first such pixel is kept with its failure. */
 void check_fail(struct check *check, size_t pixel, const struct check_failure *failure);

@@ -12,7 +12,7 @@
 
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "data/scene/scene.h"
+#include "data/scene/inside.h"
 #include "raster/plan/plan.h"
 #include "spectral.h"
 

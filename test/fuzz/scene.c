@@ -6,7 +6,7 @@
 
 #include "data/base/base.h"
 #include "data/mesh/mesh.h"
-#include "data/scene/scene.h"
+#include "data/scene/inside.h"
 #include "data/text/text.h"
 #include "raster/bounds/bounds.h"
 #include "raster/plan/plan.h"

@@ -446,7 +446,8 @@ def function_fault(tree, header, function, definers):
         return None
     others = users(tree, function.name, "words", {header, *definers})
     is_public = header == header_of(room_of(header))
-    if is_public and others and all(room_of(path) == room_of(header) for path in others):
+    outside_tests = [path for path in others if path not in tree.tests]
+    if is_public and outside_tests and all(room_of(path) == room_of(header) for path in outside_tests):
         return f"only {room_of(header)} uses {function.name}; declare it in {inside_of(room_of(header))}"
     if not others:
         return f"only {definers[0]} uses {function.name}; make it static there"
@@ -576,6 +577,9 @@ def plants(tree):
              f"{last_room}/thing.c:1: {low}/thing.c has the same name"),
             ("a function in a public header that one room uses",
              {header: "void planted(void);", source: define, f"{low}/planted2.c": "int (*f)() = planted;"},
+             at_header + f"only {low} uses planted; declare it in {inside_of(low)}"),
+            ("a function in a public header that one room and tests use",
+             {header: "void planted(void);", source: define, f"{low}/planted2.c": "int (*f)() = planted;", "test/planted.c": "planted();"},
              at_header + f"only {low} uses planted; declare it in {inside_of(low)}"),
             ("a source outside of any room", {"data/planted.c": ""},
              "data/planted.c:1: data is not a room; move the file into one"),

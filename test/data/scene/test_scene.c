@@ -6,8 +6,8 @@
 
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
+#include "data/sampling/inside.h"
+#include "data/scene/inside.h"
 #include "data/spectra/spectra.h"
 #include "spectral.h"
 #include "test.h"

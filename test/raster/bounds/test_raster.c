@@ -6,7 +6,7 @@
 #include "data/maths/maths.h"
 #include "raster/bounds/inside.h"
 #include "raster/candidates/inside.h"
-#include "raster/check/check.h"
+#include "raster/check/inside.h"
 #include "raster/counts/counts.h"
 #include "raster/reference/reference.h"
 #include "raster/renderers/renderers.h"

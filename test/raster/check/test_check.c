@@ -3,6 +3,7 @@
  * depth beyond the bound, another triangle, a fragment too many, or an error of twice the floor is
  * found; and the limit of the mean follows from the sums of bounds. */
 
+#include "data/scene/inside.h"
 #include "raster/check/inside.h"
 #include "raster/plan/plan.h"
 #include "raster/renderers/renderers.h"

@@ -9,7 +9,7 @@
 
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "data/scene/scene.h"
+#include "data/scene/inside.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/inside.h"
 #include "raster/plan/plan.h"

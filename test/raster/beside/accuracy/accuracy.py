@@ -38,7 +38,7 @@ light a 0.6 position -2 1 1.5
 material fur {{ diffuse colorchecker/02-light-skin specular 0.3 gloss 40 }}
 material floor {{ diffuse 0.4 }}
 object mesh {BUNNY} unitize material fur
-object plane 8 8 material floor rotate -90 1 0 0 translate 0 -1 0
+object plane 8 8 32 material floor rotate -90 1 0 0 translate 0 -1 0
 """,
 }
 
