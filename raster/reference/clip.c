@@ -6,6 +6,8 @@
 
 #include "raster/reference/reference.h"
 
+const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
+
 static double distance(const struct clip_plane *plane, const struct corner *corner)
 {
     return plane->normal[0] * corner->clip[0] + plane->normal[1] * corner->clip[1] +

@@ -64,8 +64,6 @@ static bool has_room(struct drawing *drawing)
 
 static bool draw_triangle(struct drawing *drawing, const struct surface *surface, int triangle)
 {
-    /* near, then far */
-    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
     struct screen_triangle parts[SCREEN_TRIANGLES];
     const int32_t *vertex = surface->instance->triangles[triangle];
     int beside = ~0;

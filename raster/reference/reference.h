@@ -105,6 +105,7 @@ struct corner {
 struct clip_plane {
     double normal[4], offset; /* inside: normal . clip + offset >= 0 */
 };
+extern const struct clip_plane depth_planes[2]; /* near, then far */
 int clip_polygon(const struct clip_plane *by, const struct corner *in, int n, struct corner *out);
 
 /* cover.c: parts of triangles in the window, and where they are. */

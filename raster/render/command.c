@@ -228,7 +228,8 @@ void options_forget_check(struct options *options)
 static bool part_read(const char *value, struct picture_part *out, struct error *err)
 {
     int end = 0;
-    if (sscanf(value, "%6d/%6d%n", &out->number, &out->count, &end) == 2 && value[end] == '\0' &&
+    if (value[strspn(value, "0123456789/")] == '\0' &&
+        sscanf(value, "%6d/%6d%n", &out->number, &out->count, &end) == 2 && value[end] == '\0' &&
         out->number >= 1 && out->number <= out->count)
         return true;
     return error_usage(err, "--part: expected a part and their number, as 3/7, found '%s'", value);

@@ -153,8 +153,7 @@ static void json_work(struct json *json, const struct plan *plan,
 static void json_failure(struct json *json, const struct plan *plan,
                          const struct check_failure *first)
 {
-    static const char *const kinds[] = {"radiance", "bands",     "triangle",
-                                        "depth",    "fragments", "unbounded"};
+    static const char *const kinds[] = {"radiance", "bands", "triangle", "depth", "fragments"};
     const bool has_band = first->kind == FAILURE_RADIANCE || first->kind == FAILURE_BANDS;
     const bool has_nm = has_band && !has_components(plan);
     const int side = plan->scene->positions;

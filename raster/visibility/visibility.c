@@ -98,8 +98,6 @@ static bool is_blocked(const struct occluders *of, const struct view *view,
 int shown_parts(const struct view *view, const struct surface *surface, int triangle,
                 struct screen_triangle out[SCREEN_TRIANGLES])
 {
-    /* near, then far */
-    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
     return screen_triangles(view, surface, triangle, depth_planes, 2, out);
 }
 
