@@ -514,8 +514,7 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
 {
     const struct chunk *chunk = check->chunk;
     const size_t width = (size_t)chunk->picture.at.width;
-    const int left = check->scene->lit->plan->n_bands - first_band,
-              n_channels = left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
+    const int n_channels = pass_bands(check->scene->lit->plan, first_band);
     treat_settled(check, first_band, n_channels, pixels, stride, learns);
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {
         const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];

@@ -121,9 +121,9 @@ struct choice {
 static double add_pass(const struct fit *fit, struct knowledge *known, int pass)
 {
     double narrowed = 0;
-    for (int band = pass * BANDS_PER_PASS;
-         band < (pass + 1) * BANDS_PER_PASS && band < fit->plan->n_bands; band++)
-        narrowed += knowledge_add(known, band);
+    const int first = pass * BANDS_PER_PASS;
+    for (int i = 0; i < pass_bands(fit->plan, first); i++)
+        narrowed += knowledge_add(known, first + i);
     return narrowed;
 }
 
@@ -187,9 +187,9 @@ static bool pilots_choose(struct fit *fit, struct error *err)
         ;
     qsort(fit->passes, (size_t)fit->n_passes, sizeof *fit->passes, compare_passes);
     for (int p = 0; p < fit->n_passes; p++)
-        for (int band = fit->passes[p] * BANDS_PER_PASS;
-             band < (fit->passes[p] + 1) * BANDS_PER_PASS && band < fit->plan->n_bands; band++)
-            fit->pilots[fit->n_pilots++] = band;
+        for (int i = 0, first = fit->passes[p] * BANDS_PER_PASS; i < pass_bands(fit->plan, first);
+             i++)
+            fit->pilots[fit->n_pilots++] = first + i;
     for (int m = 0; m < n_materials && choice.known; m++)
         knowledge_free(&choice.known[m]);
     FREE_ALL(choice.known, choice.saved);

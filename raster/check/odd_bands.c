@@ -63,8 +63,7 @@ static bool explain(const struct check *check, int first, int n, struct odd_band
 /* Adds the sets of `size` bands of a pass that explain the pixel. */
 static void add_odd(const struct check *check, int pass, int size, struct check_failure *failure)
 {
-    const int begin = pass * BANDS_PER_PASS, left = check->scene->lit->plan->n_bands - begin,
-              n = left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
+    const int begin = pass * BANDS_PER_PASS, n = pass_bands(check->scene->lit->plan, begin);
     struct odd_bands odd;
     for (int first = begin; first + (size < n ? size : n) <= begin + n; first++)
         if (explain(check, first, size < n ? size : n, &odd) && failure->n_odd++ < MOST_ODD)

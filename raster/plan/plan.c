@@ -147,6 +147,12 @@ bool has_components(const struct plan *plan)
     return plan->sampling && !plan->sampling->spectral;
 }
 
+int pass_bands(const struct plan *plan, int first_band)
+{
+    const int left = plan->n_bands - first_band;
+    return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
+}
+
 void band_name(const struct plan *plan, int band, char out[BAND_NAME])
 {
     if (has_components(plan))

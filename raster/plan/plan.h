@@ -92,9 +92,9 @@ struct plan {
     const struct sampling *sampling; /* NULL: none */
     struct plan_options options;
     int n_bands, n_passes; /* n_passes: groups of bands */
-    double unit;       /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
-    double near;       /* distance of the near plane, in that unit */
-    bool tiled;        /* there is more than one tile */
+    double unit; /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
+    double near; /* distance of the near plane, in that unit */
+    bool tiled;  /* there is more than one tile */
     struct matrix world_to_eye, background_to_eye;
     struct view view; /* of the picture, for the reference */
     struct plan_mesh *meshes;
@@ -131,7 +131,8 @@ struct rectangle plan_picture(const struct plan *plan); /* all positions */
 struct rectangle plan_pixels(const struct plan *plan, const struct rectangle *positions);
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
-bool has_components(const struct plan *plan); /* bands are not single wavelengths */
+bool has_components(const struct plan *plan);            /* bands are not single wavelengths */
+int pass_bands(const struct plan *plan, int first_band); /* of the pass that begins with it */
 void band_name(const struct plan *plan, int band, char out[BAND_NAME]);   /* "450 nm", or a label */
 bool has_term(const struct shaded_material *shaded, enum term_kind kind); /* any of its terms */
 double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */

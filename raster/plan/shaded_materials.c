@@ -47,11 +47,10 @@ void plan_place(const struct texels *texels, const double *rows, size_t stride,
 
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err)
 {
-    int n = plan->n_bands - first_band;
     for (int i = 0; i < plan->n_textures; i++)
         if (plan->shows_texture[i] &&
             !texture_load(&plan->textures[i], plan->scene->wavelengths_nm + first_band,
-                          n < BANDS_PER_PASS ? n : BANDS_PER_PASS, err))
+                          pass_bands(plan, first_band), err))
             return false;
     return true;
 }

@@ -35,12 +35,6 @@ void clock_in(double *since, double *part)
     *since = time;
 }
 
-static int bands_of_pass(const struct plan *plan, int pass)
-{
-    const int left = plan->n_bands - pass * BANDS_PER_PASS;
-    return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
-}
-
 /* ---- frames ---- */
 
 /* Returns whether a frame shows pilots. Such frames are drawn first, and kept until their turn. */
@@ -368,7 +362,8 @@ static void count_next(struct state *state, const struct tile *tile, int pass)
     state->counted = state->written;
     state->counted.at = plan_pixels(state->plan, &tile->at);
     state->counted.first_page = pass * BANDS_PER_PASS;
-    state->counted.n_pages = state->of->output->path ? bands_of_pass(state->plan, pass) : 0;
+    state->counted.n_pages =
+        state->of->output->path ? pass_bands(state->plan, state->counted.first_page) : 0;
     state->written = last;
 }
 
