@@ -107,9 +107,6 @@ struct vertex {
     double s, t;                    /* texture coordinates */
 };
 
-/* The distance of a point from the nearest point of a triangle. */
-double triangle_distance(struct vector p, const struct vector corner[3]);
-
 /* The least and the greatest of three numbers. */
 static inline double least_of(const double v[3])
 {

@@ -370,23 +370,26 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
            add_fragment(visit, &fragment, presence == DEFINITE);
 }
 
-static bool visit_pixel(void *context, int x, int y)
+/* Goes to a pixel. Returns the clipped triangles that OpenGL may have there; 0: it has none. */
+static unsigned go_to(struct visit *visit, int x, int y, enum presence *presence)
 {
-    struct visit *visit = context;
     const struct bounded_triangle *triangle = visited(visit);
     const struct rectangle *rows = &visit->of->rows;
     visit->x = x + 0.5;
     visit->y = y + 0.5;
-    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
-    enum presence presence = triangle_presence(visit);
-    if (presence == IMPOSSIBLE)
-        return true;
-    unsigned clipped = clipped_at(visit);
-    if (clipped == 0)
-        return true;
     visit->pixel =
         &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
-    return judge_fragment(visit, presence, clipped);
+    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
+    *presence = triangle_presence(visit);
+    return *presence == IMPOSSIBLE ? 0 : clipped_at(visit);
+}
+
+static bool visit_pixel(void *context, int x, int y)
+{
+    struct visit *visit = context;
+    enum presence presence;
+    const unsigned clipped = go_to(visit, x, y, &presence);
+    return clipped == 0 || judge_fragment(visit, presence, clipped);
 }
 
 /* Triangles that no list has are forgotten at once: there may be a million to a pixel. */
@@ -497,13 +500,9 @@ static bool visit_facet(void *context, int x, int y)
     struct visit *visit = &facet->visit;
     struct fragments *of = visit->of;
     const struct bounded_triangle *triangle = visited(visit);
-    const struct rectangle *rows = &of->rows;
+    enum presence presence;
+    const unsigned clipped = go_to(visit, x, y, &presence);
     bool thin;
-    visit->x = x + 0.5;
-    visit->y = y + 0.5;
-    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
-    const enum presence presence = triangle_presence(visit);
-    const unsigned clipped = presence == IMPOSSIBLE ? 0 : clipped_at(visit);
     if (clipped == 0)
         return true;
     is_loose(visit, clipped, &thin);
@@ -511,9 +510,7 @@ static bool visit_facet(void *context, int x, int y)
     const double depth = depth_at(&triangle->screen, &visit->edges),
                  error = thin || may_end ? HUGE_VAL : triangle->depth_error;
     const bool leaks = facet_leaks(facet, presence, depth + triangle->depth_error);
-    int32_t f =
-        of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)].head;
-    for (; f >= 0; f = of->fragments[f].next) {
+    for (int32_t f = visit->pixel->head; f >= 0; f = of->fragments[f].next) {
         struct fragment *fragment = &of->fragments[f];
         const double behind = depth - fragment->depth, either = error + fragment->depth_error;
         const bool meets = presence == POSSIBLE && !fragment->is_definite;

@@ -112,6 +112,15 @@ static bool is_grouped(const struct bounded_pixel *pixel, size_t attribute)
            instance->terms[attribute].reflection != CONSTANT;
 }
 
+/* The largest error of an attribute at the vertices of the triangle. */
+static double vertex_error(const struct bounded_pixel *pixel, size_t attribute)
+{
+    double largest = 0;
+    for (int j = 0; j < 3; j++)
+        largest = fmax(largest, (double)pixel->corner[j][attribute]);
+    return largest;
+}
+
 /* Bounds the error of one attribute in one clipped triangle: the error of its interpolation, and
  * the amount by which position errors magnify the errors of its vertices. In a triangle without a
  * bound the bound is the range of the attribute's values. */
@@ -120,9 +129,8 @@ static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
 {
     const struct corner_values values = cut_values(pixel, clipped, attribute, NULL);
     const double magnification = clipped->magnification;
-    double e_vertex = 0, e_cut = roundings(CUT_ROUNDINGS * clipped->cuts) * values.largest;
-    for (int j = 0; j < 3; j++)
-        e_vertex = fmax(e_vertex, (double)pixel->corner[j][attribute]);
+    const double e_vertex = vertex_error(pixel, attribute),
+                 e_cut = roundings(CUT_ROUNDINGS * clipped->cuts) * values.largest;
     if (!(magnification < HUGE_VAL))
         return (struct colour_bound){.constant = most_of(values.at) - least_of(values.at)};
     struct colour_bound bound = bound_colour(clipped, values.at);
@@ -230,9 +238,8 @@ static double step_error(const struct bounded_pixel *pixel, const struct fragmen
 {
     const double from_px[2] = {at->x[0] + 0.5, at->y[0] + 0.5},
                  to_px[2] = {at->x[to] + 0.5, at->y[to] + 0.5};
-    double out = 0, e_vertex = 0;
-    for (int j = 0; j < 3; j++)
-        e_vertex = fmax(e_vertex, (double)pixel->corner[j][attribute]);
+    const double e_vertex = vertex_error(pixel, attribute);
+    double out = 0;
     for (int32_t i = 0; i < pixel->triangle->n_clipped; i++) {
         const struct clipped_triangle *clipped =
             &pixel->fragments->clipped[pixel->triangle->first_clipped + i];

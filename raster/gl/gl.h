@@ -119,15 +119,6 @@ struct gl_functions {
 /* Returns false after any error of OpenGL since the last call. */
 bool functions_succeeded(const struct gl_functions *call, struct error *err);
 
-/* ---- gl_program.c: programs of shaders ---- */
-
-/* Prints the first lines of a shader. */
-void program_begin(enum gl_way way, struct printed *to);
-/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
- * also after a failure. */
-bool program_end(const struct gl_functions *call, struct printed *vertex, struct printed *fragment,
-                 unsigned *out, struct error *err);
-
 /* ---- context.c: a library in use, and what it draws on ---- */
 
 /* The choice of --gl: see driver_accepts_library. "auto" (NULL too) takes the first of osmesa and

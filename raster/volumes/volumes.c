@@ -81,14 +81,23 @@ static double farthest_in_view(const struct plan *plan, const struct eye_light *
     return farthest;
 }
 
-/* The distance of a light from a triangle; of a directional one, along its rays, that of the
- * nearest corner. */
-static double cap_distance(const struct eye_light *light, const struct vector corner[3])
+/* A lower bound on the distance of a light from a triangle: from its plane, and from its box; from
+ * a directional one, along its rays, the distance of the nearest corner. */
+static double triangle_distance(const struct eye_light *light, const struct vector corner[3])
 {
-    if (!light->directional)
-        return triangle_distance(light->position, corner);
-    return fmin(distance_from(light, corner[0]),
-                fmin(distance_from(light, corner[1]), distance_from(light, corner[2])));
+    const struct vector normal =
+                            vector_normalise(vector_cross(vector_subtract(corner[1], corner[0]),
+                                                          vector_subtract(corner[2], corner[0]))),
+                        low = vector_least(corner[0], vector_least(corner[1], corner[2])),
+                        high = vector_greatest(corner[0], vector_greatest(corner[1], corner[2])),
+                        at = light->position;
+    const struct vector beside = {fmax(0, fmax(low.x - at.x, at.x - high.x)),
+                                  fmax(0, fmax(low.y - at.y, at.y - high.y)),
+                                  fmax(0, fmax(low.z - at.z, at.z - high.z))};
+    if (light->directional)
+        return fmin(distance_from(light, corner[0]),
+                    fmin(distance_from(light, corner[1]), distance_from(light, corner[2])));
+    return fmax(fabs(vector_dot(normal, vector_subtract(at, corner[0]))), vector_length(beside));
 }
 
 /* The side of a triangle's plane on which the light lies: 1 in front, seen from outside. */
@@ -147,7 +156,7 @@ static bool list_caps(struct maker *maker, int instance, int offset, struct erro
                                 is_behind(maker->lit, instance, v)};
         if (cap.side == 0 || (cap.side < 0 && beside))
             continue;
-        maker->nearest = fmin(maker->nearest, cap_distance(maker->light, corner));
+        maker->nearest = fmin(maker->nearest, triangle_distance(maker->light, corner));
         if (!array_add(&maker->caps, &maker->n_caps, &cap, sizeof cap, err))
             return false;
     }

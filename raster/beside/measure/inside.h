@@ -5,6 +5,7 @@
 
 #include "data/base/base.h"
 #include "raster/beside/measure/measure.h"
+#include "raster/beside/shader/shader.h"
 
 /* ---- targets.c ---- */
 

@@ -7,7 +7,6 @@
 #include "data/images/images.h"
 #include "raster/beside/shader/shader.h"
 #include "raster/bounds/bounds.h"
-#include "raster/gl/gl.h"
 #include "raster/reference/reference.h"
 
 /* PASSES: drawn at once, one in each buffer of colours. Every OpenGL ES 3.0 has four such buffers;

@@ -2,7 +2,7 @@
 /* Programs of shaders. */
 #include <stdlib.h>
 
-#include "raster/gl/gl.h"
+#include "raster/beside/shader/shader.h"
 
 void program_begin(enum gl_way way, struct printed *to)
 {
