@@ -36,7 +36,7 @@ bool image_read_bytes(const struct image *image, uint64_t offset, size_t length,
 static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, struct error *err)
 {
     const struct sample_layout *layout = &of->layout;
-    TIFF *tiff = of->image->file->tiff; /* NULL: samples of another format are big-endian */
+    TIFF *tiff = of->image->tiff; /* NULL: samples of another format are big-endian */
     const bool swapped = tiff ? TIFFIsByteSwapped(tiff) : !machine_is_big_endian();
     const size_t length = of->n * layout->row_bytes;
     const uint64_t before = (uint64_t)plane * layout->height + of->first;
@@ -69,8 +69,9 @@ bool block_is_missing(TIFF *tiff, uint32_t block)
 static bool block_fits(const struct stored_rows *of, uint32_t block, struct error *err)
 {
     const struct image_file *file = of->image->file;
-    const uint64_t stored = TIFFGetStrileByteCount(file->tiff, block), bytes = file->client.bytes;
-    if (stored > bytes || TIFFGetStrileOffset(file->tiff, block) > bytes - stored)
+    const uint64_t stored = TIFFGetStrileByteCount(of->image->tiff, block),
+                   bytes = of->image->bytes;
+    if (stored > bytes || TIFFGetStrileOffset(of->image->tiff, block) > bytes - stored)
         return image_refuse(of->image, of->page, err, "its pixels end beyond the end of the file");
     return stored < 1 << 20 ||
            memory_suffices((double)stored, file->from, err, "%s: a block of its page %d",
@@ -80,7 +81,7 @@ static bool block_fits(const struct stored_rows *of, uint32_t block, struct erro
 /* Decodes a tile. One that is missing holds zeros. */
 static bool tile_decode(const struct stored_rows *of, uint32_t x, uint16_t plane, struct error *err)
 {
-    TIFF *tiff = of->image->file->tiff;
+    TIFF *tiff = of->image->tiff;
     const uint32_t tile = TIFFComputeTile(tiff, x, of->first, 0, plane);
     if (!block_fits(of, tile, err))
         return false;
@@ -108,7 +109,7 @@ static bool tiles_decode(const struct stored_rows *of, uint16_t plane, char *out
 
 static bool strip_decode(const struct stored_rows *of, uint16_t plane, char *out, struct error *err)
 {
-    TIFF *tiff = of->image->file->tiff;
+    TIFF *tiff = of->image->tiff;
     const uint32_t strip = TIFFComputeStrip(tiff, of->first, plane);
     const size_t bytes = of->n * of->layout.row_bytes;
     if (!block_fits(of, strip, err))
@@ -147,7 +148,7 @@ static bool page_turn(const struct image *image, int page, struct error *err)
     if (known->rows_offset > 0 || file->directory == known->directory)
         return true;
     file->directory = 0;
-    if (!TIFFSetSubDirectory(file->tiff, known->directory))
+    if (!TIFFSetSubDirectory(image->tiff, known->directory))
         return image_refuse_broken(image, page, err);
     if (!image_layout(image, page, &found, err))
         return false;
@@ -374,6 +375,6 @@ bool image_describe(const struct image *image, struct raw_samples *out, struct e
         expected += (uint64_t)layout->row_bytes * layout->height;
     }
     *out = (struct raw_samples){first->rows_offset, first->bits, first->pixel_step > 1,
-                                TIFFIsBigEndian(image->file->tiff) != 0};
+                                TIFFIsBigEndian(image->tiff) != 0};
     return true;
 }

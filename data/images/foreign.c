@@ -238,13 +238,12 @@ static bool describe(struct image *image, const struct foreign *of, struct error
 bool foreign_read(struct image *image, const char *format, struct error *err)
 {
     struct image_file *file = image->file;
-    struct foreign of = {.image = image, .length = (size_t)file->client.bytes};
-    const bool done =
-        MAKE_ARRAY(of.bytes, file->client.bytes + 1, err, "the bytes of %s", image->path) &&
-        (client_bytes(&file->client, of.bytes, of.length, 0) == (ssize_t)of.length ||
-         error_system(err, "cannot read %s", image->path)) &&
-        (strcmp(format, "PNG") == 0 ? read_png(&of, err) : read_sgi(&of, err)) &&
-        describe(image, &of, err);
+    struct foreign of = {.image = image, .length = (size_t)image->bytes};
+    const bool done = MAKE_ARRAY(of.bytes, image->bytes + 1, err, "the bytes of %s", image->path) &&
+                      (client_bytes(&file->client, of.bytes, of.length, 0) == (ssize_t)of.length ||
+                       error_system(err, "cannot read %s", image->path)) &&
+                      (strcmp(format, "PNG") == 0 ? read_png(&of, err) : read_sgi(&of, err)) &&
+                      describe(image, &of, err);
     file->pixels = of.out;
     file->converted = (struct builtin_file){image->path, of.out, of.out_length};
     file->client.builtin = &file->converted;

@@ -62,10 +62,10 @@ static bool is_sparse(TIFF *tiff)
 static bool blocks_find(const struct image *image, int page, struct sample_layout *out,
                         struct error *err)
 {
-    TIFF *tiff = image->file->tiff;
+    TIFF *tiff = image->tiff;
     const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
     if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE && !is_sparse(tiff) &&
-        bytes > (double)image->file->client.bytes)
+        bytes > (double)image->bytes)
         return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
                             bytes);
     if ((double)out->width * (double)out->pixel_step * out->bits / 8 > (double)PTRDIFF_MAX)
@@ -88,7 +88,7 @@ static bool blocks_find(const struct image *image, int page, struct sample_layou
 static bool rows_find(const struct image *image, int page, struct sample_layout *out,
                       struct error *err)
 {
-    TIFF *tiff = image->file->tiff;
+    TIFF *tiff = image->tiff;
     const uint32_t n = TIFFNumberOfStrips(tiff);
     const uint32_t per_plane = (out->height - 1) / out->block_height + 1;
     const uint64_t first = TIFFGetStrileOffset(tiff, 0);
@@ -97,7 +97,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     if (out->tiled || short_tag(tiff, TIFFTAG_COMPRESSION) != COMPRESSION_NONE ||
         short_tag(tiff, TIFFTAG_FILLORDER) != FILLORDER_MSB2LSB)
         return true;
-    for (uint32_t strip = 0; strip < n && end <= image->file->client.bytes; strip++) {
+    for (uint32_t strip = 0; strip < n && end <= image->bytes; strip++) {
         const uint32_t left = out->height - strip % per_plane * out->block_height;
         const uint32_t rows = left < out->block_height ? left : out->block_height;
         const uint64_t bytes = (uint64_t)rows * out->row_bytes;
@@ -107,7 +107,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     }
     out->rows_offset = first;
     out->block_height = fitting < 1 ? 1 : fitting < out->height ? (uint32_t)fitting : out->height;
-    return end <= image->file->client.bytes ||
+    return end <= image->bytes ||
            image_refuse(image, page, err, "its pixels end beyond the end of the file");
 }
 
@@ -136,7 +136,7 @@ static bool is_only_page(TIFF *tiff)
  * for every other page, and for every page but the first. */
 static uint16_t count_bands(const struct image *image)
 {
-    TIFF *tiff = image->file->tiff;
+    TIFF *tiff = image->tiff;
     const uint16_t n_samples = short_tag(tiff, TIFFTAG_SAMPLESPERPIXEL);
     uint16_t n_extra = 0, *extra = NULL;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
@@ -161,7 +161,7 @@ static bool colours_alone(TIFF *tiff, const struct sample_layout *layout)
 static bool samples_find(const struct image *image, int page, struct sample_layout *out,
                          struct error *err)
 {
-    TIFF *tiff = image->file->tiff;
+    TIFF *tiff = image->tiff;
     const uint16_t format = short_tag(tiff, TIFFTAG_SAMPLEFORMAT);
     const bool separate = short_tag(tiff, TIFFTAG_PLANARCONFIG) == PLANARCONFIG_SEPARATE;
     uint16_t photometric = short_tag(tiff, TIFFTAG_PHOTOMETRIC);
@@ -196,7 +196,7 @@ static bool samples_find(const struct image *image, int page, struct sample_layo
 
 bool image_layout(const struct image *image, int page, struct sample_layout *out, struct error *err)
 {
-    TIFF *tiff = image->file->tiff;
+    TIFF *tiff = image->tiff;
     const uint16_t orientation = short_tag(tiff, TIFFTAG_ORIENTATION);
     const uint16_t compression = short_tag(tiff, TIFFTAG_COMPRESSION);
     uint32_t depth = 1;
@@ -338,20 +338,20 @@ static bool pages_read(struct image *image, image_tags *read_tags, struct error 
 {
     struct image_file *file = image->file;
     bool first = true;
-    for (bool more = true; more; more = !TIFFLastDirectory(file->tiff)) {
-        if (!first && !TIFFReadDirectory(file->tiff))
+    for (bool more = true; more; more = !TIFFLastDirectory(image->tiff)) {
+        if (!first && !TIFFReadDirectory(image->tiff))
             return image_refuse_broken(image, -1, err);
         first = false;
         if (!source_is_sound(image, err) ||
-            (!is_subfile(file->tiff) && !directory_add(image, read_tags, err)))
+            (!is_subfile(image->tiff) && !directory_add(image, read_tags, err)))
             return false;
     }
     if (image->n_pages == 0)
         return image_refuse(image, -1, err, "it has only overviews or masks");
-    if (file->n_recorded != 0 && file->n_recorded != image->n_pages)
+    if (image->n_recorded != 0 && image->n_recorded != image->n_pages)
         return image_refuse(image, -1, err,
                             "it has %d pages, but records %d; it was cut or damaged",
-                            image->n_pages, file->n_recorded);
+                            image->n_pages, image->n_recorded);
     image->width = (int)file->pages->width;
     image->height = (int)file->pages->height;
     return wavelengths_keep(image, err);
@@ -464,11 +464,12 @@ static bool open_source(struct image *image, const char *format, struct error *e
     if (!client->builtin && fstat(client->descriptor, &status) != 0)
         return error_cause(err, file->from, "cannot read %s", image->path);
     client->bytes = client->builtin ? client->builtin->length : (uint64_t)status.st_size;
+    image->bytes = client->bytes;
     if (image_converts(format))
         return foreign_read(image, format, err);
-    file->tiff = client_open(client, image->path, "rmc");
+    image->tiff = client_open(client, image->path, "rmc");
     return source_is_sound(image, err) &&
-           (file->tiff != NULL || image_refuse_broken(image, -1, err));
+           (image->tiff != NULL || image_refuse_broken(image, -1, err));
 }
 
 bool image_open(const char *path, struct place from, image_tags *read_tags, struct image *out,
@@ -497,8 +498,8 @@ void image_close(struct image *image)
 {
     struct image_file *file = image->file;
     if (file != NULL) {
-        if (file->tiff != NULL)
-            TIFFClose(file->tiff);
+        if (image->tiff != NULL)
+            TIFFClose(image->tiff);
         if (file->client.descriptor >= 0)
             close(file->client.descriptor);
         FREE_ALL(file->pixels, file->pages, file->kept.samples, file);

@@ -4,6 +4,55 @@
 #define DATA_IMAGES_INSIDE_H
 
 #include "data/images/images.h"
+
+/* How the samples of a page lie in the file: in blocks, which are tiles, or strips as wide as the
+ * page. Uncompressed rows that lie one after the other are read in blocks of our own choice, which
+ * fit into the processor's cache. */
+struct sample_layout {
+    uint64_t directory; /* the offset of the page's directory */
+    uint32_t width, height, block_width, block_height;
+    uint16_t bits, n_samples, n_colours, n_planes;
+    uint16_t n_bands; /* pages of its directory */
+    uint16_t plane;   /* the first of n_planes */
+    uint16_t colour;  /* of RGB, the one that the page is: 1 red, 2 green, 3 blue; 0: their luma */
+    uint64_t block_bytes;
+    size_t pixel_step;    /* samples of a pixel in a plane */
+    size_t row_bytes;     /* of a plane */
+    uint64_t rows_offset; /* the first of such rows; 0: libtiff decodes the blocks */
+    double largest;       /* sample of white; 1 of floats */
+    bool tiled, inverted; /* inverted: 0 is white */
+    bool has_nodata;
+    double nodata; /* see struct page_record */
+};
+/* Rows of some bands as stored, but band after band. In the file the bands lie side by side. */
+struct kept_bands {
+    uint32_t first_row, n_rows;
+    int first_page, end_page;
+    size_t band_bytes;
+    char *samples;
+};
+/* A file as libtiff reads or writes it. */
+struct client {
+    int descriptor;                     /* -1: builtin is read */
+    const struct builtin_file *builtin; /* NULL: descriptor is read */
+    struct pages *pages;                /* that are written; NULL: the file is only read */
+    uint64_t position, bytes;           /* where libtiff is; the file's size */
+    int cause;                          /* errno of the first call that failed; 0: none did */
+    const char *failed;                 /* that call: "cannot be read" */
+    bool decoding;                      /* a warning then means that samples are lost */
+    char message[1024];                 /* the first of libtiff */
+};
+struct image_file {
+    struct client client;
+    double count_scale; /* radiance of a count, by the tags of page 0 */
+    struct sample_layout *pages;
+    uint64_t directory; /* where libtiff is; 0: at none of the pages */
+    struct kept_bands kept;
+    struct builtin_file converted; /* what client reads of another format */
+    unsigned char *pixels;         /* its bytes; owned */
+    struct place from;
+};
+
 /* ---- client.c ---- */
 
 /* Opens a file for libtiff to read ("rmc") or write. NULL on failure: see client->cause and

@@ -9,8 +9,8 @@ static bool map_is_whole(const struct cube *cube)
     const struct record *record = &cube->record;
     const uint64_t pixels = (uint64_t)cube->image.width * (uint64_t)cube->image.height;
     const uint64_t bytes = pixels * (uint64_t)record->map_bytes;
-    return record->objects.n > 0 && bytes <= cube->image.file->client.bytes &&
-           record->map_offset == cube->image.file->client.bytes - bytes;
+    return record->objects.n > 0 && bytes <= cube->image.bytes &&
+           record->map_offset == cube->image.bytes - bytes;
 }
 
 bool cube_open(const char *path, struct cube *out, struct error *err)

@@ -88,33 +88,33 @@ static double length_nm(struct page_record *out, const char *number, const char 
 
 /* Reads the next <Channel> of the OME-XML: it records the wavelength of the next page. Without a
  * unit it is in nm. */
-static double channel_wavelength(struct image_file *file, struct page_record *out)
+static double channel_wavelength(struct image *image, struct page_record *out)
 {
     static const char mark[] = "<Channel";
-    const char *at = file->channels, *number, *unit, *end;
+    const char *at = image->channels, *number, *unit, *end;
     do {
         at = strstr(at, mark);
         if (at == NULL) {
-            file->channels = "";
+            image->channels = "";
             return (double)NAN;
         }
         at += strlen(mark);
     } while (strchr(" \t\r\n", *at) == NULL);
     end = at + strcspn(at, "<");
-    file->channels = end;
+    image->channels = end;
     number = attribute(at, end, " EmissionWavelength=\"");
     unit = attribute(at, end, " EmissionWavelengthUnit=\"");
     return number == NULL ? (double)NAN : length_nm(out, number, unit != NULL ? unit : "nm\"");
 }
 
 /* Finds the wavelength of the next page. */
-static void find_wavelength(struct image_file *file, const char *const items[ITEMS],
+static void find_wavelength(struct image *image, const char *const items[ITEMS],
                             struct page_record *out)
 {
     const char *name = "";
-    const double channel = channel_wavelength(file, out);
+    const double channel = channel_wavelength(image, out);
     double nm = (double)NAN;
-    TIFFGetField(file->tiff, TIFFTAG_PAGENAME, &name);
+    TIFFGetField(image->tiff, TIFFTAG_PAGENAME, &name);
     if (strcmp(name + strcspn(name, " "), " nm") == 0)
         nm = number_at(name);
     if (isnan(nm) && items[ITEM_WAVELENGTH] != NULL && items[ITEM_UNIT] != NULL)
@@ -150,22 +150,21 @@ static bool check_order(const struct image *image, struct error *err)
 static bool read_first(struct image *image, struct page_record *out, struct error *err)
 {
     static const char full_scale[] = "full_scale: ";
-    struct image_file *file = image->file;
-    const char *text = "", *verdict = private_text(file->tiff, TAG_VERDICT);
+    const char *text = "", *verdict = private_text(image->tiff, TAG_VERDICT);
     size_t length = verdict != NULL ? strlen(verdict) : 0;
     uint16_t page = 0, n_pages = 0;
     uint32_t count = 0;
     const char *any = NULL;
-    if (TIFFGetField(file->tiff, TAG_VERDICT, &count, &any) &&
-        TIFFGetField(file->tiff, TIFFTAG_PAGENUMBER, &page, &n_pages))
-        file->n_recorded = n_pages;
+    if (TIFFGetField(image->tiff, TAG_VERDICT, &count, &any) &&
+        TIFFGetField(image->tiff, TIFFTAG_PAGENUMBER, &page, &n_pages))
+        image->n_recorded = n_pages;
     while (length > 0 && verdict[length - 1] == ' ')
         length--;
-    TIFFGetField(file->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
+    TIFFGetField(image->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
     if (!string_copy(text, &image->description, err) ||
         !MAKE_ARRAY(image->verdict, length + 1, err, "the verdict of %s", image->path))
         return false;
-    file->channels = image->description;
+    image->channels = image->description;
     if (length > 0)
         memcpy(image->verdict, verdict, length);
     /* the names before the element are the user's */
@@ -185,11 +184,11 @@ bool tags_read(struct image *image, int n, struct page_record *out, struct error
         return false;
     if (!MAKE_ARRAY(items, (size_t)n * ITEMS, err, "the bands of %s", image->path))
         return false;
-    find_items(image->file->tiff, n, items);
-    const char *nodata = private_text(image->file->tiff, TIFFTAG_GDAL_NODATA);
+    find_items(image->tiff, n, items);
+    const char *nodata = private_text(image->tiff, TIFFTAG_GDAL_NODATA);
     for (int band = 0; band < n; band++) {
         const char *const *own = items + (size_t)band * ITEMS;
-        find_wavelength(image->file, own, &out[band]);
+        find_wavelength(image, own, &out[band]);
         out[band].count_scale = own[ITEM_SCALE] != NULL ? number_at(own[ITEM_SCALE]) : -1;
         out[band].has_nodata = nodata != NULL;
         out[band].nodata = nodata ? strtod(nodata, NULL) : 0;
