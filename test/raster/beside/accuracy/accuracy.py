@@ -211,7 +211,7 @@ def other_commands():
     page = run("view", scene, "--accuracy", "0.5", "-o", os.path.join(TMP, "page.html"))
     check(page.returncode == 0 and "2 triangles became" in page.stdout, "view refines, too", page.stdout, page.stderr)
     plan = run("plan", scene, "--accuracy", "0.5")
-    check(re.search(r"^  refined\n(    .*\n)*    triangles_before +2\n    triangles_after +\d{3,}$", plan.stdout, re.MULTILINE),
+    check(re.search(r"^  refined\n(    .*\n)*    triangles before +2\n    triangles after +\d{3,}$", plan.stdout, re.MULTILINE),
           "plan says how many triangles there are", plan.stdout)
 
 
