@@ -51,9 +51,8 @@ bool printed_show(struct printed *printed, int to, struct error *err);
 /* ---- printable.c: what may reach a terminal ---- */
 
 /* Returns the length in bytes of the UTF-8 character at `at`, in a text that ends with a NUL; 0:
- * the character is not valid, or, for the second, has no picture. */
+ * the character is not valid. */
 int utf8_length(const unsigned char *at);
-int printable_length(const unsigned char *at);
 /* Replaces each unprintable character by '?', in place, but for the control characters in `kept`.
  */
 void hide_unprintable(char *text, const char *kept);

@@ -36,7 +36,8 @@ static const struct {
                    {0xfdd0, 0xfdef},  {0xfeff, 0xfeff}, {0xfff0, 0xfffb}, {0xfffe, 0xffff},
                    {0xe0000, 0xe0fff}};
 
-int printable_length(const unsigned char *at)
+/* Returns the length of a character that has a picture; 0: it has none, or is not valid. */
+static int printable_length(const unsigned char *at)
 {
     const int length = utf8_length(at);
     const uint32_t code = length > 0 ? code_point(at, length) : 0;

@@ -98,10 +98,8 @@ void cost_json(const struct cost *cost, struct json *json); /* begins a text wit
 
 /* ---- frontier.c: the chart ---- */
 
-/* Prints a whole SVG 1.1 file. Both axes are logarithmic. Errors below 1/1000 of the largest, and
- * 0, lie on the lower edge, which has a label that says so. Points have the numbers of their rows
- * in the table, and a legend names them. Steps join the points of the frontier; the others are
- * pale. */
+/* Prints a whole SVG 1.1 file. Errors below 1/1000 of the largest are drawn as that. Points of the
+ * frontier have numbers, and a legend names them. */
 void cost_svg(const struct cost *cost, struct printed *to);
 
 /* ---- measure.c ---- */

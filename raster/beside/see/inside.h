@@ -17,18 +17,6 @@
 #include "raster/reference/reference.h"
 #include "raster/renderers/renderers.h"
 
-/* ---- chart.c ---- */
-
-/* Writes a decimal exponent: ×10 and raised digits. */
-void chart_exponent(struct printed *to, int exponent);
-
-/* ---- axis.c: scales ---- */
-
-/* Makes a linear axis from low to high with about so many steps; from 0 to 1 if low > high. */
-struct axis axis_linear(double low, double high, int steps);
-/* Makes a linear axis that contains 0 and ends at whole steps. */
-struct axis axis_from_zero(double low, double high, int steps);
-
 /* ---- sight.c ---- */
 
 /* Returns the factor that takes an observer's XYZ to cd m-2, if the radiances of the cube are
@@ -213,8 +201,7 @@ struct probe_column {
 };
 struct probe {
     /* The caller sets these, and zeroes all others. */
-    int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more; or 0:
-                                     there is none, but curves, in all columns but SPREAD */
+    int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
     const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
     const char *wanted; /* an object, by its name or number, in place of a region; NULL: none */
     /* The findings. */
@@ -267,8 +254,6 @@ bool probe_stack(struct probe *probe, const char *path, struct error *err);
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
 void probe_free(struct probe *probe);
 
-/* chart.c: prints a whole SVG 1.1 file. The region of a probe is a pixel or more. */
-void probe_svg(const struct probe *probe, struct printed *to);
 /* Writes the pixel or region in words, e.g. "pixel 3,4". */
 void region_text(const struct probe *probe, char *out, size_t capacity);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral probe: prints the spectrum of a pixel or a region, of a stack or of a scene. The command
  * lies in raster/ because the reference draws the scene. */
+#include <math.h>
 #include <stdlib.h>
 
 #include "raster/beside/see/inside.h"
@@ -193,6 +194,50 @@ static void probe_json(const struct probe *probe, struct json *json)
     json_close(json, ']');
 }
 
+/* Prints a chart. The radiances are its subject; bars are their standard deviations, and end at 0
+ * where a radiance is 0 or more. */
+static bool probe_svg(const struct probe *probe, struct printed *to, struct error *err)
+{
+    const struct probe_column *columns = probe->columns;
+    const bool is_region = probe->width > 1 || probe->height > 1;
+    struct chart_series *all = NULL;
+    double *low, *high = NULL;
+    char region[96], title[512];
+    struct chart chart = {.title = title,
+                          .x_label = "wavelength (nm)",
+                          .y_label = probe->absolute ? "radiance (W sr⁻¹ m⁻² nm⁻¹)"
+                                                     : "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)"};
+    bool done =
+        MAKE_ARRAY(low, probe->n, err, "a plot") && MAKE_ARRAY(high, probe->n, err, "a plot");
+    for (int i = 0; done && i < probe->n; i++) {
+        const double mean = columns[MEAN].values[i], spread = columns[SPREAD].values[i];
+        low[i] = fmax(mean - spread, fmin(mean, 0));
+        high[i] = mean + spread;
+    }
+    for (int column = MEAN; done && column < probe->n_columns; column++) {
+        const bool has_bars = column == MEAN && is_region;
+        const struct chart_series series = {.name = has_bars ? "radiance ± standard deviation"
+                                                             : columns[column].name,
+                                            .n = probe->n,
+                                            .x = columns[WAVELENGTH].values,
+                                            .y = columns[column].values,
+                                            .low = has_bars ? low : NULL,
+                                            .high = high,
+                                            .right = columns[column].relative};
+        if (series.right)
+            chart.right_label = "reflectance, excitation, emission";
+        done = column == SPREAD || array_add(&all, &chart.n, &series, sizeof series, err);
+    }
+    chart.series = all;
+    region_text(probe, region, sizeof region);
+    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
+             probe->object ? ", " : "", region, probe->source);
+    if (done)
+        chart_svg(&chart, to);
+    FREE_ALL(low, high, all);
+    return done;
+}
+
 /* ---- the command ---- */
 
 static bool probe_write(struct options *options, const struct probe *probe, struct error *err)
@@ -201,7 +246,10 @@ static bool probe_write(struct options *options, const struct probe *probe, stru
     struct printed printed = {.text = NULL};
     struct json json;
     probe_json(probe, &json);
-    (own->svg ? probe_svg : own->csv ? probe_print_csv : probe_print)(probe, &printed);
+    if (!own->svg)
+        (own->csv ? probe_print_csv : probe_print)(probe, &printed);
+    else
+        probe_svg(probe, &printed, err); /* report_write ends all, also after a failure */
     return report_write(options, &json, &printed, err);
 }
 

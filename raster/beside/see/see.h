@@ -11,72 +11,35 @@
 #include "data/text/text.h"
 #include "spectral.h"
 
-/* Lengths in SVG's pixels, 96 an inch. */
-enum {
-    CHART_WIDTH = 800,
-    CHART_LEFT = 84,
-    CHART_TOP = 52,
-    CHART_MARGIN = 28,     /* on the right, without an axis there */
-    CHART_RIGHT_AXIS = 72, /* on the right, with an axis there */
-    CHART_TICK = 5,
-    CHART_LEGEND_ROW = 20,
-    CHART_TITLE_SIZE = 16,
-    CHART_LABEL_SIZE = 13,
-    CHART_TEXT_SIZE = 12
+/* ---- chart.c: lines and points between axes ---- */
+
+enum chart_kind {
+    CHART_LINE,    /* a line through its points */
+    CHART_STEPS,   /* first along x, then along y; with disks at its points */
+    CHART_CIRCLES, /* small circles */
+    CHART_RINGS    /* larger ones, around points of other series */
 };
-
-/* An axis from `low` to `high` on its scale: values over the unit, or decimal logarithms. */
-struct axis {
-    bool logarithmic;
-    double low, high;
-    double unit, step; /* linear: the unit is a power of ten; the step between ticks is in units */
-    int exponent;      /* of the unit; 0: labels are values */
-    int decimals;      /* of a label */
-    bool clipped;      /* logarithmic: smaller values lie at the low end, */
-    double least;      /* whose value is this one */
+/* A name and n points. A point that is not finite, or not above 0 on a logarithmic axis, is left
+ * out and interrupts a line. */
+struct chart_series {
+    const char *name; /* in the legend */
+    enum chart_kind kind;
+    int n;
+    const double *x, *y;
+    const double *low, *high;  /* ends of a bar through each point; NULL: there are none */
+    bool across;               /* bars lie along x; otherwise along y */
+    bool right;                /* y is on the axis on the right */
+    const char *const *labels; /* names of the points, which get numbers; NULL: they have none */
 };
-/* The rectangle that the axes enclose. Its left edge is at CHART_LEFT, its top at CHART_TOP. */
-struct chart_area {
-    struct printed *to; /* the SVG file */
-    double width;
-    int height;
-    struct axis x, y, right;
+struct chart {
+    const char *title, *x_label, *y_label;
+    const char *right_label;           /* NULL: there is no axis on the right */
+    bool logarithmic;                  /* all axes */
+    const struct chart_series *series; /* the first one is the subject, and lies on top */
+    int n;
 };
-
-/* ---- chart.c: what all charts have ---- */
-
-/* Writes the beginning of a file of this height, with the title. */
-void chart_head(struct printed *to, const char *title, int height);
-/* Writes a text, escaped. The last of more than `most` characters becomes an ellipsis. A character
- * that XML cannot hold becomes U+FFFD. */
-void chart_text(struct printed *to, const char *text, int most);
-int chart_fitting(double width, int size); /* characters that fit into a width */
-int chart_text_length(const char *text);   /* in characters of UTF-8 */
-/* A legend, filled column by column. Makes one of n cells in 1 to 3 columns. Each cell has room for
- * a sample of this width and a text of `longest` characters, unless there is one column only. */
-struct chart_legend {
-    int rows;
-    double column; /* width */
-};
-struct chart_legend chart_legend(int n, int longest, double sample);
-/* Return the left edge and the middle of a cell. */
-double legend_x(const struct chart_legend *legend, int cell);
-double legend_y(const struct chart_legend *legend, int top, int cell);
-
-/* ---- axis.c ---- */
-
-/* Makes a logarithmic axis with some room beyond the decimal logarithms low and high; from 0.1 to 1
- * if low > high. */
-struct axis axis_logarithmic(double low, double high);
-double decimal_logarithm(double value); /* of a finite value above 0 */
-/* Return the place of a value in the SVG file. On a logarithmic axis values below its low end, and
- * 0, lie at that end. */
-double chart_x(const struct chart_area *area, double value);
-double chart_y(const struct chart_area *area, const struct axis *axis, double value);
-/* Draws the border and the axes: ticks, grid lines, labels. The labels of the axes are those of x,
- * y, and the axis on the right, which has no grid lines; NULL: there is none. The x axis lies below
- * the area and a strip of this height. */
-void chart_axes(const struct chart_area *area, const char *const labels[3], int strip);
+/* Prints a whole SVG 1.1 file. Linear axes of y contain 0. A legend names series and labels. */
+void chart_svg(const struct chart *chart, struct printed *to);
 
 /* ---- command.c: spectral develop ---- */
 

@@ -14,8 +14,10 @@ struct curves {
     struct curve {
         char name[96];
         struct spectrum spectrum; /* owned */
+        double *values;           /* at each wavelength; NaN: none; owned */
     } curve[MOST_CURVES];
-    int n;
+    int n, n_nm;
+    double *nm; /* owned */
 };
 
 /* Takes a spectrum over. */
@@ -117,98 +119,115 @@ static int compare_numbers(const void *a, const void *b)
 }
 
 /* Finds the wavelengths of all tables; formulas have every 5 nm from 380 to 780 nm. */
-static bool find_wavelengths(const struct curves *curves, struct probe *out, struct error *err)
+static bool find_wavelengths(struct curves *curves, struct error *err)
 {
-    double *nm = NULL;
-    int n = 0, kept = 0;
+    int kept = 0;
     bool done = true;
     for (int c = 0; c < curves->n; c++) {
         const struct spectrum *s = &curves->curve[c].spectrum;
         const bool sampled = s->kind == SPECTRUM_SAMPLED;
         for (int i = 0; done && i < (sampled ? s->count : 81); i++) {
             const double at = sampled ? s->wavelength_nm[i] : 380 + 5 * i;
-            done = array_add(&nm, &n, &at, sizeof at, err);
+            done = array_add(&curves->nm, &curves->n_nm, &at, sizeof at, err);
         }
     }
-    if (done)
-        qsort(nm, (size_t)n, sizeof *nm, compare_numbers);
-    for (int i = 0; done && i < n; i++)
-        if (kept == 0 || nm[i] > nm[kept - 1])
-            nm[kept++] = nm[i];
-    out->columns[WAVELENGTH].values = nm;
-    out->n = kept;
+    if (curves->n_nm > 0)
+        qsort(curves->nm, (size_t)curves->n_nm, sizeof *curves->nm, compare_numbers);
+    for (int i = 0; i < curves->n_nm; i++)
+        if (kept == 0 || curves->nm[i] > curves->nm[kept - 1])
+            curves->nm[kept++] = curves->nm[i];
+    curves->n_nm = kept;
     return done;
 }
 
-/* Makes a probe of no region: its columns are the curves. Beyond a table they have no values. */
-static bool fill_probe(const struct curves *curves, struct probe *out, struct error *err)
+/* Finds the values of the curves. Beyond a table they have none. */
+static bool find_values(struct curves *curves, struct error *err)
 {
-    if (!MAKE_ARRAY(out->columns, CURVES - 1 + curves->n, err, "a table of %d curves", curves->n))
+    if (!find_wavelengths(curves, err))
         return false;
-    out->n_columns = CURVES - 1 + curves->n;
-    if (!find_wavelengths(curves, out, err))
-        return false;
-    snprintf(out->columns[WAVELENGTH].name, sizeof out->columns->name, "wavelength");
     for (int c = 0; c < curves->n; c++) {
-        const struct curve *curve = &curves->curve[c];
-        struct probe_column *column = &out->columns[c == 0 ? MEAN : SPREAD + c];
-        snprintf(column->name, sizeof column->name, "%s", curve->name);
-        if (!MAKE_ARRAY(column->values, out->n, err, "a curve of %d wavelengths", out->n))
+        struct curve *curve = &curves->curve[c];
+        if (!MAKE_ARRAY(curve->values, curves->n_nm, err, "a curve of %d wavelengths",
+                        curves->n_nm))
             return false;
-        for (int i = 0; i < out->n; i++) {
-            const double nm = out->columns[WAVELENGTH].values[i];
-            column->values[i] = spectrum_extrapolates(&curve->spectrum, nm)
-                                    ? (double)NAN
-                                    : spectrum_at(&curve->spectrum, nm, SPECTRUM_ZERO);
-        }
+        for (int i = 0; i < curves->n_nm; i++)
+            curve->values[i] = spectrum_extrapolates(&curve->spectrum, curves->nm[i])
+                                   ? (double)NAN
+                                   : spectrum_at(&curve->spectrum, curves->nm[i], SPECTRUM_ZERO);
     }
     return true;
 }
 
-static void print_csv(const struct probe *probe, struct printed *to)
+static void curves_free(struct curves *curves)
 {
-    for (int column = 0; column < probe->n_columns; column++) {
-        if (column == SPREAD)
-            continue;
-        print_text(to, column == WAVELENGTH ? "\"wavelength (nm)" : ",\"");
-        csv_text(column == WAVELENGTH ? "" : probe->columns[column].name, to);
+    for (int i = 0; i < curves->n; i++) {
+        spectrum_free(&curves->curve[i].spectrum);
+        free(curves->curve[i].values);
+    }
+    free(curves->nm);
+}
+
+/* ---- out ---- */
+
+static void print_csv(const struct curves *curves, struct printed *to)
+{
+    print_text(to, "\"wavelength (nm)\"");
+    for (int c = 0; c < curves->n; c++) {
+        print_text(to, ",\"");
+        csv_text(curves->curve[c].name, to);
         print_text(to, "\"");
     }
-    for (int i = 0; i < probe->n; i++)
-        for (int column = 0; column < probe->n_columns; column++) {
-            const double value = column == SPREAD ? 0 : probe->columns[column].values[i];
-            if (column != SPREAD)
-                print_text(to, column == WAVELENGTH ? "\n" : ",");
-            if (column != SPREAD && isfinite(value))
+    for (int i = 0; i < curves->n_nm; i++) {
+        print(to, "\n%.*g", exact_digits(curves->nm[i]), curves->nm[i]);
+        for (int c = 0; c < curves->n; c++) {
+            const double value = curves->curve[c].values[i];
+            print_text(to, ",");
+            if (isfinite(value))
                 print(to, "%.*g", exact_digits(value), value);
         }
+    }
     print_text(to, "\n");
+}
+
+static void print_svg(const struct curves *curves, const char *title, struct printed *to)
+{
+    struct chart_series series[MOST_CURVES];
+    const struct chart chart = {.title = title,
+                                .x_label = "wavelength (nm)",
+                                .y_label = "value",
+                                .series = series,
+                                .n = curves->n};
+    for (int c = 0; c < curves->n; c++)
+        series[c] = (struct chart_series){.name = curves->curve[c].name,
+                                          .n = curves->n_nm,
+                                          .x = curves->nm,
+                                          .y = curves->curve[c].values};
+    chart_svg(&chart, to);
 }
 
 static bool run_show(struct options *options, struct error *err)
 {
     const struct show_own *own = options->own;
     struct curves curves = {.n = 0};
-    struct probe probe = {.n = 0};
-    struct printed printed = {.text = NULL}, source = {.text = NULL};
+    struct printed printed = {.text = NULL}, names = {.text = NULL};
     bool done = own->csv + own->svg < 2 || error_usage(err, "--csv and --svg exclude each other");
     if (done && !own->csv && !own->svg)
         return show_file(options, err);
     done = done && (options->n_operands > 0 || error_usage(err, "show takes one NAME or more"));
     for (int i = 0; done && i < options->n_operands; i++) {
         done = add_named(&curves, options->operands[i], err);
-        print(&source, "%s%s", i > 0 ? ", " : "", options->operands[i]);
+        print(&names, "%s%s", i > 0 ? ", " : "", options->operands[i]);
     }
-    probe.source = printed_end(&source);
-    done = done && fill_probe(&curves, &probe, err);
-    if (done) {
-        (own->svg ? probe_svg : print_csv)(&probe, &printed);
-        done = printed_write(&printed, options->output ? options->output : "-", &options->outputs,
-                             err);
-    }
-    probe_free(&probe);
-    for (int i = 0; i < curves.n; i++)
-        spectrum_free(&curves.curve[i].spectrum);
+    char *title = printed_end(&names);
+    done = done && find_values(&curves, err);
+    if (done && own->csv)
+        print_csv(&curves, &printed);
+    else if (done)
+        print_svg(&curves, title, &printed);
+    done = done &&
+           printed_write(&printed, options->output ? options->output : "-", &options->outputs, err);
+    curves_free(&curves);
+    free(title);
     return done;
 }
 

@@ -122,7 +122,7 @@ at = {float(row[0]): row for row in body}
 check(float(at[560][1]) == 1 and float(at[420][head.index("patch 9")]) == PATCHES[8][2][1], "their values are those of the tables", at[420])
 check(at[830][head.index("patch 9")] == "", "a table has no values beyond its ends", at[830])
 result = run("show", "d65", "a", "f11", "--svg")
-check(result.stdout.startswith("<?xml") and result.stdout.count("<g><title>") == 3, "show plots three curves", result.stdout[:200])
+check(result.stdout.startswith("<?xml") and result.stdout.count("<title>") == 4, "show plots three curves", result.stdout[:200])
 result = run("show", "d65", "nix", "--svg")
 check(result.returncode == 2 and "nix" in result.stderr, "show refuses a name that is none", result.stderr)
 result = run("show", "d65", "a")

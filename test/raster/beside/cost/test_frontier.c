@@ -8,7 +8,7 @@
 
 int main(int argc, char **argv)
 {
-    enum { MOST = 100 };
+    enum { MOST = MOST_CONFIGURATIONS };
     static struct cost_entry entries[MOST];
     static char scene[] = "cost & <accuracy>", name[sizeof entries->name];
     struct cost cost = {.observer = "cie1931", .scene = scene, .entries = entries};

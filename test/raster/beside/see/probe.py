@@ -11,7 +11,7 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
-from colours import cielab, srgb
+from colours import cielab
 from rendered import (D65, LAMP_A, MATERIAL, RED, TMP, WAVELENGTHS, built_in, check, done, output_of, pages_of, path_of,
                       reference, refuses, run, weights, write, write_stack)
 
@@ -187,20 +187,19 @@ def test_svg(scene):
     check(result.stdout == run("probe", scene, 30, 20, "--svg").stdout, "the plot has the same bytes each time")
 
 
-def test_visible(scene):
-    """The coloured strip has the sRGB of monochromatic light, with white added until no channel is negative."""
-    root = ElementTree.fromstring(run("probe", scene, 30, 20, "--svg").stdout)
-    stops = [(float(s.get("offset")), s.get("stop-color")) for s in root.iter(SVG + "stop")]
-    nm = np.array([380 + 350 * offset for offset, _ in stops])
-    own, *curves = built_in("cie1931")
-    xyz = np.array([np.interp(nm, own, curve) for curve in curves])
-    linear = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]) @ xyz
-    linear -= np.minimum(linear.min(0), 0)
-    linear /= linear.max()
-    expected = 255 * srgb(linear)
-    seen = np.array([[int(c[i:i + 2], 16) for i in (1, 3, 5)] for _, c in stops]).T
-    check(len(stops) == 36 and abs(seen - expected).max() <= 1.5,
-          "the visible range is shown in the colours of monochromatic light")
+def test_bars(path):
+    """Bars of a region reach from mean - deviation, or from 0, to mean + deviation."""
+    root = ElementTree.fromstring(run("probe", path, 0, 0, 120, 80, "--svg").stdout)
+    group, = (g for g in root.iter(SVG + "g") if g.find(SVG + "title") is not None)
+    line, bars = group.iter(SVG + "path")
+    seen = probe(path, 0, 0, 120, 80)
+    scale = np.polyfit(points(line)[:, 1], seen["radiance"], 1)
+    ends = np.polyval(scale, np.array(re.findall(r"M[-\d.]+,([-\d.]+)V([-\d.]+)", bars.get("d")), float))
+    mean, spread = seen["radiance"], seen["standard deviation of radiance"]
+    check(ends.shape == (len(mean), 2) and np.abs(ends - np.array([np.maximum(mean - spread, 0), mean + spread]).T).max() < 1e-4 * mean.max()
+          and group.find(SVG + "title").text == "radiance ± standard deviation", "each wavelength of a region has a bar of its deviation", ends[:2])
+    check(len(list(ElementTree.fromstring(run("probe", path, 60, 40, "--svg").stdout).iter(SVG + "g"))[0].findall(SVG + "path")) == 1,
+          "a pixel has no bars")
 
 
 # ---- refusals ----
@@ -232,6 +231,6 @@ test_scene("room", [(60, 30, 1, 1), (10, 70, 1, 1), (100, 20, 1, 1), (50, 30, 20
 test_scene("metamers", [(20, 20, 1, 1), (24, 20, 1, 1), (22, 18, 4, 1)])
 SCENE = test_curves()
 test_svg(SCENE)
-test_visible(SCENE)
+test_bars(STACK)
 test_refusals(STACK, SCENE)
 done()
