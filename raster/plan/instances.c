@@ -395,7 +395,7 @@ static void fill_instance(const struct plan *plan, struct placed_instance *place
     out->n_terms = shaded->n_terms;
     out->gloss = shaded->material->gloss;
     out->textured = shaded->texture != NULL;
-    out->varied = shaded->texture && shaded->texture->spectral;
+    out->varied = keeps_place(plan, shaded->texture);
     if (shaded->texture)
         out->texels = plan_texels(shaded->texture, 0);
 }

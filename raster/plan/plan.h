@@ -61,6 +61,7 @@ struct plan_options {
     bool store_raster;                  /* pixels are the reference's */
     int bits;          /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
     bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
+    bool untextured;   /* weights stay without textures: pixels keep their places in them */
     bool complete;     /* another program draws: every pass, and the backs that solids hide, too */
     int threads;       /* 0: one a processor; the plan holds the number */
     int halvings;      /* how often the edges of all objects are halved */

@@ -17,6 +17,8 @@
 #include "raster/reference/reference.h"
 #include "raster/renderers/renderers.h"
 
+size_t picture_pixels(const struct picture *picture); /* decomposition.c */
+
 /* ---- sight.c ---- */
 
 /* Returns the factor that takes an observer's XYZ to cd m-2, if the radiances of the cube are
@@ -250,7 +252,7 @@ bool probe_stack(struct probe *probe, const char *path, struct error *err);
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the
  * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
  * excitation, emission and own light, and the emission of a matrix under each light. The region is
- * one of the plan's picture. */
+ * one of the plan's picture, whose samples are floats. */
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err);
 void probe_free(struct probe *probe);
 

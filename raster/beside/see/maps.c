@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Maps of a picture, by the reference: what each light gives to a pixel, and where its point lies.
- * The radiance of a pixel in a band is the sum over the terms of its material of weight x spectrum,
- * times its texture. The pages hold the weights and the texture, and the lines of the record hold
- * the spectra. Each light has terms of its own here, and a texture stays apart from the weights. So
- * the picture is drawn once more, from a plan of its own: the stack does not depend on its maps. */
+ * The pages hold the weights and the textures of its decomposition, and the lines of the record
+ * hold the spectra. Each light has terms of its own here, and a texture stays apart from the
+ * weights. So the picture is drawn once more, from a plan of its own: the stack does not depend on
+ * its maps. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,10 +27,9 @@ struct maps {
     const char **labels;         /* the same; owned */
     int n_pages, n_weights, n_textures, n_illumination; /* in this order, places after weights */
     struct stack_writer writer;
-    float *values; /* of a chunk: [page of those that are written together][pixel]; owned */
-    /* The rows at hand. */
-    const struct picture *picture;
-    int first_band, end_band;
+    float *values;                 /* of a chunk: the places, or a page; owned */
+    const struct picture *picture; /* the chunk at hand */
+    int band;                      /* whose illumination is found */
 };
 
 /* ---- the pages ---- */
@@ -39,9 +38,8 @@ struct maps {
 static bool name_pages(struct maps *of, bool illumination, struct error *err)
 {
     const struct plan *plan = &of->job.plan;
-    for (int i = 0; i < plan->n_textures; i++)
-        of->n_textures = plan->textures[i].spectral || of->n_textures > 1 ? plan->n_bands : 1;
-    of->n_weights = 1 + 2 * plan->n_lights;
+    of->n_textures = texture_pages(plan, false);
+    of->n_weights = weight_pages(plan);
     of->n_illumination = illumination ? plan->n_bands : 0;
     of->n_pages = of->n_weights + PLACES + of->n_textures + of->n_illumination;
     if (!MAKE_ARRAY(of->names, of->n_pages, err, "the names of maps") ||
@@ -65,11 +63,6 @@ static bool name_pages(struct maps *of, bool illumination, struct error *err)
 }
 
 /* ---- the point of a pixel ---- */
-
-static size_t pixels_of(const struct picture *picture)
-{
-    return (size_t)picture->at.width * (size_t)picture->at.height;
-}
 
 /* Finds the point of the mesh that a pixel shows: of the triangle's parts, the one whose depth is
  * the pixel's. Returns the side that is seen. */
@@ -117,7 +110,7 @@ static void put_vector(float *values, size_t n, struct vector vector)
 static void put_place(const struct maps *of, size_t pixel, float *values)
 {
     const struct plan *plan = &of->job.plan;
-    const size_t n = pixels_of(of->picture);
+    const size_t n = picture_pixels(of->picture);
     const int surface = of->picture->surface[pixel];
     const struct instance *instance = &plan->instances[surface].instance;
     struct vertex point;
@@ -137,79 +130,43 @@ static void put_place(const struct maps *of, size_t pixel, float *values)
     values[MAP_MATERIAL * n] = (float)(plan->instances[surface].shaded + 1);
 }
 
-/* Finds weights and places of some pixels. */
-static void put_pixels(void *context, size_t first, size_t end)
+/* Finds the places of some pixels. */
+static void put_places(void *context, size_t first, size_t end)
 {
     const struct maps *of = context;
-    const size_t n = pixels_of(of->picture);
+    const size_t n = picture_pixels(of->picture);
     for (size_t i = first; i < end; i++) {
-        for (size_t page = 0; page < (size_t)of->n_weights + PLACES; page++)
+        for (size_t page = 0; page < PLACES; page++)
             of->values[page * n + i] = 0;
-        if (of->picture->surface[i] < 0)
-            continue;
-        const struct shaded_material *shaded = of->lit.bounds[of->picture->surface[i]].shaded;
-        for (int t = 0; t < shaded->n_terms; t++) {
-            const struct term *term = &shaded->terms[t];
-            const int page = term->reflection == CONSTANT
-                                 ? 0
-                                 : 1 + 2 * term->light + (term->reflection == SPECULAR);
-            of->values[(size_t)page * n + i] = (float)of->picture->rows[(size_t)t * n + i];
-        }
-        put_place(of, i, of->values + (size_t)of->n_weights * n + i);
+        if (of->picture->surface[i] >= 0)
+            put_place(of, i, of->values + i);
     }
 }
 
-/* ---- textures and illumination ---- */
+/* ---- illumination ---- */
 
-/* Returns the value of a pixel's texture in a band; 1: it has none. */
-static double texture_at(const struct maps *of, const struct shaded_material *shaded, size_t pixel,
-                         int band)
-{
-    const size_t n = pixels_of(of->picture), across = (size_t)shaded->n_terms * n + pixel;
-    if (!shaded->texture)
-        return 1;
-    const struct texels texels =
-        plan_texels(shaded->texture, shaded->texture->spectral ? band % BANDS_PER_PASS : 0);
-    double place[TEXEL_PLACE];
-    plan_place(&texels, of->picture->rows + across, n, place);
-    return texel_at(&texels, place);
-}
-
-/* Returns the radiance of a perfect diffuser in a pixel's place. */
-static double illumination_at(const struct maps *of, const struct shaded_material *shaded,
-                              size_t pixel, int band)
-{
-    const size_t n = pixels_of(of->picture);
-    double sum = 0;
-    for (int t = 0; t < shaded->n_terms; t++) {
-        const struct term *term = &shaded->terms[t];
-        const int white = term->reflection == CONSTANT ? 0 : 1 + term->light;
-        if (term->reflection != SPECULAR)
-            sum += of->picture->rows[(size_t)t * n + pixel] *
-                   of->white.spectra[white * of->job.plan.n_bands + band];
-    }
-    return sum;
-}
-
-/* Finds texture and illumination of some pixels in the bands at hand. */
-static void put_bands(void *context, size_t first, size_t end)
+/* Finds the radiance of a perfect diffuser in the place of some pixels, in the band at hand. */
+static void put_illumination(void *context, size_t first, size_t end)
 {
     const struct maps *of = context;
-    const size_t n = pixels_of(of->picture);
-    float *values = of->values;
-    for (int band = of->first_band; band < of->end_band; band++, values += 2 * n)
-        for (size_t i = first; i < end; i++) {
-            const int surface = of->picture->surface[i];
-            const struct shaded_material *shaded =
-                surface >= 0 ? of->lit.bounds[surface].shaded : NULL;
-            if (band < of->n_textures)
-                values[i] = shaded ? (float)texture_at(of, shaded, i, band) : 0;
-            if (band < of->n_illumination)
-                values[n + i] = shaded ? (float)illumination_at(of, shaded, i, band) : 0;
+    const struct picture *picture = of->picture;
+    const size_t n = picture_pixels(picture);
+    for (size_t i = first; i < end; i++) {
+        const int surface = picture->surface[i];
+        const struct shaded_material *shaded = surface < 0 ? NULL : of->lit.bounds[surface].shaded;
+        double sum = 0;
+        for (int t = 0; shaded && t < shaded->n_terms; t++) {
+            const struct term *term = &shaded->terms[t];
+            const int white = term->reflection == CONSTANT ? 0 : 1 + term->light;
+            if (term->reflection != SPECULAR)
+                sum += picture->rows[(size_t)t * n + i] *
+                       of->white.spectra[white * of->job.plan.n_bands + of->band];
         }
+        of->values[i] = (float)sum;
+    }
 }
 
-/* ---- tiles ---- */
+/* ---- the chunks ---- */
 
 static bool write_page(const struct maps *of, int page, const float *values, struct error *err)
 {
@@ -218,50 +175,24 @@ static bool write_page(const struct maps *of, int page, const float *values, str
     return pages_write(&of->writer.pages, &to, values, err);
 }
 
-static bool write_pixels(struct maps *of, struct error *err)
-{
-    const size_t n = pixels_of(of->picture);
-    bool done = true;
-    threads_blocks(of->job.plan.options.threads, n, BLOCK_PIXELS, put_pixels, of);
-    for (int page = 0; done && page < of->n_weights + PLACES; page++)
-        done = write_page(of, page, of->values + (size_t)page * n, err);
-    return done;
-}
-
-static bool write_bands(struct maps *of, struct error *err)
-{
-    const size_t n = pixels_of(of->picture);
-    const int first = of->n_weights + PLACES;
-    const float *values = of->values;
-    bool done = true;
-    threads_blocks(of->job.plan.options.threads, n, BLOCK_PIXELS, put_bands, of);
-    for (int band = of->first_band; done && band < of->end_band; band++, values += 2 * n)
-        done = (band >= of->n_textures || write_page(of, first + band, values, err)) &&
-               (band >= of->n_illumination ||
-                write_page(of, first + of->n_textures + band, values + n, err));
-    return done;
-}
-
-static bool write_tile(void *context, const struct tile *tile, struct error *err)
+/* Writes a page of the decomposition; beside the first one, all that is no part of that. */
+static bool take_page(void *context, const struct picture *picture, int page, const float *values,
+                      struct error *err)
 {
     struct maps *of = context;
-    const struct plan *plan = &of->job.plan;
-    const int n_bands = of->n_textures > of->n_illumination ? of->n_textures : of->n_illumination;
+    const int threads = of->job.plan.options.threads;
+    const size_t n = picture_pixels(picture);
     bool done = true;
-    for (int i = 0; done && i < tile->n_chunks; i++) {
-        of->picture = &tile->chunks[i].picture;
-        done = write_pixels(of, err);
+    of->picture = picture;
+    if (page == 0)
+        threads_blocks(threads, n, BLOCK_PIXELS, put_places, of);
+    for (int i = 0; page == 0 && done && i < PLACES; i++)
+        done = write_page(of, of->n_weights + i, of->values + (size_t)i * n, err);
+    for (of->band = 0; page == 0 && done && of->band < of->n_illumination; of->band++) {
+        threads_blocks(threads, n, BLOCK_PIXELS, put_illumination, of);
+        done = write_page(of, of->n_pages - of->n_illumination + of->band, of->values, err);
     }
-    for (int band = 0; done && band < n_bands; band += BANDS_PER_PASS) {
-        of->first_band = band;
-        of->end_band = n_bands - band < BANDS_PER_PASS ? n_bands : band + BANDS_PER_PASS;
-        done = plan_load_textures(plan, band, err);
-        for (int i = 0; done && i < tile->n_chunks; i++) {
-            of->picture = &tile->chunks[i].picture;
-            done = write_bands(of, err);
-        }
-    }
-    return done;
+    return done && write_page(of, page < of->n_weights ? page : page + PLACES, values, err);
 }
 
 /* ---- the record ---- */
@@ -324,14 +255,10 @@ static bool plan_maps(struct maps *of, const struct options *options, struct err
 {
     static const struct material white = {
         .diffuse = {.kind = SPECTRUM_CONSTANT, .parameter = {1}, .factor = 1}};
-    struct plan *plan = &of->job.plan;
-    if (!job_plan(options, &of->job, err) ||
-        !material_terms_make(&plan->illumination, &white, &of->white, err))
-        return false;
-    for (int i = 0; i < plan->n_instances; i++)
-        plan->instances[i].instance.varied = plan->instances[i].instance.textured;
-    plan->max_rows += TEXEL_PLACE;
-    return lit_make(plan, driver_of(NULL), &of->lit, err);
+    const struct plan *plan = &of->job.plan;
+    return job_plan(options, &of->job, err) &&
+           material_terms_make(&plan->illumination, &white, &of->white, err) &&
+           lit_make(plan, driver_of(NULL), &of->lit, err);
 }
 
 static bool write_file(struct maps *of, const struct options *options, struct outputs *outputs,
@@ -339,8 +266,8 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
 {
     const struct plan *plan = &of->job.plan;
     const struct render_options *own = options->own;
-    const struct rectangle picture = plan_picture(plan);
-    const size_t most = (size_t)of->n_weights + PLACES + 2 * BANDS_PER_PASS;
+    const struct decomposition decomposition = {.take = take_page, .context = of};
+    const size_t chunk = (size_t)plan->tile_width * (size_t)plan->chunk_rows;
     char *record = make_record(of, options, err);
     const struct stack_options layout = {.width = plan->scene->width,
                                          .height = plan->scene->height,
@@ -350,14 +277,12 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
                                          .bits = 32,
                                          .scene = plan->scene->path,
                                          .provenance = record};
-    bool done = record &&
-                MAKE_ARRAY(of->values, most * (size_t)plan->tile_width * (size_t)plan->chunk_rows,
-                           err, "the rows of maps") &&
+    bool done = record && MAKE_ARRAY(of->values, PLACES * chunk, err, "the rows of maps") &&
                 stack_open(&of->writer, own->maps, &layout, err);
     free(record);
     if (!done)
         return false;
-    done = tiles_each(&of->lit, &picture, write_tile, of, err) &&
+    done = decompose(&of->lit, &decomposition, err) &&
            stack_finish(&of->writer, "maps by the reference", err) &&
            output_pass(&of->writer.pages.output, outputs, err);
     stack_discard(&of->writer);
@@ -369,8 +294,10 @@ static bool maps_write(const struct options *options, const struct render_job *j
 {
     const struct render_options *own = options->own;
     struct maps of = {.job = {.scene = job->scene, .sampling = job->sampling}};
-    of.job.options = (struct plan_options){
-        .exchangeable = true, .store_raster = true, .threads = options->threads};
+    of.job.options = (struct plan_options){.exchangeable = true,
+                                           .untextured = true,
+                                           .store_raster = true,
+                                           .threads = options->threads};
     const bool done = plan_maps(&of, options, err) && name_pages(&of, own->illumination, err) &&
                       write_file(&of, options, outputs, err);
     lit_free(&of.lit);

@@ -154,7 +154,6 @@ bool probe_stack(struct probe *probe, const char *path, struct error *err)
 /* ---- a region of a scene ---- */
 
 struct region {
-    struct plan plan; /* a copy of the caller's; samples are radiances */
     struct lit_scene lit;
     struct probe *probe;
 };
@@ -245,9 +244,9 @@ static bool add_curves(const struct region *region, struct error *err)
     const struct material *shown =
         probe->shown.several || surface < 0 ? NULL : region->lit.bounds[surface].shaded->material;
     return (probe->shown.several ||
-            string_copy(object_name(&region->plan, surface), &probe->object, err)) &&
+            string_copy(object_name(region->lit.plan, surface), &probe->object, err)) &&
            (!shown || add_material(probe, shown, err)) &&
-           add_lights(probe, region->plan.scene, shown, err);
+           add_lights(probe, region->lit.plan->scene, shown, err);
 }
 
 /* ---- a whole scene ---- */
@@ -270,20 +269,16 @@ static bool add_colour(struct probe *probe, const struct scene *scene, struct cu
 static bool inspect(struct region *region, struct error *err)
 {
     const struct probe *probe = region->probe;
-    const struct plan *plan = &region->plan;
     const struct rectangle pixels = {probe->x, probe->y, probe->width, probe->height};
     struct radiances radiances = {1, add_band, region}; /* sums have the order of pixels */
-    region->plan.options.bits = 32;
-    if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
-        region->plan.options.full_scale = 1;
-    return lit_make(plan, driver_of(NULL), &region->lit, err) &&
+    return lit_make(region->lit.plan, driver_of(NULL), &region->lit, err) &&
            find_full_scale(&region->lit, err) &&
            radiances_each(&region->lit, &pixels, &radiances, err) && add_curves(region, err);
 }
 
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)
 {
-    struct region region = {.plan = *plan, .probe = probe};
+    struct region region = {.lit = {.plan = plan}, .probe = probe};
     struct cube cube = scene_cube(plan->scene);
     bool done = probe_begin(probe, &cube.image, err) && inspect(&region, err) &&
                 add_colour(probe, plan->scene, &cube, err);

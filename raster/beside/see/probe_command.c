@@ -66,9 +66,12 @@ static bool read_against(struct options *options, struct probe *first, struct pr
 
 static bool probe_picture(const struct options *options, struct probe *probe, struct error *err)
 {
-    struct render_job job = {.options = {.store_raster = true, .threads = options->threads}};
-    const bool done = scene_read_options(options, &job.scene, err) &&
-                      job_plan(options, &job, err) && probe_scene(probe, &job.plan, err);
+    struct render_job job = {
+        .options = {.store_raster = true, .bits = 32, .threads = options->threads}};
+    bool done = scene_read_options(options, &job.scene, err);
+    if (job.scene.shading == SHADING_PHONG) /* which may have no largest radiance */
+        job.options.full_scale = 1;
+    done = done && job_plan(options, &job, err) && probe_scene(probe, &job.plan, err);
     job_free(&job);
     return done;
 }

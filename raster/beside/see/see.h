@@ -70,6 +70,28 @@ struct cube scene_cube(const struct scene *scene);
  * radiance of a perfect diffuser in each band. Their record has the spectra of all terms. */
 extern const struct map_maker reference_maps;
 
+/* ---- decomposition.c: a picture as weights and textures ---- */
+
+struct lit_scene;
+struct picture;
+struct plan;
+/* Pages of numbers, one for each position of the picture. First come the weights of the terms: page
+ * 0 is the constant one; 1 + 2 i and 2 + 2 i are the diffuse and the specular one of light i. Then
+ * come the values of textures in each band; there is one page if none is spectral. */
+struct decomposition {
+    bool own_wavelengths; /* textures: only spectral ones, on pages of their own wavelengths */
+    /* Takes a page of some rows of a tile; all weights of a tile come before its textures. The
+     * background is 0, and a texture that does not exist 1; with own_wavelengths 0. */
+    bool (*take)(void *context, const struct picture *picture, int page, const float *values,
+                 struct error *err);
+    void *context;
+};
+int weight_pages(const struct plan *plan);
+int texture_pages(const struct plan *plan, bool own_wavelengths);
+/* Draws the picture by the reference, in parts. The plan is exchangeable. Textures that have no
+ * pages are a part of the weights: those that are not spectral, unless the plan is untextured. */
+bool decompose(const struct lit_scene *lit, const struct decomposition *of, struct error *err);
+
 /* ---- sight.c: how a detector sees a stack ---- */
 
 /* Finds the weights of the pages in each channel: out[channel * n_pages + page]. They follow from

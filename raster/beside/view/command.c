@@ -82,6 +82,7 @@ static bool view_scene(struct options *options, enum output_kind kind, struct te
                        struct error *err)
 {
     struct render_job job = {.options = {.store_raster = true,
+                                         .bits = 32, /* samples are radiances */
                                          .exchangeable = kind != PICTURE,
                                          .threads = options->threads}};
     struct viewing view = {.options = options, .plan = &job.plan, .notes = &job.notes};

@@ -14,116 +14,52 @@
  * term, then the diffuse and the specular weight of each light, then the values of spectral
  * textures at their own wavelengths. Materials share the planes: a position shows one material. */
 struct planes {
-    const struct tile *tile; /* whose chunks are put into planes */
-    size_t n_positions;
+    size_t width, n_positions;
     int n_weights, n_pages; /* planes of weights, and of textures */
     uint16_t *surface;      /* from 1; 0: background */
     float *values;          /* [plane][position] */
-    double *place; /* [TEXEL_PLACE][position] in its spectral texture; NULL: there is none */
-    double *scale; /* the value of count 1 in each plane; this and all arrays are owned */
+    double *scale;          /* the value of count 1 in each plane; this and all arrays are owned */
 };
 
 static void planes_free(struct planes *planes)
 {
-    FREE_ALL(planes->surface, planes->values, planes->place, planes->scale);
+    FREE_ALL(planes->surface, planes->values, planes->scale);
 }
 
 static bool planes_allocate(const struct plan *plan, struct planes *out, struct error *err)
 {
-    *out = (struct planes){.n_positions = (size_t)plan->view.width * (size_t)plan->view.height,
-                           .n_weights = 1 + 2 * plan->n_lights};
-    for (int i = 0; i < plan->n_textures; i++)
-        if (plan->textures[i].spectral && plan->textures[i].image.n_pages > out->n_pages)
-            out->n_pages = plan->textures[i].image.n_pages;
+    *out = (struct planes){.width = (size_t)plan->view.width,
+                           .n_positions = (size_t)plan->view.width * (size_t)plan->view.height,
+                           .n_weights = weight_pages(plan),
+                           .n_pages = texture_pages(plan, true)};
     /* of each value: a float, 2 bytes, and up to 2 when they are packed; 14 of each pixel */
     const double n_values = (double)out->n_weights + out->n_pages;
     const double n_positions = (double)plan->view.width * plan->view.height;
     if (!memory_suffices(n_positions * (8 * n_values + 14), (struct place){NULL, 0, 0}, err,
                          "a page of %dx%d pixels", plan->view.width, plan->view.height))
         return false;
-    if (!MAKE_ARRAY(out->surface, out->n_positions, err, "the pixels of a page") ||
-        !MAKE_ARRAY(out->values, out->n_positions * (size_t)n_values, err,
-                    "the pixels of a page") ||
-        !MAKE_ARRAY(out->scale, (size_t)n_values, err, "the scales of a page"))
-        return false;
-    return out->n_pages == 0 ||
-           MAKE_ARRAY(out->place, TEXEL_PLACE * out->n_positions, err, "the pixels of a page");
+    return MAKE_ARRAY(out->surface, out->n_positions, err, "the pixels of a page") &&
+           MAKE_ARRAY(out->values, out->n_positions * (size_t)n_values, err,
+                      "the pixels of a page") &&
+           MAKE_ARRAY(out->scale, (size_t)n_values, err, "the scales of a page");
 }
 
-static int plane_of(const struct term *term)
-{
-    return term->reflection == CONSTANT ? 0 : 1 + 2 * term->light + (term->reflection == SPECULAR);
-}
-
-/* Copies pixel `from` of a chunk into pixel `to` of the planes. */
-static void put_pixel(const struct lit_scene *lit, const struct picture *picture, size_t from,
-                      struct planes *planes, size_t to)
-{
-    size_t stride = (size_t)picture->at.width * (size_t)picture->at.height;
-    if (picture->surface[from] < 0)
-        return;
-    const struct shaded_material *shaded = lit->bounds[picture->surface[from]].shaded;
-    const double *weight = picture->rows + from;
-    planes->surface[to] = (uint16_t)(picture->surface[from] + 1);
-    for (int t = 0; t < shaded->n_terms; t++, weight += stride)
-        planes->values[(size_t)plane_of(&shaded->terms[t]) * planes->n_positions + to] =
-            (float)*weight;
-    const int left = pixel_rows(&lit->plan->instances[picture->surface[from]].instance);
-    for (int i = 0; i < left - shaded->n_terms; i++, weight += stride)
-        planes->place[(size_t)i * planes->n_positions + to] = *weight;
-}
-
-static void put_chunk(void *context, int i)
+/* Copies the rows of a page into its plane, and with the first one the numbers of surfaces. */
+static bool put_page(void *context, const struct picture *picture, int page, const float *values,
+                     struct error *err)
 {
     struct planes *planes = context;
-    const struct lit_scene *lit = planes->tile->lit;
-    const struct picture *picture = &planes->tile->chunks[i].picture;
     const struct rectangle *at = &picture->at;
-    const size_t width = (size_t)lit->plan->view.width;
-    for (int y = 0; y < at->height; y++)
-        for (int x = 0; x < at->width; x++)
-            put_pixel(lit, picture, (size_t)y * (size_t)at->width + (size_t)x, planes,
-                      (size_t)(at->y + y) * width + (size_t)(at->x + x));
-}
-
-static bool put_tile(void *context, const struct tile *tile, struct error *err)
-{
-    struct planes *planes = context;
+    const size_t width = (size_t)at->width;
     (void)err;
-    planes->tile = tile;
-    threads_each(tile->lit->plan->options.threads, tile->n_chunks, put_chunk, planes);
-    return true;
-}
-
-/* Stores the values of one texture, at its own wavelengths, in the pixels that show it. */
-static bool put_texture(const struct plan *plan, struct texture *texture, struct planes *planes,
-                        struct error *err)
-{
-    for (int page = 0; page < texture->image.n_pages; page++) {
-        float *plane = planes->values + (size_t)(planes->n_weights + page) * planes->n_positions;
-        if (!texture_load(texture, texture->image.wavelengths_nm + page, 1, err))
-            return false;
-        const struct texels texels = plan_texels(texture, 0);
-        for (size_t i = 0; i < planes->n_positions; i++) {
-            int surface = planes->surface[i] - 1;
-            double place[TEXEL_PLACE];
-            plan_place(&texels, planes->place + i, planes->n_positions, place);
-            if (surface >= 0 && plan->materials[plan->instances[surface].shaded].texture == texture)
-                plane[i] = (float)texel_at(&texels, place);
-        }
+    for (int y = 0; y < at->height; y++) {
+        const size_t from = (size_t)y * width,
+                     to = (size_t)(at->y + y) * planes->width + (size_t)at->x;
+        memcpy(planes->values + (size_t)page * planes->n_positions + to, values + from,
+               width * sizeof *values);
+        for (size_t x = 0; page == 0 && x < width; x++)
+            planes->surface[to + x] = (uint16_t)(picture->surface[from + x] + 1);
     }
-    return true;
-}
-
-static bool put_picture(const struct lit_scene *lit, struct planes *planes, struct error *err)
-{
-    const struct plan *plan = lit->plan;
-    const struct rectangle picture = plan_picture(plan);
-    if (!tiles_each(lit, &picture, put_tile, planes, err))
-        return false;
-    for (int i = 0; i < plan->n_textures; i++)
-        if (plan->textures[i].spectral && !put_texture(plan, &plan->textures[i], planes, err))
-            return false;
     return true;
 }
 
@@ -159,11 +95,12 @@ static char *shape_of(const struct planes *planes, const struct scene *scene, st
 static bool planes_make(const struct plan *plan, struct planes *out, struct notes *notes,
                         struct error *err)
 {
+    const struct decomposition of = {.own_wavelengths = true, .take = put_page, .context = out};
     struct lit_scene lit = {.plan = plan};
     const bool done = page_allows(plan, err) && planes_allocate(plan, out, err) &&
                       lit_make(plan, driver_of(NULL), &lit, err) &&
                       (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
-                      put_picture(&lit, out, err);
+                      decompose(&lit, &of, err);
     lit_free(&lit);
     return done;
 }
@@ -219,11 +156,9 @@ static void put_planes(struct planes *planes, const struct scene *scene, struct 
 static bool draw_first(const struct viewing *view, struct notes *notes,
                        struct scene_picture *picture, struct error *err)
 {
-    struct plan plan = *view->plan;
-    struct lit_scene lit = {.plan = &plan};
-    plan.options.bits = 32; /* samples are radiances */
+    struct lit_scene lit = {.plan = view->plan};
     picture->detector = view->options->detector;
-    const bool done = lit_make(&plan, driver_of(NULL), &lit, err) &&
+    const bool done = lit_make(view->plan, driver_of(NULL), &lit, err) &&
                       (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
                       develop_scene(&lit, picture, err);
     lit_free(&lit);
