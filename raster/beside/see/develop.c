@@ -1,127 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* Develops a spectral stack: three weights a page make pixels of pages. The stack is read in chunks
- * of rows, a few pages at a time. Each pixel is summed in the order of the pages, so that chunks
- * and threads do not change its bits. */
+/* Develops a spectral stack: three weights a page make pixels of pages. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/beside/see/inside.h"
 
-/* ---- sums of pages ---- */
-
-enum {
-    BATCH = 8,              /* pages that are read before they are added up */
-    CHUNK_PIXELS = 1 << 21, /* at most, or one row: 64 MB of a batch, 48 MB of sums */
-    BLOCK_PIXELS = 1 << 13  /* that a thread takes at a time */
-};
+enum { BLOCK_PIXELS = 1 << 13 }; /* that a thread takes at a time */
 
 static size_t sample_bytes(const struct development *of)
 {
     return of->values != DEVELOP_RGB ? sizeof(float) : (size_t)of->bits / 8;
 }
 
-static bool prepare_chunk(struct development *of, struct error *err)
-{
-    const struct image *image = &of->cube.image;
-    const int rows = CHUNK_PIXELS / image->width;
-    of->rows = rows < 1 ? 1 : rows < image->height ? rows : image->height;
-    of->n_pixels = (size_t)of->rows * (size_t)image->width;
-    of->threads = threads_count(of->threads);
-    return (of->lit ||
-            MAKE_ARRAY(of->radiance, BATCH * of->n_pixels, err, "rows of %s", image->path)) &&
-           MAKE_ARRAY(of->sums, 3 * of->n_pixels, err, "rows of the picture") &&
-           (memory_make(&of->samples, 3 * of->n_pixels, sample_bytes(of)) ||
-            memory_lacks(err, 12 * (double)of->n_pixels, "rows of the picture"));
-}
-
-/* A batch of pages that is added to a chunk. */
-struct batch {
-    const struct development *of;
-    double weights[3][BATCH];
-};
-
-/* Adds a batch of pages to some pixels, page after page. Pages and channels lie a chunk apart. */
-static void add_pixels(void *context, size_t first, size_t end)
-{
-    const struct batch *batch = context;
-    const size_t stride = batch->of->n_pixels;
-    const float *restrict radiance = batch->of->radiance;
-    double *restrict x = batch->of->sums, *restrict y = x + stride, *restrict z = y + stride;
-    for (size_t i = first; i < end; i++) {
-        double sum[3] = {x[i], y[i], z[i]};
-        for (int page = 0; page < BATCH; page++) {
-            const double value = (double)radiance[(size_t)page * stride + i];
-            for (int channel = 0; channel < 3; channel++)
-                sum[channel] += batch->weights[channel][page] * value;
-        }
-        x[i] = sum[0];
-        y[i] = sum[1];
-        z[i] = sum[2];
-    }
-}
-
-/* Pages missing in the last batch have weight 0. */
-static void add_batch(struct development *of, int first)
-{
-    const int n_pages = of->cube.image.n_pages;
-    struct batch batch = {.of = of};
-    for (int channel = 0; channel < 3; channel++)
-        for (int page = 0; page < BATCH && first + page < n_pages; page++)
-            batch.weights[channel][page] = of->weights[channel * n_pages + first + page];
-    threads_blocks(of->threads, of->n, BLOCK_PIXELS, add_pixels, &batch);
-}
-
-/* Adds a band of some rows of a scene. */
-static void add_band(void *context, const struct drawn_band *drawn)
-{
-    const struct development *of = context;
-    const struct rectangle *at = &drawn->pixels;
-    const int n_pages = of->cube.image.n_pages, width = of->cube.image.width;
-    const float *radiance = drawn->radiance;
-    for (int y = 0; y < at->height; y++, radiance += at->width)
-        for (int channel = 0; channel < 3; channel++) {
-            const double weight = of->weights[channel * n_pages + drawn->band];
-            double *sums = of->sums + (size_t)channel * of->n_pixels +
-                           (size_t)(at->y + y - of->first) * (size_t)width + at->x;
-            for (int x = 0; x < at->width; x++)
-                sums[x] += weight * (double)radiance[x];
-        }
-}
-
-/* Sums the rows from y on. */
-static bool sum_chunk(struct development *of, int y, struct error *err)
-{
-    struct image *image = &of->cube.image;
-    const struct rectangle at = {0, y, image->width,
-                                 of->rows < image->height - y ? of->rows : image->height - y};
-    struct radiances scene = {of->threads, add_band, of};
-    memset(of->sums, 0, 3 * of->n_pixels * sizeof *of->sums);
-    of->first = y;
-    of->n = (size_t)at.width * (size_t)at.height;
-    if (of->lit)
-        return radiances_each(of->lit, &at, &scene, err);
-    for (int page = 0; page < image->n_pages; page++) {
-        if (!image_read(image, page, y, at.height,
-                        of->radiance + (size_t)(page % BATCH) * of->n_pixels, err))
-            return false;
-        if (page % BATCH == BATCH - 1 || page == image->n_pages - 1)
-            add_batch(of, page / BATCH * BATCH);
-    }
-    return true;
-}
-
 /* ---- exposure ---- */
-
-static double largest_sum(const struct development *of, int channel)
-{
-    const double *sums = of->sums + (size_t)channel * of->n_pixels;
-    double largest = 0;
-    for (size_t i = 0; i < of->n; i++)
-        largest = sums[i] > largest ? sums[i] : largest;
-    return largest;
-}
 
 /* Finds the exposure that brings the brightest channel of all pixels (or Y) to the largest that is
  * displayed (or 100). A black picture has exposure 1. */
@@ -129,11 +21,11 @@ static bool find_exposure(struct development *of, struct error *err)
 {
     const bool rgb = of->values == DEVELOP_RGB;
     double brightest = 0; /* in parts of the largest */
-    for (int y = 0; y < of->cube.image.height; y += of->rows) {
-        if (!sum_chunk(of, y, err))
+    for (int y = 0; y < of->cube.image.height; y += of->sums.most) {
+        if (!sums_find(&of->sums, y, err))
             return false;
         for (int channel = rgb ? 0 : 1; channel < (rgb ? 3 : 2); channel++)
-            brightest = fmax(brightest, largest_sum(of, channel) /
+            brightest = fmax(brightest, sums_largest(&of->sums, channel) /
                                             (rgb ? display_largest(of->display, channel) : 100));
     }
     of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
@@ -155,7 +47,7 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
     if (of->values == DEVELOP_LAB)
         cielab(values, of->adapted_white, lab);
     for (int channel = 0; channel < 3; channel++)
-        samples[(size_t)channel * of->n + pixel] =
+        samples[(size_t)channel * of->sums.n + pixel] =
             stored(of->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 
@@ -168,7 +60,7 @@ static void store_pixels(void *context, size_t first, size_t end)
     for (size_t i = first; i < end; i++) {
         double values[3];
         for (size_t channel = 0; channel < 3; channel++)
-            values[channel] = exposure * of->sums[channel * of->n_pixels + i];
+            values[channel] = exposure * of->sums.sums[channel * of->sums.stride + i];
         if (rgb)
             clipped += display_store(of->display, of->bits, values,
                                      (char *)of->samples + 3 * i * sample_bytes(of));
@@ -252,26 +144,37 @@ static bool write_picture(struct development *of, const char *path, struct error
     bool done = open_picture(of, path, &writer, err);
     if (!done)
         return false;
-    for (int y = 0; done && y < height; y += of->rows) {
-        done = sum_chunk(of, y, err);
-        threads_blocks(of->threads, of->n, BLOCK_PIXELS, store_pixels, of);
-        done = done && picture_write(&writer, of->samples, (int)of->n / width, err);
+    for (int y = 0; done && y < height; y += of->sums.most) {
+        done = sums_find(&of->sums, y, err);
+        threads_blocks(of->sums.threads, of->sums.n, BLOCK_PIXELS, store_pixels, of);
+        done = done && picture_write(&writer, of->samples, (int)of->sums.n / width, err);
     }
     done = done && picture_commit(&writer, of->outputs, err);
     picture_discard(&writer);
     return done;
 }
 
-static bool expose_and_write(struct development *of, const char *path, struct error *err)
+/* Writes the picture of the cube, which is open. */
+static bool develop_cube(struct development *of, const char *path, struct error *err)
 {
-    return (!of->automatic || find_exposure(of, err)) && write_picture(of, path, err);
+    struct channel_sums *sums = &of->sums;
+    of->out_of_gamut = (struct counter)COUNTER;
+    if (!develop_weights(of, err))
+        return false;
+    *sums = (struct channel_sums){.cube = &of->cube,
+                                  .lit = of->lit,
+                                  .weights = of->weights,
+                                  .n_channels = 3,
+                                  .threads = of->threads};
+    return sums_allocate(sums, err) &&
+           (memory_make(&of->samples, 3 * sums->stride, sample_bytes(of)) ||
+            memory_lacks(err, 12 * (double)sums->stride, "rows of the picture")) &&
+           (!of->automatic || find_exposure(of, err)) && write_picture(of, path, err);
 }
 
 bool develop(struct development *of, const char *stack, const char *output, struct error *err)
 {
-    of->out_of_gamut = (struct counter)COUNTER;
-    return cube_open(stack, &of->cube, err) && develop_weights(of, err) && prepare_chunk(of, err) &&
-           expose_and_write(of, output, err);
+    return cube_open(stack, &of->cube, err) && develop_cube(of, output, err);
 }
 
 struct cube scene_cube(const struct scene *scene)
@@ -295,16 +198,14 @@ bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, s
                              .outputs = picture->outputs,
                              .memory = picture->memory,
                              .lit = lit,
-                             .cube = scene_cube(lit->plan->scene),
-                             .out_of_gamut = COUNTER};
+                             .cube = scene_cube(lit->plan->scene)};
     const struct spectral_pages *pages = &lit->plan->illumination.pages;
     double *white;
     bool done = MAKE_ARRAY(white, (size_t)pages->n, err, "the white of a picture");
     if (done) /* the one that a stack of this scene records */
         of.cube.record.white =
             (struct numbers){white, scene_white(lit->plan->scene, pages, white) > 0 ? pages->n : 0};
-    done = done && develop_weights(&of, err) && prepare_chunk(&of, err) &&
-           expose_and_write(&of, picture->output, err);
+    done = done && develop_cube(&of, picture->output, err);
     picture->out_of_gamut = of.out_of_gamut.n;
     of.cube = (struct cube){.components = false}; /* the scene owns it */
     free(white);
@@ -316,5 +217,6 @@ void develop_free(struct development *of)
 {
     cube_close(&of->cube);
     detector_free(&of->detector);
-    FREE_ALL(of->weights, of->of_white, of->radiance, of->sums, of->samples);
+    sums_free(&of->sums);
+    FREE_ALL(of->weights, of->of_white, of->samples);
 }

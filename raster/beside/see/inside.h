@@ -44,6 +44,31 @@ struct radiances {
 bool radiances_each(const struct lit_scene *lit, const struct rectangle *pixels,
                     struct radiances *of, struct error *err);
 
+/* ---- channel_sums.c ---- */
+
+struct channel_sums {
+    /* The caller sets these, and zeroes all others. */
+    struct cube *cube;
+    const struct lit_scene *lit; /* is drawn in place of the cube's pages; NULL: they are read */
+    const double *weights;       /* [channel * n_pages + page] */
+    int n_channels;
+    int threads; /* 0: one a processor; then their number */
+    /* A chunk. */
+    int most;        /* rows */
+    size_t stride;   /* of its channels: pixels of that many rows */
+    int first;       /* of the rows at hand */
+    size_t n;        /* pixels of the rows at hand */
+    float *radiance; /* [page of those that are read together][pixel]; owned */
+    double *sums;    /* [channel][pixel]; owned */
+};
+bool sums_allocate(struct channel_sums *of, struct error *err);
+/* Finds the channels of the rows from y on, of `most` at most. */
+bool sums_find(struct channel_sums *of, int y, struct error *err);
+double sums_largest(const struct channel_sums *of, int channel); /* of the rows at hand; or 0 */
+void sums_free(struct channel_sums *of);
+
+/* ---- develop.c ---- */
+
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
 /* A stack that is being developed. */
 struct development {
@@ -79,13 +104,8 @@ struct development {
     double *of_white;        /* of the white's pages, if they differ from those; owned */
     struct counter
         out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
-    /* The rows at hand. */
-    int first, rows; /* of a chunk */
-    size_t n_pixels; /* of a chunk */
-    size_t n;        /* of the rows at hand */
-    float *radiance; /* [page of the batch][pixel]; owned */
-    double *sums;    /* [channel][pixel]; owned */
-    void *samples;   /* as picture_write takes them; owned */
+    struct channel_sums sums;
+    void *samples; /* of the rows at hand, as picture_write takes them; owned */
 };
 /* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
  * has no XYZ and no Lab. The channels of cameras and films are balanced: each is

@@ -1,16 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Raw values of a detector of any number of channels: one page a channel, linear, without balance,
  * adaptation or display. The value of a channel is the sum over pages of radiance x sensitivity x
- * width of the page in nm (detector_weights), times the exposure. Each pixel is summed in the order
- * of the pages, so that chunks and threads do not change its bits. */
+ * width of the page in nm (detector_weights), times the exposure. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "raster/beside/see/inside.h"
-
-enum { CHUNK_VALUES = 1 << 22, BLOCK_PIXELS = 1 << 12 };
 
 /* Returns the unit of the values. */
 static const char *unit_of(const struct raw *of)
@@ -18,57 +14,6 @@ static const char *unit_of(const struct raw *of)
     return !of->cube.record.unit   ? "W sr-1 m-2 (relative)"
            : of->detector.observer ? "cd m-2"
                                    : "W sr-1 m-2";
-}
-
-/* The rows at hand. */
-struct raw_chunk {
-    struct raw *of;
-    int page;
-    size_t n_pixels;
-    float *radiance; /* of the page; owned */
-    double *sums;    /* [channel][pixel]; owned */
-    void *samples;   /* of a channel: floats or counts; owned */
-};
-
-static bool chunk_make(struct raw *of, int rows, struct raw_chunk *out, struct error *err)
-{
-    *out = (struct raw_chunk){.of = of, .n_pixels = (size_t)rows * (size_t)of->cube.image.width};
-    return MAKE_ARRAY(out->radiance, out->n_pixels, err, "rows of the stack") &&
-           MAKE_ARRAY(out->sums, out->n_pixels * (size_t)of->detector.n, err, "rows of %d channels",
-                      of->detector.n) &&
-           (memory_make(&out->samples, out->n_pixels, sizeof(float)) ||
-            memory_lacks(err, 4 * (double)out->n_pixels, "rows of the picture"));
-}
-
-static void chunk_free(struct raw_chunk *chunk)
-{
-    FREE_ALL(chunk->radiance, chunk->sums, chunk->samples);
-}
-
-/* Adds the page to some pixels of all channels. */
-static void add_page(void *context, size_t first, size_t end)
-{
-    const struct raw_chunk *chunk = context;
-    const int n_pages = chunk->of->cube.image.n_pages;
-    for (int channel = 0; channel < chunk->of->detector.n; channel++) {
-        const double weight = chunk->of->weights[channel * n_pages + chunk->page];
-        double *sums = chunk->sums + (size_t)channel * chunk->n_pixels;
-        for (size_t i = first; i < end; i++)
-            sums[i] += weight * (double)chunk->radiance[i];
-    }
-}
-
-static bool sum_rows(struct raw_chunk *chunk, int y, int rows, struct error *err)
-{
-    struct image *image = &chunk->of->cube.image;
-    const size_t n = (size_t)rows * (size_t)image->width;
-    memset(chunk->sums, 0, chunk->n_pixels * (size_t)chunk->of->detector.n * sizeof(double));
-    for (chunk->page = 0; chunk->page < image->n_pages; chunk->page++) {
-        if (!image_read(image, chunk->page, y, rows, chunk->radiance, err))
-            return false;
-        threads_blocks(chunk->of->threads, n, BLOCK_PIXELS, add_page, chunk);
-    }
-    return true;
 }
 
 /* Stores a channel's n pixels as floats, or as counts of the full scale: none is below 0. */
@@ -88,27 +33,28 @@ static void store(struct raw *of, const double *sums, size_t n, void *samples)
 static bool each_chunk(struct raw *of, struct stack_writer *writer, struct error *err)
 {
     const struct image *image = &of->cube.image;
-    const double values = (double)image->width * of->detector.n;
-    int rows = (int)fmax(1, fmin(CHUNK_VALUES / values, image->height));
-    struct raw_chunk chunk;
-    bool done = chunk_make(of, rows, &chunk, err);
+    struct channel_sums sums = {.cube = &of->cube,
+                                .weights = of->weights,
+                                .n_channels = of->detector.n,
+                                .threads = of->threads};
+    float *samples = NULL; /* of a channel: floats or counts */
+    bool done =
+        sums_allocate(&sums, err) && MAKE_ARRAY(samples, sums.stride, err, "rows of the picture");
     of->below_0 = 0;
-    for (int y = 0; done && y < image->height; y += rows) {
-        rows = rows < image->height - y ? rows : image->height - y;
-        done = sum_rows(&chunk, y, rows, err);
+    for (int y = 0; done && y < image->height; y += sums.most) {
+        done = sums_find(&sums, y, err);
         for (int channel = 0; done && channel < of->detector.n; channel++) {
-            const double *sums = chunk.sums + (size_t)channel * chunk.n_pixels;
-            const size_t n = (size_t)rows * (size_t)image->width;
-            const struct page_rectangle to = {channel, 0, y, image->width, rows};
-            for (size_t i = 0; !writer && i < n; i++)
-                of->largest = sums[i] > of->largest ? sums[i] : of->largest;
-            if (writer) {
-                store(of, sums, n, chunk.samples);
-                done = pages_write(&writer->pages, &to, chunk.samples, err);
-            }
+            const struct page_rectangle to = {channel, 0, y, image->width,
+                                              (int)(sums.n / (size_t)image->width)};
+            of->largest = fmax(of->largest, sums_largest(&sums, channel));
+            if (!writer)
+                continue;
+            store(of, sums.sums + (size_t)channel * sums.stride, sums.n, samples);
+            done = pages_write(&writer->pages, &to, samples, err);
         }
     }
-    chunk_free(&chunk);
+    sums_free(&sums);
+    free(samples);
     return done;
 }
 
@@ -201,7 +147,6 @@ static bool check_sight(struct raw *of, struct error *err)
 bool develop_raw(struct raw *of, const char *detector, const char *stack, const char *output,
                  struct error *err)
 {
-    of->threads = threads_count(of->threads);
     of->full_scale = 1;
     if (!cube_open(stack, &of->cube, err) || !cube_needs_radiance(&of->cube, "--raw", err) ||
         !raw_weights(&of->cube, detector, &of->detector, &of->weights, err) ||
