@@ -47,13 +47,15 @@ static bool read_rows(struct cube *cube, struct error *err)
     return done;
 }
 
-static void develop_stack(const char *path, struct development *of, const char *ending)
+static void develop_stack(const char *path, const struct development_options *options,
+                          const char *ending)
 {
+    struct development of = {.options = options};
     struct error err = {.status = EXIT_AGREED};
     char picture[FUZZ_PATH];
     fuzz_write(ending, "", 0, picture);
-    fuzz_ends(develop(of, path, picture, &err), &err);
-    develop_free(of);
+    fuzz_ends(develop(&of, path, picture, &err), &err);
+    develop_free(&of);
 }
 
 /* Runs a command, whose output nobody reads. */
@@ -97,21 +99,22 @@ static void join_part(const char *path)
 
 static void develop_colour(const char *path)
 {
-    struct development of = {"cie1931", .bits = 16, .threads = 1, .automatic = true};
-    develop_stack(path, &of, ".png");
+    const struct development_options options = {"cie1931", .bits = 16, .threads = 1,
+                                                .automatic = true};
+    develop_stack(path, &options, ".png");
 }
 
 static void develop_sampled(const char *path)
 {
     const struct sampling_method gauss = {.kind = SAMPLING_GAUSS, .number = 5};
-    struct development of = {"cie1964",
-                             .adaptation = {ADAPTATION_CAT16, 0},
-                             .white = "d65",
-                             .exposure = 1,
-                             .values = DEVELOP_LAB,
-                             .threads = 1,
-                             .sampling = &gauss};
-    develop_stack(path, &of, ".developed.tif");
+    const struct development_options options = {"cie1964",
+                                                .adaptation = {ADAPTATION_CAT16, 0},
+                                                .white = "d65",
+                                                .exposure = 1,
+                                                .values = DEVELOP_LAB,
+                                                .threads = 1,
+                                                .sampling = &gauss};
+    develop_stack(path, &options, ".developed.tif");
 }
 
 /* Reads everything, and then does what one of the commands does, which the last byte chooses: all

@@ -10,7 +10,7 @@ enum { BLOCK_PIXELS = 1 << 13 }; /* that a thread takes at a time */
 
 static size_t sample_bytes(const struct development *of)
 {
-    return of->values != DEVELOP_RGB ? sizeof(float) : (size_t)of->bits / 8;
+    return of->options->values != DEVELOP_RGB ? sizeof(float) : (size_t)of->options->bits / 8;
 }
 
 /* ---- exposure ---- */
@@ -19,14 +19,15 @@ static size_t sample_bytes(const struct development *of)
  * displayed (or 100). A black picture has exposure 1. */
 static bool find_exposure(struct development *of, struct error *err)
 {
-    const bool rgb = of->values == DEVELOP_RGB;
+    const bool rgb = of->options->values == DEVELOP_RGB;
     double brightest = 0; /* in parts of the largest */
     for (int y = 0; y < of->cube.image.height; y += of->sums.most) {
         if (!sums_find(&of->sums, y, err))
             return false;
         for (int channel = rgb ? 0 : 1; channel < (rgb ? 3 : 2); channel++)
-            brightest = fmax(brightest, sums_largest(&of->sums, channel) /
-                                            (rgb ? display_largest(of->display, channel) : 100));
+            brightest =
+                fmax(brightest, sums_largest(&of->sums, channel) /
+                                    (rgb ? display_largest(of->options->display, channel) : 100));
     }
     of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
     return true;
@@ -44,25 +45,25 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
 {
     float *samples = of->samples;
     double lab[3];
-    if (of->values == DEVELOP_LAB)
+    if (of->options->values == DEVELOP_LAB)
         cielab(values, of->adapted_white, lab);
     for (int channel = 0; channel < 3; channel++)
         samples[(size_t)channel * of->sums.n + pixel] =
-            stored(of->values == DEVELOP_LAB ? lab[channel] : values[channel]);
+            stored(of->options->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 
 static void store_pixels(void *context, size_t first, size_t end)
 {
     struct development *of = context;
     const double exposure = of->exposure;
-    const bool rgb = of->values == DEVELOP_RGB;
+    const bool rgb = of->options->values == DEVELOP_RGB;
     uint64_t clipped = 0;
     for (size_t i = first; i < end; i++) {
         double values[3];
         for (size_t channel = 0; channel < 3; channel++)
             values[channel] = exposure * of->sums.sums[channel * of->sums.stride + i];
         if (rgb)
-            clipped += display_store(of->display, of->bits, values,
+            clipped += display_store(of->options->display, of->options->bits, values,
                                      (char *)of->samples + 3 * i * sample_bytes(of));
         else
             store_floats(of, i, values);
@@ -87,35 +88,39 @@ void develop_print_settings(const struct development *of, struct printed *to)
 {
     static const char *const values[] = {
         [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
-    print(to, "detector          %s (%s)\n", of->detector_name,
+    print(to, "detector          %s (%s)\n", of->options->detector_name,
           of->detector.observer ? "observer" : "camera or film, balanced to the white");
     if (of->sampled[0] != '\0')
         print_fact(to, "sampling", of->sampled);
     if (of->has_white)
-        print_white(to, of->seen_white, of->detector.observer, of->white ? of->white : "recorded");
+        print_white(to, of->seen_white, of->detector.observer,
+                    of->options->white ? of->options->white : "recorded");
     else
         print_fact(to, "white", "not recorded");
     print(to, "adaptation        %s", adaptation_names[of->adaptation.kind]);
     if (of->adaptation.kind == ADAPTATION_FAIRCHILD)
         print(to, " to %.6g cd/m2", of->adaptation.luminance);
-    print(to, "\nvalues            %s%s", values[of->values],
-          of->cube.record.unit && of->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
-    if (of->values == DEVELOP_RGB)
-        print(to, " of %d bits\ndisplay           %s", of->bits, display_names[of->display]);
-    print(to, "\nexposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
+    print(to, "\nvalues            %s%s", values[of->options->values],
+          of->cube.record.unit && of->options->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
+    if (of->options->values == DEVELOP_RGB)
+        print(to, " of %d bits\ndisplay           %s", of->options->bits,
+              display_names[of->options->display]);
+    print(to, "\nexposure          %.10g%s\n", of->exposure,
+          of->options->automatic ? " (auto)" : "");
 }
 
 static bool open_picture(const struct development *of, const char *path, struct picture_writer *out,
                          struct error *err)
 {
-    const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
+    const bool lab = of->options->values == DEVELOP_LAB, rgb = of->options->values == DEVELOP_RGB;
     unsigned char profile[LARGEST_PROFILE];
     struct printed printed = {.text = NULL};
-    if (of->lit)
+    if (of->options->lit)
         print(&printed,
               "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
               "adaptation        none\ndisplay           %s\nexposure          %.10g\n",
-              of->cube.image.path, of->detector_name, display_names[of->display], of->exposure);
+              of->cube.image.path, of->options->detector_name, display_names[of->options->display],
+              of->exposure);
     else {
         print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
               of->cube.image.path);
@@ -125,13 +130,13 @@ static bool open_picture(const struct development *of, const char *path, struct 
     const struct picture_options options = {
         .width = of->cube.image.width,
         .height = of->cube.image.height,
-        .bits = rgb ? of->bits : 32,
+        .bits = rgb ? of->options->bits : 32,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
-        .srgb = rgb && of->display == DISPLAY_SRGB,
+        .srgb = rgb && of->options->display == DISPLAY_SRGB,
         .profile = rgb ? profile : NULL,
-        .profile_length = rgb ? profile_write(of->display, profile) : 0,
+        .profile_length = rgb ? profile_write(of->options->display, profile) : 0,
         .description = text,
-        .memory = of->memory};
+        .memory = of->options->memory};
     const bool done = text && picture_open(out, path, &options, err);
     free(text);
     return done;
@@ -149,7 +154,7 @@ static bool write_picture(struct development *of, const char *path, struct error
         threads_blocks(of->sums.threads, of->sums.n, BLOCK_PIXELS, store_pixels, of);
         done = done && picture_write(&writer, of->samples, (int)of->sums.n / width, err);
     }
-    done = done && picture_commit(&writer, of->outputs, err);
+    done = done && picture_commit(&writer, of->options->outputs, err);
     picture_discard(&writer);
     return done;
 }
@@ -159,17 +164,19 @@ static bool develop_cube(struct development *of, const char *path, struct error 
 {
     struct channel_sums *sums = &of->sums;
     of->out_of_gamut = (struct counter)COUNTER;
+    of->exposure = of->options->exposure;
+    of->adaptation = of->options->adaptation;
     if (!develop_weights(of, err))
         return false;
     *sums = (struct channel_sums){.cube = &of->cube,
-                                  .lit = of->lit,
+                                  .lit = of->options->lit,
                                   .weights = of->weights,
                                   .n_channels = 3,
-                                  .threads = of->threads};
+                                  .threads = of->options->threads};
     return sums_allocate(sums, err) &&
            (memory_make(&of->samples, 3 * sums->stride, sample_bytes(of)) ||
             memory_lacks(err, 12 * (double)sums->stride, "rows of the picture")) &&
-           (!of->automatic || find_exposure(of, err)) && write_picture(of, path, err);
+           (!of->options->automatic || find_exposure(of, err)) && write_picture(of, path, err);
 }
 
 bool develop(struct development *of, const char *stack, const char *output, struct error *err)
@@ -189,16 +196,17 @@ struct cube scene_cube(const struct scene *scene)
 
 bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err)
 {
-    struct development of = {.detector_name = picture->detector ? picture->detector : "cie1931",
-                             .display = DISPLAY_SRGB,
-                             .bits = 8,
-                             .threads = lit->plan->options.threads,
-                             .exposure = 1,
-                             .automatic = picture->automatic,
-                             .outputs = picture->outputs,
-                             .memory = picture->memory,
-                             .lit = lit,
-                             .cube = scene_cube(lit->plan->scene)};
+    const struct development_options options = {
+        .detector_name = picture->detector ? picture->detector : "cie1931",
+        .display = DISPLAY_SRGB,
+        .bits = 8,
+        .threads = lit->plan->options.threads,
+        .exposure = 1,
+        .automatic = picture->automatic,
+        .outputs = picture->outputs,
+        .memory = picture->memory,
+        .lit = lit};
+    struct development of = {.options = &options, .cube = scene_cube(lit->plan->scene)};
     const struct spectral_pages *pages = &lit->plan->illumination.pages;
     double *white;
     bool done = MAKE_ARRAY(white, (size_t)pages->n, err, "the white of a picture");

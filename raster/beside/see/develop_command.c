@@ -12,7 +12,7 @@ struct develop_own {
 };
 
 /* Reads the value of one of the options below. */
-static bool read_value(const char *option, const char *value, struct development *out,
+static bool read_value(const char *option, const char *value, struct development_options *out,
                        struct error *err)
 {
     if (strcmp(option, "--adaptation") == 0)
@@ -25,25 +25,25 @@ static bool read_value(const char *option, const char *value, struct development
 
 static bool accepts(const char *option, const char *value, struct error *err)
 {
-    struct development ignored;
+    struct development_options ignored;
     return read_value(option, value, &ignored, err);
 }
 
 /* Stores the sampling method in *method; out->sampling points to it. */
 static bool read_options(struct options *options, struct sampling_method *method,
-                         struct development *out, struct error *err)
+                         struct development_options *out, struct error *err)
 {
     const struct develop_own *own = options->own;
-    *out = (struct development){.detector_name = options_detector(options),
-                                .white = options->white,
-                                .exposure = 1,
-                                .values = own->xyz   ? DEVELOP_XYZ
-                                          : own->lab ? DEVELOP_LAB
-                                                     : DEVELOP_RGB,
-                                .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
-                                .threads = options->threads,
-                                .outputs = &options->outputs,
-                                .sampling = options->sampling ? method : NULL};
+    *out = (struct development_options){.detector_name = options_detector(options),
+                                        .white = options->white,
+                                        .exposure = 1,
+                                        .values = own->xyz   ? DEVELOP_XYZ
+                                                  : own->lab ? DEVELOP_LAB
+                                                             : DEVELOP_RGB,
+                                        .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
+                                        .threads = options->threads,
+                                        .outputs = &options->outputs,
+                                        .sampling = options->sampling ? method : NULL};
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
     return (!own->adaptation || read_value("--adaptation", own->adaptation, out, err)) &&
@@ -64,7 +64,7 @@ static void print_development(const struct development *of, const char *output, 
           of->cube.components ? "of" : "from", of->first_nm, of->last_nm);
     print(to, "unseen            %.4g %%, %.4g %%, %.4g %% of the sensitivities lie outside\n",
           100 * lost[0], 100 * lost[1], 100 * lost[2]);
-    if (of->values == DEVELOP_RGB)
+    if (of->options->values == DEVELOP_RGB)
         print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
               (unsigned long long)of->out_of_gamut.n, pixels,
               100 * (double)of->out_of_gamut.n / pixels);
@@ -76,11 +76,11 @@ static bool write_json(struct options *options, const struct development *of, st
     static const char *const values[] = {"RGB", "XYZ", "Lab"};
     struct json json;
     json_begin(&json);
-    json_string(&json, "detector", of->detector_name);
+    json_string(&json, "detector", of->options->detector_name);
     json_truth(&json, "observer", of->detector.observer);
     json_numbers(&json, "white", of->has_white ? of->seen_white : NULL, 3);
     json_string(&json, "adaptation", adaptation_names[of->adaptation.kind]);
-    json_string(&json, "values", values[of->values]);
+    json_string(&json, "values", values[of->options->values]);
     json_number(&json, "exposure", of->exposure);
     json_count(&json, "width", (uint64_t)of->cube.image.width);
     json_count(&json, "height", (uint64_t)of->cube.image.height);
@@ -113,7 +113,8 @@ static bool name_picture(struct options *options, const char *stack, struct erro
 }
 
 /* Writes raw values. Refuses the options of pictures. */
-static bool run_raw(struct options *options, const struct development *settings, struct error *err)
+static bool run_raw(struct options *options, struct development_options *settings,
+                    struct error *err)
 {
     const struct develop_own *own = options->own;
     const char *other = own->xyz            ? "--xyz"
@@ -124,19 +125,15 @@ static bool run_raw(struct options *options, const struct development *settings,
                         : options->sampling ? "--sampling"
                         : options->json     ? "--json"
                                             : NULL;
-    struct raw of = {.bits = own->bits ? settings->bits : 32,
-                     .threads = options->threads,
-                     .exposure = settings->exposure,
-                     .automatic = settings->automatic,
-                     .outputs = &options->outputs};
+    struct raw of = {.options = settings};
     struct printed printed = {.text = NULL};
     if (other)
         return error_usage(err, "--raw takes no %s", other);
-    if (of.bits == 8)
+    settings->bits = own->bits ? settings->bits : 32;
+    if (settings->bits == 8)
         return error_usage(err, "--raw writes floats, or counts of --bits 16");
-    const bool done =
-        scene_refuse(options->operand, err) &&
-        develop_raw(&of, settings->detector_name, options->operand, options->output, err);
+    const bool done = scene_refuse(options->operand, err) &&
+                      develop_raw(&of, options->operand, options->output, err);
     if (done && !options->quiet)
         raw_print(&of, options->output, &printed);
     raw_free(&of);
@@ -146,15 +143,16 @@ static bool run_raw(struct options *options, const struct development *settings,
 static bool run_develop(struct options *options, struct error *err)
 {
     struct sampling_method method;
-    struct development of;
+    struct development_options settings;
+    struct development of = {.options = &settings};
     struct printed printed = {.text = NULL};
     const char *stack = options->operand;
     if (!stack)
         return error_usage(err, "develop takes a STACK; see spectral develop --help");
-    if (!name_picture(options, stack, err) || !read_options(options, &method, &of, err))
+    if (!name_picture(options, stack, err) || !read_options(options, &method, &settings, err))
         return false;
     if (((const struct develop_own *)options->own)->raw)
-        return run_raw(options, &of, err);
+        return run_raw(options, &settings, err);
     const bool done = scene_refuse(stack, err) && output_can_open(options->json, err) &&
                       develop(&of, stack, options->output, err) &&
                       (!options->json || write_json(options, &of, err));

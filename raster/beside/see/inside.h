@@ -70,19 +70,17 @@ void sums_free(struct channel_sums *of);
 /* ---- develop.c ---- */
 
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
-/* A stack that is being developed. */
-struct development {
-    /* The caller sets these, and zeroes all others. */
+struct development_options {
     const char *detector_name; /* or file */
     const char *white;         /* SPECTRUM; NULL: what the stack records */
     struct adaptation adaptation;
     enum display_kind display;
     enum develop_values values;
-    int bits;        /* of RGB: 8 or 16 */
+    int bits;        /* of RGB: 8 or 16; of raw values: 32 of floats, 16 of counts of the largest */
     int threads;     /* 0: one a processor */
     double exposure; /* factor of all radiances */
-    bool automatic;  /* the exposure becomes the one that brings the largest displayed value (or Y)
-                        of the picture to just 1 (or 100) */
+    bool automatic;  /* another exposure instead: it brings the largest displayed value (or Y) of
+                        the picture to just 1 (or 100), or the largest raw value to 1 */
     const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,
                                                before they are developed; NULL: no. Refused for
                                                stacks that were sampled, and for basis, rgb and
@@ -90,8 +88,13 @@ struct development {
     struct outputs *outputs;                /* get the picture; NULL: it appears at once */
     struct printed *memory;                 /* takes a PNG in place of a file; NULL: a file */
     const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
-    /* The findings. */
+};
+/* A stack that is being developed. The caller sets the options, and zeroes all others. */
+struct development {
+    const struct development_options *options;
     struct cube cube;
+    double exposure;              /* of the options, or found */
+    struct adaptation adaptation; /* with its luminance */
     struct detector detector;
     double first_nm, last_nm; /* of pages, or of the range of components */
     char sampled[512];        /* how the spectra were sampled, in a line; "": not at all */
@@ -125,18 +128,13 @@ bool develop_weights(struct development *of, struct error *err);
 /* ---- raw.c: raw values of a detector ---- */
 
 struct raw {
-    /* The caller sets these, and zeroes all others. */
-    int bits;        /* 32 of floats, 16 of counts of the largest value */
-    int threads;     /* 0: one a processor */
-    double exposure; /* factor of all values */
-    bool automatic;  /* the exposure makes the largest value 1 */
-    struct outputs *outputs;
-    /* The findings. */
+    const struct development_options *options; /* the caller sets these, and zeroes all others */
+    double exposure;                           /* of the options, or found */
     struct cube cube;
     struct detector detector;
     double *weights, *lost; /* raw_weights, cube_lost; owned */
     double largest;         /* at exposure 1; found if the exposure or the counts need it */
-    double full_scale;      /* of counts: the largest value */
+    double full_scale;      /* of counts: the largest value with the exposure */
     uint64_t below_0;       /* values */
 };
 /* Reads a camera or film of any number of channels, and finds the weights of the cube's pages,
@@ -147,8 +145,7 @@ bool camera_weights(const struct cube *cube, const char *name, struct detector *
                     double **weights, struct error *err);
 /* Reads a stack and writes the raw values of a detector of any number of channels. The caller frees
  * *of, also after a failure. */
-bool develop_raw(struct raw *of, const char *detector, const char *stack, const char *output,
-                 struct error *err);
+bool develop_raw(struct raw *of, const char *stack, const char *output, struct error *err);
 void raw_print(const struct raw *of, const char *output, struct printed *to);
 void raw_free(struct raw *of);
 

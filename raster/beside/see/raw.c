@@ -22,7 +22,7 @@ static void store(struct raw *of, const double *sums, size_t n, void *samples)
     for (size_t i = 0; i < n; i++) {
         const double value = of->exposure * sums[i], count = 65535 * value / of->full_scale;
         of->below_0 += value < 0;
-        if (of->bits == 32)
+        if (of->options->bits == 32)
             ((float *)samples)[i] = (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
         else
             ((uint16_t *)samples)[i] = (uint16_t)fmax(0, fmin(floor(count + 0.5), 65535));
@@ -36,7 +36,7 @@ static bool each_chunk(struct raw *of, struct stack_writer *writer, struct error
     struct channel_sums sums = {.cube = &of->cube,
                                 .weights = of->weights,
                                 .n_channels = of->detector.n,
-                                .threads = of->threads};
+                                .threads = of->options->threads};
     float *samples = NULL; /* of a channel: floats or counts */
     bool done =
         sums_allocate(&sums, err) && MAKE_ARRAY(samples, sums.stride, err, "rows of the picture");
@@ -81,7 +81,7 @@ static bool write_pages(struct raw *of, const char *stack, const char *output, s
                                           .names = (const char *const *)of->detector.channel,
                                           .unit = unit_of(of),
                                           .full_scale = of->full_scale,
-                                          .bits = of->bits,
+                                          .bits = of->options->bits,
                                           .scene = stack,
                                           .provenance = text};
     struct stack_writer writer;
@@ -91,7 +91,7 @@ static bool write_pages(struct raw *of, const char *stack, const char *output, s
         return false;
     done = each_chunk(of, &writer, err) &&
            stack_finish(&writer, "raw values have no check of their own", err) &&
-           output_pass(&writer.pages.output, of->outputs, err);
+           output_pass(&writer.pages.output, of->options->outputs, err);
     stack_discard(&writer);
     return done;
 }
@@ -144,19 +144,20 @@ static bool check_sight(struct raw *of, struct error *err)
                                of->detector.name);
 }
 
-bool develop_raw(struct raw *of, const char *detector, const char *stack, const char *output,
-                 struct error *err)
+bool develop_raw(struct raw *of, const char *stack, const char *output, struct error *err)
 {
+    const struct development_options *options = of->options;
+    of->exposure = options->exposure;
     of->full_scale = 1;
     if (!cube_open(stack, &of->cube, err) || !cube_needs_radiance(&of->cube, "--raw", err) ||
-        !raw_weights(&of->cube, detector, &of->detector, &of->weights, err) ||
+        !raw_weights(&of->cube, options->detector_name, &of->detector, &of->weights, err) ||
         !check_sight(of, err))
         return false;
-    if ((of->automatic || of->bits == 16) && !each_chunk(of, NULL, err))
+    if ((options->automatic || options->bits == 16) && !each_chunk(of, NULL, err))
         return false;
-    if (of->automatic)
+    if (options->automatic)
         of->exposure = of->largest > 0 ? 1 / of->largest : 1;
-    if (of->bits == 16 && of->largest > 0)
+    if (options->bits == 16 && of->largest > 0)
         of->full_scale = of->exposure * of->largest;
     return write_pages(of, stack, output, err);
 }
@@ -165,17 +166,17 @@ void raw_print(const struct raw *of, const char *output, struct printed *to)
 {
     print(to, "detector          %s (%d channel%s)\n", of->detector.name, of->detector.n,
           of->detector.n == 1 ? "" : "s");
-    print(to, "values            raw, %s, %s\n", of->bits == 32 ? "float" : "16-bit counts",
-          unit_of(of));
-    if (of->bits == 16)
+    print(to, "values            raw, %s, %s\n",
+          of->options->bits == 32 ? "float" : "16-bit counts", unit_of(of));
+    if (of->options->bits == 16)
         print(to, "full scale        %.10g\n", of->full_scale);
-    print(to, "exposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
+    print(to, "exposure          %.10g%s\n", of->exposure, of->options->automatic ? " (auto)" : "");
     for (int i = 0; i < of->detector.n; i++)
         print(to, "channel %-9d %s: %.4g %% of its sensitivity lies outside\n", i + 1,
               of->detector.channel[i], 100 * of->lost[i]);
     if (of->below_0 > 0)
         print(to, "below 0           %llu values%s\n", (unsigned long long)of->below_0,
-              of->bits == 32 ? "" : ", which become 0");
+              of->options->bits == 32 ? "" : ", which become 0");
     print_fact(to, "picture", output);
 }
 

@@ -80,7 +80,7 @@ static bool white_finely(const struct development *of, struct fine_spectra *out,
     const bool done = MAKE_ARRAY(white, image->n_pages, err, "a white") &&
                       MAKE_ARRAY(out->lights, out->n_nm, err, "a white") &&
                       MAKE_ARRAY(out->products, out->n_nm, err, "a white") &&
-                      cube_white(&of->cube, of->white, white, err);
+                      cube_white(&of->cube, of->options->white, white, err);
     for (int j = 0; done && j < out->n_nm; j++) {
         double part;
         const int page =
@@ -115,12 +115,13 @@ static bool sampled_weights(struct development *of, struct error *err)
     const double first = image->wavelengths_nm[0], last = image->wavelengths_nm[image->n_pages - 1];
     struct fine_spectra spectra = {.first_nm = first};
     struct sampling sampling = {.detector = NULL};
-    if (!check_sampling(&of->cube, of->sampling, err))
+    if (!check_sampling(&of->cube, of->options->sampling, err))
         return false;
     spectra.n_nm = (int)floor(last - first + 1e-9) + 1;
     const bool done =
-        (of->sampling->kind != SAMPLING_ADAPTIVE || white_finely(of, &spectra, err)) &&
-        sampling_make(of->sampling, of->detector_name, &spectra, &sampling, err) &&
+        (of->options->sampling->kind != SAMPLING_ADAPTIVE || white_finely(of, &spectra, err)) &&
+        sampling_make(of->options->sampling, of->options->detector_name, &spectra, &sampling,
+                      err) &&
         (!sampling.fixed || fold_detector(of, &sampling.fine, err)) &&
         describe_sampling(&sampling, of, err);
     if (done) {
@@ -142,7 +143,7 @@ static bool check_detector(const struct development *of, struct error *err)
     const struct image *image = &of->cube.image;
     const struct detector *detector = &of->detector;
     /* Rendering checked a recorded response; that of a black scene is 0. A scene may be black. */
-    bool sees = of->lit || of->cube.record.response.n > 0;
+    bool sees = of->options->lit || of->cube.record.response.n > 0;
     for (int i = 0; i < 3 * image->n_pages; i++)
         sees = sees || of->weights[i] != 0;
     if (!sees)
@@ -153,12 +154,12 @@ static bool check_detector(const struct development *of, struct error *err)
                            "%s is a camera or film, which does not adapt but is balanced to the"
                            " white; %s is for observers",
                            detector->name, adaptation_names[of->adaptation.kind]);
-    if (!detector->observer && of->values != DEVELOP_RGB)
+    if (!detector->observer && of->options->values != DEVELOP_RGB)
         return error_usage(err,
                            "%s is a camera or film, which has no %s; expected an observer, or "
                            "--raw for the camera's own values",
                            detector->name,
-                           of->values == DEVELOP_XYZ ? "tristimulus values" : "CIELAB");
+                           of->options->values == DEVELOP_XYZ ? "tristimulus values" : "CIELAB");
     return true;
 }
 
@@ -195,8 +196,8 @@ static bool adapt(struct development *of, struct error *err)
         return false;
     tristimulus_apply_all(m, n, of->weights);
     tristimulus_apply(m, of->seen_white, of->adapted_white);
-    if (of->values == DEVELOP_RGB) {
-        display_matrix(of->display, m);
+    if (of->options->values == DEVELOP_RGB) {
+        display_matrix(of->options->display, m);
         tristimulus_apply_all(m, n, of->weights);
     }
     return true;
@@ -206,7 +207,7 @@ static bool adapt(struct development *of, struct error *err)
 static bool needs_white(const struct development *of)
 {
     return !of->detector.observer || of->adaptation.kind != ADAPTATION_NONE ||
-           of->values == DEVELOP_LAB;
+           of->options->values == DEVELOP_LAB;
 }
 
 /* Describes the range of the stack, and the sampling that it records. */
@@ -231,9 +232,9 @@ static void describe_stack(struct development *of)
 static bool channel_weights(struct development *of, struct error *err)
 {
     const struct cube *cube = &of->cube;
-    const struct white_request request = {of->white, needs_white(of)};
-    if (!(of->sampling != NULL ? sampled_weights(of, err)
-                               : cube_weights(cube, &of->detector, of->weights, err)) ||
+    const struct white_request request = {of->options->white, needs_white(of)};
+    if (!(of->options->sampling != NULL ? sampled_weights(of, err)
+                                        : cube_weights(cube, &of->detector, of->weights, err)) ||
         !check_detector(of, err))
         return false;
     const double *of_white = of->of_white != NULL ? of->of_white : of->weights;
@@ -254,7 +255,7 @@ bool develop_weights(struct development *of, struct error *err)
 {
     const size_t n = 3 * (size_t)of->cube.image.n_pages;
     if (!MAKE_ARRAY(of->weights, n, err, "the weights of %s", of->cube.image.path) ||
-        !detector_read(of->detector_name, &of->detector, err))
+        !detector_read(of->options->detector_name, &of->detector, err))
         return false;
     describe_stack(of);
     return channel_weights(of, err) && (of->detector.observer ? adapt(of, err) : balance(of, err));
