@@ -52,9 +52,9 @@ static bool fits(const struct chart *chart, double value)
     return value <= largest && value >= (chart->logarithmic ? 1 / largest : -largest);
 }
 
-static const struct axis *axis_of(const struct plot *plot, const struct chart_series *series)
+static enum side side_of(const struct chart_series *series)
 {
-    return &plot->axes[series->right ? ON_RIGHT : ON_LEFT];
+    return series->right ? ON_RIGHT : ON_LEFT;
 }
 
 static bool is_drawn(const struct plot *plot, const struct chart_series *series, int i)
@@ -67,12 +67,6 @@ static bool has_bar(const struct plot *plot, const struct chart_series *series, 
 {
     return series->low && is_drawn(plot, series, i) && fits(plot->chart, series->low[i]) &&
            fits(plot->chart, series->high[i]);
-}
-
-static void stretch(struct axis *axis, double value)
-{
-    axis->low = fmin(axis->low, value);
-    axis->high = fmax(axis->high, value);
 }
 
 static double tick_value(const struct axis *axis, long tick)
@@ -117,50 +111,60 @@ static void choose_steps(struct axis *axis)
     axis->last = (long)ceil(axis->high / axis->step);
 }
 
+static void stretch(struct axis *axis, double value)
+{
+    axis->low = fmin(axis->low, value);
+    axis->high = fmax(axis->high, value);
+}
+
+static void stretch_axes(struct plot *plot, const struct chart_series *series)
+{
+    struct axis *x = &plot->axes[ACROSS], *y = &plot->axes[side_of(series)];
+    for (int i = 0; i < series->n; i++) {
+        if (!is_drawn(plot, series, i))
+            continue;
+        stretch(x, series->x[i]);
+        stretch(y, series->y[i]);
+        if (has_bar(plot, series, i)) {
+            stretch(series->across ? x : y, series->low[i]);
+            stretch(series->across ? x : y, series->high[i]);
+        }
+    }
+}
+
 /* Linear axes of y contain 0. */
 static void fit_axes(struct plot *plot)
 {
-    const struct chart *chart = plot->chart;
+    const bool logarithmic = plot->chart->logarithmic;
     for (int side = 0; side < SIDES; side++) {
-        const bool from_zero = side != ACROSS && !chart->logarithmic;
-        plot->axes[side] = (struct axis){.logarithmic = chart->logarithmic,
-                                         .low = from_zero ? 0 : HUGE_VAL,
-                                         .high = from_zero ? 0 : -HUGE_VAL,
-                                         .stride = 1};
+        const double begin = side != ACROSS && !logarithmic ? 0 : HUGE_VAL;
+        plot->axes[side] =
+            (struct axis){.logarithmic = logarithmic, .low = begin, .high = -begin, .stride = 1};
     }
-    for (int s = 0; s < chart->n; s++) {
-        const struct chart_series *series = &chart->series[s];
-        struct axis *x = &plot->axes[ACROSS], *y = &plot->axes[series->right ? ON_RIGHT : ON_LEFT];
-        for (int i = 0; i < series->n; i++) {
-            if (is_drawn(plot, series, i)) {
-                stretch(x, series->x[i]);
-                stretch(y, series->y[i]);
-            }
-            if (has_bar(plot, series, i)) {
-                stretch(series->across ? x : y, series->low[i]);
-                stretch(series->across ? x : y, series->high[i]);
-            }
-        }
-    }
+    for (int s = 0; s < plot->chart->n; s++)
+        stretch_axes(plot, &plot->chart->series[s]);
     for (int side = 0; side < SIDES; side++) {
         struct axis *axis = &plot->axes[side];
         if (axis->low > axis->high) /* there are no values */
             axis->low = axis->high = 1;
-        if (axis->logarithmic)
+        if (logarithmic)
             choose_powers(axis, side == ACROSS ? RIGHT - LEFT : BOTTOM - TOP);
         else
             choose_steps(axis);
     }
 }
 
+static double on_scale(const struct axis *axis, double value)
+{
+    return axis->logarithmic ? binary_logarithm(value) : value;
+}
+
 /* Returns the part of an axis that lies below a value. */
 static double part_of(const struct axis *axis, double value)
 {
-    const double first = tick_value(axis, axis->first), last = tick_value(axis, axis->last);
-    if (!axis->logarithmic)
-        return (value - first) / (last - first);
-    const double low = binary_logarithm(first);
-    return (binary_logarithm(value) - low) / (binary_logarithm(last) - low);
+    const double first = on_scale(axis, tick_value(axis, axis->first)),
+                 last = on_scale(axis, tick_value(axis, axis->last));
+    return (on_scale(axis, value) - first) / (last - first);
 }
 
 static double x_at(const struct plot *plot, double value)
@@ -168,56 +172,38 @@ static double x_at(const struct plot *plot, double value)
     return LEFT + (RIGHT - LEFT) * part_of(&plot->axes[ACROSS], value);
 }
 
-static double y_at(const struct axis *axis, double value)
+static double y_at(const struct plot *plot, enum side side, double value)
 {
-    return BOTTOM - (BOTTOM - TOP) * part_of(axis, value);
+    return BOTTOM - (BOTTOM - TOP) * part_of(&plot->axes[side], value);
 }
 
-/* ---- axes drawn ---- */
-
-/* Draws grid lines, but none for the axis on the right, and labels. */
-static void draw_ticks(const struct plot *plot, enum side side)
+/* Draws grid lines, but short ones from the axis on the right; labels, and the title of the axis.
+ */
+static void draw_axis(const struct plot *plot, enum side side, const char *title)
 {
     static const struct {
         const char *anchor;
-        int x, y;
-    } label[SIDES] = {{"middle", 0, 18}, {"end", -8, 4}, {"start", 8, 4}};
+        int x, y, grid_x, grid_y, title_x, title_y, turn;
+    } looks[SIDES] = {{"middle", 0, 18, 0, TOP - BOTTOM, (LEFT + RIGHT) / 2, BOTTOM + 40, 0},
+                      {"end", -8, 4, RIGHT - LEFT, 0, 20, (TOP + BOTTOM) / 2, -90},
+                      {"start", 8, 4, -5, 0, WIDTH - 14, (TOP + BOTTOM) / 2, -90}};
     const struct axis *axis = &plot->axes[side];
     for (long tick = axis->first; tick <= axis->last; tick++) {
         const double value = tick_value(axis, tick),
                      x = side == ACROSS    ? x_at(plot, value)
                          : side == ON_LEFT ? LEFT
                                            : RIGHT,
-                     y = side == ACROSS ? BOTTOM : y_at(axis, value);
-        if (tick % axis->stride != 0)
-            continue;
-        if (side == ACROSS)
-            print(plot->to, "<path stroke=\"#ddd\" d=\"M%.2f,%dV%d\"/>", x, TOP, BOTTOM);
-        if (side == ON_LEFT)
-            print(plot->to, "<path stroke=\"#ddd\" d=\"M%d,%.2fH%d\"/>", LEFT, y, RIGHT);
-        print(plot->to, "<text text-anchor=\"%s\" x=\"%.2f\" y=\"%.2f\">%.10g</text>\n",
-              label[side].anchor, x + label[side].x, y + label[side].y, value);
-    }
-}
-
-static void draw_axes(const struct plot *plot)
-{
-    const struct chart *chart = plot->chart;
-    const int middle = (TOP + BOTTOM) / 2;
-    print(plot->to, "<text text-anchor=\"middle\" x=\"%d\" y=\"%d\">%s</text>\n",
-          (LEFT + RIGHT) / 2, BOTTOM + 40, chart->x_label);
-    for (int side = ACROSS; side < (chart->right_label ? SIDES : ON_RIGHT); side++) {
-        draw_ticks(plot, (enum side)side);
-        if (side != ACROSS)
+                     y = side == ACROSS ? BOTTOM : y_at(plot, side, value);
+        if (tick % axis->stride == 0)
             print(plot->to,
-                  "<text text-anchor=\"middle\" transform=\"translate(%d,%d) "
-                  "rotate(-90)\">%s</text>\n",
-                  side == ON_LEFT ? 20 : WIDTH - 14, middle,
-                  side == ON_LEFT ? chart->y_label : chart->right_label);
+                  "<path stroke=\"#ddd\" d=\"M%.2f,%.2fh%dv%d\"/>"
+                  "<text text-anchor=\"%s\" x=\"%.2f\" y=\"%.2f\">%.10g</text>\n",
+                  x, y, looks[side].grid_x, looks[side].grid_y, looks[side].anchor,
+                  x + looks[side].x, y + looks[side].y, value);
     }
     print(plot->to,
-          "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"none\" stroke=\"#333\"/>\n",
-          LEFT, TOP, RIGHT - LEFT, BOTTOM - TOP);
+          "<text text-anchor=\"middle\" transform=\"translate(%d,%d) rotate(%d)\">%s</text>\n",
+          looks[side].title_x, looks[side].title_y, looks[side].turn, title);
 }
 
 /* ---- series ---- */
@@ -254,22 +240,22 @@ static void draw_path(const struct plot *plot, const struct chart_series *series
                   : steps ? 'H'
                           : 'L',
                   x_at(plot, series->x[i]), begins || !steps ? ',' : 'V',
-                  y_at(axis_of(plot, series), series->y[i]));
+                  y_at(plot, side_of(series), series->y[i]));
         }
     print_text(plot->to, "\"/>");
 }
 
 static void draw_bars(const struct plot *plot, const struct chart_series *series)
 {
-    const struct axis *axis = axis_of(plot, series);
+    const enum side side = side_of(series);
     print_text(plot->to, "<path stroke-width=\"0.8\" stroke-dasharray=\"none\" d=\"");
     for (int i = 0; i < series->n; i++)
         if (has_bar(plot, series, i) && series->across)
-            print(plot->to, "M%.2f,%.2fH%.2f", x_at(plot, series->low[i]), y_at(axis, series->y[i]),
-                  x_at(plot, series->high[i]));
+            print(plot->to, "M%.2f,%.2fH%.2f", x_at(plot, series->low[i]),
+                  y_at(plot, side, series->y[i]), x_at(plot, series->high[i]));
         else if (has_bar(plot, series, i))
-            print(plot->to, "M%.2f,%.2fV%.2f", x_at(plot, series->x[i]), y_at(axis, series->low[i]),
-                  y_at(axis, series->high[i]));
+            print(plot->to, "M%.2f,%.2fV%.2f", x_at(plot, series->x[i]),
+                  y_at(plot, side, series->low[i]), y_at(plot, side, series->high[i]));
     print_text(plot->to, "\"/>");
 }
 
@@ -289,7 +275,7 @@ static void draw_series(const struct plot *plot, int index)
         const bool alone = !is_drawn(plot, series, i - 1) && !is_drawn(plot, series, i + 1);
         if (!is_drawn(plot, series, i) || (series->kind == CHART_LINE && !alone))
             continue;
-        const double x = x_at(plot, series->x[i]), y = y_at(axis_of(plot, series), series->y[i]);
+        const double x = x_at(plot, series->x[i]), y = y_at(plot, side_of(series), series->y[i]);
         draw_circle(plot, index, x, y);
         if (series->labels)
             print(plot->to,
@@ -351,7 +337,13 @@ void chart_svg(const struct chart *chart, struct printed *to)
           WIDTH, height, LEFT);
     put_text(to, chart->title);
     print_text(to, "</text>\n");
-    draw_axes(&plot);
+    draw_axis(&plot, ACROSS, chart->x_label);
+    draw_axis(&plot, ON_LEFT, chart->y_label);
+    if (chart->right_label)
+        draw_axis(&plot, ON_RIGHT, chart->right_label);
+    print(to,
+          "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"none\" stroke=\"#333\"/>\n",
+          LEFT, TOP, RIGHT - LEFT, BOTTOM - TOP);
     for (int s = chart->n - 1; s >= 0; s--) /* the first one on top */
         draw_series(&plot, s);
     draw_legend(&plot, legend);

@@ -191,16 +191,6 @@ static void map_pixel(struct comparison *of, size_t at, double largest)
 
 /* ---- rows ---- */
 
-/* Finds the camera's channels behind the n pages of a pixel. */
-static void find_channels(const struct comparison *of, double *spectrum, int n)
-{
-    for (int i = 0; i < of->camera.n; i++) {
-        spectrum[n + i] = 0;
-        for (int page = 0; page < n; page++)
-            spectrum[n + i] += of->camera_weights[i * n + page] * spectrum[page];
-    }
-}
-
 static void compare_row(void *context, int row)
 {
     struct comparison *of = context;
@@ -217,9 +207,9 @@ static void compare_row(void *context, int row)
             of->largest_a[row] = fmax(of->largest_a[row], a[band]);
         }
         const double largest = compare_bands(a, b, n, x, of->a.first + row, bands);
-        find_channels(of, a, n);
-        find_channels(of, b, n);
-        compare_bands(a + n, b + n, of->camera.n, x, of->a.first + row, bands + n);
+        camera_add(&of->camera, a, n);
+        camera_add(&of->camera, b, n);
+        compare_bands(a + n, b + n, of->camera.detector.n, x, of->a.first + row, bands + n);
         memset(of->measures[at], 0, sizeof of->measures[at]);
         if (largest > 0)
             of->measures[at][SPECTRAL_ANGLE] = spectral_angle(a, b, n);
@@ -353,10 +343,10 @@ static bool allocate(struct comparison *of, struct error *err)
 static bool find_eyes(struct comparison *of, const struct white_request *white, struct error *err)
 {
     const struct cube *cube = &of->a.cube;
-    if (!camera_weights(cube, of->observer, &of->camera, &of->camera_weights, err))
+    if (!camera_open(cube, of->observer, &of->camera, err))
         return false;
-    of->n_bands = cube->image.n_pages + of->camera.n;
-    of->observer = of->camera.n > 0 ? "cie1931" : of->observer;
+    of->n_bands = cube->image.n_pages + of->camera.detector.n;
+    of->observer = of->camera.detector.n > 0 ? "cie1931" : of->observer;
     return sight_make(cube, of->observer, white, &of->sight, err);
 }
 
@@ -419,10 +409,9 @@ void comparison_free(struct comparison *of)
     rows_close(&of->a);
     rows_close(&of->b);
     sight_free(&of->sight);
-    detector_free(&of->camera);
+    camera_close(&of->camera);
     picture_discard(&of->picture); /* a committed picture stays */
     for (int i = 0; i < PIXEL_MEASURES; i++)
         free(of->pixels[i].bins);
-    FREE_ALL(of->camera_weights, of->bands, of->spectra, of->row_bands, of->largest_a, of->measures,
-             of->samples);
+    FREE_ALL(of->bands, of->spectra, of->row_bands, of->largest_a, of->measures, of->samples);
 }

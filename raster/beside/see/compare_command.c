@@ -52,8 +52,8 @@ static void print_channels(const struct comparison *of, struct printed *to)
 {
     const struct band_difference *channel = of->bands + of->a.cube.image.n_pages;
     char pixel[32];
-    for (int i = 0; i < of->camera.n; i++, channel++)
-        print(to, "%-17s %.6g (largest, at pixel %s), %.6g (RMS)\n", of->camera.channel[i],
+    for (int i = 0; i < of->camera.detector.n; i++, channel++)
+        print(to, "%-17s %.6g (largest, at pixel %s), %.6g (RMS)\n", of->camera.detector.channel[i],
               channel->largest, name_of_pixel(channel->largest, channel->x, channel->y, pixel),
               channel->rms);
 }
@@ -147,9 +147,9 @@ static bool write_json(struct options *options, const struct comparison *of, str
     }
     json_close(&json, ']');
     json_open(&json, "channels", '[');
-    for (int i = 0; i < of->camera.n; i++) {
+    for (int i = 0; i < of->camera.detector.n; i++) {
         json_open(&json, NULL, '{');
-        json_string(&json, "name", of->camera.channel[i]);
+        json_string(&json, "name", of->camera.detector.channel[i]);
         json_band(&json, &of->bands[image->n_pages + i]);
         json_close(&json, '}');
     }

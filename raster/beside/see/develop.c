@@ -184,14 +184,20 @@ bool develop(struct development *of, const char *stack, const char *output, stru
     return cube_open(stack, &of->cube, err) && develop_cube(of, output, err);
 }
 
-struct cube scene_cube(const struct scene *scene)
+bool scene_cube(const struct scene *scene, struct cube *out, struct error *err)
 {
-    return (struct cube){.record.unit = scene_is_absolute(scene) ? ABSOLUTE_UNIT : NULL,
+    const struct spectral_pages pages = scene_pages(scene);
+    struct numbers *white = &out->record.white;
+    *out = (struct cube){.record.unit = scene_is_absolute(scene) ? ABSOLUTE_UNIT : NULL,
                          .image = {.path = scene->path,
                                    .width = scene->width,
                                    .height = scene->height,
                                    .n_pages = scene->n_wavelengths,
                                    .wavelengths_nm = scene->wavelengths_nm}};
+    if (!MAKE_ARRAY(white->value, pages.n, err, "the white of a picture"))
+        return false;
+    white->n = scene_white(scene, &pages, white->value) > 0 ? pages.n : 0;
+    return true;
 }
 
 bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err)
@@ -206,17 +212,12 @@ bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, s
         .outputs = picture->outputs,
         .memory = picture->memory,
         .lit = lit};
-    struct development of = {.options = &options, .cube = scene_cube(lit->plan->scene)};
-    const struct spectral_pages *pages = &lit->plan->illumination.pages;
-    double *white;
-    bool done = MAKE_ARRAY(white, (size_t)pages->n, err, "the white of a picture");
-    if (done) /* the one that a stack of this scene records */
-        of.cube.record.white =
-            (struct numbers){white, scene_white(lit->plan->scene, pages, white) > 0 ? pages->n : 0};
-    done = done && develop_cube(&of, picture->output, err);
+    struct development of = {.options = &options};
+    const bool done =
+        scene_cube(lit->plan->scene, &of.cube, err) && develop_cube(&of, picture->output, err);
     picture->out_of_gamut = of.out_of_gamut.n;
-    of.cube = (struct cube){.components = false}; /* the scene owns it */
-    free(white);
+    free(of.cube.record.white.value);
+    of.cube = (struct cube){.components = false}; /* the scene owns the rest */
     develop_free(&of);
     return done;
 }

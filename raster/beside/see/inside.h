@@ -137,12 +137,19 @@ struct raw {
     double full_scale;      /* of counts: the largest value with the exposure */
     uint64_t below_0;       /* values */
 };
-/* Reads a camera or film of any number of channels, and finds the weights of the cube's pages,
- * [channel * n_pages + page]. An observer becomes a detector without channels: its channels are
- * XYZ, which are printed in any case. Refuses a stack whose sampling is fixed. The caller frees
- * both, also after a failure. */
-bool camera_weights(const struct cube *cube, const char *name, struct detector *detector,
-                    double **weights, struct error *err);
+/* The channels of a camera or film beside the pages of a cube; an observer has none here: its
+ * channels are XYZ, which are printed in any case. */
+struct camera_channels {
+    struct detector detector; /* n: their number */
+    double *weights;          /* [channel * n_pages + page]; owned */
+};
+/* Reads a camera or film. Refuses a stack whose sampling is fixed. The caller frees *out, also
+ * after a failure. */
+bool camera_open(const struct cube *cube, const char *name, struct camera_channels *out,
+                 struct error *err);
+/* Puts the channels of a pixel behind its n pages. */
+void camera_add(const struct camera_channels *camera, double *spectrum, int n);
+void camera_close(struct camera_channels *camera);
 /* Reads a stack and writes the raw values of a detector of any number of channels. The caller frees
  * *of, also after a failure. */
 bool develop_raw(struct raw *of, const char *stack, const char *output, struct error *err);
@@ -177,10 +184,9 @@ struct comparison {
     struct outputs *outputs; /* get the map; NULL: it appears at once */
     /* Two stacks, and how they differ. */
     struct stack_rows a, b;
-    struct sight sight;     /* of A; it holds for B too; without a white there are no colours */
-    struct detector camera; /* camera_weights */
-    double *camera_weights; /* owned */
-    int n_bands;            /* pages, and channels of the camera */
+    struct sight sight; /* of A; it holds for B too; without a white there are no colours */
+    struct camera_channels camera;
+    int n_bands;                   /* pages, and channels of the camera */
     struct band_difference *bands; /* of each page, then of each channel; owned */
     struct band_difference all;
     int largest_band;        /* the band that has all.largest */

@@ -251,21 +251,6 @@ static bool add_curves(const struct region *region, struct error *err)
 
 /* ---- a whole scene ---- */
 
-/* Computes the colour with the white that a stack of this scene records. */
-static bool add_colour(struct probe *probe, const struct scene *scene, struct cube *cube,
-                       struct error *err)
-{
-    const struct spectral_pages pages = scene_pages(scene);
-    double *white;
-    if (!MAKE_ARRAY(white, (size_t)probe->n, err, "a white of %d bands", probe->n))
-        return false;
-    cube->record.white =
-        (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
-    bool done = probe_end(probe, cube, err);
-    free(white);
-    return done;
-}
-
 static bool inspect(struct region *region, struct error *err)
 {
     const struct probe *probe = region->probe;
@@ -279,9 +264,10 @@ static bool inspect(struct region *region, struct error *err)
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)
 {
     struct region region = {.lit = {.plan = plan}, .probe = probe};
-    struct cube cube = scene_cube(plan->scene);
-    bool done = probe_begin(probe, &cube.image, err) && inspect(&region, err) &&
-                add_colour(probe, plan->scene, &cube, err);
+    struct cube cube;
+    const bool done = scene_cube(plan->scene, &cube, err) && probe_begin(probe, &cube.image, err) &&
+                      inspect(&region, err) && probe_end(probe, &cube, err);
+    free(cube.record.white.value);
     lit_free(&region.lit);
     return done;
 }

@@ -12,9 +12,8 @@
 struct measured {
     struct stack_rows rows;
     struct sight sight;
-    struct detector detector; /* whose channels are measured; n 0: those of an observer are not */
-    double *weights;          /* of its channels; owned */
-    double *channels;         /* of a pixel; owned */
+    struct camera_channels camera; /* are measured, too */
+    double *pixel;                 /* its columns; owned */
     bool edges;
     int n_objects, n_columns; /* bands, then channels */
     struct moments *moments;  /* [object][column]; owned */
@@ -39,15 +38,11 @@ static void add_pixel(struct measured *of, int object, const float *samples)
 {
     struct moments *moments = of->moments + (size_t)object * (size_t)of->n_columns;
     const int n_bands = of->rows.cube.image.n_pages;
-    memset(of->channels, 0, (size_t)of->detector.n * sizeof *of->channels);
-    for (int band = 0; band < n_bands; band++) {
-        const float value = samples[(size_t)band * of->rows.stride];
-        moments_add(&moments[band], (double)value);
-        for (int channel = 0; channel < of->detector.n; channel++)
-            of->channels[channel] += of->weights[channel * n_bands + band] * (double)value;
-    }
-    for (int channel = 0; channel < of->detector.n; channel++)
-        moments_add(&moments[n_bands + channel], of->channels[channel]);
+    for (int band = 0; band < n_bands; band++)
+        of->pixel[band] = (double)samples[(size_t)band * of->rows.stride];
+    camera_add(&of->camera, of->pixel, n_bands);
+    for (int column = 0; column < of->n_columns; column++)
+        moments_add(&moments[column], of->pixel[column]);
 }
 
 /* Reads the rows of the map around row y. The first and the last row repeat beyond the border. */
@@ -94,16 +89,17 @@ static bool prepare(struct measured *of, const char *path, const char *detector,
     if (cube->record.map_bytes == 0)
         return error_usage(err, "%s has no map of objects; expected a stack of spectral render",
                            path);
-    if (!camera_weights(cube, detector, &of->detector, &of->weights, err) ||
-        !sight_make(cube, of->detector.n > 0 ? "cie1931" : detector, &request, &of->sight, err))
+    if (!camera_open(cube, detector, &of->camera, err) ||
+        !sight_make(cube, of->camera.detector.n > 0 ? "cie1931" : detector, &request, &of->sight,
+                    err))
         return false;
     const size_t width = (size_t)cube->image.width, n_pages = (size_t)cube->image.n_pages;
     of->n_objects = cube->record.objects.n;
-    of->n_columns = cube->image.n_pages + of->detector.n;
+    of->n_columns = cube->image.n_pages + of->camera.detector.n;
     for (int i = 0; i < 3; i++)
         if (!MAKE_ARRAY(of->map[i], width, err, "a row of %s", path))
             return false;
-    return MAKE_ARRAY(of->channels, of->detector.n + 1, err, "%d channels", of->detector.n) &&
+    return MAKE_ARRAY(of->pixel, of->n_columns, err, "%d columns", of->n_columns) &&
            MAKE_ARRAY(of->moments, (size_t)of->n_objects * (size_t)of->n_columns, err,
                       "the values of %d objects", of->n_objects) &&
            rows_allocate(
@@ -115,8 +111,8 @@ static void measured_free(struct measured *of)
 {
     rows_close(&of->rows);
     sight_free(&of->sight);
-    detector_free(&of->detector);
-    FREE_ALL(of->weights, of->channels, of->moments, of->map[0], of->map[1], of->map[2]);
+    camera_close(&of->camera);
+    FREE_ALL(of->pixel, of->moments, of->map[0], of->map[1], of->map[2]);
 }
 
 /* ---- one object ---- */
@@ -195,7 +191,7 @@ static void column_label(const struct measured *of, int column, char out[96])
     if (column < image->n_pages)
         snprintf(out, 96, "%.10g nm", image->wavelengths_nm[column]);
     else
-        snprintf(out, 96, "%s", of->detector.channel[column - image->n_pages]);
+        snprintf(out, 96, "%s", of->camera.detector.channel[column - image->n_pages]);
 }
 
 static void print_csv_head(const struct measured *of, struct printed *to)
@@ -246,8 +242,8 @@ static void print_line(const struct measured *of, const struct values *values, s
         print(to, "  Lab             %.4f %.4f %.4f\n", values->lab[0], values->lab[1],
               values->lab[2]);
     for (int i = n_bands; seen && i < of->n_columns; i++)
-        print(to, "  %-15s %.6g, standard deviation %.3g\n", of->detector.channel[i - n_bands],
-              values->mean[i], values->spread[i]);
+        print(to, "  %-15s %.6g, standard deviation %.3g\n",
+              of->camera.detector.channel[i - n_bands], values->mean[i], values->spread[i]);
 }
 
 static void put_json(const struct measured *of, const struct values *values, struct json *json)
@@ -261,9 +257,9 @@ static void put_json(const struct measured *of, const struct values *values, str
     json_numbers(json, "Lab", seen && of->sight.has_white ? values->lab : NULL, 3);
     json_numbers(json, "radiance", seen ? values->mean : NULL, n_bands);
     json_numbers(json, "standard_deviation", seen ? values->spread : NULL, n_bands);
-    json_numbers(json, "channels", seen ? values->mean + n_bands : NULL, of->detector.n);
+    json_numbers(json, "channels", seen ? values->mean + n_bands : NULL, of->camera.detector.n);
     json_numbers(json, "channels_standard_deviation", seen ? values->spread + n_bands : NULL,
-                 of->detector.n);
+                 of->camera.detector.n);
     json_close(json, '}');
 }
 
@@ -276,7 +272,8 @@ static void put_objects(const struct measured *of, struct values *values, bool c
     json_string(json, "unit", cube_unit(&of->rows.cube));
     json_numbers(json, "wavelengths_nm", of->rows.cube.image.wavelengths_nm,
                  of->rows.cube.image.n_pages);
-    json_strings(json, "channel_names", (const char *const *)of->detector.channel, of->detector.n);
+    json_strings(json, "channel_names", (const char *const *)of->camera.detector.channel,
+                 of->camera.detector.n);
     json_open(json, "objects", '[');
     if (csv)
         print_csv_head(of, to);

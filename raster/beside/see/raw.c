@@ -120,14 +120,29 @@ static bool raw_weights(const struct cube *cube, const char *name, struct detect
     return true;
 }
 
-bool camera_weights(const struct cube *cube, const char *name, struct detector *detector,
-                    double **weights, struct error *err)
+bool camera_open(const struct cube *cube, const char *name, struct camera_channels *out,
+                 struct error *err)
 {
-    if (!channels_read(name, detector, err))
+    if (!channels_read(name, &out->detector, err))
         return false;
-    const bool observer = detector->observer;
-    detector_free(detector);
-    return observer || raw_weights(cube, name, detector, weights, err);
+    const bool observer = out->detector.observer;
+    detector_free(&out->detector);
+    return observer || raw_weights(cube, name, &out->detector, &out->weights, err);
+}
+
+void camera_add(const struct camera_channels *camera, double *spectrum, int n)
+{
+    for (int i = 0; i < camera->detector.n; i++) {
+        spectrum[n + i] = 0;
+        for (int page = 0; page < n; page++)
+            spectrum[n + i] += camera->weights[i * n + page] * spectrum[page];
+    }
+}
+
+void camera_close(struct camera_channels *camera)
+{
+    detector_free(&camera->detector);
+    free(camera->weights);
 }
 
 /* Finds what is lost. Refuses a detector that sees nothing of the stack. */

@@ -61,8 +61,9 @@ struct scene_picture {
  * Memory beside picture->memory does not grow with the picture's height. */
 struct lit_scene;
 bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err);
-/* Returns a scene as if it were a stack without a record. Nothing of it is owned. */
-struct cube scene_cube(const struct scene *scene);
+/* Makes of a scene a stack that records its white alone. The caller frees record.white.value, also
+ * after a failure; nothing else is owned. */
+bool scene_cube(const struct scene *scene, struct cube *out, struct error *err);
 
 /* ---- maps.c: maps of a picture ---- */
 

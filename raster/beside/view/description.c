@@ -382,7 +382,7 @@ char *description_make(struct viewing *view, struct error *err)
 {
     struct describer describer = {.plan = view->plan, .err = err};
     const struct scene *scene = view->plan->scene;
-    const struct cube cube = scene_cube(scene);
+    struct cube cube;
     struct json *json = &describer.json;
     json_begin(json);
     json_string(json, "program", PROGRAM);
@@ -401,7 +401,9 @@ char *description_make(struct viewing *view, struct error *err)
         put_lights(&describer, "lights", scene->lights, scene->n_lights, false);
         put_illuminants(&describer);
         put_surfaces(&describer);
-        view->n_detectors = put_eyes(&cube, false, view->options->detector, json, err);
+        if (scene_cube(scene, &cube, err))
+            view->n_detectors = put_eyes(&cube, false, view->options->detector, json, err);
+        free(cube.record.white.value);
     }
     view->n_illuminants = describer.n_illuminants;
     for (int i = 0; i < describer.n_owned; i++)

@@ -260,8 +260,7 @@ def foreign_stacks():
     check(result.returncode == 2 and "its wavelengths reach 2000000 nm; --sampling goes up to 1000000 nm" in result.stderr,
           "wavelengths far in the infrared are not sampled", result.stderr)
     infrared = foreign("infrared", [500, 200000], np.full((2, 2, 2), 3)).path
-    check(re.search("wavelength .nm. ×10⁵</text>", output_of("probe", infrared, 0, 0, "--white", "e", "--svg")),
-          "an axis of long wavelengths has a power of ten")
+    check(">200000</text>" in output_of("probe", infrared, 0, 0, "--white", "e", "--svg"), "an axis of long wavelengths has all digits")
 
 
 # ---- files ----
