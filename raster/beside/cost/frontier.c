@@ -5,40 +5,29 @@
 
 #include "raster/beside/cost/inside.h"
 
-/* Configurations that the chart marks alike. */
+/* Points that the chart marks alike; bars have three for each configuration. */
 struct marks {
     const char *names[MOST_CONFIGURATIONS];
-    double seconds[MOST_CONFIGURATIONS], fastest[MOST_CONFIGURATIONS], slowest[MOST_CONFIGURATIONS],
-        errors[MOST_CONFIGURATIONS];
+    double seconds[3 * MOST_CONFIGURATIONS], errors[3 * MOST_CONFIGURATIONS];
     int n;
 };
 
-static void mark(struct marks *marks, const struct cost_entry *entry, double error)
+static void mark(struct marks *marks, double seconds, double error)
 {
-    const int i = marks->n++;
-    marks->names[i] = entry->name;
-    marks->seconds[i] = entry->seconds;
-    marks->fastest[i] = entry->fastest;
-    marks->slowest[i] = entry->slowest;
-    marks->errors[i] = error;
+    marks->seconds[marks->n] = seconds;
+    marks->errors[marks->n++] = error;
 }
 
 static struct chart_series series_of(const char *name, enum chart_kind kind,
                                      const struct marks *marks)
 {
-    return (struct chart_series){.name = name,
-                                 .kind = kind,
-                                 .n = marks->n,
-                                 .x = marks->seconds,
-                                 .y = marks->errors,
-                                 .low = marks->fastest,
-                                 .high = marks->slowest,
-                                 .across = true};
+    return (struct chart_series){
+        .name = name, .kind = kind, .n = marks->n, .x = marks->seconds, .y = marks->errors};
 }
 
 void cost_svg(const struct cost *cost, struct printed *to)
 {
-    struct marks best = {.n = 0}, others = {.n = 0}, uncertain = {.n = 0};
+    struct marks best = {.n = 0}, others = {.n = 0}, uncertain = {.n = 0}, bars = {.n = 0};
     double largest = 0;
     char title[512], label[96];
     for (int i = 0; i < cost->n; i++)
@@ -47,15 +36,20 @@ void cost_svg(const struct cost *cost, struct printed *to)
     for (int i = 0; i < cost->n; i++) {
         const struct cost_entry *entry = &cost->entries[i];
         const double error = fmax(entry->accuracy.quantile_95, least);
-        mark(entry->best ? &best : &others, entry, error);
+        best.names[best.n] = entry->name;
+        mark(entry->best ? &best : &others, entry->seconds, error);
         if (entry->uncertain)
-            mark(&uncertain, entry, error);
+            mark(&uncertain, entry->seconds, error);
+        mark(&bars, entry->fastest, error);
+        mark(&bars, entry->slowest, error);
+        mark(&bars, (double)NAN, error);
     }
-    struct chart_series series[] = {series_of("on the frontier", CHART_STEPS, &best),
-                                    series_of("not on it", CHART_CIRCLES, &others),
-                                    series_of("either, within noise", CHART_RINGS, &uncertain)};
+    struct chart_series series[] = {
+        series_of("on the frontier", CHART_STEPS, &best),
+        series_of("not on it", CHART_CIRCLES, &others),
+        series_of("either, within noise", CHART_RINGS, &uncertain),
+        series_of("from the fastest run to the slowest", CHART_BARS, &bars)};
     series[0].labels = best.names;
-    series[2].low = NULL; /* the points below the rings have bars */
     snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->width, cost->height,
              cost->observer);
     snprintf(label, sizeof label, "CIEDE2000, 95 %% of the pixels (%.2g: this or less)", least);
@@ -64,6 +58,6 @@ void cost_svg(const struct cost *cost, struct printed *to)
                                 .y_label = label,
                                 .logarithmic = true,
                                 .series = series,
-                                .n = 3};
+                                .n = 4};
     chart_svg(&chart, to);
 }

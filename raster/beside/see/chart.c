@@ -63,12 +63,6 @@ static bool is_drawn(const struct plot *plot, const struct chart_series *series,
            fits(plot->chart, series->y[i]);
 }
 
-static bool has_bar(const struct plot *plot, const struct chart_series *series, int i)
-{
-    return series->low && is_drawn(plot, series, i) && fits(plot->chart, series->low[i]) &&
-           fits(plot->chart, series->high[i]);
-}
-
 static double tick_value(const struct axis *axis, long tick)
 {
     const long decade = (long)floor((double)tick / 3);
@@ -125,10 +119,6 @@ static void stretch_axes(struct plot *plot, const struct chart_series *series)
             continue;
         stretch(x, series->x[i]);
         stretch(y, series->y[i]);
-        if (has_bar(plot, series, i)) {
-            stretch(series->across ? x : y, series->low[i]);
-            stretch(series->across ? x : y, series->high[i]);
-        }
     }
 }
 
@@ -184,9 +174,9 @@ static void draw_axis(const struct plot *plot, enum side side, const char *title
     static const struct {
         const char *anchor;
         int x, y, grid_x, grid_y, title_x, title_y, turn;
-    } looks[SIDES] = {{"middle", 0, 18, 0, TOP - BOTTOM, (LEFT + RIGHT) / 2, BOTTOM + 40, 0},
-                      {"end", -8, 4, RIGHT - LEFT, 0, 20, (TOP + BOTTOM) / 2, -90},
-                      {"start", 8, 4, -5, 0, WIDTH - 14, (TOP + BOTTOM) / 2, -90}};
+    } places[SIDES] = {{"middle", 0, 18, 0, TOP - BOTTOM, (LEFT + RIGHT) / 2, BOTTOM + 40, 0},
+                       {"end", -8, 4, RIGHT - LEFT, 0, 20, (TOP + BOTTOM) / 2, -90},
+                       {"start", 8, 4, -5, 0, WIDTH - 14, (TOP + BOTTOM) / 2, -90}};
     const struct axis *axis = &plot->axes[side];
     for (long tick = axis->first; tick <= axis->last; tick++) {
         const double value = tick_value(axis, tick),
@@ -198,33 +188,44 @@ static void draw_axis(const struct plot *plot, enum side side, const char *title
             print(plot->to,
                   "<path stroke=\"#ddd\" d=\"M%.2f,%.2fh%dv%d\"/>"
                   "<text text-anchor=\"%s\" x=\"%.2f\" y=\"%.2f\">%.10g</text>\n",
-                  x, y, looks[side].grid_x, looks[side].grid_y, looks[side].anchor,
-                  x + looks[side].x, y + looks[side].y, value);
+                  x, y, places[side].grid_x, places[side].grid_y, places[side].anchor,
+                  x + places[side].x, y + places[side].y, value);
     }
     print(plot->to,
           "<text text-anchor=\"middle\" transform=\"translate(%d,%d) rotate(%d)\">%s</text>\n",
-          looks[side].title_x, looks[side].title_y, looks[side].turn, title);
+          places[side].title_x, places[side].title_y, places[side].turn, title);
 }
 
 /* ---- series ---- */
 
+static const struct {
+    bool line, thin, open;
+    int radius; /* of circles at its points; 0: there are none */
+} looks[] = {[CHART_LINE] = {.line = true},
+             [CHART_BARS] = {.line = true, .thin = true},
+             [CHART_STEPS] = {.line = true, .radius = 4},
+             [CHART_CIRCLES] = {.open = true, .radius = 3},
+             [CHART_RINGS] = {.open = true, .radius = 7}};
+
 /* Begins a group. The first series is thicker: the others explain it. */
-static void open_group(struct printed *to, int series)
+static void open_group(const struct plot *plot, int series)
 {
-    print(to, "<g fill=\"none\" stroke=\"%s\" stroke-width=\"%s\" stroke-dasharray=\"%s\">",
-          colours[series % N_COLOURS], series == 0 ? "2.2" : "1.6", dashes[series % N_DASHES]);
+    const bool thin = looks[plot->chart->series[series].kind].thin;
+    print(plot->to, "<g fill=\"none\" stroke=\"%s\" stroke-width=\"%s\" stroke-dasharray=\"%s\">",
+          colours[series % N_COLOURS],
+          thin          ? "0.6"
+          : series == 0 ? "2.2"
+                        : "1.6",
+          dashes[thin ? 0 : series % N_DASHES]);
 }
 
 static void draw_circle(const struct plot *plot, int series, double x, double y)
 {
-    const struct chart_series *of = &plot->chart->series[series];
-    const bool open = of->kind == CHART_CIRCLES || of->kind == CHART_RINGS;
+    const enum chart_kind kind = plot->chart->series[series].kind;
     print(plot->to,
           "<circle stroke-dasharray=\"none\" fill=\"%s\" cx=\"%.2f\" cy=\"%.2f\" r=\"%d\"/>",
-          open ? "#fff" : colours[series % N_COLOURS], x, y,
-          of->kind == CHART_RINGS ? 7
-          : open                  ? 3
-                                  : 4);
+          looks[kind].open ? "#fff" : colours[series % N_COLOURS], x, y,
+          looks[kind].radius > 0 ? looks[kind].radius : 4);
 }
 
 /* Draws the line through all points. A value that cannot be drawn interrupts it. */
@@ -245,35 +246,19 @@ static void draw_path(const struct plot *plot, const struct chart_series *series
     print_text(plot->to, "\"/>");
 }
 
-static void draw_bars(const struct plot *plot, const struct chart_series *series)
-{
-    const enum side side = side_of(series);
-    print_text(plot->to, "<path stroke-width=\"0.8\" stroke-dasharray=\"none\" d=\"");
-    for (int i = 0; i < series->n; i++)
-        if (has_bar(plot, series, i) && series->across)
-            print(plot->to, "M%.2f,%.2fH%.2f", x_at(plot, series->low[i]),
-                  y_at(plot, side, series->y[i]), x_at(plot, series->high[i]));
-        else if (has_bar(plot, series, i))
-            print(plot->to, "M%.2f,%.2fV%.2f", x_at(plot, series->x[i]),
-                  y_at(plot, side, series->low[i]), y_at(plot, side, series->high[i]));
-    print_text(plot->to, "\"/>");
-}
-
 /* A point of a line whose neighbours are missing is a dot. */
 static void draw_series(const struct plot *plot, int index)
 {
     const struct chart_series *series = &plot->chart->series[index];
-    open_group(plot->to, index);
+    open_group(plot, index);
     print_text(plot->to, "<title>");
     put_text(plot->to, series->name);
     print_text(plot->to, "</title>\n");
-    if (series->kind == CHART_LINE || series->kind == CHART_STEPS)
+    if (looks[series->kind].line)
         draw_path(plot, series);
-    if (series->low)
-        draw_bars(plot, series);
     for (int i = 0; i < series->n; i++) {
         const bool alone = !is_drawn(plot, series, i - 1) && !is_drawn(plot, series, i + 1);
-        if (!is_drawn(plot, series, i) || (series->kind == CHART_LINE && !alone))
+        if (!is_drawn(plot, series, i) || (looks[series->kind].radius == 0 && !alone))
             continue;
         const double x = x_at(plot, series->x[i]), y = y_at(plot, side_of(series), series->y[i]);
         draw_circle(plot, index, x, y);
@@ -300,10 +285,10 @@ static void draw_legend(const struct plot *plot, int y)
 {
     for (int s = 0; s < plot->chart->n; s++, y += ROW) {
         const struct chart_series *series = &plot->chart->series[s];
-        open_group(plot->to, s);
-        if (series->kind == CHART_LINE || series->kind == CHART_STEPS)
+        open_group(plot, s);
+        if (looks[series->kind].line)
             print(plot->to, "<path d=\"M%d,%dh%d\"/>", LEFT, y, SAMPLE);
-        if (series->kind != CHART_LINE)
+        if (looks[series->kind].radius > 0)
             draw_circle(plot, s, LEFT + SAMPLE / 2.0, y);
         print_text(plot->to, "</g>");
         draw_name(plot, y, series->name, series->right ? " (right axis)" : "");

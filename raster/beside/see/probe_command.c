@@ -198,38 +198,39 @@ static void probe_json(const struct probe *probe, struct json *json)
 }
 
 /* Prints a chart. The radiances are its subject; bars are their standard deviations, and end at 0
- * where a radiance is 0 or more. */
+ * where a radiance is 0 or more. A pixel has none. */
 static bool probe_svg(const struct probe *probe, struct printed *to, struct error *err)
 {
     const struct probe_column *columns = probe->columns;
     const bool is_region = probe->width > 1 || probe->height > 1;
+    const size_t n_bars = 3 * (size_t)probe->n; /* both ends, and what separates them */
     struct chart_series *all = NULL;
-    double *low, *high = NULL;
+    double *nm, *ends = NULL;
     char region[96], title[512];
     struct chart chart = {.title = title,
                           .x_label = "wavelength (nm)",
                           .y_label = probe->absolute ? "radiance (W sr⁻¹ m⁻² nm⁻¹)"
                                                      : "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)"};
-    bool done =
-        MAKE_ARRAY(low, probe->n, err, "a plot") && MAKE_ARRAY(high, probe->n, err, "a plot");
-    for (int i = 0; done && i < probe->n; i++) {
-        const double mean = columns[MEAN].values[i], spread = columns[SPREAD].values[i];
-        low[i] = fmax(mean - spread, fmin(mean, 0));
-        high[i] = mean + spread;
+    bool done = MAKE_ARRAY(nm, n_bars, err, "a plot") && MAKE_ARRAY(ends, n_bars, err, "a plot");
+    for (size_t i = 0; done && i < n_bars; i++) {
+        const double mean = columns[MEAN].values[i / 3], spread = columns[SPREAD].values[i / 3];
+        nm[i] = columns[WAVELENGTH].values[i / 3];
+        ends[i] = i % 3 == 0   ? fmax(mean - spread, fmin(mean, 0))
+                  : i % 3 == 1 ? mean + spread
+                               : (double)NAN;
     }
-    for (int column = MEAN; done && column < probe->n_columns; column++) {
-        const bool has_bars = column == MEAN && is_region;
-        const struct chart_series series = {.name = has_bars ? "radiance ± standard deviation"
-                                                             : columns[column].name,
-                                            .n = probe->n,
-                                            .x = columns[WAVELENGTH].values,
-                                            .y = columns[column].values,
-                                            .low = has_bars ? low : NULL,
-                                            .high = high,
-                                            .right = columns[column].relative};
+    for (int i = MEAN; done && i < probe->n_columns; i++) {
+        const bool is_bars = i == SPREAD;
+        const struct chart_series series = {.name = columns[i].name,
+                                            .kind = is_bars ? CHART_BARS : CHART_LINE,
+                                            .n = is_bars ? (int)n_bars : probe->n,
+                                            .x = is_bars ? nm : columns[WAVELENGTH].values,
+                                            .y = is_bars ? ends : columns[i].values,
+                                            .right = columns[i].relative};
         if (series.right)
             chart.right_label = "reflectance, excitation, emission";
-        done = column == SPREAD || array_add(&all, &chart.n, &series, sizeof series, err);
+        if (!is_bars || is_region)
+            done = array_add(&all, &chart.n, &series, sizeof series, err);
     }
     chart.series = all;
     region_text(probe, region, sizeof region);
@@ -237,7 +238,7 @@ static bool probe_svg(const struct probe *probe, struct printed *to, struct erro
              probe->object ? ", " : "", region, probe->source);
     if (done)
         chart_svg(&chart, to);
-    FREE_ALL(low, high, all);
+    FREE_ALL(nm, ends, all);
     return done;
 }
 

@@ -15,6 +15,7 @@
 
 enum chart_kind {
     CHART_LINE,    /* a line through its points */
+    CHART_BARS,    /* a thin line: bars, with a point that is not finite between two */
     CHART_STEPS,   /* first along x, then along y; with disks at its points */
     CHART_CIRCLES, /* small circles */
     CHART_RINGS    /* larger ones, around points of other series */
@@ -26,8 +27,6 @@ struct chart_series {
     enum chart_kind kind;
     int n;
     const double *x, *y;
-    const double *low, *high;  /* ends of a bar through each point; NULL: there are none */
-    bool across;               /* bars lie along x; otherwise along y */
     bool right;                /* y is on the axis on the right */
     const char *const *labels; /* names of the points, which get numbers; NULL: they have none */
 };

@@ -43,10 +43,10 @@ class Chart:
         self.texts = list(self.root.iter(SVG + "text"))
         self.words = [text.text for text in self.texts]
         groups = [group for group in self.root.iter(SVG + "g") if group.find(SVG + "title") is not None]
-        self.rings, self.others, self.frontier = groups
+        self.bars, self.rings, self.others, self.frontier = groups
         names = [[point.name for point in points if kept(point)] for kept in (lambda point: point.uncertain, lambda point: not point.best,
                                                                               lambda point: point.best)]
-        self.marks = {name: circle for group, own in zip(groups[1:], names[1:]) for name, circle in zip(own, group.iter(SVG + "circle"))}
+        self.marks = {name: circle for group, own in zip(groups[2:], names[1:]) for name, circle in zip(own, group.iter(SVG + "circle"))}
 
     def marker(self, name):
         return float(self.marks[name].get("cx")), float(self.marks[name].get("cy"))
@@ -77,7 +77,7 @@ def places():
     check(labels <= set(chart.words) and "beaten" not in chart.words, "axes, units and points of the frontier are named, no others", chart.words)
     steps = f'M{x[0]:.2f},{y[0]:.2f}H{x[1]:.2f}V{y[1]:.2f}H{x[2]:.2f}V{y[2]:.2f}"'
     check(steps.encode() in chart.svg, "steps join the frontier: first along cost, then along error", steps)
-    bars = {float(left): float(right) for left, right in re.findall(r"M([-\d.]+),[-\d.]+H([-\d.]+)", chart.frontier.findall(SVG + "path")[1].get("d"))}
+    bars = {float(left): float(right) for left, right in re.findall(r"M([-\d.]+),[-\d.]+L([-\d.]+)", chart.bars.find(SVG + "path").get("d"))}
     decade = x[1] - x[0]
     check(all(any(abs(left - each - decade * math.log10(0.95)) < 0.02 and abs(right - each - decade * math.log10(1.1)) < 0.02
                   for left, right in bars.items()) for each in x[:3]), "a bar reaches from the fastest run to the slowest", bars)

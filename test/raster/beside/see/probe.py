@@ -189,17 +189,16 @@ def test_svg(scene):
 
 def test_bars(path):
     """Bars of a region reach from mean - deviation, or from 0, to mean + deviation."""
-    root = ElementTree.fromstring(run("probe", path, 0, 0, 120, 80, "--svg").stdout)
-    group, = (g for g in root.iter(SVG + "g") if g.find(SVG + "title") is not None)
-    line, bars = group.iter(SVG + "path")
-    seen = probe(path, 0, 0, 120, 80)
-    scale = np.polyfit(points(line)[:, 1], seen["radiance"], 1)
-    ends = np.polyval(scale, np.array(re.findall(r"M[-\d.]+,([-\d.]+)V([-\d.]+)", bars.get("d")), float))
+    def lines(*region):
+        root = ElementTree.fromstring(run("probe", path, *region, "--svg").stdout)
+        return {g.find(SVG + "title").text: g.find(SVG + "path") for g in root.iter(SVG + "g") if g.find(SVG + "title") is not None}
+    drawn, seen = lines(0, 0, 120, 80), probe(path, 0, 0, 120, 80)
     mean, spread = seen["radiance"], seen["standard deviation of radiance"]
-    check(ends.shape == (len(mean), 2) and np.abs(ends - np.array([np.maximum(mean - spread, 0), mean + spread]).T).max() < 1e-4 * mean.max()
-          and group.find(SVG + "title").text == "radiance ± standard deviation", "each wavelength of a region has a bar of its deviation", ends[:2])
-    check(len(list(ElementTree.fromstring(run("probe", path, 60, 40, "--svg").stdout).iter(SVG + "g"))[0].findall(SVG + "path")) == 1,
-          "a pixel has no bars")
+    scale = np.polyfit(points(drawn["radiance"])[:, 1], mean, 1)
+    ends = np.polyval(scale, points(drawn["standard deviation of radiance"])[:, 1].reshape(-1, 2).T)
+    check(np.abs(ends - [np.maximum(mean - spread, 0), mean + spread]).max() < 1e-4 * mean.max(), "each wavelength of a region has a bar of its deviation",
+          ends[:, :2])
+    check(list(lines(60, 40)) == ["radiance"], "a pixel has no bars")
 
 
 # ---- refusals ----
