@@ -125,19 +125,12 @@ static bool run_raw(struct options *options, struct development_options *setting
                         : options->sampling ? "--sampling"
                         : options->json     ? "--json"
                                             : NULL;
-    struct raw of = {.options = settings};
-    struct printed printed = {.text = NULL};
     if (other)
         return error_usage(err, "--raw takes no %s", other);
     settings->bits = own->bits ? settings->bits : 32;
     if (settings->bits == 8)
         return error_usage(err, "--raw writes floats, or counts of --bits 16");
-    const bool done = scene_refuse(options->operand, err) &&
-                      develop_raw(&of, options->operand, options->output, err);
-    if (done && !options->quiet)
-        raw_print(&of, options->output, &printed);
-    raw_free(&of);
-    return printed_show(&printed, options_table(options, options->output), err) && done;
+    return develop_raw(settings, options, err);
 }
 
 static bool run_develop(struct options *options, struct error *err)

@@ -127,16 +127,6 @@ bool develop_weights(struct development *of, struct error *err);
 
 /* ---- raw.c: raw values of a detector ---- */
 
-struct raw {
-    const struct development_options *options; /* the caller sets these, and zeroes all others */
-    double exposure;                           /* of the options, or found */
-    struct cube cube;
-    struct detector detector;
-    double *weights, *lost; /* raw_weights, cube_lost; owned */
-    double largest;         /* at exposure 1; found if the exposure or the counts need it */
-    double full_scale;      /* of counts: the largest value with the exposure */
-    uint64_t below_0;       /* values */
-};
 /* The channels of a camera or film beside the pages of a cube; an observer has none here: its
  * channels are XYZ, which are printed in any case. */
 struct camera_channels {
@@ -150,11 +140,10 @@ bool camera_open(const struct cube *cube, const char *name, struct camera_channe
 /* Puts the channels of a pixel behind its n pages. */
 void camera_add(const struct camera_channels *camera, double *spectrum, int n);
 void camera_close(struct camera_channels *camera);
-/* Reads a stack and writes the raw values of a detector of any number of channels. The caller frees
- * *of, also after a failure. */
-bool develop_raw(struct raw *of, const char *stack, const char *output, struct error *err);
-void raw_print(const struct raw *of, const char *output, struct printed *to);
-void raw_free(struct raw *of);
+/* Reads the stack that is the operand, writes the raw values of a detector of any number of
+ * channels, and prints how. */
+bool develop_raw(const struct development_options *settings, struct options *options,
+                 struct error *err);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
