@@ -11,6 +11,10 @@
 #include "data/text/text.h"
 #include "spectral.h"
 
+struct lit_scene;
+struct picture;
+struct plan;
+
 /* ---- chart.c: lines and points between axes ---- */
 
 enum chart_kind {
@@ -58,10 +62,9 @@ struct scene_picture {
 };
 /* Draws a scene by the reference, and writes its picture. Samples of the scene's plan are floats.
  * Memory beside picture->memory does not grow with the picture's height. */
-struct lit_scene;
 bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err);
-/* Makes of a scene a stack that records its white alone. The caller frees record.white.value, also
- * after a failure; nothing else is owned. */
+/* Makes a cube of a scene: a stack that records its white and nothing else. The caller frees
+ * record.white.value, also after a failure; the scene owns the rest. */
 bool scene_cube(const struct scene *scene, struct cube *out, struct error *err);
 
 /* ---- maps.c: maps of a picture ---- */
@@ -72,9 +75,6 @@ extern const struct map_maker reference_maps;
 
 /* ---- decomposition.c: a picture as weights and textures ---- */
 
-struct lit_scene;
-struct picture;
-struct plan;
 /* Pages of numbers, one for each position of the picture. First come the weights of the terms: page
  * 0 is the constant one; 1 + 2 i and 2 + 2 i are the diffuse and the specular one of light i. Then
  * come the values of textures in each band; there is one page if none is spectral. */
