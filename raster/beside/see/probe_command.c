@@ -320,5 +320,5 @@ const struct command probe_command = {
     .run = run_probe,
     .lists = lists,
     .own_size = sizeof(struct probe_own),
-    .n_operands = 5,
+    .n_operands = 6, /* with --against, whose Y comes last */
 };

@@ -41,6 +41,10 @@ else:
 check(np.allclose(pixels, [FIRST * LIGHTS["d65"], SECOND * LIGHTS["d65"]], rtol=1e-5), "the halves show the pair")
 result = run("probe", f"{TMP}/a.tif", *places, "--light", "a", "--light", "1=f11")
 
+rows = run("probe", f"{TMP}/a.tif", *places[:2], "4", "5", *places[2:], "--csv").stdout.split("\n")[1:-1]
+means = [radiance[:, 10:15, int(x):int(x) + 4].mean((1, 2)) for x in (places[0], places[3])]
+check(np.allclose([[float(value) for value in row.split(",")[1:3]] for row in rows], np.transpose(means), rtol=1e-9), "two regions of W x H pixels", rows[:2])
+
 
 def xyz(values, light):
     return W @ (values * light)
