@@ -13,6 +13,15 @@
  * with more of them a render is not faster, measured on llvmpipe. */
 enum { MOST_PASSES = 4 };
 
+/* ---- gl_program.c: programs of shaders ---- */
+
+/* Prints the first lines of a shader. */
+void program_begin(enum gl_way way, struct printed *to);
+/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
+ * also after a failure. */
+bool program_end(const struct gl_functions *call, struct printed *vertex, struct printed *fragment,
+                 unsigned *out, struct error *err);
+
 /* ---- shader_program.c ---- */
 
 enum { VARIANTS = 12 }; /* of the programs of a group: shines, two_sided, texture */

@@ -11,13 +11,4 @@
 /* Opens OpenGL for a plan whose gl_way has shaders, as gl_open does. */
 bool shader_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err);
 
-/* ---- gl_program.c: programs of shaders ---- */
-
-/* Prints the first lines of a shader. */
-void program_begin(enum gl_way way, struct printed *to);
-/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
- * also after a failure. */
-bool program_end(const struct gl_functions *call, struct printed *vertex, struct printed *fragment,
-                 unsigned *out, struct error *err);
-
 #endif
