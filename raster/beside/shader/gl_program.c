@@ -2,7 +2,7 @@
 /* Programs of shaders. */
 #include <stdlib.h>
 
-#include "raster/beside/shader/shader.h"
+#include "raster/beside/shader/inside.h"
 
 void program_begin(enum gl_way way, struct printed *to)
 {
