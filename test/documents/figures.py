@@ -22,8 +22,8 @@ def constant(path, pattern):
     return eval(found.group(1)) if found else None
 
 
-def limit(name):
-    return constant("spectral.h", name + r" = ([\d<< ]+)")
+def limit(name, number=r"([\d<< ]+)"):
+    return constant("spectral.h", f"{name} = {number}")
 
 
 HARD = len(glob.glob("data/builtin/hard/*.scene"))
