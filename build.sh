@@ -3,6 +3,7 @@
 # usage: ./build.sh [COMMAND]
 #   build                  makes the program, build/spectral; the same without a COMMAND
 #   run                    makes it, and with it colorchecker.tif, colorchecker.png and colorchecker.html
+#   check                  looks at layout, scripts, rules and English of the sources, without a build: some seconds
 #   test [NAME...]         runs the first level of the tests, some minutes, or those named, such as test_text or cli
 #   test full [NAME...]    runs all tests of the code in C, the longer ones too: hours
 #   test release [NAME...]  runs tests with browsers, containers, other systems and other programs: hours
@@ -48,7 +49,7 @@ warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstr
 hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
 hardened_link='-Wl,-z,relro,-z,now,-z,noexecstack'
 threads=-pthread
-mark=made-by-build.sh # a file in each folder that `clean` may delete
+mark='made-by-build.sh' # a file in each folder that `clean` may delete
 parts=                # packages that become part of the program, with their versions
 kind=                 # -live: the program with live pages; -minimal: the minimal one
 
@@ -205,6 +206,7 @@ build) build ;;
 run) build; first_minute ;;
 test | 'test '* | bench | 'bench '*) . test/run.sh ;;
 fuzz | 'fuzz '*) . test/fuzz/fuzz.sh; shift; fuzz "$@" ;;
+check) . test/check.sh; check ;;
 sanitize) . test/sanitize.sh; sanitize ;;
 coverage) . test/coverage.sh; coverage ;;
 static) . raster/gl/static.sh; static_program ;;

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# shellcheck shell=sh disable=SC2034,SC2086,SC2094,SC2154
+# shellcheck shell=sh disable=SC2034,SC2086,SC2094,SC2100,SC2154
 # Text files (and textures) as C, so that the program runs alone; build.sh reads this. The program finds
 # a file by its name relative to data/builtin. The parts of live pages are for the program that also holds
 # their module (data/wasi/wasm.sh), which lies in a folder like data/builtin.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# shellcheck shell=sh disable=SC2034,SC2086,SC2153,SC2154
+# shellcheck shell=sh disable=SC2034,SC2046,SC2086,SC2153,SC2154
 # The libraries of the program: those of Debian's packages, and those that are built from Debian's sources
 # (data/images/libtiff.sh, raster/gl/osmesa.sh); build.sh reads this. On another system nothing is installed:
 # the compiler will say what it lacks. Libraries that were built are kept in $XDG_CACHE_HOME/spectral

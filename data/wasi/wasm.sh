@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# shellcheck shell=sh disable=SC2034,SC2086,SC2154
+# shellcheck shell=sh disable=SC1007,SC2034,SC2086,SC2154,SC3013
 # The program as WebAssembly, for live pages; build.sh reads this for `live`. It is the program without
 # OpenGL, without processes and without threads; headers and no_process.c beside this file stand for what its C library
 # lacks. Equal sources make equal bytes wherever Debian's clang has the same version: the link takes no -O,

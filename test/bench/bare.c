@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The least that a program with OSMesa does: it clears 64 x 64 pixels, draws one lit triangle and
- * reads it back. ratios.py compares its seconds, from start to exit, with those of a small scene. */
+ * reads it back. ratios.py compares its seconds, from start to exit, with those of a small scene.
+ */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -72,6 +72,7 @@ textures "$tmp/inputs" && cp -r "$tmp/inputs" "$tmp/here" && files "$tmp/here" "
 ok $? "this machine's program writes and reads $(find "$tmp/here" -type f | wc -l) files"
 
 as_golden_by 'static, OSMesa' "${STATIC:-build/spectral-static}"
+# shellcheck disable=SC2046 # a list of words
 built_programs musl-gcc -O2 none $(printf '%s-gcc -O2 none ' $machines)
 for machine in $machines; do
     as_here "$machine" "qemu-${machine%%-*}" "$PWD/$builds/$machine-gcc-O2/spectral"

@@ -51,7 +51,7 @@ small="--size 40x30 --wavelengths 400:700:50"
     mkdir "$tmp/limited"
     for command in "render patches --size 200x200 --renderer raster --no-check -o $tmp/limited/a.tif" \
         "develop $tmp/c.tif -o $tmp/limited/a.tif" "view room --size 200x200 -o $tmp/limited/a.html"; do
-        # shellcheck disable=SC2086
+        # shellcheck disable=SC2086,SC3045
         (ulimit -S -f 4 && "$SPECTRAL" $command) >"$tmp/out" 2>"$tmp/err"
         [ $? = 3 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ -z "$(ls -A "$tmp/limited")" ]
         ok $? "${command%% *}: a limit on the size of files is a failure of the system, and leaves no file"

@@ -38,4 +38,24 @@ for word in $(xargs sed -n '3s/.*makes://p' <"$tmp/scripts"); do
 done >"$tmp/unknown"
 [ ! -s "$tmp/unknown" ]
 ok $? "test/run.sh can make all that they need"
+
+# The parts of `./build.sh check`, in a small tree: it finds planted faults, and nothing else.
+. test/check.sh
+find_format
+if [ -n "$(lacking $format x; lacking shellcheck x)" ]; then
+    skip 'no clang-format or no shellcheck'
+else
+    mkdir -p "$tmp/tree/.ci" "$tmp/tree/data" "$tmp/tree/raster" "$tmp/tree/test"
+    cp .clang-format spectral.[ch] build.sh "$tmp/tree"
+    checks() { (cd "$tmp/tree" && check_layout && check_scripts) >"$tmp/out" 2>&1; }
+    checks
+    ok $? "a tree without faults passes the check of layout and scripts"
+    echo 'int  planted ;' >"$tmp/tree/data/planted.c"
+    ! checks && grep -q 'data/planted.c:1:' "$tmp/out"
+    ok $? "the check names a line that is laid out otherwise"
+    rm "$tmp/tree/data/planted.c"
+    printf '#!/bin/sh\ncd $1\nrm ${HOME}x[1]\n' >"$tmp/tree/test/planted"
+    ! checks && grep -q 'test/planted line 2' "$tmp/out"
+    ok $? "the check names a line of a script"
+fi
 done_testing

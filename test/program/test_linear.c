@@ -18,9 +18,8 @@ int main(int argc, char **argv)
     }
     struct options options = {
         .operand = argv[2], .operands = {argv[2]}, .n_operands = 1, .threads = 1};
-    const bool done =
-        strcmp(argv[1], "info") == 0 ? info_command.run(&options, &err)
-                                                : plan_command.run(&options, &err);
+    const bool done = strcmp(argv[1], "info") == 0 ? info_command.run(&options, &err)
+                                                   : plan_command.run(&options, &err);
     if (!done)
         fprintf(stderr, "%s\n", err.text);
     return done ? 0 : (int)err.status;

@@ -16,8 +16,7 @@ static struct detector read_detector(const char *name, struct error *err)
     *err = (struct error){0};
     if (!detector_read(name, &out, err)) {
         detector_free(&out);
-        CHECK(out.name == NULL && out.sensitivity == NULL,
-              "a refused detector can be freed");
+        CHECK(out.name == NULL && out.sensitivity == NULL, "a refused detector can be freed");
     }
     return out;
 }

@@ -50,6 +50,7 @@ prints ' f1  f2 .* f9  f10  f11  f12 ' "numbers in names are in their order"
 # show
 for kind in scenes/.scene materials/.txt tables/.csv models/.obj materials/.list textures/.tif; do
     bad=
+    # shellcheck disable=SC2044 # our own names have no blanks
     for file in $(find "data/builtin/${kind%/*}" -name "*${kind#*/}"); do
         "$SPECTRAL" show "builtin:${file#data/builtin/}" | cmp -s - "$file" || bad="$bad $file"
     done
@@ -70,7 +71,7 @@ scene() { # MEANT LINE...
     meant=$1
     shift
     printf '%s\n' "$@" >"$tmp/my.scene"
-    refuses "did you mean $meant[?]" "$meant is meant" "$SPECTRAL" plan "$tmp/my.scene"
+    refuses "did you mean ${meant}[?]" "$meant is meant" "$SPECTRAL" plan "$tmp/my.scene"
 }
 scene object 'objct sphere 1 9 9 material m'
 scene sphere 'object shpere 1 9 9 material m'
