@@ -72,7 +72,7 @@ choose() {
     chosen=$(for file in $all; do
         case $wanted_level-$(level_of "$file") in first-first | full-first | full-full | release-release) echo "$file" ;; esac
     done)
-    chosen=$(for name in $longest; do echo "$chosen" | grep "/$name[.]" || :; done
+    chosen=$(for name in $longest; do echo "$chosen" | grep "/${name}[.]" || :; done
         echo "$chosen" | grep -Ev "/($(echo $longest | tr ' ' '|'))[.]")
 }
 
@@ -210,7 +210,7 @@ run_tests() {
     for file in $chosen; do
         test_name "$file"
         case $file in *.c) echo "$BUILD/test/$name" ;; *) echo "$file" ;; esac
-    done | xargs -P $(($(nproc || echo 1) + 1)) -n 1 sh test/one.sh || :
+    done | xargs -P "${JOBS:-$(($(nproc || echo 1) + 1))}" -n 1 sh test/one.sh || :
     count() { grep -c "^$1 " "$RESULTS" || :; }
     echo "$(count passed) passed, $(count failed) failed, $(count skipped) skipped, $(($(date +%s) - begun)) s"
     [ "$(wc -l <"$RESULTS")" = $(echo $chosen | wc -w) ] && [ "$(count failed)" = 0 ] || exit 1

@@ -16,7 +16,7 @@ import subprocess
 import numpy as np
 import tifffile
 
-from tap import bail_out, check, done
+from tap import bail_out, check, done, parts
 
 BUILD = os.environ.get("BUILD", "build")
 PROGRAM = f"{BUILD}/test/test_linear"
@@ -201,7 +201,6 @@ def check_order():
 
 
 shutil.rmtree(FOLDER, ignore_errors=True)
-check_readers()
-check_order()
+parts(check_readers, check_order)
 shutil.rmtree(FOLDER, ignore_errors=True)
 done()

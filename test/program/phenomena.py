@@ -8,7 +8,7 @@ textures in closed form. Prints TAP."""
 import numpy as np
 import tifffile
 
-from rendered import check, developed, done, objects_of, reference
+from rendered import check, developed, done, parts, objects_of, reference
 
 
 def render(name, *options, scene=None):
@@ -101,7 +101,5 @@ def check_room():
           "the clock's rim and hands, and three things on the table, glow under ultraviolet", shares[:6])
 
 
-check_shapes()
-check_adaptation()
-check_room()
+parts(check_shapes, check_adaptation, check_room)
 done()

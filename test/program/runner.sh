@@ -13,7 +13,7 @@ judges() {
     [ "$(cat "$tmp/results")" = "$1 planted" ] && grep -q "$2" "$tmp/out"
     ok $? "$1: $2"
 }
-judges passed 'passed .* s  planted$' 'echo "ok 1 - a"; echo 1..1'
+judges passed 'passed .* s of processors)  planted$' 'echo "ok 1 - a"; echo 1..1'
 judges passed '1 parts skipped' 'echo "ok 1 - a"; echo "ok 2 # SKIP b"; echo 1..2'
 judges skipped 'skipped .* planted: no b$' 'echo "1..0 # SKIP no b"'
 judges failed '1 of 2 truths fail' 'echo "not ok 1 - a"; echo "# why"; echo "ok 2 - b"; echo 1..2; exit 1'
@@ -27,6 +27,24 @@ judges failed 'ended after 1 truths' 'echo "ok 1 - a"; echo broken >&2; kill -9 
 grep -q '^    broken$' "$tmp/out"
 ok $? "what a test said before it ended is printed"
 judges failed 'ended after 0 truths' 'exit 0'
+grep -q '^    again: ./build.sh test planted$' "$tmp/out"
+ok $? "a test that failed says how to repeat it alone"
+cat >"$tmp/planted.py" <<'END'
+from tap import cases, check, done, parts
+def one():
+    check(True, "one")
+def two():
+    for number in cases((7, 8)):
+        check(number == 7, f"two {number}")
+parts(one, two)
+done()
+END
+planted() { run env PYTHONPATH=test/shared FULL=1 "$@" /usr/bin/python3 -B "$tmp/planted.py"; }
+planted ONLY=
+prints '^# again: ONLY=two/8 ./build.sh test full planted$' "a truth of a Python test that failed says how to repeat its case alone"
+planted ONLY=two/8
+! grep -q one "$tmp/out" && grep -q '^not ok 1 - two 8$' "$tmp/out" && ! grep -q 'two 7' "$tmp/out"
+ok $? "ONLY repeats the case, and no other"
 
 head='# level: (first|full|release)(; packages:( [a-z0-9.+-]+)+)?(; makes:( [a-z_]+)+)?'
 find test/*/ -type f -perm -u+x >"$tmp/scripts"

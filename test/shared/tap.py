@@ -1,8 +1,14 @@
 # SPDX-License-Identifier: MIT
-"""Prints TAP: a line for each truth. A script ends with done(), which exits with 1 if a truth failed."""
+"""Prints TAP: a line for each truth. A script ends with done(), which exits with 1 if a truth failed.
+
+ONLY=CASE in the environment runs one case of cases(), such as ONLY=faults, or one inside another, such as ONLY=edges/17."""
+import os
+import shlex
 import sys
 
+ONLY = os.environ["ONLY"].split("/") if os.environ.get("ONLY") else []
 count = failures = 0
+path = []  # of the case that is running, and those around it
 
 
 def check(holds, name, *remarks):
@@ -14,6 +20,27 @@ def check(holds, name, *remarks):
         failures += 1
         for remark in remarks:
             print("#", str(remark).replace("\n", "\n# "))
+        if path:
+            level = "full " if os.environ.get("FULL") else ""
+            name = os.path.splitext(os.path.basename(sys.argv[0]))[0]
+            print(f"# again: ONLY={shlex.quote('/'.join(path))} ./build.sh test {level}{name}")
+
+
+def cases(values, name=str):
+    """Yields the values of a loop, all, or the one that ONLY names."""
+    for value in values:
+        path.append(name(value).replace("/", "-"))
+        try:
+            if all(wanted == own for wanted, own in zip(ONLY, path)):
+                yield value
+        finally:
+            path.pop()
+
+
+def parts(*functions):
+    """Calls these functions, each as a case of its name."""
+    for function in cases(functions, lambda function: function.__name__):
+        function()
 
 
 def done():

@@ -10,7 +10,7 @@ import shutil
 import subprocess
 import time
 
-from rendered import FAULTS, SPECTRAL, TMP, bytes_of, check, done, remove, run, write
+from rendered import FAULTS, SPECTRAL, TMP, bytes_of, check, done, parts, remove, run, write
 
 FULL = "FULL" in os.environ
 SEED = int(os.environ.get("SEED", time.time()))
@@ -178,7 +178,5 @@ print(f"# SEED={SEED}")
 PARTS = outputs()
 refusals(PARTS)
 others(*PARTS[:2])
-kinds()
-verdicts()
-unchecked()
+parts(kinds, verdicts, unchecked)
 done()

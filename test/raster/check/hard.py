@@ -41,7 +41,7 @@ import time
 import numpy as np
 import tifffile
 
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import SPECTRAL, TMP, cases, check, done, write
 
 FOLDERS = ("data/builtin/hard", "test/cases/hard")
 PATHS = {"reference": ("raster", "llvmpipe"), "llvmpipe": ("gl", "llvmpipe"),
@@ -235,7 +235,8 @@ def reach(name, near, aside, first, second):
 
 
 def main():
-    scenes = [Scene(path) for folder in FOLDERS for path in sorted(glob.glob(folder + "/*.scene"))]
+    paths = [path for folder in FOLDERS for path in sorted(glob.glob(folder + "/*.scene"))]
+    scenes = [Scene(path) for path in cases(paths, lambda path: os.path.basename(path)[:-6])]
     for folder in FOLDERS:
         shutil.copytree(folder, TMP, dirs_exist_ok=True)
     fan()
@@ -252,7 +253,7 @@ def main():
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         done_runs = pool.map(lambda key: Run(*key), keys)
         runs = {(scene.name, path): run for (scene, path), run in zip(keys, done_runs)}
-    for scene in scenes:
+    for scene in cases(scenes, lambda scene: scene.name):
         own = [runs[scene.name, path] for path in PATHS]
         if scene.holds[0][0] == "agreed" and ["black"] not in scene.holds:
             check(all(run.counts is None or run.counts.any() for run in own),

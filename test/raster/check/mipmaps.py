@@ -17,7 +17,7 @@ import sys
 import numpy as np
 import tifffile
 
-from rendered import FAULTS, SPECTRAL, check, done, output_of, pages_of, path_of, run, write, write_stack
+from rendered import FAULTS, SPECTRAL, check, done, parts, output_of, pages_of, path_of, run, write, write_stack
 
 SCENE = "test/cases/faults/mipmaps.scene"
 MUTANT = os.path.join(os.path.dirname(SPECTRAL), "test/spectral-detail")
@@ -296,11 +296,5 @@ write_textures()
 if "--show" in sys.argv:
     print(open(random_scene(int(sys.argv[-1]))).read())
 else:
-    levels()
-    reference()
-    aliasing()
-    faults()
-    families()
-    invariances()
-    random_scenes()
+    parts(levels, reference, aliasing, faults, families, invariances, random_scenes)
     done()

@@ -15,7 +15,7 @@ import re
 import numpy as np
 import tifffile
 
-from rendered import FAULTS, SPECTRAL, bytes_of, check, done, path_of, run, write
+from rendered import FAULTS, SPECTRAL, bytes_of, check, done, parts, path_of, run, write
 
 SCENE = "test/cases/faults/shadows.scene"
 MUTANT = os.path.join(os.path.dirname(SPECTRAL), "test/spectral-moved")
@@ -209,9 +209,5 @@ def liars():
           "a lamp above a table, or at a plate: honest drivers agree, and each lie is found", statuses)
 
 
-faults()
-liars()
-moved_lights()
-economy()
-invariances()
+parts(faults, liars, moved_lights, economy, invariances)
 done()

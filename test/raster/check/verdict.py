@@ -15,7 +15,7 @@ import numpy as np
 import tifffile
 from PIL import Image
 
-from rendered import FAULTS, SPECTRAL, check, done, output_of, path_of, remove, run, write
+from rendered import FAULTS, SPECTRAL, check, done, parts, output_of, path_of, remove, run, write
 
 ENDLESS, HOLLOW, WHOLE = (os.path.join(os.path.dirname(FAULTS), f"spectral-{name}")
                           for name in ("endless", "hollow", "whole"))
@@ -262,11 +262,7 @@ def coloured_map():
 def main():
     write("empty.scene", "wavelengths 400 700 100\nsize 8 8\ncamera ortho 4\nlight d65 1 direction 0 0 1\n"
           "material m { diffuse 0.5 }\nobject plane 1 1 material m translate 100 0 0\n")
-    check_hollow()
-    check_backs()
-    check_words()
-    check_samples()
-    check_map()
+    parts(check_hollow, check_backs, check_words, check_samples, check_map)
     done()
 
 

@@ -12,7 +12,7 @@ import subprocess
 import numpy as np
 
 import random_scenes
-from rendered import SCENES, SPECTRAL, TMP, check, done, objects_of, pages_of, refuses, render, run, unshadowed
+from rendered import SCENES, SPECTRAL, TMP, check, done, parts, objects_of, pages_of, refuses, render, run, unshadowed
 
 LIBRARIES = ("osmesa", "egl", "egl:0")
 NM = ("--wavelengths", "400:700:60")
@@ -145,12 +145,6 @@ def drivers():
           "without both, exit 3", result.stdout, result.stderr)
 
 
-scenes()
-forms()
-ten_bits()
-random_ones()
-missing()
-environment()
-drivers()
+parts(scenes, forms, ten_bits, random_ones, missing, environment, drivers)
 refuses("a device that is missing", "there is no egl:63", "render", "patches", "-o", "/dev/null", "--gl", "egl:63", status=3)
 done()

@@ -8,7 +8,7 @@ import re
 import numpy as np
 import tifffile
 
-from rendered import (D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, check, done, objects_of, pages_of, path_of, per_band, reference,
+from rendered import (D65, LAMP_A, RED, WAVELENGTHS, Picture, built_in, cases, check, done, objects_of, pages_of, path_of, per_band, reference,
                       run, write, write_stack)
 
 SINGLE = 2.0 ** -24  # texels are kept in single precision, rounded once
@@ -623,9 +623,10 @@ def thesis_list(renderer):
           f"{renderer}: a list of files with every kind of line renders and agrees")
 
 
+EFFECTS = (fluorescence, bispectral, diagonals, textures, two_repeats, texel_borders, dark_texture, spectral_textures, spots, highlights,
+           grazing, many_lights, lights_alike, full_scale, emission, fill_rule, sides, flat_shading, halves, halves_in_perspective,
+           equal_halves, textured_halves, several_materials, perspective, many_objects, thesis_list)
 for each in ("raster", "gl"):
-    for effect in (fluorescence, bispectral, diagonals, textures, two_repeats, texel_borders, dark_texture, spectral_textures,
-                   spots, highlights, grazing, many_lights, lights_alike, full_scale, emission, fill_rule, sides, flat_shading, halves,
-                   halves_in_perspective, equal_halves, textured_halves, several_materials, perspective, many_objects, thesis_list):
+    for effect in cases(EFFECTS, lambda effect: effect.__name__):
         effect(each)
 done()

@@ -10,7 +10,7 @@ import numpy as np
 import tifffile
 
 import rendered
-from rendered import FAULTS, SCENES, check, done, output_of, path_of, refuses, write
+from rendered import FAULTS, SCENES, check, done, parts, output_of, path_of, refuses, write
 
 NINE_LIGHTS = "".join(f"light 1 0.1 position {x} 3 8\n" for x in range(-4, 5))
 ONE = "wavelengths 500 500 1\nmaterial matt { diffuse 1 }\nmaterial shiny { specular 1 gloss 40 }\n"
@@ -297,14 +297,5 @@ def drivers():
 sphere()
 approaches("sphere", "sphere 1 24 12", lambda r: r < 0.7)
 approaches("torus", "torus 0.3 0.8 24 48", lambda r: np.abs(r - 0.8) < 0.2)
-highlight()
-ellipsoids()
-planes()
-full_scale()
-tessellation()
-buffers()
-faults()
-clipping()
-pages()
-drivers()
+parts(highlight, ellipsoids, planes, full_scale, tessellation, buffers, faults, clipping, pages, drivers)
 done()

@@ -10,7 +10,7 @@ import re
 import numpy as np
 import tifffile
 
-from rendered import check, done, pages_of, path_of, write
+from rendered import check, done, parts, pages_of, path_of, write
 from rendered import run as run_program
 
 HEAD = "wavelengths 400 700 20\nsize 64 48\ncamera ortho 12\n"
@@ -219,14 +219,5 @@ def builtin():
               (len(shading) == 1) == (scene in SHADED), f"{scene} has the expected notes", notes)
 
 
-no_light()
-emission()
-out_of_view()
-black()
-depth()
-extrapolated()
-commands()
-shading()
-manual()
-builtin()
+parts(no_light, emission, out_of_view, black, depth, extrapolated, commands, shading, manual, builtin)
 done()

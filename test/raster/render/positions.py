@@ -13,7 +13,7 @@ import numpy as np
 import tifffile
 
 import rendered
-from rendered import TMP, bytes_of, check, done, objects_of, pages_of, path_of, run, write
+from rendered import TMP, bytes_of, check, done, parts, objects_of, pages_of, path_of, run, write
 
 SIDES = (1, 2, 4, 8, 16)
 NM = ("--wavelengths", "450,550,650")
@@ -163,10 +163,5 @@ def other_commands():
     check(bytes_of(path_of("1.tif")) == bytes_of(path_of("3.tif")), "the number of threads does not matter")
 
 
-is_mean_of_a_wider_picture()
-maps()
-edges()
-areas()
-horizon()
-other_commands()
+parts(is_mean_of_a_wider_picture, maps, edges, areas, horizon, other_commands)
 done()

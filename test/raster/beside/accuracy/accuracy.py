@@ -12,7 +12,7 @@ import re
 import numpy as np
 
 from rendered import SCENES as BUILT_IN
-from rendered import TMP, bytes_of, check, colour_error_95, done, objects_of, pages_of, render, run, tristimulus, write
+from rendered import TMP, bytes_of, check, colour_error_95, done, parts, objects_of, pages_of, render, run, tristimulus, write
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
 SIZE = ("--size", "300x200")
@@ -220,14 +220,5 @@ for scene_name, text in SCENES.items():
     keeps_its_promise(scene_name, text, ("2", "0.5", "0.1") if FULL else ("0.5",))
 for scene_name in BUILT_IN if FULL else ("spheres",):
     keeps_its_promise(scene_name, scene_name, ("2", "0.5", "0.1") if FULL else ("0.1",))
-says_the_error_before()
-economy()
-same_everywhere()
-wavelengths()
-in_counts()
-few_triangles()
-what_is_hidden()
-in_memory()
-no_cracks()
-other_commands()
+parts(says_the_error_before, economy, same_everywhere, wavelengths, in_counts, few_triangles, what_is_hidden, in_memory, no_cracks, other_commands)
 done()

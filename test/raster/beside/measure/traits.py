@@ -12,7 +12,7 @@ import numpy as np
 import tifffile
 
 import random_scenes
-from rendered import FAULTS, LIAR, SCENES, TMP, check, done, run, write
+from rendered import FAULTS, LIAR, SCENES, TMP, check, done, parts, run, write
 
 FULL = "FULL" in os.environ
 PLANTED = {"fill": "9", "first": "12", "clamp": "36", "diffuse": "49", "gloss": "85", "dull": "86", "shift": "87"}  # lies that fault.c has, by their numbers there
@@ -103,8 +103,5 @@ def table():
     check("\n    " not in brief and brief.count("\n  bounds          edges to ") == text.count("\n    edges "), "without -v there is a line a driver", brief)
 
 
-known_drivers()
-drivers_without_a_name()
-liars()
-table()
+parts(known_drivers, drivers_without_a_name, liars, table)
 done()

@@ -11,7 +11,7 @@ import re
 import numpy as np
 
 import random_scenes
-from rendered import EFFECTS, SCENES, SPOIL, TMP, check, done, pages_of, refuses, run, write
+from rendered import EFFECTS, SCENES, SPOIL, TMP, check, done, parts, pages_of, refuses, run, write
 from tap import bail_out
 
 FULL = "FULL" in os.environ
@@ -95,8 +95,5 @@ def limits():
         refuses(f"{renderer} by {gl}", pattern, *words, "--renderer", renderer, "--gl", gl, status=3)
 
 
-scenes()
-work()
-faults()
-limits()
+parts(scenes, work, faults, limits)
 done()
