@@ -65,6 +65,11 @@ MAY_BE_CITED = {"gl", "opengl"}
 FILE_CODE = {"spectral.c": 400}
 ANY_FILE_CODE = 500
 ROOM_CODE = {"raster/reference": 740}
+# Rooms that have a budget together, in lines of code, with the reason.
+TRUSTED = "raster/reference", "raster/visibility", "data/maths"
+TOGETHER = {
+    "trusted code": (TRUSTED, 1600),  # a user must believe it, and reads it in an hour and a half
+}
 FUNCTION_LINES = 50
 FUNCTION_PARAMETERS = 6
 
@@ -419,6 +424,14 @@ def budgets(tree):
             yield Finding(path, line, f"{name} has {figure} {unit}, at most {budget}; {advice}")
 
 
+def together(tree):
+    for name, (rooms_of, budget) in TOGETHER.items():
+        figure = sum(map(tree.code, rooms_of))
+        if figure > budget:
+            yield Finding("test/program/house.py", 1, f"{name} has {figure} lines of code, at most {budget}; take out what its users "
+                                                      "can do without")
+
+
 def users(tree, name, names, without):
     """Files and tests that mention a name, by a counter of the source, except for some files."""
     return [path for path, source in [*tree.sources.items(), *tree.tests.items()]
@@ -508,6 +521,7 @@ RULES = (
     (core_words, f"{CORE} knows geometry and light only"),
     (mathematics, "no function of the C library is called that differs from system to system"),
     (budgets, "every size is within its budget"),
+    (together, "rooms that have a budget together are within it"),
     (declarations, "every function that a header declares has a user in another file"),
     (tests_reasons, "every function in FOR_TESTS has no user but tests"),
     (structs, "every struct that a header defines has users in several files, or in the header"),
@@ -671,15 +685,28 @@ def check_plant(texts, plant, rules, before):
               f"a planted fault is found: {plant.name}", f"expected: {plant.finds}", *shown)
 
 
+def check_together(texts, before):
+    """Plants lines into the last room of each budget, one more than it allows, or one more than there are."""
+    for name, (rooms_of, budget) in TOGETHER.items():
+        tree = Tree(texts)
+        missing = max(1, budget + 1 - sum(map(tree.code, rooms_of)))
+        planted = {f"{rooms_of[-1]}/planted{i}.c": "int planted;\n" * min(400, missing - i) for i in range(0, missing, 400)}
+        shown = [show(finding) for finding in findings({**texts, **planted}, [rule for rule in RULES if rule[0] == together])
+                 if finding not in before]
+        check(any(re.match(f"test/program/house.py:1: {name} has [0-9]+ lines of code, at most {budget}; ", line) for line in shown),
+              f"a planted fault is found: too many lines of {name}", *shown)
+
+
 def test(texts):
     for rule in RULES:
         found = findings(texts, rules=(rule,))
         check(not found, rule[1], *map(show, found))
     tree, before = Tree(texts), set(findings(texts))
     for plant in plants(tree):
-        check_plant(texts, plant, [rule for rule in RULES if rule[0] != budgets], before)
+        check_plant(texts, plant, [rule for rule in RULES if rule[0] not in (budgets, together)], before)
     for plant in plants_of_size(tree):
         check_plant(texts, plant, [rule for rule in RULES if rule[0] == budgets], before)
+    check_together(texts, before)
     done()
 
 
