@@ -5,8 +5,8 @@
 #   run                    makes it, and with it colorchecker.tif, colorchecker.png and colorchecker.html
 #   check                  looks at layout, scripts, rules and English of the sources, without a build: some seconds
 #   test [NAME...]         runs the first level of the tests, some minutes, or those named, such as test_text or cli
-#   test full [NAME...]    runs all tests of the code in C, the longer ones too: hours
-#   test release [NAME...]  runs tests with browsers, containers, other systems and other programs: hours
+#   test full [NAME...]    runs all tests of the code in C, the longer ones too: an hour
+#   test release [NAME...]  runs tests with browsers, containers, other systems and other programs, and soaks: hours
 #   fuzz [SECONDS] [TARGET...]  changes inputs of readers at random, so long for each target (60 seconds)
 #   sanitize               unit tests and all commands under the sanitizers of clang, and under valgrind
 #   coverage               prints the lines that no test runs

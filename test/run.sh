@@ -2,7 +2,7 @@
 # shellcheck shell=sh disable=SC1091,SC2013,SC2016,SC2030,SC2031,SC2046,SC2086,SC2154
 # Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file test_NAME.c or an
 # executable script, anywhere below this folder, and prints TAP. One of its first lines says when it runs and what it needs:
-#     level: first|full|release|none; packages: those of Debian; makes: words of make_for below
+#     level: first|full|release|first release|full release|none; packages: those of Debian; makes: words of make_for below
 # A C test without this line belongs to the first level and needs no package; each test.py needs python3.
 longest='hard test_reference test_mesa random_scenes verdict verify contexts scenes cost' # these begin first, so that no processor waits at the end
 # Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
@@ -38,7 +38,7 @@ of_head() {
     done
 }
 
-# level_of FILE prints first, full or release.
+# level_of FILE prints first, full or release, or the first of them and release.
 level_of() {
     level=$(of_head level "$1")
     echo ${level:-first}
@@ -60,7 +60,7 @@ $(for file in $all; do test_name "$file"; echo "  $name"; done)"
 }
 
 # choose LEVEL [NAME...] sets $chosen to the tests of these names; without names, to those of the level: `full` has those of
-# `first`, too; `release` has only its own, which take hours. The longest come first.
+# `first`, too; `release` has its own, and soaks of those that have amounts for it: they take hours. The longest come first.
 choose() {
     all=$(find test/*/ -name 'test_*.c' -o -type f -perm -u+x | sort)
     wanted_level=$1
@@ -70,7 +70,7 @@ choose() {
         return
     fi
     chosen=$(for file in $all; do
-        case $wanted_level-$(level_of "$file") in first-first | full-first | full-full | release-release) echo "$file" ;; esac
+        case $wanted_level-$(level_of "$file") in first-first* | full-f* | release-*release*) echo "$file" ;; esac
     done)
     chosen=$(for name in $longest; do echo "$chosen" | grep "/${name}[.]" || :; done
         echo "$chosen" | grep -Ev "/($(echo $longest | tr ' ' '|'))[.]")
@@ -168,6 +168,16 @@ make_sanitized() (
     link test/spectral-sanitized $objects
 )
 
+# The program that keeps a list of the functions that it passes.
+make_walk() (
+    find_sources
+    compile test/walk '-g -O1 -fno-inline -fno-pie -finstrument-functions' $sources "$BUILD/$builtin"
+    walked=$objects
+    compile test/walk-list '-O1 -fno-pie' test/program/walk.c
+    CFLAGS='' libraries=${libraries#-pie} LDFLAGS="$LDFLAGS -no-pie"
+    link test/spectral-walk $walked $objects
+)
+
 make_mutant() { build_mutant mutant $pixel "$mutation"; }
 
 make_mutants() {
@@ -178,6 +188,9 @@ make_mutants() {
     build_mutant detail raster/renderers/detail.c "$detail"
 }
 
+# Mutants that only the longer amounts need.
+make_full_mutants() { [ -z "${FULL:-}" ] || make_mutants; }
+
 # build_mutant NAME FILE MUTATION
 build_mutant() {
     sed "$3" "$2" >"$BUILD/test/$1.new"
@@ -187,12 +200,13 @@ build_mutant() {
     link "test/spectral-$1" "$main" $objects "$LIBRARY"
 }
 
-# run_tests [full|release] [NAME...]; the longer amounts of `full` and `release` are asked for by FULL=1.
+# run_tests [full|release] [NAME...]; the longer amounts of `full` are asked for by FULL=1, the soaks of `release` by SOAK=1, too.
 run_tests() {
     needs_gl
     level=first
     case ${1:-} in
-    full | release) level=$1; export FULL=1; shift ;;
+    full) level=full; export FULL=1; shift ;;
+    release) level=release; export FULL=1 SOAK=1; shift ;;
     esac
     choose $level "$@"
     make_folder

@@ -1,9 +1,9 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile python3-pil; makes: fail
+# level: full release; packages: python3-numpy python3-tifffile python3-pil; makes: fail
 """Lets each of the first 500 allocations of the program and of libtiff fail, one a run, in commands that read files of all kinds: a
 PNG texture, tables, a CGATS set, an MTL file, a stack. Each run ends with the right result, or with status 3 and a line that names
-memory. Without FULL=1 every seventh allocation fails. See test/program/fail.c."""
+memory. Without SOAK=1 (`test release`) every seventh allocation fails. See test/program/fail.c."""
 import concurrent.futures
 import os
 import random
@@ -12,10 +12,10 @@ import shutil
 
 from PIL import Image, PngImagePlugin
 
-from rendered import FAIL, bytes_of, check, done, output_of, path_of, run, write
+from rendered import amount, FAIL, bytes_of, check, done, output_of, path_of, run, write
 
 MOST = 500
-STEP = 1 if "FULL" in os.environ else 7
+STEP = amount(7, 7, 1)
 SMALL = "--size", "12x8", "--wavelengths", "400:700:100"
 SCENE = """wavelengths 400 700 100
 size 12 8

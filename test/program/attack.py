@@ -1,11 +1,11 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile libosmesa6; makes: fail
+# level: full release; packages: python3-numpy python3-tifffile libosmesa6; makes: fail
 """Lets calls fail, one a run, in each command of the program: allocations, system calls, starts of threads and processes.
 The result must be the right one, byte by byte, or exit status 3 with one line, where no output has changed and no file is
 left. Calls that a signal interrupts, and those that move only a half, must give the right result.
 
-Without FULL=1 only some calls of each kind are tried. A fault is printed with the words of FAIL that show it again.
+Without SOAK=1 (`test release`) only some calls of each kind are tried. A fault is printed with the words of FAIL that show it again.
 Words behind test/program/attack.py are the names of the commands to run. Prints TAP, and a table of all runs."""
 import collections
 import concurrent.futures
@@ -19,7 +19,7 @@ import time
 from attacked import FORMS, OLDER, TMP, Place, error_lines, faults, results
 from tap import check, done
 
-FULL = "FULL" in os.environ
+FULL = "SOAK" in os.environ
 AT_ONCE = 2
 Attack = collections.namedtuple("Attack", "family fail depth")
 # family: words of the truth; whether a refusal is right, too
@@ -79,7 +79,7 @@ def attacks(form, counts, phase):
     first = FORMS.index(form) % 2
     for depth, kinds in counts.items():
         for i, (kind, count) in enumerate(sorted(kinds.items())):
-            # without FULL=1, one command tries every second kind of calls, and the next command the others
+            # without SOAK=1, one command tries every second kind of calls, and the next command the others
             if count > 0 and kind and (FULL or i % 2 == first or kind in ("own", "gl", "thread", "fork")):
                 yield from attacks_of_kind(kind, count, depth, form.slow, phase)
     storms = ("short:1", "short:2") if form.uses_egl else ("eintr:2", "eintr:3", "short:1", "short:2")

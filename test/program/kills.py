@@ -1,10 +1,10 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile libosmesa6; makes: fail
+# level: full release; packages: python3-numpy python3-tifffile libosmesa6; makes: fail
 """Ends renders at random moments, by signals, and lets the disk become full and files reach their limit of size. The stack
 that was there before stays as it was, or the new one replaces it, byte by byte, and no other file stays behind.
 
-Signals end cost and export, which have folders, too. With FULL=1: 200 SIGKILLs, 100 of each signal that users send for each
+Signals end cost and export, which have folders, too. With SOAK=1 (`test release`): 200 SIGKILLs, 100 of each signal that users send for each
 command, and 100,000 objects in a scene.
 Prints TAP, and the seconds that the program took to end."""
 import collections
@@ -20,7 +20,7 @@ import time
 from attacked import TMP, Place, Run, error_lines, faults, form, normal, on_old_file_systems, results
 from tap import check, done
 
-FULL = "FULL" in os.environ
+FULL = "SOAK" in os.environ
 KILLS, SIGNALS, SIGNALS_OF_MANY = (200, 300, 90) if FULL else (20, 6, 6)
 SIGNALS_OF_USERS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
 LONGEST_END = 2     # seconds from a signal to the end: the machine may be busy

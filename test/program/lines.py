@@ -1,9 +1,9 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; makes: command_table sanitized
+# level: full release; makes: command_table sanitized
 """Command lines at random, made from the tables of commands and options, run by the program under sanitizers. Whatever a
 user types, the program does it or refuses it: no wrong access, no undefined behaviour, no signal. Runs for $SECONDS_OF_LINES, or a
-minute (FULL=1: five); begins with the number $SEED. A line that fails is printed as a shell takes it."""
+minute (SOAK=1, `test release`: five); begins with the number $SEED. A line that fails is printed as a shell takes it."""
 import os
 import random
 import shlex
@@ -11,9 +11,9 @@ import shutil
 import time
 
 from sanitized import SMALL, TMP, finding, prepare, run, tables
-from tap import check, done
+from tap import amount, check, done
 
-SECONDS = float(os.environ.get("SECONDS_OF_LINES", "300" if os.environ.get("FULL") == "1" else "60"))
+SECONDS = float(os.environ.get("SECONDS_OF_LINES", amount("60", "60", "300")))
 SEED = int(os.environ.get("SEED", str(time.time_ns() % 10**9)))
 FILES = ["stack.tif", "other.tif", "rgb.tif", "part.tif", "picture.tif", "picture.png", "my.scene", "exported", "folder", "missing"]
 SCENES = ["patches", "my.scene", "spheres", "textures", "fluorescence", "metals", "glow", "-", "scenes", "d65", "a", "cie1931"]

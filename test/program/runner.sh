@@ -46,7 +46,7 @@ planted ONLY=two/8
 ! grep -q one "$tmp/out" && grep -q '^not ok 1 - two 8$' "$tmp/out" && ! grep -q 'two 7' "$tmp/out"
 ok $? "ONLY repeats the case, and no other"
 
-head='# level: (first|full|release)(; packages:( [a-z0-9.+-]+)+)?(; makes:( [a-z_]+)+)?'
+head='# level: (first|full|release|(first|full) release)(; packages:( [a-z0-9.+-]+)+)?(; makes:( [a-z_]+)+)?'
 find test/*/ -type f -perm -u+x >"$tmp/scripts"
 xargs -n 1 sed -n 3p <"$tmp/scripts" | grep -Evx "$head" >"$tmp/bad"
 [ -s "$tmp/scripts" ] && [ ! -s "$tmp/bad" ]

@@ -12,7 +12,7 @@ import numpy as np
 import tifffile
 
 from colours import ciede2000, cielab
-from tap import bail_out, cases, check, done, parts  # noqa: F401  the scripts import them from here
+from tap import amount, bail_out, cases, check, done, parts  # noqa: F401  the scripts import them from here
 
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
 LIVE = os.path.abspath(os.environ.get("LIVE", "build/spectral-live"))

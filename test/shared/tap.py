@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Prints TAP: a line for each truth. A script ends with done(), which exits with 1 if a truth failed.
 
-ONLY=CASE in the environment runs one case of cases(), such as ONLY=faults, or one inside another, such as ONLY=edges/17."""
+ONLY=CASE in the environment runs one case of cases(), such as ONLY=faults, or one inside another, such as ONLY=edges/17. STOP=1 ends a
+script at the first truth that fails."""
 import os
 import shlex
 import sys
@@ -12,7 +13,7 @@ path = []  # of the case that is running, and those around it
 
 
 def check(holds, name, *remarks):
-    """Prints the truth. Remarks are values that explain a failure; they are printed only if the truth fails."""
+    """Prints the truth, and returns it. Remarks are values that explain a failure; they are printed only if the truth fails."""
     global count, failures
     count += 1
     print("ok" if holds else "not ok", count, "-", name, flush=True)
@@ -24,6 +25,14 @@ def check(holds, name, *remarks):
             level = "full " if os.environ.get("FULL") else ""
             name = os.path.splitext(os.path.basename(sys.argv[0]))[0]
             print(f"# again: ONLY={shlex.quote('/'.join(path))} ./build.sh test {level}{name}")
+        if os.environ.get("STOP"):
+            done()
+    return holds
+
+
+def amount(plain, full, soak):
+    """The amount that the level asks for: plain, with FULL=1 (`test full`), or with SOAK=1 (`test release`), which takes hours."""
+    return soak if os.environ.get("SOAK") else full if os.environ.get("FULL") else plain
 
 
 def cases(values, name=str):

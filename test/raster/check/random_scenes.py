@@ -1,11 +1,12 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
+# level: full release; packages: python3-numpy python3-tifffile libosmesa6-dev; makes: faults
 """Renders random scenes, with everything that the scene language has, by the program ($SPECTRAL) and cross-
 checks every pixel at 31 wavelengths. A scene follows from its seed alone. A scene that fails is kept in
 test/cases/random/, and later runs begin with it; data/samples/reduce.py makes it small. Prints TAP.
 
-    test/raster/check/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe; with FULL=1 5000 and 500
+    test/raster/check/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe; with FULL=1 1000 and 120,
+                                                                        with SOAK=1 (`test release`) 5000 and 500
     test/raster/check/random_scenes.py --first 1000 --count 5000 --driver softpipe --jobs 2 --size 100x100
     test/raster/check/random_scenes.py --show 17                        scene 17's files, without drawing it"""
 import argparse
@@ -22,13 +23,11 @@ import time
 import numpy as np
 import tifffile
 
-from rendered import FAULTS, SPECTRAL, TMP, check, done, path_of
+from rendered import FAULTS, SPECTRAL, TMP, amount, check, done, path_of
 
 KEPT = "test/cases/random"
-FULL = "FULL" in os.environ
-DEFAULT_COUNT = {"llvmpipe": 200, "softpipe": 30}
-FULL_COUNT = {"llvmpipe": 5000, "softpipe": 500}
-SHADOWS = {False: {"llvmpipe": 60, "softpipe": 20}, True: {"llvmpipe": 1000, "softpipe": 200}}
+COUNT = {"llvmpipe": amount(200, 1000, 5000), "softpipe": amount(30, 120, 500)}
+SHADOWS = {"llvmpipe": amount(60, 200, 1000), "softpipe": amount(20, 60, 200)}
 WAVELENGTHS = "wavelengths 400 700 10"
 PATIENCE_S = 300  # seconds after which a scene counts as hung
 MOST_KEPT = 3  # scenes a run
@@ -654,14 +653,14 @@ def run(driver, seeds, options):
     if len(seeds) >= MANY:
         check(all(ratio > 0.2 for ratio in classes.values()),
               f"{driver}: in no class of scenes are the bounds five times too wide", classes)
-    if len(seeds) >= DEFAULT_COUNT["llvmpipe"]:
+    if len(seeds) >= 200:
         check_coverage(texts, effects)
     print(f"# {driver}: {len(seeds)} scenes from {seeds[0]}, {refused} refused: {describe(total)};"
           f" {time.monotonic() - started:.0f} s, {seconds:.0f} s in the program", flush=True)
 
 
 def judge(driver, n, total, failed, refused):
-    least = 0.2 if n >= DEFAULT_COUNT["softpipe"] else 0.02  # few scenes show smaller errors
+    least = 0.2 if n >= 30 else 0.02  # few scenes show smaller errors
     least *= 0.5 if MORE else 1  # and so do smaller triangles
     check(not failed, f"{driver}: all of {n} scenes are drawn", f"not {failed}")
     check(refused <= 0.05 * n, f"{driver}: few scenes are refused", f"{refused} of {n}")
@@ -692,7 +691,7 @@ def arguments():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--first", type=int, default=1, metavar="SEED")
     parser.add_argument("--count", type=int, metavar="N")
-    parser.add_argument("--driver", choices=DEFAULT_COUNT)
+    parser.add_argument("--driver", choices=COUNT)
     parser.add_argument("--jobs", type=int, default=os.cpu_count(), metavar="J")
     parser.add_argument("--size", type=lambda text: tuple(map(int, text.split("x"))),
                         default=(200, 200), metavar="WxH")
@@ -709,13 +708,13 @@ def main():
             print(f"# {end}\n{text}")
         return
     write_textures(TMP)
-    for driver in [options.driver] if options.driver else DEFAULT_COUNT:
+    for driver in [options.driver] if options.driver else COUNT:
         replay(driver)
-        n = options.count or (FULL_COUNT if FULL else DEFAULT_COUNT)[driver]
+        n = options.count or COUNT[driver]
         run(driver, range(options.first, options.first + n), options)
     if not options.driver:
         check_fault((64, 64))
-        for more, count in (["--samples", "2", "--size", "100x100"], {"llvmpipe": 30}), (["--shadows"], SHADOWS[FULL]):
+        for more, count in (["--samples", "2", "--size", "100x100"], {"llvmpipe": 30}), (["--shadows"], SHADOWS):
             MORE[:] = more
             for driver, n in count.items():
                 run(driver, range(8060, 8060 + n), options)

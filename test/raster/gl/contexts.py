@@ -1,9 +1,9 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared:test/raster/check /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile libosmesa6
+# level: full release; packages: python3-numpy python3-tifffile libosmesa6
 """Checks --gl: OSMesa, EGL without a window and EGL's device draw the same colours, depths, triangles and fragments to
 the last bit, with both of Mesa's drivers; a program without one of the libraries takes the other, and without both says
-what to install. FULL: 200 random scenes, and EGL's device with all scenes. Prints TAP."""
+what to install. FULL: 40 random scenes, SOAK (`test release`): 200, and EGL's device with all scenes. Prints TAP."""
 import json
 import os
 import re
@@ -12,7 +12,7 @@ import subprocess
 import numpy as np
 
 import random_scenes
-from rendered import SCENES, SPECTRAL, TMP, check, done, parts, objects_of, pages_of, refuses, render, run, unshadowed
+from rendered import SCENES, SPECTRAL, TMP, amount, check, done, parts, objects_of, pages_of, refuses, render, run, unshadowed
 
 LIBRARIES = ("osmesa", "egl", "egl:0")
 NM = ("--wavelengths", "400:700:60")
@@ -68,7 +68,7 @@ def ten_bits():
 
 def random_ones():
     random_scenes.write_textures(TMP)
-    for seed in range(1, 201 if "FULL" in os.environ else 11):
+    for seed in range(1, 1 + amount(10, 40, 200)):
         are_alike(f"random scene {seed}", random_scenes.put(random_scenes.scene(seed, (64, 64)), TMP, str(seed)))
 
 

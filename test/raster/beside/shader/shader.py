@@ -1,9 +1,9 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared:test/raster/check /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile; makes: spoil
+# level: full release; packages: python3-numpy python3-tifffile; makes: spoil
 """Checks --renderer gl-shader and es-shader: pictures agree with the reference on both of Mesa's drivers, OpenGL 3.3 core
 and OpenGL ES 3 draw the same bits, four passes are drawn at once, a planted fault is found, and an OpenGL ES
-that cannot read depths is not said to be checked there. FULL: all scenes at 300x200, and 200 random ones. Prints TAP."""
+that cannot read depths is not said to be checked there. FULL: all scenes at 300x200, and 40 random ones; SOAK (`test release`): 200. Prints TAP."""
 import json
 import os
 import re
@@ -11,7 +11,7 @@ import re
 import numpy as np
 
 import random_scenes
-from rendered import EFFECTS, SCENES, SPOIL, TMP, check, done, parts, pages_of, refuses, run, write
+from rendered import EFFECTS, SCENES, SPOIL, TMP, amount, check, done, parts, pages_of, refuses, run, write
 from tap import bail_out
 
 FULL = "FULL" in os.environ
@@ -49,7 +49,7 @@ def scenes():
         size = () if "--size" in options else ("--size", "60x40")
         agree(f"{scene} {' '.join(options)}", scene, *size, *options, drivers=("llvmpipe",))
     random_scenes.write_textures(TMP)
-    for seed in range(1, 201 if FULL else 6):
+    for seed in range(1, 1 + amount(5, 40, 200)):
         agree(f"random scene {seed}", random_scenes.put(random_scenes.scene(seed, (64, 64)), TMP, str(seed)), drivers=("llvmpipe",))
 
 
