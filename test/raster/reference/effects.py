@@ -187,14 +187,32 @@ def textures(renderer):
 
 
 def two_repeats(renderer):
-    """Two objects of one shape, each with its own repeat: 3 and 1 pixels a texel."""
+    """Objects of one shape, each with its own repeat: 3 and 1 pixels a texel, and 1 of them in one direction only."""
     texels = np.random.default_rng(5).integers(0, 256, (2, 3)).astype(np.uint8)
     tifffile.imwrite(path_of("both.tif"), texels)
-    scene = (f"size 18 6\ncamera ortho 18\n{FACING}material m {{ diffuse RED texture both.tif nearest }}\n"
-             "object plane 9 6 material m translate -4.5 0 0\nobject plane 9 6 material m repeat 3 3 translate 4.5 0 0\n")
-    expected = np.hstack([np.kron(texels, np.ones((3, 3))), np.tile(texels, (3, 3))]) / 255
+    repeats = (1, 1), (3, 3), (1, 3), (3, 1.5)
+    scene = f"size 36 6\ncamera ortho 36\n{FACING}material m {{ diffuse RED texture both.tif nearest }}\n" + "".join(
+        f"object plane 9 6 material m {f'repeat {across} {up} ' if across + up > 2 else ''}translate {9 * i - 13.5} 0 0\n"
+        for i, (across, up) in enumerate(repeats))
+    x, y = (np.arange(9) + 0.5) / 9, (np.arange(6)[::-1] + 0.5) / 6
+    expected = np.hstack([texels[::-1][np.ix_((y * up * 2).astype(int) % 2, (x * across * 3).astype(int) % 3)] for across, up in repeats]) / 255
     Picture("both", renderer, scene).agrees(per_band(D65 * RED) * expected,
-                                            f"{renderer}: two objects of one shape repeat a texture differently", slack=2 * SINGLE)
+                                            f"{renderer}: objects of one shape repeat a texture differently", slack=2 * SINGLE)
+
+
+def twins(renderer):
+    """Of two squares in one place the first is seen."""
+    scene = f"{FLAT}{FACING}material m {{ diffuse RED }}\nmaterial n {{ diffuse 1 }}\nobject plane 12 8 material m\nobject plane 12 8 material n"
+    Picture("twins", renderer, scene).agrees(per_band(D65 * RED), f"{renderer}: of two squares in one place the first is seen")
+
+
+def flat_texture(renderer):
+    """Flat shading takes the light of one vertex; a texture is smooth all the same."""
+    texels = np.random.default_rng(7).integers(0, 256, (2, 3)).astype(np.uint8)
+    tifffile.imwrite(path_of("flat.tif"), texels)
+    scene = (f"size 9 6\ncamera ortho 9\nshading flat\n{FACING}material m {{ diffuse RED texture flat.tif nearest }}\nobject plane 9 6 material m")
+    Picture("flat-texture", renderer, scene).agrees(per_band(D65 * RED) * np.kron(texels, np.ones((3, 3))) / 255,
+                                                    f"{renderer}: under flat shading a texture is not flat", slack=2 * SINGLE)
 
 
 def texel_borders(renderer):
@@ -383,6 +401,14 @@ def lights_alike(renderer):
     Picture("unlike", renderer, square("diffuse RED", lights)).agrees(
         per_band(sum(np.exp(-4 * np.log(2) * ((WAVELENGTHS - nm) / 40) ** 2) for nm in (450, 600)) * RED),
         f"{renderer}: lights of one formula and several parameters have spectra of their own")
+
+
+def light_of_option(renderer):
+    """--light gives a light another spectrum; it keeps its intensity, unless the option has one."""
+    scene = square("diffuse RED", "light d65 0.5 direction 0 0 1\n")
+    for option, expected in ("1=a", 0.5 * LAMP_A), ("1=a*0.25", 0.25 * LAMP_A), ("1=1*2", 2 + 0 * LAMP_A):
+        Picture("option", renderer, scene, "--light", option).agrees(
+            per_band(expected * RED), f"{renderer}: --light {option} has the table's spectrum and the right intensity")
 
 
 def full_scale(renderer):
@@ -623,8 +649,8 @@ def thesis_list(renderer):
           f"{renderer}: a list of files with every kind of line renders and agrees")
 
 
-EFFECTS = (fluorescence, bispectral, diagonals, textures, two_repeats, texel_borders, dark_texture, spectral_textures, spots, highlights,
-           grazing, many_lights, lights_alike, full_scale, emission, fill_rule, sides, flat_shading, halves, halves_in_perspective,
+EFFECTS = (fluorescence, bispectral, diagonals, textures, two_repeats, twins, flat_texture, texel_borders, dark_texture, spectral_textures, spots, highlights,
+           grazing, many_lights, lights_alike, light_of_option, full_scale, emission, fill_rule, sides, flat_shading, halves, halves_in_perspective,
            equal_halves, textured_halves, several_materials, perspective, many_objects, thesis_list)
 for each in ("raster", "gl"):
     for effect in cases(EFFECTS, lambda effect: effect.__name__):

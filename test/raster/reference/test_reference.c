@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* level: full; packages: python3-numpy python3-tifffile */
+/* level: first; packages: python3-numpy python3-tifffile */
 /* Checks the reference: compares raster/reference in double with test/raster/reference/slow.h in
  * long double, over random scenes and hard triangles. Each pixel must show a surface that double
  * precision may show there. Its weights must be within double precision's own bound, and within the

@@ -1,9 +1,10 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: full; packages: python3-numpy python3-tifffile
+# level: first; packages: python3-numpy python3-tifffile
 """Checks --samples, which stores the mean of K x K positions of each pixel: it is the mean of a picture that is K times
 as wide, on every page type and renderer; areas, edges and a checkerboard up to the horizon come near their closed forms
-as K grows. Checks that each position is checked, and that other commands see the same pixels. Prints TAP."""
+as K grows. Checks that each position is checked, and that other commands see the same pixels. FULL=1 draws more and larger pictures, by
+more renderers. Prints TAP."""
 import json
 import math
 import os
@@ -15,7 +16,9 @@ import tifffile
 import rendered
 from rendered import TMP, bytes_of, check, done, parts, objects_of, pages_of, path_of, run, write
 
-SIDES = (1, 2, 4, 8, 16)
+FULL = "FULL" in os.environ
+SIDES = (1, 2, 4, 8, 16) if FULL else (1, 2, 4)
+SIZE = (60, 40) if FULL else (30, 20)
 NM = ("--wavelengths", "450,550,650")
 FLAT = "wavelengths 500 500 1\nsize {size}\ncamera ortho {extent}\nambient 1 1\nmaterial white {{ diffuse 1 }}\n"
 
@@ -37,16 +40,16 @@ def is_mean_of_a_wider_picture():
     """The floats of a mean are rounded once, to half a unit in their last place, those of the wider picture each."""
     for side, (options, step) in ((2, (("--depth", "32f"), 0)), (4, (("--depth", "32f", "--renderer", "raster"), 0)),
                                   (4, ((), 1)), (8, (("--depth", "8", "--renderer", "softpipe"), 1)),
-                                  (2, (("--buffer", "8", "--depth", "32f"), 0)), (16, (("--renderer", "raster"), 1))):
-        for scene in ("textures", "metals" if "softpipe" in options else "room"):  # see mesa.md: the rug's rim
-            means, report = render(scene, *NM, "--size", "60x40", "--samples", str(side), *options)
-            wide, other = render(scene, *NM, "--size", f"{60 * side}x{40 * side}", *options, stack="wide.tif")
+                                  (2, (("--buffer", "8", "--depth", "32f"), 0)), (16, (("--renderer", "raster"), 1)))[:None if FULL else 3]:
+        for scene in ("textures", "metals" if "softpipe" in options else "room")[:None if FULL else 1]:  # see mesa.md: the rug's rim
+            means, report = render(scene, *NM, "--size", "{}x{}".format(*SIZE), "--samples", str(side), *options)
+            wide, other = render(scene, *NM, "--size", f"{SIZE[0] * side}x{SIZE[1] * side}", *options, stack="wide.tif")
             error = np.abs(means - blocks(wide, side).mean(-1)).max()
-            check(means.shape == (3, 40, 60) and error <= (step if step else 1e-6 * wide.max()) and np.ptp(means) > 0,
+            check(means.shape == (3, *SIZE[::-1]) and error <= (step if step else 1e-6 * wide.max()) and np.ptp(means) > 0,
                   f"{scene} {' '.join(options)}: a pixel is the mean of {side} x {side} positions", error)
             same = [report["check"][key] == other["check"][key]
                     for key in ("samples", "pixels", "exact", "ambiguous_pixels", "unexplained_pixels")]
-            check(all(same) and report["positions_per_pixel"] == side * side and report["width"] == 60,
+            check(all(same) and report["positions_per_pixel"] == side * side and report["width"] == SIZE[0],
                   f"{scene} {' '.join(options)}: each position is checked as a pixel of the wider picture is")
 
 
@@ -54,16 +57,16 @@ def maps():
     """The map of objects has what most positions show, that of the check what is worst."""
     stack, wide = (os.path.join(TMP, name) for name in ("stack.tif", "wide.tif"))
     for options in ((), ("--renderer", "raster")):
-        render("room", *NM, "--size", "60x40", "--samples", "4", *options, "--check-map", os.path.join(TMP, "map.tif"))
-        render("room", *NM, "--size", "240x160", *options, "--check-map", os.path.join(TMP, "wide-map.tif"), stack="wide.tif")
+        render("room", *NM, "--size", "{}x{}".format(*SIZE), "--samples", "4", *options, "--check-map", path_of("map.tif"))
+        render("room", *NM, "--size", f"{4 * SIZE[0]}x{4 * SIZE[1]}", *options, "--check-map", path_of("wide-map.tif"), stack="wide.tif")
         seen, positions = objects_of(stack), blocks(objects_of(wide), 4)
         counts = np.array([(positions == number).sum(-1) for number in range(positions.max() + 1)])
         often = np.take_along_axis(counts, seen[None].astype(int), 0)[0]
         check((often == counts.max(0)).all() and len(np.unique(seen)) > 5,
               "the map of objects has the object of most positions", *options)
-        check((often >= 8).mean() > 0.95, "which are mostly half of them", *options)
+        check((often >= 8).mean() > 0.9, "which are mostly half of them", *options)
         ours, theirs = (pages_of(os.path.join(TMP, name)) for name in ("map.tif", "wide-map.tif"))
-        check((ours == blocks(theirs, 4).max(-1)).all() and ours.shape == (4, 40, 60),
+        check((ours == blocks(theirs, 4).max(-1)).all() and ours.shape == (4, *SIZE[::-1]),
               "the map of the check has the largest of all positions", *options)
 
 
@@ -101,7 +104,7 @@ def edges():
                   np.abs(error).max())
             errors.append(np.sqrt(np.mean(error ** 2)))
         print(f"# edge at {degrees} degrees, root mean square:", *(f"{error:.4f}" for error in errors))
-        check(errors[-1] <= errors[0] * 16 ** -1.5 * 5, f"its error falls at {degrees} degrees", errors)
+        check(errors[-1] <= errors[0] * SIDES[-1] ** -1.5 * 5, f"its error falls at {degrees} degrees", errors)
 
 
 def areas():
@@ -139,7 +142,7 @@ object plane 60000 60000 material checks repeat 30000 30000 rotate -90 1 0 0
         errors.append(np.sqrt(np.mean((far - 0.5) ** 2)))
         check(errors[-1] <= 0.5 / math.sqrt(side), f"near the horizon, {side} x {side} positions have the mean of a checkerboard",
               errors[-1])
-    check(errors[-1] < errors[0] / 16 * 2.5, "a checkerboard comes near it about as fast as with independent positions", errors)
+    check(errors[-1] < errors[0] / SIDES[-1] * 2.5, "a checkerboard comes near it about as fast as with independent positions", errors)
     print("# checkerboard near the horizon, root mean square:", *(f"{error:.4f}" for error in errors))
 
 
@@ -163,5 +166,5 @@ def other_commands():
     check(bytes_of(path_of("1.tif")) == bytes_of(path_of("3.tif")), "the number of threads does not matter")
 
 
-parts(is_mean_of_a_wider_picture, maps, edges, areas, horizon, other_commands)
+parts(is_mean_of_a_wider_picture, maps, edges, areas, horizon, *([other_commands] if FULL else []))
 done()
