@@ -20,12 +20,12 @@ import tifffile
 from rendered import FAULTS, cases, check, done, path_of, run
 
 TABLE = "test/cases/floors.txt"
-HARD = ("data/builtin/hard/far-slanted near-cuts-sliver slivers-sides texture-slivers gloss-two-sided flat-slivers mirrored tiles-wide "
+HARD = ("far-slanted near-cuts-sliver slivers-sides texture-slivers gloss-two-sided flat-slivers mirrored tiles-wide "
         "shadow-candle shadow-mirrored shadow-open thin-at-border rigid-0.5e-6 normals-unit light-in-surface edge-on-almost "
         "border-diagonal shadow-far-cut shift-perspective-1e6 scale-anisotropic").split()
 OPTIONS = {"patches 8": ("--buffer", "8"), "textures 32f": ("--depth", "32f"), "lights samples": ("--samples", "2"),
            "floor softpipe": ("--renderer", "softpipe"), "lights softpipe": ("--renderer", "softpipe"),
-           "mipmaps softpipe": ("--renderer", "softpipe"), "shadows softpipe": ("--renderer", "softpipe")}
+           "mipmaps softpipe": ("--renderer", "softpipe"), "shadows softpipe": ("--renderer", "softpipe"), "textures flat": ("--shading", "flat")}
 NUMBERS = ("mean floor, mean floor in one band, pixels not checked, ambiguous pixels, largest mean residual, error / bound, error / bound of "
            "bands, error / bound of depths").split(", ")
 # The fault changes what OpenGL draws second: there another tile, or a light that is dark at the pixel.
@@ -35,7 +35,8 @@ CHANGE, LESS = 0.002, 0.5  # floors follow from the scene alone; errors are Mesa
 
 def scenes():
     """The name of a row, its scene and options."""
-    paths = sorted(glob.glob("test/cases/faults/*.scene")) + [f"data/builtin/hard/{os.path.basename(name)}.scene" for name in HARD]
+    paths = sorted(glob.glob("test/cases/faults/*.scene")) + [f"data/builtin/hard/{name}.scene" for name in HARD] + \
+        ["test/cases/hard/light-grazing-two.scene", "test/cases/verdict/coarse-depth.scene"]
     rows = [(os.path.basename(path)[:-6], path, ()) for path in paths]
     return rows + [(name, f"test/cases/faults/{name.split()[0]}.scene", options) for name, options in OPTIONS.items()]
 

@@ -414,6 +414,10 @@ def light_of_option(renderer):
 def full_scale(renderer):
     """A sample of full scale is not clipped, in 8 bits or in 16; one beyond half a count more is."""
     for bits, counts in ("8", 255), ("16", 65535):
+        for part in 100.4, 100.6:
+            picture = Picture("round", renderer, square(f"diffuse {part / counts!r}", "light 1 1 direction 0 0 1\n"), "--depth", bits,
+                              "--wavelengths", "500", "--full-scale", "1")
+            check((pages_of(picture.stack) == round(part)).all(), f"{renderer}: {part} counts of {bits} bits are rounded", pages_of(picture.stack).max())
         for over, clipped in ((0, 0), (0.4, 0), (0.6, 96)):
             picture = Picture("full", renderer, square("diffuse 1", "light 1 1 direction 0 0 1\n"), "--depth", bits, "--wavelengths", "500",
                               "--full-scale", repr(1 / (1 + over / counts)))
