@@ -82,6 +82,21 @@ def none_of(text):
     return re.sub(r"(object plane .*) material", r"\1 casts no material", text)
 
 
+def mirrored():
+    """The back of a mirrored sheet under a light with shadows, in several tiles: shadows leave OpenGL's state as they found it."""
+    path = write("mirrored.scene", """wavelengths list 500
+size 1400 900
+camera ortho 12 eye 0 0 6 look 0 0 0
+light 1 0.6 position 1 2 -5 shadows
+light 1 0.5 direction 0 1 1
+material m { diffuse 0.8 }
+object plane 10 6 material m two-sided rotate 150 0 1 0 scale -1 1 1
+object plane 1 1 material m two-sided scale -1 1 1 translate 0 1 -3
+""")
+    status, found, message = report(path)
+    check(status == 0 and found["work"]["gl_passes"] > 2, "mirrored sheets agree in several tiles", message, found and found["work"])
+
+
 def stack_of(path, *options):
     out = path_of("stack.tif")
     result = run("render", path, "-o", out, "--quiet", *options)
@@ -212,5 +227,5 @@ def liars():
           "a lamp above a table, or at a plate: honest drivers agree, and each lie is found", statuses)
 
 
-parts(faults, liars, *([moved_lights] if FULL else []), economy, invariances)
+parts(faults, mirrored, liars, *([moved_lights] if FULL else []), economy, invariances)
 done()

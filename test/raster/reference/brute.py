@@ -98,15 +98,17 @@ class Scene:
             at = np.array([8.5 if self.right else -8, round(dice.uniform(-1, 2), 3), round(dice.uniform(1, 3), 3)])
         light["at"] = at
         line = f"light {name} {intensity} {'direction' if light['directional'] else 'position'} {words(at)}"
+        options = []
         if not light["directional"]:
             if dice.random() < 0.4:
                 light["attenuation"] = dice.choice(((0.5, 0.1, 0), (1, 0, 0.03), (0, 0.2, 0.01)))
-                line += " attenuation {} {} {}".format(*light["attenuation"])
+                options.append("attenuation {} {} {}".format(*light["attenuation"]))
             if dice.random() < 0.4:
                 light["spot"] = unit(-at), np.cos(np.radians(40)), dice.choice((0, 2, 7.5))
-                line += f" spot {words(-at)} 40 {light['spot'][2]}"
+                options.append(f"spot {words(-at)} 40 {light['spot'][2]}")
         light["shadows"] = dice.random() < 0.5 and i < 4 or self.away and i == 0
-        self.lines.append(line + (" shadows" if light["shadows"] else ""))
+        options += ["shadows"] * light["shadows"]
+        self.lines.append(" ".join([line, *dice.sample(options, len(options))]))
         return light
 
     def objects(self, dice, seed):

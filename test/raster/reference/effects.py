@@ -427,6 +427,17 @@ def full_scale(renderer):
 
 # ---- surfaces ----
 
+def sums(renderer):
+    """The report counts the samples that are equal, and those that are 1 count apart at most."""
+    if renderer == "gl":
+        own, other = (Picture("sums", kind, open("test/cases/faults/patches.scene").read().replace("../../../data/builtin/materials/colorchecker.list", "colorchecker"), "--buffer", "8")
+                      for kind in ("gl", "raster"))
+        apart = np.abs(own.radiance / own.count - other.radiance / other.count).round()
+        counted = own.report["check"]
+        check((counted["exact"], counted["within_1"]) == ((apart == 0).sum(), (apart <= 1).sum()) and apart.max() > 5,
+              "gl: samples that are equal, or a count apart, are counted", counted, (apart == 0).sum(), (apart <= 1).sum())
+
+
 def emission(renderer):
     glow = 0.4 * np.exp(-4 * np.log(2) * ((WAVELENGTHS - 600) / 80) ** 2)
     words = "emission gaussian:600,80*0.4"
@@ -654,7 +665,7 @@ def thesis_list(renderer):
 
 
 EFFECTS = (fluorescence, bispectral, diagonals, textures, two_repeats, twins, flat_texture, texel_borders, dark_texture, spectral_textures, spots, highlights,
-           grazing, many_lights, lights_alike, light_of_option, full_scale, emission, fill_rule, sides, flat_shading, halves, halves_in_perspective,
+           grazing, many_lights, lights_alike, light_of_option, full_scale, sums, emission, fill_rule, sides, flat_shading, halves, halves_in_perspective,
            equal_halves, textured_halves, several_materials, perspective, many_objects, thesis_list)
 for each in ("raster", "gl"):
     for effect in cases(EFFECTS, lambda effect: effect.__name__):
