@@ -214,6 +214,39 @@ static void check_polygons(void)
 
 /* A hole is joined to the border by a bridge that the outline runs along twice, as many programs
  * write it. */
+/* An L of area 3, in each of the three coordinate planes: turned away from z, too, no triangle of
+ * it is turned over. */
+static void check_upright(void)
+{
+    static const int at[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+    for (int axis = 0; axis < 3; axis++) {
+        double area = 0, least = HUGE_VAL;
+        FILE *file = begin_obj();
+        for (int i = 0; i < 6; i++) {
+            int place[3] = {0, 0, 0};
+            place[(axis + 1) % 3] = at[i][0];
+            place[(axis + 2) % 3] = at[i][1];
+            fprintf(file, "v %d %d %d\n", place[0], place[1], place[2]);
+        }
+        fputs("f 1 2 3 4 5 6\n", file);
+        fclose(file);
+        struct mesh mesh = read_obj(false, 90);
+        for (int t = 0; t < mesh.n_triangles; t++) {
+            struct vector p[3];
+            for (int i = 0; i < 3; i++)
+                p[i] = mesh.vertices[mesh.triangles[t][i]].position;
+            const struct vector n =
+                vector_cross(vector_subtract(p[1], p[0]), vector_subtract(p[2], p[0]));
+            const double along[3] = {n.x, n.y, n.z};
+            area += along[axis] / 2;
+            least = fmin(least, along[axis]);
+        }
+        CHECK(mesh.n_triangles == 4 && least > 0, "a polygon across axis %d: four triangles", axis);
+        CHECK_NEAR(area, 3, 0, "a polygon across axis %d: areas add up", axis);
+        mesh_free(&mesh);
+    }
+}
+
 static void check_hole(void)
 {
     struct mesh mesh = read_text("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\n"
@@ -501,6 +534,7 @@ int main(void)
     check_cubes();
     check_turned_cube();
     check_polygons();
+    check_upright();
     check_hole();
     check_long_polygons();
     check_senseless();
