@@ -95,7 +95,7 @@ class Scene:
         light = {"colour": intensity * spectrum, "directional": dice.random() < 0.5, "attenuation": (1, 0, 0), "spot": None}
         at = np.array([round(dice.uniform(-4, 4), 3), round(dice.uniform(0, 5), 3), round(dice.uniform(-6 if self.sheet else 1, 6), 3)])
         if self.away and i == 0:
-            at = np.array([8.5 if self.right else -8, round(dice.uniform(-1, 2), 3), round(dice.uniform(1, 3), 3)])
+            at = np.array([14 if self.right else -14, round(dice.uniform(-1, 2), 3), round(dice.uniform(1, 3), 3)])
         light["at"] = at
         line = f"light {name} {intensity} {'direction' if light['directional'] else 'position'} {words(at)}"
         options = []
@@ -123,7 +123,7 @@ class Scene:
             scale = np.array([dice.choice((1, 1, -1.1)), dice.choice((1, 0.7)), 1])
             angle, axis = (0, (0, 0, 1)) if self.sheet else (dice.choice((0, 35, 140)), (1, 2, 0.5))
             offset = np.array([dice.uniform(-1, 1), dice.uniform(-1, 1), -0.7 * i])
-            move = np.round(unit(self.lights[0]["at"]) * 7 if away else offset, 3)
+            move = np.round(unit(self.lights[0]["at"]) * 9 if away else offset, 3)
             self.lines.append(f"object mesh {file} {'' if casts else 'casts no '}{'two-sided ' if two_sided else ''}material m{i} "
                               f"scale {words(scale)} rotate {angle} {words(axis)} translate {words(move)}")
             matrix = rotation(angle, axis) @ np.diag(scale)

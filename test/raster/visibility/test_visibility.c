@@ -3,7 +3,7 @@
 /* Checks visibility: by closed forms, by whole numbers, where each sign of a determinant is exact,
  * and by a slow second implementation in extended precision over random triangles. */
 #include "data/maths/maths.h"
-#include "raster/visibility/visibility.h"
+#include "raster/visibility/inside.h"
 #include "test.h"
 
 enum { MOST = 4000 };
@@ -369,6 +369,30 @@ static void edges_are_shared(void)
           asked, both, none);
 }
 
+/* Three directions and a point: with a b c for the one product of the determinant and x b c for the
+ * other, its sign is that of a - x, though both products round, and may round to one number. */
+static void signs_are_exact(void)
+{
+    enum { MANY = 2000 };
+    uint64_t state = 11;
+    int wrong = 0;
+    for (int i = 0; i < MANY; i++) {
+        const double a = test_random(&state, 1, 2), b = test_random(&state, 1, 2),
+                     c = test_random(&state, 1, 2);
+        const double x[5] = {1.5 * a, nextafter(a, 3), a, nextafter(a, 0), 0.5 * a};
+        int side[5];
+        for (int k = 0; k < 5; k++) {
+            const struct homogeneous rows[4] = {
+                {{a, 0, x[k]}, true}, {{0, b, 0}, true}, {{c, 0, c}, true}, {{0, 0, 0}, false}};
+            side[k] = side_of(rows);
+        }
+        wrong += side[0] == 0 || side[1] != side[0] || side[2] != 0 || side[3] != -side[0] ||
+                 side[4] != -side[0];
+    }
+    CHECK(wrong == 0, "signs are right where products differ in their last digit: %d of %d wrong",
+          wrong, MANY);
+}
+
 int main(void)
 {
     box_shadow();
@@ -377,5 +401,6 @@ int main(void)
     lamp_at_plate();
     agrees_with_slow();
     edges_are_shared();
+    signs_are_exact();
     return test_end();
 }
