@@ -212,13 +212,11 @@ static void check_polygons(void)
     check_polygon((const double(*)[2])spiral, 200, "spiral");
 }
 
-/* A hole is joined to the border by a bridge that the outline runs along twice, as many programs
- * write it. */
-/* An L of area 3, in each of the three coordinate planes: turned away from z, too, no triangle of
- * it is turned over. */
+/* An L of area 3 in each of the three coordinate planes, which no fan from its first corner covers:
+ * no triangle of it is turned over. */
 static void check_upright(void)
 {
-    static const int at[6][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+    static const int at[6][2] = {{2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}, {0, 0}};
     for (int axis = 0; axis < 3; axis++) {
         double area = 0, least = HUGE_VAL;
         FILE *file = begin_obj();
@@ -247,6 +245,8 @@ static void check_upright(void)
     }
 }
 
+/* A hole is joined to the border by a bridge that the outline runs along twice, as many programs
+ * write it. */
 static void check_hole(void)
 {
     struct mesh mesh = read_text("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\n"

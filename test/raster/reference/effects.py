@@ -201,7 +201,7 @@ def two_repeats(renderer):
 
 
 def twins(renderer):
-    """Of two squares in one place the first is seen."""
+    """The first of two squares in one place is seen."""
     scene = f"{FLAT}{FACING}material m {{ diffuse RED }}\nmaterial n {{ diffuse 1 }}\nobject plane 12 8 material m\nobject plane 12 8 material n"
     Picture("twins", renderer, scene).agrees(per_band(D65 * RED), f"{renderer}: of two squares in one place the first is seen")
 
