@@ -18,9 +18,9 @@
 bool targets_plan(const struct plan_options *by, bool textured, struct render_job *job,
                   struct error *err);
 /* Measures the driver that draws the targets, or drew them: opens the source, once, as a renderer
- * of their plan. *out comes in as a known driver, whose rule for the level of detail is found, or as
- * driver_of(NULL). Fails with EXIT_SYSTEM, and the first pixel, where the
- * targets differ by more than OpenGL leaves free. */
+ * of their plan. *out comes in as a known driver, whose rule for the level of detail is found, or
+ * as driver_of(NULL). Fails with EXIT_SYSTEM, and the first pixel, where the targets differ by more
+ * than OpenGL leaves free. */
 bool targets_measure(const struct render_foreign *source, const struct plan_options *by,
                      struct driver *out, struct error *err);
 /* Measures the driver that draws here: see struct drawing_ways. */
