@@ -21,6 +21,7 @@ struct instance_maker {
     struct whole *wholes;
     int n_wholes;
     struct index shapes, cuttings; /* wholes by their shape, and meshes of the plan by cutting */
+    struct index places;           /* instances by mesh and place */
 };
 
 /* ---- whole meshes ---- */
@@ -224,6 +225,18 @@ static bool has_inverse(const struct matrix *m)
            largest < 1e18 * determinant;
 }
 
+/* Finds whether an earlier instance has the same mesh in the same place, to the last bit. OpenGL
+ * shows the first of them: the second is as deep, and not nearer. */
+static bool find_twin(struct instance_maker *maker, struct placed_instance *placed,
+                      struct error *err)
+{
+    const struct matrix *place = &placed->instance.model_view;
+    double key[17] = {placed->mesh};
+    memcpy(key + 1, place, sizeof *place);
+    placed->twin = index_find(&maker->places, key, sizeof key) >= 0;
+    return placed->twin || index_add(&maker->places, key, sizeof key, 0, err);
+}
+
 static bool add_instance(struct instance_maker *maker, const struct object *object,
                          struct cutting cutting, const struct material *material, struct error *err)
 {
@@ -248,7 +261,8 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
                         "small, too large or too flat beside the picture for single precision");
     plan->n_vertices += mesh->mesh.n_vertices;
     plan->n_triangles += mesh->mesh.n_triangles;
-    return array_add(&plan->instances, &plan->n_instances, &placed, sizeof placed, err);
+    return find_twin(maker, &placed, err) &&
+           array_add(&plan->instances, &plan->n_instances, &placed, sizeof placed, err);
 }
 
 /* A mesh, or a part of it, of one material: in two halves if that has a partner. */
@@ -345,41 +359,6 @@ static bool add_object(struct instance_maker *maker, const struct object *object
                       &maker->plan->scene->materials[object->material], err);
 }
 
-/* By mesh and place; 0 where they agree to the last bit. */
-static int compare_places(const struct placed_instance *a, const struct placed_instance *b)
-{
-    return a->mesh < b->mesh   ? -1
-           : a->mesh > b->mesh ? 1
-                               : memcmp(&a->instance.model_view, &b->instance.model_view,
-                                        sizeof a->instance.model_view);
-}
-
-/* By mesh, place and order of drawing. */
-static int compare_instances(const void *a, const void *b)
-{
-    const struct placed_instance *first = *(const struct placed_instance *const *)a,
-                                 *second = *(const struct placed_instance *const *)b;
-    const int place = compare_places(first, second);
-    return place != 0 ? place : first < second ? -1 : first > second;
-}
-
-/* OpenGL shows the first of two instances in the same place: the second is as deep, and not nearer.
- */
-static bool find_twins(struct plan *plan, struct error *err)
-{
-    size_t n = (size_t)plan->n_instances;
-    struct placed_instance **sorted;
-    if (!MAKE_ARRAY(sorted, n, err, "the order of %zu objects", n))
-        return false;
-    for (size_t i = 0; i < n; i++)
-        sorted[i] = &plan->instances[i];
-    qsort(sorted, n, sizeof *sorted, compare_instances);
-    for (size_t i = 1; i < n; i++)
-        sorted[i]->twin = compare_places(sorted[i], sorted[i - 1]) == 0;
-    free(sorted);
-    return true;
-}
-
 /* Fills in the reference's view of an instance; to be called when no array moves any more. */
 static void fill_instance(const struct plan *plan, struct placed_instance *placed)
 {
@@ -413,7 +392,8 @@ bool instances_make(struct plan *plan, struct error *err)
     free(maker.wholes);
     index_free(&maker.shapes);
     index_free(&maker.cuttings);
+    index_free(&maker.places);
     for (int i = 0; done && i < plan->n_instances; i++)
         fill_instance(plan, &plan->instances[i]);
-    return done && find_twins(plan, err);
+    return done;
 }
