@@ -161,7 +161,8 @@ static bool prepare(struct rendering *of, struct error *err)
     const struct render_output *output = of->output;
     if (!open_renderer(of, err) || !lit_make(of->plan, &result->driver, &of->lit, err) ||
         !make_volumes(of, err) ||
-        (of->renderer && !of->renderer->kind->take_scene(of->renderer, &of->lit, err)) ||
+        (of->renderer && of->renderer->kind->take_scene &&
+         !of->renderer->kind->take_scene(of->renderer, &of->lit, err)) ||
         !find_full_scale(&of->lit, err) ||
         (output->notes && !notes_make(&of->lit, SOME_PIXELS, output->notes, err)))
         return false;
@@ -270,7 +271,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     fit_free(&of.check_scene.fit);
     check_map_discard(&of.map);
     totals_free(&of.totals);
-    if (of.renderer)
+    if (of.renderer && of.renderer->kind->close)
         of.renderer->kind->close(of.renderer);
     volumes_free(&of.volumes);
     lit_free(&of.lit);

@@ -60,7 +60,7 @@ static bool draw_numbers(struct state *state, int tile, struct error *err)
         return false;
     struct renderer *renderer = state->of->renderer;
     double since = clock_seconds();
-    if (!renderer->kind->identify(renderer, err))
+    if (renderer->kind->identify && !renderer->kind->identify(renderer, err))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
     places_set(&state->numbers, 0, tile + 1);
@@ -74,7 +74,8 @@ static bool draw_frame(struct state *state, int tile, int first_band, struct err
               place = places_wait(&state->frames, 0);
     double since = clock_seconds();
     if (place < 0 ||
-        !renderer->kind->draw(renderer, place, first_band, state->of->lit.full_scale, err))
+        (renderer->kind->draw &&
+         !renderer->kind->draw(renderer, place, first_band, state->of->lit.full_scale, err)))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
     places_set(&state->frames, place, frame_number(state, tile, frame));
@@ -97,7 +98,8 @@ static bool draw_tile(struct state *state, int tile, const int *first_bands, str
 {
     struct renderer *renderer = state->of->renderer;
     const struct rectangle at = plan_tile(state->plan, &state->of->region, tile);
-    renderer->kind->aim(renderer, &at);
+    if (renderer->kind->aim)
+        renderer->kind->aim(renderer, &at);
     if (state->plan->options.check && !draw_numbers(state, tile, err))
         return false;
     for (int i = 0; i < state->plan->passes.n_frames; i++)

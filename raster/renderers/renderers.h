@@ -136,13 +136,14 @@ struct renderer {
     struct renderer_lacks lacks;
     bool unfiltered; /* it refuses linear textures */
 };
+/* All but `shown` may be NULL, where a renderer has nothing to do: its pixels are there already. */
 struct renderer_kind {
     /* Takes the lit scene of the plan, before the first `aim`. It must outlive the renderer. */
     bool (*take_scene)(struct renderer *of, const struct lit_scene *lit, struct error *err);
     /* Aims at a tile of the picture, of at most the plan's tile size in pixels. */
     void (*aim)(struct renderer *of, const struct rectangle *tile);
     /* Says which first bands `draw` will get on each tile, in this order. Comes before the first
-     * `aim`. NULL: any order will do. */
+     * `aim`. */
     bool (*expect)(struct renderer *of, const int *first_bands, int n, struct error *err);
     /* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed
      * tile into a buffer. Where the plan asks for a check, `identify` comes before. */
@@ -153,7 +154,9 @@ struct renderer_kind {
     /* Returns what the last `identify` found. x and y count from the tile's top left pixel. A
      * number that no instance has becomes surface n_instances. */
     struct shown (*shown)(const struct renderer *of, int x, int y);
-    /* Frees the renderer, also after a failure of the function that opens it. */
+    /* Frees the renderer, also after a failure of the function that opens it. NULL: another owns
+     * it.
+     */
     void (*close)(struct renderer *of);
 };
 

@@ -53,8 +53,9 @@ static bool draw(struct targets *of, struct error *err)
         (kind->expect && !kind->expect(of->source, &first_band, 1, err)))
         return false;
     for (int i = 0; i < 2; i++) {
-        kind->aim(of->source, &all);
-        if (!kind->identify(of->source, err) ||
+        if (kind->aim)
+            kind->aim(of->source, &all);
+        if ((kind->identify && !kind->identify(of->source, err)) ||
             !kind->draw(of->source, i, first_band, of->lit.full_scale, err))
             return false;
     }
@@ -64,51 +65,16 @@ static bool draw(struct targets *of, struct error *err)
                              "pictures differ");
 }
 
-/* Kept pixels as a renderer: all is drawn already. */
-
-static bool kept_take_scene(struct renderer *of, const struct lit_scene *lit, struct error *err)
-{
-    (void)of, (void)lit, (void)err;
-    return true;
-}
-
-static void kept_aim(struct renderer *of, const struct rectangle *tile)
-{
-    (void)of, (void)tile;
-}
-
-static bool kept_identify(struct renderer *of, struct error *err)
-{
-    (void)of, (void)err;
-    return true;
-}
-
-static bool kept_draw(struct renderer *of, int buffer, int first_band, double full_scale,
-                      struct error *err)
-{
-    (void)of, (void)buffer, (void)first_band, (void)full_scale, (void)err;
-    return true;
-}
-
 static struct shown kept_shown(const struct renderer *of, int x, int y)
 {
     const struct renderer *source = ((const struct targets *)of)->source;
     return source->kind->shown(source, x, y);
 }
 
-static void kept_close(struct renderer *of)
-{
-    (void)of; /* targets_close frees it */
-}
-
+/* Keeps the pixels as a renderer: all is drawn already, and targets_close frees them. */
 static void keep(struct targets *of)
 {
-    static const struct renderer_kind kind = {.take_scene = kept_take_scene,
-                                              .aim = kept_aim,
-                                              .draw = kept_draw,
-                                              .identify = kept_identify,
-                                              .shown = kept_shown,
-                                              .close = kept_close};
+    static const struct renderer_kind kind = {.shown = kept_shown};
     of->kept =
         (struct renderer){.kind = &kind, .names = of->source->names, .lacks = of->source->lacks};
     for (int i = 0; i < MOST_BUFFERS; i++)

@@ -168,11 +168,6 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
 
 /* ---- the renderer ---- */
 
-static void drawn_aim(struct renderer *renderer, const struct rectangle *tile)
-{
-    (void)renderer, (void)tile; /* there is one */
-}
-
 static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
                        struct error *err)
 {
@@ -180,12 +175,6 @@ static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, do
     (void)full_scale; /* colours are parts of it */
     snprintf(name, sizeof name, "colours-%d.bin", first_band);
     return read_numbers((struct drawn *)renderer, name, 4, renderer->buffers[buffer], NULL, err);
-}
-
-static bool drawn_identify(struct renderer *renderer, struct error *err)
-{
-    (void)renderer, (void)err; /* read already */
-    return true;
 }
 
 static struct shown drawn_shown(const struct renderer *renderer, int x, int y)
@@ -256,9 +245,7 @@ bool drawn_open(void *pixels, const struct plan *plan, int n_buffers, struct ren
                 struct error *err)
 {
     static const struct renderer_kind kind = {.take_scene = drawn_take_scene,
-                                              .aim = drawn_aim,
                                               .draw = drawn_draw,
-                                              .identify = drawn_identify,
                                               .shown = drawn_shown,
                                               .close = drawn_close};
     struct drawn *of;
