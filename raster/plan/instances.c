@@ -185,16 +185,6 @@ static int find_mesh(struct instance_maker *maker, struct cutting wanted, struct
 
 /* ---- instances ---- */
 
-/* True if the upper 3x3 turns left into right. Rows are brought to unit length, so that small and
- * large scales neither underflow nor overflow. */
-static bool is_mirrored(const struct matrix *m)
-{
-    struct vector row[3];
-    for (int i = 0; i < 3; i++)
-        row[i] = vector_normalise((struct vector){m->row[i][0], m->row[i][1], m->row[i][2]});
-    return vector_dot(vector_cross(row[0], row[1]), row[2]) < 0;
-}
-
 /* From a mesh as it is drawn to the mesh as it was read. */
 static struct matrix placement(const struct plan_mesh *mesh)
 {
@@ -206,8 +196,9 @@ static struct matrix placement(const struct plan_mesh *mesh)
 
 /* True if Mesa can invert the upper 3x3 and use it on normals: in single precision its determinant
  * must be a number above 1e-25 (m_matrix.c), and above its own rounding error, 16 of its terms; and
- * so must be the square of what its inverse, cofactors over the determinant, makes of a normal. */
-static bool has_inverse(const struct matrix *m)
+ * so must be the square of what its inverse, cofactors over the determinant, makes of a normal.
+ * *mirrored: the matrix then turns left into right. */
+static bool has_inverse(const struct matrix *m, bool *mirrored)
 {
     struct cofactors cofactors;
     double determinant = 0, magnitude = 0, largest = 0;
@@ -220,6 +211,7 @@ static bool has_inverse(const struct matrix *m)
         determinant += scale * (m->row[0][i] * cofactors.value[0][i]);
         magnitude += scale * (fabs(m->row[0][i]) * cofactors.magnitude[0][i]);
     }
+    *mirrored = determinant < 0;
     determinant = fabs(determinant);
     return determinant > 2e-25 && determinant > roundings(16) * magnitude && magnitude < 1e37 &&
            largest < 1e18 * determinant;
@@ -253,9 +245,8 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
         matrix_product(object->background ? plan->background_to_eye
                                           : matrix_product(plan->world_to_eye, object->transform),
                        placement(mesh));
-    placed.instance.mirrored = is_mirrored(&placed.instance.model_view);
     if (!matrix_normal(&placed.instance.model_view, &placed.instance.normal_matrix) ||
-        !has_inverse(&placed.instance.model_view))
+        !has_inverse(&placed.instance.model_view, &placed.instance.mirrored))
         return error_at(err, object->place,
                         "the object's transform is singular or not finite, or the object is too "
                         "small, too large or too flat beside the picture for single precision");
@@ -286,17 +277,12 @@ static const char *part_name(const struct mesh *mesh, int part)
     return mesh->part_names ? mesh->part_names[part] : "";
 }
 
-static int count_parts(const struct mesh *mesh)
-{
-    return mesh->part ? mesh->n_parts : 1;
-}
-
 /* Finds the line of the map for each part; use[part] NULL: there is none. A line for a usemtl that
  * the mesh does not have is a mistake. */
 static bool find_uses(const struct object *object, struct whole *whole,
                       const struct material_assignment **use, struct error *err)
 {
-    const int n_parts = count_parts(&whole->mesh);
+    const int n_parts = whole->mesh.n_parts;
     const struct material_assignment *others = NULL;
     for (int i = 0; i < object->n_assignments; i++) {
         const struct material_assignment *line = &object->assignments[i];
@@ -334,7 +320,7 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
                       struct error *err)
 {
     struct whole *of = &maker->wholes[whole];
-    const int n_parts = count_parts(&of->mesh);
+    const int n_parts = of->mesh.n_parts;
     const struct material_assignment **use;
     bool done = MAKE_ARRAY(use, n_parts, err, "%d parts of a mesh", n_parts);
     for (int part = (int)of->parts.n_keys; part < n_parts && done; part++) {
