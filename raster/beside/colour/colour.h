@@ -68,9 +68,8 @@ double display_largest(enum display_kind kind, int channel);
  * by that. */
 bool display_store(enum display_kind kind, int bits, const double linear[3], void *out);
 
-/* ---- profile.c: ICC profiles (ICC.1:2010, version 4.3) ---- */
-
-/* Writes the profile of a display, its matrix and tone curves, and returns its length in bytes. */
+/* Writes the ICC profile of a display, a built-in file with its matrix and tone curves, and returns
+ * its length in bytes. */
 enum { LARGEST_PROFILE = 1024 };
 size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE]);
 

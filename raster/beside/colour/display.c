@@ -1,11 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Displays: sRGB, and the monitor of the 1998 thesis. */
+#include "data/files/files.h"
 #include "data/maths/maths.h"
-#include "raster/beside/colour/inside.h"
+#include "raster/beside/colour/colour.h"
 
 const char *const display_names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};
 enum { KINDS = sizeof display_names / sizeof display_names[0] };
 
+/* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
+ * linear = slope x value. */
+struct display_curve {
+    double exponent, gain, offset, slope, from;
+};
 /* The monitor with the figures of the thesis's program. The text of the thesis prints them rounded,
  * and prints equation 14 with the inverse exponent and with offsets that were not used. */
 static const double monitor[3][3] = {
@@ -32,7 +38,7 @@ void display_matrix(enum display_kind kind, double out[3][3])
         memcpy(out, monitor, sizeof monitor);
 }
 
-struct display_curve display_curve(enum display_kind kind, int channel)
+static struct display_curve display_curve(enum display_kind kind, int channel)
 {
     return kind == DISPLAY_SRGB ? srgb_curve : monitor_curves[channel];
 }
@@ -69,4 +75,16 @@ bool display_store(enum display_kind kind, int bits, const double linear[3], voi
                   linear[channel] > display_largest(kind, channel) + slack;
     }
     return clipped;
+}
+
+size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE])
+{
+    const struct builtin_file *file;
+    struct error none = {.status = EXIT_AGREED}; /* built-in files do not fail */
+    char path[64];
+    int descriptor;
+    snprintf(path, sizeof path, BUILTIN_PREFIX "displays/%s.icc", display_names[kind]);
+    file_open(path, (struct place){NULL, 0, 0}, &descriptor, &file, &none);
+    memcpy(out, file->bytes, file->length);
+    return file->length;
 }
