@@ -35,7 +35,7 @@ struct estimating {
     struct lattice lattice;
     struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
     int n_pixels;
-    struct patches *patches;     /* of each mesh of the plan that is seen; owned */
+    struct patches *patches;     /* of each mesh of the plan; owned */
     struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
                                     owned */
     int n_points;
@@ -198,19 +198,14 @@ static void judge_block(void *context, size_t first, size_t end)
         judge_pixel(of, (int)i, attributes, &of->points[i]);
 }
 
-/* Opens the patches of all shapes that are seen. */
-static bool open_seen(struct estimating *of, struct error *err)
+/* Opens the patches of all shapes. */
+static bool open_patches(struct estimating *of, struct error *err)
 {
-    for (int i = 0; i < of->n_pixels; i++) {
-        if (of->pixels[i].surface < 0)
-            continue;
-        const int index = of->plan->instances[of->pixels[i].surface].mesh;
-        const struct plan_mesh *mesh = &of->plan->meshes[index];
-        if (mesh->mesh.parametric && !of->patches[index].shape &&
-            !patches_open(&mesh->shape, &of->patches[index], err))
-            return false;
-    }
-    return true;
+    bool done = true;
+    for (int i = 0; done && i < of->plan->n_meshes; i++)
+        if (of->plan->meshes[i].mesh.parametric)
+            done = patches_open(&of->plan->meshes[i].shape, &of->patches[i], err);
+    return done;
 }
 
 /* ---- conclusions ---- */
@@ -287,7 +282,7 @@ bool accuracy_estimate(const struct measure *measure, const struct surface *surf
         MAKE_ARRAY(of.points, (size_t)of.n_pixels + 1, err, "the pixels that are judged") &&
         MAKE_ARRAY(of.attributes, (size_t)(of.n_pixels / BLOCK_PIXELS + 1) * attributes_of(plan),
                    err, "the pixels that are judged") &&
-        open_seen(&of, err);
+        open_patches(&of, err);
     if (done)
         threads_blocks(plan->options.threads, (size_t)of.n_pixels, BLOCK_PIXELS, judge_block, &of);
     for (int i = 0; i < of.n_pixels && done; i++)

@@ -17,7 +17,7 @@ struct measure {
     const struct plan *plan;
     enum measure_unit unit;
     bool known;        /* false: the detector is no observer, which CIEDE2000 needs */
-    double full_scale; /* of counts; 0 until measure_scale has found it */
+    double full_scale; /* of counts: the caller sets that of the lit scene */
     double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
     double (*xyz)[3];  /* [shaded material][max_rows]: of a term of weight 1; owned */
 };
@@ -26,8 +26,6 @@ struct measure {
  * frees *out. */
 bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
                   struct measure *out, struct error *err);
-/* Finds the full scale of counts: the plan's, or the largest radiance of a lit vertex. */
-void measure_scale(struct measure *measure, const struct surface *surfaces);
 void measure_free(struct measure *measure);
 /* A point of a shaded material: the weights of its terms, and its texture. */
 struct shaded_point {

@@ -7,6 +7,7 @@
 
 #include "raster/beside/accuracy/inside.h"
 #include "raster/bounds/bounds.h"
+#include "raster/counts/counts.h"
 
 /* ---- the words of the option ---- */
 
@@ -81,11 +82,11 @@ static bool look(const struct plan *plan, enum measure_unit unit, const char *ob
                      "--accuracy in CIEDE2000 needs an observer, and %s is none; expected counts, "
                      "as --accuracy 8counts",
                      plan->sampling ? plan->sampling->detector : observer)) &&
-        (plan->view.shading == FLAT || lit_make(plan, driver_of(NULL), &lit, err));
-    if (done && plan->view.shading != FLAT) {
-        measure_scale(&measure, lit.surfaces);
+        (plan->view.shading == FLAT || (lit_make(plan, driver_of(NULL), &lit, err) &&
+                                        (unit != MEASURE_COUNTS || find_full_scale(&lit, err))));
+    measure.full_scale = lit.full_scale;
+    if (done && plan->view.shading != FLAT)
         done = accuracy_estimate(&measure, lit.surfaces, REFINED_PIXELS, out, err);
-    }
     lit_free(&lit);
     measure_free(&measure);
     return done;
@@ -130,11 +131,6 @@ static bool refine_plan(struct plan *plan, enum measure_unit unit, const char *o
 
 /* ---- all of it ---- */
 
-static bool make_shading(struct shading **out, struct error *err)
-{
-    return MAKE_ARRAY(*out, 1, err, "the error of shading");
-}
-
 static bool refine(const struct options *options, struct plan *plan, struct shading **out,
                    struct error *err)
 {
@@ -142,7 +138,7 @@ static bool refine(const struct options *options, struct plan *plan, struct shad
     enum measure_unit unit;
     if (!options->accuracy)
         return true;
-    if (!make_shading(out, err))
+    if (!MAKE_ARRAY(*out, 1, err, "the error of shading"))
         return false;
     **out = (struct shading){.is_refined = true,
                              .most_triangles = options->max_triangles > 0 ? options->max_triangles
@@ -267,7 +263,7 @@ static bool judge(const struct lit_scene *lit, int pixels, struct notes *notes, 
 {
     if (notes->shading && notes->shading->is_refined)
         note_refined(lit->plan, notes);
-    else if (!make_shading(&notes->shading, err) ||
+    else if (!MAKE_ARRAY(notes->shading, 1, err, "the error of shading") ||
              !estimate(lit, pixels, &notes->shading->estimate, err))
         return false;
     else

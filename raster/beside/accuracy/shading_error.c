@@ -74,31 +74,6 @@ bool measure_make(const struct plan *plan, enum measure_unit unit, const char *o
 
 /* ---- counts ---- */
 
-/* Raises *largest to the largest radiance of a vertex in any band. An upper bound of it is cheap.
- */
-static void raise_to(const struct plan *plan, const struct shaded_material *shaded,
-                     const double *weights, double *largest)
-{
-    const double texel = shaded->texture ? shaded->texture->largest : 1;
-    double bound = 0;
-    for (int t = 0; t < shaded->n_terms; t++)
-        bound += texel * weights[t] * shaded->made.terms[t].peak;
-    for (int band = 0; band < plan->n_bands && bound > *largest; band++)
-        *largest = fmax(*largest, texel * shaded_radiance(plan, shaded, weights, band));
-}
-
-void measure_scale(struct measure *measure, const struct surface *surfaces)
-{
-    const struct plan *plan = measure->plan;
-    measure->full_scale = plan->options.full_scale;
-    for (int s = 0; s < plan->n_instances && !(plan->options.full_scale > 0); s++)
-        for (int i = 0; surfaces[s].instance && i < surfaces[s].instance->n_vertices; i++)
-            for (int side = 0; side < surfaces[s].n_sides; side++)
-                raise_to(plan, &plan->materials[plan->instances[s].shaded],
-                         surfaces[s].weights + surface_attributes(&surfaces[s], i, side),
-                         &measure->full_scale);
-}
-
 static double counts_between(const struct measure *measure, int shaded,
                              const struct shaded_point *a, const struct shaded_point *b)
 {
@@ -108,7 +83,7 @@ static double counts_between(const struct measure *measure, int shaded,
     for (int band = 0; band < plan->n_bands; band++)
         most = fmax(most, fabs(a->texel * shaded_radiance(plan, material, a->weights, band) -
                                b->texel * shaded_radiance(plan, material, b->weights, band)));
-    return measure->full_scale > 0 ? most / measure->full_scale * UINT16_MAX : 0;
+    return most / measure->full_scale * UINT16_MAX;
 }
 
 /* ---- either unit ---- */
