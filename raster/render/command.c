@@ -151,10 +151,10 @@ static bool conclude(const struct rendered *of, struct error *err)
     const struct render_output *output = of->output;
     const struct check_verdict *verdict = &of->result.check;
     const char *wanted = output->discard ? NULL : output->path;
-    const char *then = output->foreign ? NULL
-                       : !wanted       ? "no stack was wanted"
-                       : output->keep  ? "the stack was kept"
-                                       : "no stack was written (--keep stores it anyway)";
+    const char *then = output->foreign ? ""
+                       : !wanted       ? "; no stack was wanted"
+                       : output->keep  ? "; the stack was kept"
+                                       : "; no stack was written (--keep stores it anyway)";
     if (render_agreed(of->plan, &of->result))
         return true;
     return of->plan->options.check && check_outcome(verdict) != OUTCOME_AGREED

@@ -30,9 +30,6 @@ enum { SOME_PIXELS = 2048, MANY_PIXELS = 16384 };
  * plan was refined. */
 bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
                 struct error *err);
-/* Makes them on a plan. Refuses what lit_make refuses, as a render does. */
-bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out,
-                   struct error *err);
 
 /* Prints in a line how far the shading is off. */
 void notes_print_shading(const struct notes *notes, struct printed *to);
@@ -154,7 +151,8 @@ extern const struct map_maker *const map_maker; /* NULL: this program has none *
 /* ---- verdict_words.c: the verdict in words ---- */
 
 /* Returns false with EXIT_DIFFERENT. The message names the first pixel where the pictures differ,
- * or what could not be checked, and ends with `then`, the consequence; NULL: with none. */
+ * or what could not be checked, and ends with `then`, the consequence, as "; no stack was wanted".
+ */
 bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
                          const char *then, struct error *err);
 

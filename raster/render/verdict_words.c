@@ -213,10 +213,9 @@ static bool report_pixel(const struct plan *plan, const struct check_verdict *ve
                  first->y % side);
     failure_text(plan, first, what, sizeof what);
     return error_different(
-        err, "the pictures differ at %llu of %llu pixels, first at %d,%d%s on %s: %s%s%s",
+        err, "the pictures differ at %llu of %llu pixels, first at %d,%d%s on %s: %s%s",
         (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels,
-        first->x / side, first->y / side, position, where, what, then ? "; " : "",
-        then ? then : "");
+        first->x / side, first->y / side, position, where, what, then);
 }
 
 bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
@@ -226,9 +225,9 @@ bool report_disagreement(const struct plan *plan, const struct check_verdict *ve
     if (verdict->unexplained > 0)
         return report_pixel(plan, verdict, then, err);
     reason_text(plan, verdict, reason, sizeof reason);
-    return error_different(err, "%s: %s%s%s",
+    return error_different(err, "%s: %s%s",
                            is_biased(verdict) ? "the pictures differ" : verdict_word(plan, verdict),
-                           reason, then ? "; " : "", then ? then : "");
+                           reason, then);
 }
 
 /* Tries the reasons in the order of their certainty. */
@@ -254,5 +253,5 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
         snprintf(what, sizeof what, "first at %d,%d of page %d (%s); %s", first->x, first->y,
                  first->page + 1, page, changed);
     }
-    return error_different(err, "the stack is not the same as %s: %s; %s", path, what, then);
+    return error_different(err, "the stack is not the same as %s: %s%s", path, what, then);
 }

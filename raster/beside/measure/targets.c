@@ -171,7 +171,7 @@ static bool judge_all(struct targets *of, bool least, bool *agrees, struct error
 static bool refuse(const struct targets *of, struct error *err)
 {
     struct error words = {.status = EXIT_AGREED};
-    report_disagreement(&of->job.plan, &of->result.check, NULL, &words);
+    report_disagreement(&of->job.plan, &of->result.check, "", &words);
     return error_failed(err,
                         "the driver cannot be checked: its targets differ by more than OpenGL "
                         "leaves free: %.600s",

@@ -141,7 +141,7 @@ static void take(const struct plan *plan, const struct render_result *result,
     out->outcome = (int)check_outcome(&result->check);
     if (out->outcome == VERIFY_AGREED)
         return;
-    report_disagreement(plan, &result->check, NULL, &words);
+    report_disagreement(plan, &result->check, "", &words);
     snprintf(out->text, sizeof out->text, "%.1000s", error_words(&words));
 }
 

@@ -78,6 +78,29 @@ static void tell_scene(const struct viewing *view, enum output_kind kind, struct
     notes_print(view->notes, &to->words);
 }
 
+/* Refuses pictures and scenes that are too large for a page. */
+static bool page_allows(const struct plan *plan, struct error *err)
+{
+    if (plan->n_instances > MOST_PAGE_OBJECTS)
+        return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
+                           MOST_PAGE_OBJECTS, plan->n_instances);
+    if ((int64_t)plan->view.width * plan->view.height > LARGEST_PAGE)
+        return error_usage(err, "a page shows at most %d %s, not %d x %d; use --size WxH",
+                           LARGEST_PAGE, plan->scene->positions > 1 ? "positions" : "pixels",
+                           plan->view.width, plan->view.height);
+    return true;
+}
+
+/* Lights the scene for all kinds but a description, and makes the notes on it. A live page, which
+ * asks for planes, has the notes already. */
+static bool light_scene(struct viewing *view, enum output_kind kind, struct error *err)
+{
+    return kind == DESCRIPTION ||
+           ((kind == PICTURE || page_allows(view->plan, err)) &&
+            lit_make(view->plan, driver_of(NULL), &view->lit, err) &&
+            (kind == PLANES || notes_make(&view->lit, SOME_PIXELS, view->notes, err)));
+}
+
 static bool view_scene(struct options *options, enum output_kind kind, struct telling *to,
                        struct error *err)
 {
@@ -88,9 +111,10 @@ static bool view_scene(struct options *options, enum output_kind kind, struct te
     struct viewing view = {.options = options, .plan = &job.plan, .notes = &job.notes};
     const bool done = scene_read_options(options, &job.scene, err) &&
                       output_can_open(options->json, err) && job_plan(options, &job, err) &&
-                      writers[kind](&view, err);
+                      light_scene(&view, kind, err) && writers[kind](&view, err);
     if (done)
         tell_scene(&view, kind, to);
+    lit_free(&view.lit);
     job_free(&job);
     return done;
 }

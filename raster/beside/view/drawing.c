@@ -63,18 +63,6 @@ static bool put_page(void *context, const struct picture *picture, int page, con
     return true;
 }
 
-bool page_allows(const struct plan *plan, struct error *err)
-{
-    if (plan->n_instances > MOST_PAGE_OBJECTS)
-        return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
-                           MOST_PAGE_OBJECTS, plan->n_instances);
-    if ((int64_t)plan->view.width * plan->view.height > LARGEST_PAGE)
-        return error_usage(err, "a page shows at most %d %s, not %d x %d; use --size WxH",
-                           LARGEST_PAGE, plan->scene->positions > 1 ? "positions" : "pixels",
-                           plan->view.width, plan->view.height);
-    return true;
-}
-
 /* ---- planes in a page, and in files ---- */
 
 /* Returns the shape of the planes as JSON, allocated; NULL: see err. */
@@ -90,19 +78,12 @@ static char *shape_of(const struct planes *planes, const struct scene *scene, st
     return json_take(&json, err);
 }
 
-/* Draws the planes by the reference. notes NULL: makes none. Refuses what page_allows refuses. The
- * caller frees *out and *notes, also after a failure. */
-static bool planes_make(const struct plan *plan, struct planes *out, struct notes *notes,
-                        struct error *err)
+/* Draws the planes of the lit scene by the reference. The caller frees *out, also after a failure.
+ */
+static bool planes_make(const struct viewing *view, struct planes *out, struct error *err)
 {
     const struct decomposition of = {.own_wavelengths = true, .take = put_page, .context = out};
-    struct lit_scene lit = {.plan = plan};
-    const bool done = page_allows(plan, err) && planes_allocate(plan, out, err) &&
-                      lit_make(plan, driver_of(NULL), &lit, err) &&
-                      (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
-                      decompose(&lit, &of, err);
-    lit_free(&lit);
-    return done;
+    return planes_allocate(view->plan, out, err) && decompose(&view->lit, &of, err);
 }
 
 void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
@@ -152,24 +133,12 @@ static void put_planes(struct planes *planes, const struct scene *scene, struct 
 
 /* ---- the picture that a page shows first ---- */
 
-/* Draws it, and makes notes on the scene; NULL: none. */
-static bool draw_first(const struct viewing *view, struct notes *notes,
-                       struct scene_picture *picture, struct error *err)
-{
-    struct lit_scene lit = {.plan = view->plan};
-    picture->detector = view->options->detector;
-    const bool done = lit_make(view->plan, driver_of(NULL), &lit, err) &&
-                      (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) &&
-                      develop_scene(&lit, picture, err);
-    lit_free(&lit);
-    return done;
-}
-
 bool still_write(struct viewing *view, struct error *err)
 {
-    struct scene_picture picture = {.output = view->options->output,
+    struct scene_picture picture = {.detector = view->options->detector,
+                                    .output = view->options->output,
                                     .outputs = &view->options->outputs};
-    const bool done = draw_first(view, view->notes, &picture, err);
+    const bool done = develop_scene(&view->lit, &picture, err);
     view->out_of_gamut = picture.out_of_gamut;
     return done;
 }
@@ -177,9 +146,11 @@ bool still_write(struct viewing *view, struct error *err)
 bool put_first(const struct viewing *view, struct page_parts *to, struct error *err)
 {
     struct printed png = {.text = NULL};
-    struct scene_picture picture = {
-        .output = view->options->output, .automatic = true, .memory = &png};
-    const bool drawn = draw_first(view, NULL, &picture, err);
+    struct scene_picture picture = {.detector = view->options->detector,
+                                    .output = view->options->output,
+                                    .automatic = true,
+                                    .memory = &png};
+    const bool drawn = develop_scene(&view->lit, &picture, err);
     to->width = view->plan->scene->width;
     to->height = view->plan->scene->height;
     if (!drawn)
@@ -195,7 +166,7 @@ bool viewer_write(struct viewing *view, struct error *err)
 {
     struct planes planes = {.surface = NULL};
     struct page_parts parts = {.kind = PAGE_STILL};
-    if (planes_make(view->plan, &planes, view->notes, err) && put_first(view, &parts, err)) {
+    if (planes_make(view, &planes, err) && put_first(view, &parts, err)) {
         put_json(&parts.data, "scene", description_make(view, err));
         put_planes(&planes, view->plan->scene, &parts.data, err);
     }
@@ -242,7 +213,7 @@ bool weights_write(struct viewing *view, struct error *err)
 {
     struct planes planes = {.surface = NULL};
     struct output out = {.path = NULL};
-    bool done = planes_make(view->plan, &planes, NULL, err);
+    bool done = planes_make(view, &planes, err);
     for (int i = 0; done && i < planes.n_weights + planes.n_pages; i++)
         planes.scale[i] = 1; /* floats are values */
     done = done && output_open(&out, view->options->output, err) &&

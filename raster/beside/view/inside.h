@@ -28,6 +28,7 @@ struct view_options {
 struct viewing {
     struct options *options; /* their output is the page, or the picture */
     const struct plan *plan;
+    struct lit_scene lit;           /* of the plan; a description needs none */
     size_t bytes;                   /* of a page */
     int n_illuminants, n_detectors; /* 0: a live page finds them */
     uint64_t out_of_gamut;          /* pixels of a picture with a clipped channel */
@@ -39,7 +40,7 @@ struct viewing {
 /* ---- live.c: a page that draws the scene itself ---- */
 
 /* Writes a page that holds this program and all files of the scene. The scene was read under
- * marked_name. Makes the notes on the scene. */
+ * marked_name. */
 bool live_write(struct viewing *view, struct error *err);
 
 /* Returns the scene's name with a mark, so that the paths of all files that the scene names by
@@ -50,8 +51,7 @@ char *marked_name(const char *scene, struct error *err);
 /* ---- drawing.c: a drawn scene, whose light and detector can be changed ---- */
 
 /* Draws the plan's picture by the reference and writes a page of it. The plan's lights are
- * exchangeable (plan_options). Makes the notes on the scene. Refuses pictures and scenes that are
- * too large for a page. */
+ * exchangeable (plan_options). */
 bool viewer_write(struct viewing *view, struct error *err);
 /* Write the data of such a page alone, for a live page. First its description as JSON: spectra,
  * lights, objects, detectors. Then its planes: the length of their shape as JSON in 11 digits and a
@@ -59,7 +59,7 @@ bool viewer_write(struct viewing *view, struct error *err);
 bool description_write(struct viewing *view, struct error *err);
 bool weights_write(struct viewing *view, struct error *err);
 
-/* Writes the picture that the page shows first: see develop_scene. Makes the notes on the scene. */
+/* Writes the picture that the page shows first: see develop_scene. */
 bool still_write(struct viewing *view, struct error *err);
 
 /* ---- stack_page.c: a stack in a page ---- */
@@ -87,9 +87,6 @@ void stack_page_free(struct stack_page *of);
 
 enum { LARGEST_SAMPLE = UINT16_MAX }; /* of a plane */
 
-/* Refuses pictures and scenes that are too large for a page: more than LARGEST_PAGE pixels, or
- * MOST_PAGE_OBJECTS instances. */
-bool page_allows(const struct plan *plan, struct error *err);
 /* Writes the differences between neighbours, all low bytes before all high bytes: 2 n bytes. Small
  * and similar numbers compress well. */
 void put_differences(const uint16_t *samples, size_t n, unsigned char *out);

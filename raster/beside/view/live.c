@@ -196,8 +196,7 @@ static void put_files(const struct options *options, const struct scene *scene,
 bool live_write(struct viewing *view, struct error *err)
 {
     struct page_parts parts = {.kind = PAGE_LIVE};
-    if (page_allows(view->plan, err) && notes_of_plan(view->plan, SOME_PIXELS, view->notes, err) &&
-        put_first(view, &parts, err))
+    if (put_first(view, &parts, err))
         put_files(view->options, view->plan->scene, &parts.data, err);
     return page_write(&parts, view->options, &view->bytes, err);
 }
