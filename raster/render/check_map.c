@@ -63,16 +63,8 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
 
 static float position_sample(const struct check *check, int page, size_t position)
 {
-    switch (page) {
-    case MAP_FLOOR:
-        return check->floor[position];
-    case MAP_BAND_FLOOR:
-        return check->band_floor[position];
-    case MAP_RATIO:
-        return check->ratio[position];
-    default:
-        return (float)check_class(check, position);
-    }
+    const float *const samples[MAP_CLASS] = {check->floor, check->band_floor, check->ratio};
+    return page < MAP_CLASS ? samples[page][position] : (float)check_class(check, position);
 }
 
 /* Returns the largest sample of a pixel's positions. */
