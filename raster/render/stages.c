@@ -135,10 +135,9 @@ struct tile_pass {
     int pass;
     const float *pixels;     /* OpenGL's; NULL: it does not draw */
     size_t stride;           /* of its rows, in pixels */
-    pthread_mutex_t lock;    /* of these sums: */
+    pthread_mutex_t lock;    /* of these sums, and of the result's odd samples: */
     double judging, storing; /* seconds of all threads */
-    struct odd_samples odd;
-    bool failed; /* to write */
+    bool failed;             /* to write */
     struct error *err;
 };
 
@@ -211,6 +210,7 @@ static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
 /* Judges and counts a chunk while its pixels are in the cache. */
 static void treat_chunk(struct tile_pass *of, int i)
 {
+    struct odd_samples *sums = &of->state->of->result->odd;
     double since = clock_seconds(), judging = 0, counting = 0;
     struct odd_samples odd = {0, 0};
     if (of->state->checks)
@@ -223,8 +223,8 @@ static void treat_chunk(struct tile_pass *of, int i)
     pthread_mutex_lock(&of->lock);
     of->judging += judging;
     of->storing += counting;
-    of->odd.clipped += odd.clipped;
-    of->odd.undefined += odd.undefined;
+    sums->clipped += odd.clipped;
+    sums->undefined += odd.undefined;
     pthread_mutex_unlock(&of->lock);
 }
 
@@ -384,8 +384,6 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
     share_work(&of, 1 + tile->n_chunks, write_or_treat);
     clock_in(&since, &seconds);
     share_seconds(&of, seconds);
-    result->odd.clipped += of.odd.clipped;
-    result->odd.undefined += of.odd.undefined;
     return !of.failed;
 }
 
