@@ -8,30 +8,21 @@
 
 #include "raster/render/inside.h"
 
-/* Reads the options that a record holds; others come from the command line. `from`: the file with
- * the record, for messages. The caller frees *out, also after a failure. */
-static bool recorded_options(const struct options *options, const char *from,
-                             const struct record *record, struct options *out, struct error *err)
-{
-    if (!options_read(&render_command, true, record->options.text, record->options.n, out, err))
-        return false;
-    if (out->operand)
-        return error_usage(err, "%s records '%s', which is not an option", from, out->operand);
-    out->operand = record->scene;
-    out->json = options->json;
-    out->threads = options->threads;
-    out->quiet = options->quiet;
-    return true;
-}
-
 /* Takes from the record all options that decide the picture, and the others from the command line.
- */
+ * The caller frees *out, also after a failure. */
 static bool again_options(const struct options *options, const struct record *record,
                           struct options *out, struct error *err)
 {
     const struct render_options *own = options->own;
-    if (!recorded_options(options, own->again, record, out, err))
+    if (!options_read(&render_command, true, record->options.text, record->options.n, out, err))
         return false;
+    if (out->operand)
+        return error_usage(err, "%s records '%s', which is not an option", own->again,
+                           out->operand);
+    out->operand = record->scene;
+    out->json = options->json;
+    out->threads = options->threads;
+    out->quiet = options->quiet;
     struct render_options *made = out->own;
     made->maps = own->maps;
     made->illumination = own->illumination;
