@@ -92,14 +92,6 @@ static bool report(struct options *options, const struct cost *cost, double tole
 
 /* ---- the command ---- */
 
-/* Refuses an output that cannot be written, before minutes of measurement. */
-static bool check_files(struct options *options, struct error *err)
-{
-    const struct cost_options *own = options->own;
-    return output_can_open(own->csv, err) && output_can_open(own->svg, err) &&
-           output_can_open(options->json, err);
-}
-
 /* Reads a tolerance of CIEDE2000, the measure of the table. */
 static bool tolerance_of(const char *option, const char *value, double *out, struct error *err)
 {
@@ -132,7 +124,8 @@ static bool run_cost(struct options *options, struct error *err)
     struct cost cost = {.scene = NULL};
     double tolerance = 0;
     bool done = (!own->tolerance || tolerance_of("--tolerance", own->tolerance, &tolerance, err)) &&
-                check_scene(options, err) && check_files(options, err) &&
+                check_scene(options, err) && output_can_open(own->csv, err) &&
+                output_can_open(own->svg, err) && output_can_open(options->json, err) &&
                 cost_measure(options, &cost, err) && report(options, &cost, tolerance, err);
     cost_free(&cost);
     return done;
