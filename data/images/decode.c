@@ -78,17 +78,19 @@ static bool block_fits(const struct stored_rows *of, uint32_t block, struct erro
                            of->image->path, of->page + 1);
 }
 
-/* Decodes a tile. One that is missing holds zeros. */
-static bool tile_decode(const struct stored_rows *of, uint32_t x, uint16_t plane, struct error *err)
+/* Decodes the first bytes of a tile or a strip. One that is missing holds zeros. */
+static bool block_decode(const struct stored_rows *of, uint32_t block, char *out, size_t bytes,
+                         struct error *err)
 {
     TIFF *tiff = of->image->tiff;
-    const uint32_t tile = TIFFComputeTile(tiff, x, of->first, 0, plane);
-    if (!block_fits(of, tile, err))
+    if (!block_fits(of, block, err))
         return false;
-    if (!block_is_missing(tiff, tile))
-        return is_decoded(of, TIFFReadTile(tiff, of->tile, x, of->first, 0, plane), err);
-    memset(of->tile, 0, (size_t)of->layout.block_bytes);
-    return true;
+    memset(out, 0, bytes);
+    return block_is_missing(tiff, block) ||
+           is_decoded(of,
+                      (of->layout.tiled ? TIFFReadEncodedTile
+                                        : TIFFReadEncodedStrip)(tiff, block, out, (tmsize_t)bytes),
+                      err);
 }
 
 /* Decodes the tiles that contain the rows, and joins them. */
@@ -98,25 +100,13 @@ static bool tiles_decode(const struct stored_rows *of, uint16_t plane, char *out
     const size_t pixel_bytes = layout->row_bytes / layout->width;
     for (uint32_t x = 0; x < layout->width; x += layout->block_width) {
         const size_t length = least(layout->width - x, layout->block_width) * pixel_bytes;
-        if (!tile_decode(of, x, plane, err))
+        if (!block_decode(of, TIFFComputeTile(of->image->tiff, x, of->first, 0, plane), of->tile,
+                          (size_t)layout->block_bytes, err))
             return false;
         for (uint32_t row = 0; row < of->n; row++)
             memcpy(out + row * layout->row_bytes + x * pixel_bytes,
                    of->tile + row * layout->block_width * pixel_bytes, length);
     }
-    return true;
-}
-
-static bool strip_decode(const struct stored_rows *of, uint16_t plane, char *out, struct error *err)
-{
-    TIFF *tiff = of->image->tiff;
-    const uint32_t strip = TIFFComputeStrip(tiff, of->first, plane);
-    const size_t bytes = of->n * of->layout.row_bytes;
-    if (!block_fits(of, strip, err))
-        return false;
-    if (!block_is_missing(tiff, strip))
-        return is_decoded(of, TIFFReadEncodedStrip(tiff, strip, out, (tmsize_t)bytes), err);
-    memset(out, 0, bytes);
     return true;
 }
 
@@ -132,9 +122,11 @@ static bool rows_read(struct stored_rows *of, uint32_t y, uint32_t end, struct e
     for (uint16_t i = 0; good && i < layout->n_planes; i++) {
         const uint16_t plane = (uint16_t)(layout->plane + i);
         char *out = of->samples + i * of->n * layout->row_bytes;
-        good = plain           ? rows_copy(of, plane, out, err)
-               : layout->tiled ? tiles_decode(of, plane, out, err)
-                               : strip_decode(of, plane, out, err);
+        good = plain ? rows_copy(of, plane, out, err)
+               : layout->tiled
+                   ? tiles_decode(of, plane, out, err)
+                   : block_decode(of, TIFFComputeStrip(of->image->tiff, of->first, plane), out,
+                                  of->n * layout->row_bytes, err);
     }
     return good;
 }
@@ -176,18 +168,18 @@ static double sample_at(const struct sample_layout *layout, const void *samples,
 static double pixel_value(const struct stored_rows *of, size_t pixel)
 {
     static const int grey[] = {1};
-    static const int luma[] = {2126, 7152, 722}; /* ITU-R BT.709-6, item 3.2, in 1/10000 */
+    static const int colours[][3] = {/* ITU-R BT.709-6, item 3.2, in 1/10000; one colour alone */
+                                     {2126, 7152, 722},
+                                     {1, 0, 0},
+                                     {0, 1, 0},
+                                     {0, 0, 1}};
     const struct sample_layout *layout = &of->layout;
     const double first = sample_at(layout, of->samples, pixel * layout->pixel_step);
     if (layout->has_nodata && (first == layout->nodata || (isnan(first) && isnan(layout->nodata))))
         return 0;
-    const int *parts = layout->n_colours == 1 ? grey : luma;
+    const int *parts = layout->n_colours == 1 ? grey : colours[layout->colour];
     const size_t colour_step = layout->n_planes > 1 ? (size_t)of->n * layout->width : 1;
     double sum = 0, white = 0;
-    if (layout->colour > 0 && layout->n_colours == 3)
-        return sample_at(layout, of->samples,
-                         (layout->colour - 1u) * colour_step + pixel * layout->pixel_step) /
-               layout->largest;
     for (size_t i = 0; i < layout->n_colours; i++) {
         sum +=
             parts[i] * sample_at(layout, of->samples, i * colour_step + pixel * layout->pixel_step);
