@@ -364,25 +364,17 @@ const int rgb_knot_colour[RGB_KNOTS] = {2, 2, 1, 1, 0, 0};
 
 bool image_spread(struct image *image, struct error *err)
 {
-    struct sample_layout *pages;
-    double *nm;
+    struct sample_layout page = image->file->pages[0];
+    int n_nm = 0;
     if (image->n_pages != 1)
         return image_refuse(image, -1, err, "it has %d pages; a picture has one", image->n_pages);
-    if (!MAKE_ARRAY(pages, RGB_KNOTS, err, "the pages of %s", image->path))
-        return false;
+    image->n_pages = 0;
     for (int i = 0; i < RGB_KNOTS; i++) {
-        pages[i] = image->file->pages[0];
-        pages[i].colour = (uint16_t)(rgb_knot_colour[i] + 1);
+        page.colour = (uint16_t)(rgb_knot_colour[i] + 1);
+        if (!array_add(&image->file->pages, &image->n_pages, &page, sizeof page, err) ||
+            !array_add(&image->wavelengths_nm, &n_nm, &rgb_knot_nm[i], sizeof(double), err))
+            return false;
     }
-    free(image->file->pages);
-    free(image->wavelengths_nm);
-    image->file->pages = pages;
-    image->n_pages = RGB_KNOTS;
-    if (!MAKE_ARRAY(nm, RGB_KNOTS, err, "the pages of %s", image->path))
-        return false;
-    for (int i = 0; i < RGB_KNOTS; i++)
-        nm[i] = rgb_knot_nm[i];
-    image->wavelengths_nm = nm;
     return true;
 }
 
