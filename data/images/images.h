@@ -102,7 +102,7 @@ struct texture {
     size_t plane_size;            /* texels of a plane, of all levels */
     double smallest, largest;     /* of all values of all pages */
     float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */
-    pthread_mutex_t *reading;     /* held while the image is read; owned */
+    pthread_mutex_t reading;      /* held while the image is read */
 };
 /* Reads a texture; the caller chooses `linear`, `mipmapped`, `spectral` and `rgb` of *out. A grey
  * texture is one page with values that hold for every wavelength. A spectral texture is a stack of

@@ -105,10 +105,8 @@ bool texture_read(const char *path, struct place from, image_tags *read_tags, st
     *out = (struct texture){.linear = out->linear,
                             .mipmapped = out->mipmapped,
                             .spectral = out->spectral,
-                            .rgb = out->rgb};
-    if (!MAKE_ARRAY(out->reading, 1, err, "the texture %s", path))
-        return false;
-    pthread_mutex_init(out->reading, NULL);
+                            .rgb = out->rgb,
+                            .reading = PTHREAD_MUTEX_INITIALIZER};
     return open_pages(path, from, read_tags, out, err);
 }
 
@@ -139,13 +137,13 @@ bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
     assert(n <= TEXTURE_PLANES);
     float *other;
     bool good = MAKE_ARRAY(other, page_size(texture), err, "texels of %s", texture->image.path);
-    pthread_mutex_lock(texture->reading);
+    pthread_mutex_lock(&texture->reading);
     for (int i = 0; good && i < n; i++) {
         good = plane_load(texture, wavelengths_nm[i], planes[i], other, err);
         if (good)
             add_levels(texture, planes[i]);
     }
-    pthread_mutex_unlock(texture->reading);
+    pthread_mutex_unlock(&texture->reading);
     free(other);
     return good;
 }
@@ -165,8 +163,5 @@ void texture_free(struct texture *texture)
     for (int i = 0; i < TEXTURE_PLANES; i++)
         free(texture->plane[i]);
     image_close(&texture->image);
-    if (texture->reading != NULL)
-        pthread_mutex_destroy(texture->reading);
-    free(texture->reading);
     *texture = (struct texture){0};
 }
