@@ -77,12 +77,12 @@ static const char *next_name(const char *usage, size_t *length)
 }
 
 /* Returns whether the word is one of the names that the usage begins with. Case counts in names of
- * one letter, or if it is to be exact. */
-static bool names_option(const char *usage, const char *word, size_t length, bool exact)
+ * one letter. */
+static bool names_option(const char *usage, const char *word, size_t length)
 {
     size_t n;
     for (const char *name = usage; (name = next_name(name, &n)); name += n)
-        if (n == length && (exact || n == 2 ? strncmp : strncasecmp)(name, word, n) == 0)
+        if (n == length && (n == 2 ? strncmp : strncasecmp)(name, word, n) == 0)
             return true;
     return false;
 }
@@ -105,10 +105,9 @@ static const struct option *find_option(const struct reading *reading, const cha
                                         size_t length)
 {
     const struct option *option;
-    for (int exact = 1; exact >= 0; exact--)
-        for (int i = 0; (option = option_at(reading->command, i)); i++)
-            if (is_known(reading, option) && names_option(option->usage, word, length, exact))
-                return option;
+    for (int i = 0; (option = option_at(reading->command, i)); i++)
+        if (is_known(reading, option) && names_option(option->usage, word, length))
+            return option;
     return NULL;
 }
 
@@ -275,7 +274,7 @@ static bool check_needs(const struct options *options, struct error *err)
     for (int i = 0; (row = option_at(options->command, i)); i++)
         for (int k = 0;
              row->needs && is_given(options, row) && (other = option_at(options->command, k)); k++)
-            if (names_option(other->usage, row->needs, strlen(row->needs), true) &&
+            if (names_option(other->usage, row->needs, strlen(row->needs)) &&
                 !is_given(options, other))
                 return error_usage(err, "%.*s has an effect beside %s only",
                                    (int)strcspn(row->usage, ", "), row->usage, row->needs);
