@@ -191,14 +191,12 @@ bool show_file(struct options *options, struct error *err)
     return done;
 }
 
-static const struct option_list *const list_lists[] = {&common_options, NULL};
 const struct command list_command = {
     .name = "list",
     .operands = "[KIND | FILE]",
     .summary = "print the names of what is built in, or of a table's samples",
     .example = "list materials",
     .run = run_list,
-    .lists = list_lists,
     .n_operands = 1,
 };
 
@@ -206,14 +204,12 @@ static const struct option show_options[] = {
     {"-o, --output FILE", "writes there (default: standard output)", SHARED(TEXT, output),
      .writes = true},
 };
-static const struct option_list show_list = OPTION_LIST(show_options);
-static const struct option_list *const show_lists[] = {&show_list, &common_options, NULL};
 const struct command show_command = {
     .name = "show",
     .operands = "NAME [-o FILE]",
     .summary = "print a built-in file, to start one of your own with",
     .example = "show room -o my.scene",
     .run = show_file,
-    .lists = show_lists,
+    .rows = OPTION_LIST(show_options),
     .n_operands = 1,
 };

@@ -101,13 +101,12 @@ static bool run_info(struct options *options, struct error *err)
     return done;
 }
 
-static const struct option_list *const lists[] = {&json_option, &common_options, NULL};
 const struct command info_command = {
     .name = "info",
     .operands = "STACK",
     .summary = "print how a stack was made",
     .example = "info spheres.tif",
     .run = run_info,
-    .lists = lists,
+    .shared = {&json_option},
     .n_operands = 1,
 };

@@ -302,15 +302,14 @@ static const struct option join_rows[] = {
     {"--keep", "stores the stack even if the check fails", OWN(FLAG, join_options, keep)},
     {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, join_options, envi)},
 };
-static const struct option_list join_list = OPTION_LIST(join_rows);
-static const struct option_list *const lists[] = {&join_list, &quiet_option, &common_options, NULL};
 const struct command join_command = {
     .name = "join",
     .operands = "-o STACK PART...",
     .summary = "put together the parts that render --part drew",
     .example = "join -o spheres.tif spheres.*-of-4.tif",
     .run = run_join,
-    .lists = lists,
+    .rows = OPTION_LIST(join_rows),
+    .shared = {&quiet_option},
     .own_size = sizeof(struct join_options),
     .n_operands = MOST_OPERANDS,
 };

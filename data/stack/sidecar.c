@@ -175,14 +175,12 @@ static const struct option envi_options[] = {
      "writes there; - is standard output (default: STACK's name + .hdr, beside it)",
      SHARED(TEXT, output), .writes = true},
 };
-static const struct option_list envi_list = OPTION_LIST(envi_options);
-static const struct option_list *const lists[] = {&envi_list, &common_options, NULL};
 const struct command envi_command = {
     .name = "envi",
     .operands = "STACK [-o FILE.hdr]",
     .summary = "write the header by which ENVI and GDAL map a stack",
     .example = "envi spheres.tif",
     .run = run_envi,
-    .lists = lists,
+    .rows = OPTION_LIST(envi_options),
     .n_operands = 1,
 };

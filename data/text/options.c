@@ -59,13 +59,15 @@ bool option_count(const char *option, const char *value, double lowest, double h
 
 /* ---- one option ---- */
 
-/* Returns an option of a command by its number from 0 on; NULL: there are fewer. */
-static const struct option *option_at(const struct command *command, int i)
+const struct option *option_at(const struct command *command, int i)
 {
-    const struct option_list *const *list = command->lists;
-    for (; *list && i >= (*list)->n; list++)
-        i -= (*list)->n;
-    return *list ? &(*list)->options[i] : NULL;
+    const struct option_list *list = &command->rows, *const *next = command->shared;
+    for (; i >= list->n; list = *next ? *next++ : &common_options) {
+        if (list == &common_options)
+            return NULL;
+        i -= list->n;
+    }
+    return &list->options[i];
 }
 
 /* Goes on to the next name that a usage begins with, and sets its length. NULL: there is none. */

@@ -235,9 +235,10 @@ struct command {
     const char *operands, *summary; /* for --help, which breaks the lines of the summary */
     const char *example;            /* the words behind "spectral" */
     bool (*run)(struct options *options, struct error *err);
-    const struct option_list *const *lists; /* the options that it takes, then NULL */
-    size_t own_size;                        /* bytes of its own options; 0: it has none */
-    int n_operands;                         /* the most; at most MOST_OPERANDS */
+    struct option_list rows;              /* options of its own */
+    const struct option_list *shared[16]; /* others, then NULL; common_options come behind */
+    size_t own_size;                      /* bytes of its own options; 0: it has none */
+    int n_operands;                       /* the most; at most MOST_OPERANDS */
 };
 
 /* The commands of this program, then NULL: see raster/beside/commands.c. */
@@ -308,6 +309,8 @@ bool option_number(const char *option, const char *value, double lowest, double 
 bool option_count(const char *option, const char *value, double lowest, double highest, int *out,
                   struct error *err); /* a whole number, up to INT_MAX */
 
+/* Returns an option of a command by its number from 0 on; NULL: there are fewer. */
+const struct option *option_at(const struct command *command, int i);
 /* Prints the words of a text from the cursor's column on. A new line begins at that column. */
 void help_words(struct printed *to, const char *text, int column);
 /* Explains the options of a command. */

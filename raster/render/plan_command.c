@@ -28,15 +28,13 @@ static bool run_plan(struct options *options, struct error *err)
     return done;
 }
 
-static const struct option_list *const lists[] = {
-    &scene_options,  &shading_options, &accuracy_options, &sampling_options,
-    &threads_option, &json_option,     &common_options,   NULL};
 const struct command plan_command = {
     .name = "plan",
     .operands = "[SCENE]",
     .summary = "print what would be simulated, and why; draw nothing",
     .example = "plan fluorescence",
     .run = run_plan,
-    .lists = lists,
+    .shared = {&scene_options, &shading_options, &accuracy_options, &sampling_options,
+               &threads_option, &json_option},
     .n_operands = 1,
 };

@@ -28,7 +28,7 @@ static void change_scene(struct options *options)
 /* Returns whether the command changes scenes. */
 static bool changes_scenes(const struct command *command)
 {
-    const struct option_list *const *list = command->lists;
+    const struct option_list *const *list = command->shared;
     while (*list && *list != &scene_options)
         list++;
     return *list != NULL;

@@ -24,9 +24,9 @@ int main(void)
     for (int i = 0; commands[i]; i++) {
         printf("command\t%s\t%d\t%s\n", commands[i]->name, commands[i]->n_operands,
                commands[i]->operands);
-        for (const struct option_list *const *list = commands[i]->lists; *list; list++)
-            for (int k = 0; k < (*list)->n; k++)
-                print_option(&(*list)->options[k]);
+        const struct option *option;
+        for (int k = 0; (option = option_at(commands[i], k)); k++)
+            print_option(option);
     }
     return 0;
 }

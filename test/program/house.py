@@ -76,6 +76,7 @@ FUNCTION_PARAMETERS = 6
 # Functions that only their own file and tests use, each with the reason why a test needs it by itself.
 FOR_TESTS = {
     "files_read_forget": "a test writes and reads the same file several times",
+    "option_at": "tests make command lines of each command's options",
     "program_file": "a system without a link to the running program is simulated",
 }
 

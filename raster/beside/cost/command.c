@@ -146,17 +146,14 @@ static const struct option cost_rows[] = {
     {"--budget SECONDS", "names the most accurate configuration within the time",
      OWN(NUMBER, cost_options, budget), .lowest = 1e-9, .highest = 1e9},
 };
-static const struct option_list cost_list = OPTION_LIST(cost_rows);
-static const struct option_list *const lists[] = {
-    &cost_list,   &library_option, &scene_options,  &threads_option,
-    &json_option, &quiet_option,   &common_options, NULL};
 const struct command cost_command = {
     .name = "cost",
     .operands = "[SCENE]",
     .summary = "measure what accuracy costs in time",
     .example = "cost patches --svg cost.svg",
     .run = run_cost,
-    .lists = lists,
+    .rows = OPTION_LIST(cost_rows),
+    .shared = {&library_option, &scene_options, &threads_option, &json_option, &quiet_option},
     .own_size = sizeof(struct cost_options),
     .n_operands = 1,
 };

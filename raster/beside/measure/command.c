@@ -195,15 +195,13 @@ static const struct option drivers_rows[] = {
     {"-v, --verbose", "prints each trait, and what OpenGL allows, too", SHARED(FLAG, verbose),
      .needs = "--measure"},
 };
-static const struct option_list drivers_options_list = OPTION_LIST(drivers_rows);
-static const struct option_list *const lists[] = {&drivers_options_list, &json_option,
-                                                  &common_options, NULL};
 const struct command drivers_command = {
     .name = "drivers",
     .operands = "[--measure [-v]] [--json FILE]",
     .summary = "list what OpenGL can draw here, by which options",
     .example = "drivers",
     .run = run_drivers,
-    .lists = lists,
+    .rows = OPTION_LIST(drivers_rows),
+    .shared = {&json_option},
     .own_size = sizeof(struct drivers_options),
 };

@@ -205,17 +205,14 @@ static const struct option compare_rows[] = {
      OWN(TEXT, compare_own, map), .writes = true},
     {"-v, --verbose", "prints the differences of each wavelength, too", SHARED(FLAG, verbose)},
 };
-static const struct option_list compare_list = OPTION_LIST(compare_rows);
-static const struct option_list *const lists[] = {&compare_list, &seeing_options, &threads_option,
-                                                  &json_option,  &quiet_option,   &common_options,
-                                                  NULL};
 const struct command compare_command = {
     .name = "compare",
     .operands = "STACK STACK",
     .summary = "print where and by how much two stacks differ",
     .example = "compare a.tif b.tif --tolerance 0.5dE00 --map difference.png",
     .run = run_compare,
-    .lists = lists,
+    .rows = OPTION_LIST(compare_rows),
+    .shared = {&seeing_options, &threads_option, &json_option, &quiet_option},
     .own_size = sizeof(struct compare_own),
     .n_operands = 2,
 };

@@ -177,17 +177,14 @@ static const struct option develop_rows[] = {
     {"--sampling METHOD", "as if the spectra were sampled so (not basis, rgb or xyz)",
      SHARED(TEXT, sampling)},
 };
-static const struct option_list develop_list = OPTION_LIST(develop_rows);
-static const struct option_list *const lists[] = {&develop_list, &seeing_options, &threads_option,
-                                                  &json_option,  &quiet_option,   &common_options,
-                                                  NULL};
 const struct command develop_command = {
     .name = "develop",
     .operands = "STACK [-o PICTURE.png]",
     .summary = "write what a detector sees, as PNG or TIFF",
     .example = "develop spheres.tif --exposure auto -o spheres.png",
     .run = run_develop,
-    .lists = lists,
+    .rows = OPTION_LIST(develop_rows),
+    .shared = {&seeing_options, &threads_option, &json_option, &quiet_option},
     .own_size = sizeof(struct develop_own),
     .n_operands = 1,
 };

@@ -307,18 +307,15 @@ static const struct option probe_rows[] = {
     {"--edges", "--objects counts pixels beside another object, too", OWN(FLAG, probe_own, edges),
      .needs = "--objects"},
 };
-static const struct option_list probe_list = OPTION_LIST(probe_rows);
-static const struct option_list *const lists[] = {
-    &probe_list,      &seeing_options,   &scene_options,
-    &shading_options, &accuracy_options, &threads_option,
-    &json_option,     &common_options,   NULL};
 const struct command probe_command = {
     .name = "probe",
     .operands = "STACK|SCENE X Y [W H]",
     .summary = "print the spectrum of a pixel, or the mean of a region",
     .example = "probe fluorescence 700 300 --svg -o spectrum.svg",
     .run = run_probe,
-    .lists = lists,
+    .rows = OPTION_LIST(probe_rows),
+    .shared = {&seeing_options, &scene_options, &shading_options, &accuracy_options,
+               &threads_option, &json_option},
     .own_size = sizeof(struct probe_own),
     .n_operands = 6, /* with --against, whose Y comes last */
 };

@@ -238,15 +238,13 @@ static const struct option rows[] = {
      OWN(FLAG, show_own, csv)},
     {"--svg", "writes them as a plot", OWN(FLAG, show_own, svg)},
 };
-static const struct option_list list = OPTION_LIST(rows);
-static const struct option_list *const lists[] = {&list, &common_options, NULL};
 const struct command curves_command = {
     .name = "show",
     .operands = "NAME... [-o FILE]",
     .summary = "print a built-in file, to start one of your own with, or plot spectra",
     .example = "show d65 a --svg -o lights.svg",
     .run = run_show,
-    .lists = lists,
+    .rows = OPTION_LIST(rows),
     .own_size = sizeof(struct show_own),
     .n_operands = MOST_CURVES,
 };

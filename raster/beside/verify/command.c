@@ -287,17 +287,15 @@ static const struct option verify_rows[] = {
     {"--junit FILE", "writes the results as JUnit's XML; - is standard output",
      OWN(TEXT, verify_options, junit), .writes = true},
 };
-static const struct option_list verify_list = OPTION_LIST(verify_rows);
-static const struct option_list *const lists[] = {
-    &verify_list,    &scene_options, &renderer_options, &library_option, &judged_options,
-    &threads_option, &json_option,   &quiet_option,     &common_options, NULL};
 const struct command verify_command = {
     .name = "verify",
     .operands = "[SCENE...]",
     .summary = "judge OpenGL's drivers by built-in scenes and hard cases",
     .example = "verify --gl egl --junit verify.xml",
     .run = run_verify,
-    .lists = lists,
+    .rows = OPTION_LIST(verify_rows),
+    .shared = {&scene_options, &renderer_options, &library_option, &judged_options, &threads_option,
+               &json_option, &quiet_option},
     .own_size = sizeof(struct verify_options),
     .n_operands = MOST_OPERANDS,
 };

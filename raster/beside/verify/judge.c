@@ -122,32 +122,27 @@ static const struct option export_rows[] = {
     {"-o, --output FOLDER", "writes the files into this new folder", SHARED(TEXT, output),
      .writes = true},
 };
-static const struct option_list export_list = OPTION_LIST(export_rows);
-static const struct option_list *const export_lists[] = {
-    &export_list,      &scene_options,    &shading_options,
-    &accuracy_options, &sampling_options, &scale_option,
-    &threads_option,   &common_options,   NULL};
 const struct command export_command = {
     .name = "export",
     .operands = "[SCENE] -o FOLDER",
     .summary = "write a scene as plain files, for another program to draw",
     .example = "export room -o room",
     .run = run_export,
-    .lists = export_lists,
+    .rows = OPTION_LIST(export_rows),
+    .shared = {&scene_options, &shading_options, &accuracy_options, &sampling_options,
+               &scale_option, &threads_option},
     .own_size = sizeof(struct render_options),
     .n_operands = 1,
 };
 
-static const struct option_list *const judge_lists[] = {
-    &judged_options, &map_option,   &threads_option, &json_option,
-    &verbose_option, &quiet_option, &common_options, NULL};
 const struct command judge_command = {
     .name = "judge",
     .operands = "FOLDER [PIXELS]",
     .summary = "judge what another program drew from an export",
     .example = "judge room",
     .run = run_judge,
-    .lists = judge_lists,
+    .shared = {&judged_options, &map_option, &threads_option, &json_option, &verbose_option,
+               &quiet_option},
     .own_size = sizeof(struct render_options),
     .n_operands = 2,
 };

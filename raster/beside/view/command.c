@@ -249,18 +249,15 @@ static const struct option view_rows[] = {
     {"--budget MB", "samples in the page of a stack, at most (default: 40)",
      OWN(TEXT, view_options, budget)},
 };
-static const struct option_list view_list = OPTION_LIST(view_rows);
-static const struct option_list *const lists[] = {
-    &view_list,        &scene_options,  &shading_options,
-    &accuracy_options, &threads_option, &json_option,
-    &quiet_option,     &common_options, NULL};
 const struct command view_command = {
     .name = "view",
     .operands = "[SCENE|STACK] [-o PAGE.html]",
     .summary = "write an interactive viewer in one HTML file, or a PNG",
     .example = "view fluorescence --size 600x400 -o fluorescence.html",
     .run = run_view,
-    .lists = lists,
+    .rows = OPTION_LIST(view_rows),
+    .shared = {&scene_options, &shading_options, &accuracy_options, &threads_option, &json_option,
+               &quiet_option},
     .own_size = sizeof(struct view_options),
     .n_operands = 1,
 };
