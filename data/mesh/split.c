@@ -10,7 +10,7 @@ static int64_t edge_of(int32_t a, int32_t b)
     return a < b ? (int64_t)a * INT32_MAX + b : (int64_t)b * INT32_MAX + a;
 }
 
-static int compare_edges(const void *a, const void *b)
+static int compare_numbers(const void *a, const void *b)
 {
     const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
     return (p > q) - (p < q);
@@ -77,7 +77,7 @@ static int add_vertices(struct mesh *mesh, const struct mesh *from, bool cutting
         if (!cutting || crosses(from, a, b))
             edges[n++] = edge_of(a, b);
     }
-    qsort(edges, (size_t)n, sizeof *edges, compare_edges);
+    qsort(edges, (size_t)n, sizeof *edges, compare_numbers);
     for (int i = 0; i < n; i++) {
         const int32_t a = (int32_t)(edges[i] / INT32_MAX), b = (int32_t)(edges[i] % INT32_MAX);
         const struct vertex *p = &mesh->vertices[a], *q = &mesh->vertices[b];
@@ -96,7 +96,7 @@ static int add_vertices(struct mesh *mesh, const struct mesh *from, bool cutting
 static int32_t vertex_on(const struct mesh *mesh, const int64_t *edges, int n, int32_t a, int32_t b)
 {
     const int64_t edge = edge_of(a, b),
-                  *found = bsearch(&edge, edges, (size_t)n, sizeof *edges, compare_edges);
+                  *found = bsearch(&edge, edges, (size_t)n, sizeof *edges, compare_numbers);
     return mesh->n_vertices - n + (int32_t)(found - edges);
 }
 
@@ -240,15 +240,9 @@ static bool divide(struct mesh *mesh, struct error *err)
     return true;
 }
 
-static int compare_numbers(const void *a, const void *b)
-{
-    const int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
-    return (p > q) - (p < q);
-}
-
 /* Finds the vertices that n triangles use, in their order; returns their number. Numbers them from
  * 0. */
-static int number_vertices(const struct mesh *from, const int32_t *triangles, int n, int32_t *used)
+static int number_vertices(const struct mesh *from, const int32_t *triangles, int n, int64_t *used)
 {
     int32_t *number = from->division.number;
     int n_used = 0;
@@ -265,7 +259,7 @@ static int number_vertices(const struct mesh *from, const int32_t *triangles, in
 }
 
 /* Copies n triangles, whose vertices have numbers, and takes the numbers away. */
-static void take(const struct mesh *from, const int32_t *triangles, int n, const int32_t *used,
+static void take(const struct mesh *from, const int32_t *triangles, int n, const int64_t *used,
                  int n_used, struct mesh *out)
 {
     int32_t *number = from->division.number;
@@ -295,7 +289,7 @@ static bool copy_mesh(const struct mesh *from, struct mesh *out, struct error *e
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err)
 {
     const struct division *division = &from->division;
-    int32_t *used;
+    int64_t *used;
     *out = (struct mesh){.parametric = from->parametric};
     if (part < 0 || !from->part)
         return copy_mesh(from, out, err);
