@@ -318,26 +318,10 @@ static bool is_number(const struct word *word)
     return at == end && !word->quoted && word->length < LONGEST_NUMBER;
 }
 
-/* Digits up to 2^53 are exact in a double, and so are powers of ten up to 10^22. One division of
- * both rounds once, as IEEE 754 asks, and gives the correctly rounded value (Clinger 1990). strtod,
- * for longer numbers and those with an exponent, is slower and equally exact. */
+/* A word is not terminated, and what follows could be read as a part of a number. */
 static double value_of(const struct word *word)
 {
-    static const double power_of_ten[] = {1e0, 1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,
-                                          1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17};
-    enum { MOST_CHARACTERS = sizeof power_of_ten / sizeof *power_of_ten };
-    const char *end = word->start + word->length, *at = skip_sign(word->start, end);
-    uint64_t digits = 0;
-    int places = 0;
-    bool point = false;
     char copy[LONGEST_NUMBER];
-    for (; word->length <= MOST_CHARACTERS && at < end && (*at | 0x20) != 'e'; at++) {
-        digits = *at == '.' ? digits : 10 * digits + (uint64_t)(*at - '0');
-        places += point;
-        point = point || *at == '.';
-    }
-    if (at == end && digits <= (uint64_t)1 << 53)
-        return (*word->start == '-' ? -(double)digits : (double)digits) / power_of_ten[places];
     memcpy(copy, word->start, word->length);
     copy[word->length] = '\0';
     return strtod(copy, NULL);
