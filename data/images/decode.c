@@ -223,12 +223,6 @@ static bool values_place(const struct stored_rows *of, uint32_t y, uint32_t n, f
 
 /* ---- bands side by side ---- */
 
-static void pick(char *out, const char *in, size_t n, size_t step, size_t bytes)
-{
-    for (size_t i = 0; i < n; i++)
-        memcpy(out + i * bytes, in + i * step * bytes, bytes);
-}
-
 static char *band_at(const struct kept_bands *kept, int band)
 {
     return kept->samples + (size_t)(band - kept->first_page) * kept->band_bytes;
@@ -245,12 +239,8 @@ static void bands_place(const struct stored_rows *of, uint32_t y, uint32_t n)
             const char *in =
                 of->samples + ((row - of->first) * width * step + (size_t)band) * bytes;
             char *out = band_at(kept, band) + (row - kept->first_row) * width * bytes;
-            if (bytes == 1) /* the compiler copies a known size without a call */
-                pick(out, in, width, step, 1);
-            else if (bytes == 2)
-                pick(out, in, width, step, 2);
-            else
-                pick(out, in, width, step, 4);
+            for (size_t i = 0; i < width; i++)
+                memcpy(out + i * bytes, in + i * step * bytes, bytes);
         }
 }
 
