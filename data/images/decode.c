@@ -255,9 +255,7 @@ static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
     return memory_suffices(bytes + (layout->tiled ? (double)layout->block_bytes : 0),
                            of->image->file->from, err, "%s: a block of its page %d",
                            of->image->path, of->page + 1) &&
-           ((bytes < (double)PTRDIFF_MAX &&
-             memory_make(&of->samples, layout->n_planes * rows, layout->row_bytes)) ||
-            memory_lacks(err, bytes, "rows of %s", of->image->path)) &&
+           MAKE_ARRAY(of->samples, bytes, err, "rows of %s", of->image->path) &&
            (!layout->tiled ||
             MAKE_ARRAY(of->tile, layout->block_bytes, err, "a tile of %s", of->image->path));
 }
@@ -298,8 +296,7 @@ static bool bands_keep(struct stored_rows of, uint32_t y, uint32_t n, struct err
         return true;
     free(kept->samples);
     *kept = (struct kept_bands){y, n, of.page, of.page + (int)bands, bytes, NULL};
-    if ((memory_make(&kept->samples, bands, bytes) ||
-         memory_lacks(err, (double)bands * (double)bytes, "bands of %s", of.image->path)) &&
+    if (MAKE_ARRAY(kept->samples, (uint64_t)bands * bytes, err, "bands of %s", of.image->path) &&
         page_read(&of, y, n, NULL, err))
         return true;
     free(kept->samples);

@@ -106,17 +106,15 @@ int word_choose(const struct word *word, const char *const *known, const char *w
 {
     struct suggestion suggestion = {.distance = 0};
     for (int i = 0; known[i]; i++)
-        if (word_is(word, known[i]))
-            return i;
+        if (word_equals(word, known[i])) {
+            if (word->quoted)
+                error_at(err, word->place, "'%s' is a word; write it without quotes", known[i]);
+            return word->quoted ? -1 : i;
+        }
     for (int i = 0; known[i] && !word->quoted; i++)
         if (strlen(known[i]) == word->length &&
             strncasecmp(word->start, known[i], word->length) == 0)
             return i;
-    for (int i = 0; known[i]; i++)
-        if (word_equals(word, known[i])) {
-            error_at(err, word->place, "'%s' is a word; write it without quotes", known[i]);
-            return -1;
-        }
     for (int i = 0; known[i]; i++)
         suggestion_add(&suggestion, word, known[i], strlen(known[i]));
     error_at(err, word->place, "unknown %s '%.*s'; %s", what, word_shown(word), word->start,
