@@ -44,8 +44,7 @@ bool sample_gauss(const struct sampling_task *task, struct error *err)
 /* Functions on the grid, and the matrix that makes the detector's channels of their integrals. */
 struct functions {
     const struct sampling *sampling;
-    double *row;        /* [function * n + j]; owned */
-    bool first_is_best; /* the first function takes all nodes that remain, not only one */
+    double *row; /* [function * n + j]; owned */
     double back[3][3];
     struct quadrature rule[3];
 };
@@ -76,19 +75,19 @@ static void find_functions(struct functions *out)
     tristimulus_apply_all(matrix, fine->n, out->row);
     tristimulus_inverse(matrix, out->back);
     if (kind == SAMPLING_GAUSS_ACC) {
-        out->first_is_best = true;
         orthogonal_rows(out->row, 3, fine->n);
         project(fine->weights, out->row, fine->n, out->back);
     }
 }
 
-/* Finds rules of n nodes in all. */
+/* Finds rules of n nodes in all. The nodes that remain of thirds are all A's, or one a function. */
 static bool solve(struct functions *of, int n)
 {
     const struct fine_detector *fine = &of->sampling->fine;
+    const bool acc = of->sampling->method.kind == SAMPLING_GAUSS_ACC;
     bool found = n >= 3;
     for (int i = 0; i < 3 && found; i++) {
-        const int more = of->first_is_best ? (i == 0) * (n % 3) : i < n % 3;
+        const int more = acc ? (i == 0) * (n % 3) : i < n % 3;
         found = quadrature_discrete(fine->nm, of->row + i * fine->n, fine->n, n / 3 + more,
                                     &of->rule[i]);
     }

@@ -124,7 +124,6 @@ bool sample_tristimulus(const struct sampling_task *task, struct error *err)
         return false;
     memcpy(out->pages.analysis, out->fine.weights, n * sizeof *out->pages.analysis);
     tristimulus_apply_all(to, out->fine.n, out->pages.analysis);
-    for (int i = 0; i < 9; i++)
-        out->weights[i] = back[i / 3][i % 3];
+    memcpy(out->weights, back, sizeof back);
     return divide_by_d65(task, err);
 }
