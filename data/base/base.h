@@ -43,7 +43,10 @@ void print_xml(struct printed *to, const char *text);
 /* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
  * already. Its length stays. */
 char *printed_end(struct printed *printed);
-char *printed_take(struct printed *printed, struct error *err); /* NULL: memory_lacks */
+/* Does the same; NULL: memory_lacks, or *err has a failure already, after which the text need not
+ * be whole. A difference (EXIT_DIFFERENT) is none. All that writes a text comes through here: so a
+ * caller puts a text together, and need not ask whether that has failed. */
+char *printed_take(struct printed *printed, struct error *err);
 /* Writes the whole text, without unprintable characters, to a descriptor, and frees it. It is no
  * failure if the reader of a pipe has gone, or standard error takes nothing. */
 bool printed_show(struct printed *printed, int to, struct error *err);

@@ -119,9 +119,11 @@ char *printed_end(struct printed *printed)
     return NULL;
 }
 
+/* memory_lacks leaves an earlier failure as it is. */
 char *printed_take(struct printed *printed, struct error *err)
 {
     print_bytes(printed, "", 0);
+    printed->failed = printed->failed || err->status > EXIT_DIFFERENT;
     if (printed->failed)
         memory_lacks(err, 2 * (double)printed->length + 1, "the text that begins with '%.40s'",
                      printed->text ? printed->text : "");

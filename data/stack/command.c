@@ -89,13 +89,11 @@ static bool run_info(struct options *options, struct error *err)
     const bool foreign = done && !record_is_there(&image);
     done = done && (foreign || record_read(&image, &record, err));
     (options->json ? json_begin : words_begin)(&json);
-    if (done) {
-        if (foreign)
-            put_foreign(&json, &image, err);
-        else
-            put_facts(&json, &image, &record);
-        done = json_write(&json, options->json, &options->outputs, err);
-    }
+    if (done && foreign)
+        put_foreign(&json, &image, err);
+    else if (done)
+        put_facts(&json, &image, &record);
+    done = json_write(&json, options->json, &options->outputs, err);
     record_free(&record);
     image_close(&image);
     return done;

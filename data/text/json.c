@@ -186,10 +186,7 @@ void json_strings(struct json *json, const char *key, const char *const *values,
 char *json_take(struct json *json, struct error *err)
 {
     print_text(&json->printed, "}\n");
-    if (err->status == EXIT_AGREED)
-        return printed_take(&json->printed, err);
-    free(printed_end(&json->printed));
-    return NULL;
+    return printed_take(&json->printed, err);
 }
 
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)

@@ -156,8 +156,7 @@ void json_truth(struct json *json, const char *key, bool value);
 /* An array; null where values is NULL. Words name the first and the last number. */
 void json_numbers(struct json *json, const char *key, const double *values, int n);
 void json_strings(struct json *json, const char *key, const char *const *values, int n);
-/* Ends the object and the text. Returns it, and it then belongs to the caller; NULL: no memory, or
- * *err has a failure already, after which the text need not be whole. */
+/* Ends the object and the text, and returns it as printed_take does. */
 char *json_take(struct json *json, struct error *err);
 /* Ends both and writes the text to a file, as file_write; words appear on standard output. */
 bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err);

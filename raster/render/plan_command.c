@@ -18,12 +18,11 @@ static bool run_plan(struct options *options, struct error *err)
     struct render_job job = {.options = {.threads = options->threads}};
     struct json json;
     (options->json ? json_begin : words_begin)(&json);
-    bool done = scene_read_sampled(options, &job.scene, &job.sampling, err) &&
-                job_plan(options, &job, err) &&
-                notes_of_plan(&job.plan, MANY_PIXELS, &job.notes, err) &&
-                put_plan(&job, options->detector, &json, err) &&
-                json_write(&json, options->json, &options->outputs, err);
-    free(printed_end(&json.printed)); /* after a failure */
+    const bool made = scene_read_sampled(options, &job.scene, &job.sampling, err) &&
+                      job_plan(options, &job, err) &&
+                      notes_of_plan(&job.plan, MANY_PIXELS, &job.notes, err) &&
+                      put_plan(&job, options->detector, &json, err);
+    const bool done = json_write(&json, options->json, &options->outputs, err) && made;
     job_free(&job);
     return done;
 }

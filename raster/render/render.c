@@ -111,16 +111,13 @@ static char *make_provenance(const struct rendering *of, struct error *err)
                                   .options = of->output->recorded,
                                   .n_options = of->output->n_recorded};
     struct printed lines = {.text = NULL};
-    const bool done = record_put_scene(&lines, &made, err);
+    record_put_scene(&lines, &made, err);
     for (int i = 0; i < plan->n_instances && plan->map_bytes > 0; i++)
         record_put_object(&lines, object_name(plan, i));
     if (rows->count > 0)
         record_put_part(&lines, rows, plan->scene->height, plan->scene->wavelengths_nm,
                         has_components(plan) ? 0 : plan->n_bands);
-    if (done)
-        return printed_take(&lines, err);
-    free(printed_end(&lines));
-    return NULL;
+    return printed_take(&lines, err);
 }
 
 static bool open_stack(struct rendering *of, struct error *err)

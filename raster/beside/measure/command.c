@@ -182,9 +182,7 @@ static bool run_drivers(struct options *options, struct error *err)
         json_close(&json, '}');
     }
     json_close(&json, ']');
-    if (!done)
-        free(printed_end(&json.printed));
-    done = done && json_write(&json, options->json, &options->outputs, err);
+    done = json_write(&json, options->json, &options->outputs, err);
     free(drivers.list);
     return done && (usable || error_failed(err, "no OpenGL can draw here; --renderer raster can"));
 }

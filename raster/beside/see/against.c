@@ -161,11 +161,7 @@ bool probe_against(struct options *options, const struct probe *first, const str
     }
     if (done)
         print_rows(&pair, csv, &printed);
-    if (done)
-        done = printed_write(&printed, options->output ? options->output : "-", &options->outputs,
-                             err);
-    else
-        free(printed_end(&printed));
+    done = printed_write(&printed, options->output ? options->output : "-", &options->outputs, err);
     pair_free(&pair);
     return done;
 }

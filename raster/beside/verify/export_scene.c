@@ -277,10 +277,8 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, co
     if (!find_full_scale(&scaled, err))
         return false;
     of.full_scale = scaled.full_scale;
-    if (print_scene(&of, err))
-        return finish(&of, id, err);
-    free(printed_end(&of.scene));
-    return false;
+    print_scene(&of, err);
+    return finish(&of, id, err);
 }
 
 /* ---- a folder ---- */

@@ -150,12 +150,10 @@ bool put_first(const struct viewing *view, struct page_parts *to, struct error *
                                     .output = view->options->output,
                                     .automatic = true,
                                     .memory = &png};
-    const bool drawn = develop_scene(&view->lit, &picture, err);
+    develop_scene(&view->lit, &picture, err);
     to->width = view->plan->scene->width;
     to->height = view->plan->scene->height;
-    if (!drawn)
-        free(printed_end(&png));
-    to->first = drawn ? printed_take(&png, err) : NULL;
+    to->first = printed_take(&png, err);
     to->n_first = png.length;
     return to->first != NULL;
 }

@@ -177,8 +177,5 @@ bool page_write(struct page_parts *parts, struct options *options, size_t *bytes
         put_file(&page, "page.html");
     FREE_ALL(data, parts->first);
     *bytes = page.text.length;
-    if (err->status == EXIT_AGREED)
-        return printed_write(&page.text, options->output, &options->outputs, err);
-    free(printed_end(&page.text));
-    return false;
+    return printed_write(&page.text, options->output, &options->outputs, err);
 }
