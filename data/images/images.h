@@ -188,8 +188,7 @@ char *picture_text(char *text);
  * too. A PNG is compressed, and takes the memory of some rows. */
 struct picture_writer {
     struct picture_options options;
-    int row; /* the next one */
-    bool finished;
+    int row;            /* the next one */
     struct pages pages; /* of a TIFF; a PNG has its output */
     struct png *png;    /* NULL: a TIFF; owned */
     struct picture_strip {
@@ -209,8 +208,8 @@ bool picture_write(struct picture_writer *writer, const void *samples, int rows,
  * above it. */
 bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
                  const void *samples, struct error *err);
-/* picture_finish completes the file; picture_commit does so, too, and lets it appear: see
- * output_pass. */
+/* picture_finish completes the file, and output_pass then lets it appear; picture_commit does both.
+ */
 bool picture_finish(struct picture_writer *writer, struct error *err);
 bool picture_commit(struct picture_writer *writer, struct outputs *outputs, struct error *err);
 void picture_discard(struct picture_writer *writer); /* safe after commit */

@@ -119,14 +119,12 @@ bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
 bool picture_finish(struct picture_writer *writer, struct error *err)
 {
     assert(writer->options.bits == 32 || writer->row == writer->options.height);
-    writer->finished =
-        writer->png ? png_finish(writer->png, err) : pages_finish(&writer->pages, NULL, err);
-    return writer->finished;
+    return writer->png ? png_finish(writer->png, err) : pages_finish(&writer->pages, NULL, err);
 }
 
 bool picture_commit(struct picture_writer *writer, struct outputs *outputs, struct error *err)
 {
-    const bool done = (writer->finished || picture_finish(writer, err)) &&
+    const bool done = picture_finish(writer, err) &&
                       (writer->options.memory || output_pass(&writer->pages.output, outputs, err));
     picture_discard(writer);
     return done;

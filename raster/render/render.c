@@ -242,7 +242,8 @@ static bool finish(struct rendering *of, struct error *err)
         (output->path && !finish_stack(of, err)))
         return false;
     clock_in(&of->since, &of->result->seconds.write);
-    return !of->check_scene.mapped || picture_commit(&of->map.picture, output->outputs, err);
+    return !of->check_scene.mapped ||
+           output_pass(&of->map.picture.pages.output, output->outputs, err);
 }
 
 static bool render_all(struct rendering *of, struct error *err)
