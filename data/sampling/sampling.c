@@ -207,14 +207,11 @@ static bool refuse_textures(const struct scene *scene, const struct sampling *sa
 static bool replace_wavelengths(struct scene *scene, const struct sampling *sampling,
                                 struct error *err)
 {
-    const size_t n = (size_t)sampling->pages.n;
-    double *wavelengths_nm = sampling_numbers(n, err);
-    if (!wavelengths_nm)
-        return false;
-    memcpy(wavelengths_nm, sampling->pages.wavelength_nm, n * sizeof *wavelengths_nm);
-    free(scene->wavelengths_nm);
-    scene->wavelengths_nm = wavelengths_nm;
-    scene->n_wavelengths = sampling->pages.n;
+    const double *nm = sampling->pages.wavelength_nm;
+    scene->n_wavelengths = 0;
+    for (int i = 0; i < sampling->pages.n; i++)
+        if (!array_add(&scene->wavelengths_nm, &scene->n_wavelengths, &nm[i], sizeof *nm, err))
+            return false;
     return true;
 }
 
