@@ -56,7 +56,6 @@
     EACH(void, Viewport, (GLint x, GLint y, GLsizei width, GLsizei height))
 #define FIXED_FUNCTIONS(EACH)                                                                      \
     EACH(void, ClampColorARB, (GLenum target, GLenum clamp))                                       \
-    EACH(void, Color4f, (GLfloat red, GLfloat green, GLfloat blue, GLfloat alpha))                 \
     EACH(void, ColorPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))       \
     EACH(void, DisableClientState, (GLenum array))                                                 \
     EACH(void, EnableClientState, (GLenum array))                                                  \
@@ -70,9 +69,6 @@
     EACH(void, Materialfv, (GLenum face, GLenum name, const GLfloat *values))                      \
     EACH(void, MatrixMode, (GLenum mode))                                                          \
     EACH(void, NormalPointer, (GLenum type, GLsizei stride, const void *pointer))                  \
-    EACH(void, PopMatrix, (void))                                                                  \
-    EACH(void, PushMatrix, (void))                                                                 \
-    EACH(void, Rectf, (GLfloat left, GLfloat bottom, GLfloat right, GLfloat top))                  \
     EACH(void, ShadeModel, (GLenum mode))                                                          \
     EACH(void, TexCoordPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))    \
     EACH(void, VertexPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))

@@ -258,35 +258,12 @@ static void draw_instance(struct gl *gl, int instance)
     call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
 }
 
-/* Empties the colours of the buffer, and leaves textures switched off. Clears the colour by drawing
- * over it: Mesa fills 16-byte pixels one by one, at ten times the price of a rectangle. */
-static void blacken(struct gl *gl)
-{
-    const struct gl_functions *call = gl->base.call;
-    if (gl->current == gl->colours) /* the other one never has a texture */
-        bind_texture(gl, NULL);
-    call->Disable(GL_LIGHTING);
-    call->Disable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
-    call->MatrixMode(GL_PROJECTION);
-    call->PushMatrix();
-    call->LoadIdentity();
-    call->MatrixMode(GL_MODELVIEW);
-    call->LoadIdentity();
-    call->Color4f(0, 0, 0, 0);
-    call->Rectf(-1, -1, 1, 1);
-    call->MatrixMode(GL_PROJECTION);
-    call->PopMatrix();
-    call->MatrixMode(GL_MODELVIEW);
-    call->Enable(GL_DEPTH_TEST);
-    call->Enable(GL_LIGHTING);
-}
-
-/* Empties what the current context has drawn of another tile. */
-static void clear_stale(struct gl *gl)
+/* Empties what the current context has drawn of another tile, and all depths. */
+static void clear(struct gl *gl)
 {
     bool *is_stale = &gl->is_stale[gl->current != gl->colours];
-    if (*is_stale)
-        blacken(gl);
+    const GLbitfield colours = *is_stale ? GL_COLOR_BUFFER_BIT : 0;
+    gl->base.call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     *is_stale = false;
 }
 
@@ -295,8 +272,7 @@ static void draw_pass(struct gl *gl, int group, int first_band, double full_scal
 {
     const struct plan *plan = gl->base.plan;
     int shaded = -1;
-    clear_stale(gl);
-    gl->base.call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    clear(gl);
     place_lights(gl, group);
     for (int i = 0; i < plan->n_instances; i++) {
         const struct placed_instance *placed = &plan->instances[i];
@@ -332,15 +308,14 @@ static bool draw_instances(struct gl *gl, bool shadows, struct error *err)
     static const struct numbered_draw by = {place, draw_batch};
     const struct gl_functions *call = gl->base.call;
     const bool is_smooth = gl->base.plan->scene->shading != SHADING_FLAT;
-    if (!shadows)
-        clear_stale(gl);
     bind_texture(gl, NULL);
     call->Disable(GL_LIGHTING);
-    call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     if (is_smooth)
         call->ShadeModel(GL_FLAT);
-    if (!shadows)
+    if (!shadows) {
+        clear(gl);
         call->Enable(GL_STENCIL_TEST);
+    }
     call->BindBuffer(GL_ARRAY_BUFFER, 0);
     call->DisableClientState(GL_NORMAL_ARRAY);
     call->EnableClientState(GL_COLOR_ARRAY);

@@ -278,11 +278,6 @@ void glClear(GLbitfield buffers)
     COUNTED(glClear, buffers)(buffers);
 }
 
-void glRectf(GLfloat x1, GLfloat y1, GLfloat x2, GLfloat y2)
-{
-    COUNTED(glRectf, 0)(x1, y1, x2, y2);
-}
-
 void glDrawElements(GLenum mode, GLsizei n, GLenum type, const void *indices)
 {
     COUNTED(glDrawElements, 0)(mode, n, type, indices);
