@@ -11,9 +11,9 @@
 /* A triangle that throws a shadow. */
 struct cap {
     struct occluder of;
-    int32_t corner[3]; /* vertices of the object: of its instances, one behind the other */
     int side;          /* 1: it faces the light; -1: it turns away */
     bool is_behind;    /* beyond the far plane, or at it */
+    int32_t corner[3]; /* vertices of its volume, once make_vertices has made them */
 };
 /* The volumes of an object while they are made. */
 struct maker {
@@ -25,13 +25,12 @@ struct maker {
     int first, end;           /* the instances of the object */
     struct cap *caps;
     int n_caps;
-    int32_t *number; /* of each vertex of the object in the volume that is made; -1: not in it */
-    int n_near;      /* vertices of it; the far ones follow */
     struct volume *out;
-    struct index edges; /* by their ends, as floats; then for each one */
+    int n_near;           /* vertices of it; the far ones follow */
+    struct index corners; /* by their places: vertices of it at one place are one */
+    struct index edges;   /* by their ends, the smaller number first; then for each one */
     struct edge {
-        int32_t from, to;
-        int32_t n; /* how many more caps run from `from` to `to` than back */
+        int32_t ends[2], n; /* n: how many more caps run this way than back */
     } * list;
     int n_edges;
 };
@@ -141,8 +140,8 @@ static bool is_behind(const struct lit_scene *lit, int instance, const int32_t v
 }
 
 /* Lists the triangles of an instance that throw a shadow. A solid beside the light needs those of
- * one side only. offset: vertices of the instances before. */
-static bool list_caps(struct maker *maker, int instance, int offset, struct error *err)
+ * one side only. */
+static bool list_caps(struct maker *maker, int instance, struct error *err)
 {
     const struct placed_instance *placed = &maker->lit->plan->instances[instance];
     const struct vector *eye = maker->lit->occluders.vertices[instance];
@@ -150,10 +149,9 @@ static bool list_caps(struct maker *maker, int instance, int offset, struct erro
     for (int t = 0; t < placed->instance.n_triangles; t++) {
         const int32_t *v = placed->instance.triangles[t];
         const struct vector corner[3] = {eye[v[0]], eye[v[1]], eye[v[2]]};
-        const struct cap cap = {{instance, t},
-                                {offset + v[0], offset + v[1], offset + v[2]},
-                                light_side(maker, instance, t),
-                                is_behind(maker->lit, instance, v)};
+        const struct cap cap = {.of = {instance, t},
+                                .side = light_side(maker, instance, t),
+                                .is_behind = is_behind(maker->lit, instance, v)};
         if (cap.side == 0 || (cap.side < 0 && beside))
             continue;
         maker->nearest = fmin(maker->nearest, triangle_distance(maker->light, corner));
@@ -225,16 +223,19 @@ static bool add_vertex(struct volume *out, struct vector at, struct error *err)
     return array_add(&out->vertices, &out->n_vertices, &vertex, sizeof vertex, err);
 }
 
-/* Numbers the vertices of n caps, and adds them: where they are, and then at the far end. */
-static bool make_vertices(struct maker *maker, const struct cap *caps, int n, struct error *err)
+/* Makes the vertices of n caps: where they are, and then at the far end. */
+static bool make_vertices(struct maker *maker, struct cap *caps, int n, struct error *err)
 {
     struct volume *out = maker->out;
     for (int i = 0; i < 3 * n; i++) {
-        int32_t *number = &maker->number[caps[i / 3].corner[i % 3]];
-        if (*number >= 0)
+        const struct vector at = corner_of(maker, &caps[i / 3], i % 3);
+        const float key[3] = {(float)at.x + 0, (float)at.y + 0, (float)at.z + 0}; /* -0 is 0 */
+        int32_t *vertex = &caps[i / 3].corner[i % 3];
+        *vertex = index_find(&maker->corners, key, sizeof key);
+        if (*vertex >= 0)
             continue;
-        *number = out->n_vertices;
-        if (!add_vertex(out, corner_of(maker, &caps[i / 3], i % 3), err))
+        *vertex = out->n_vertices;
+        if (!index_add(&maker->corners, key, sizeof key, *vertex, err) || !add_vertex(out, at, err))
             return false;
     }
     maker->n_near = out->n_vertices;
@@ -264,40 +265,22 @@ static bool add_triangle(struct maker *maker, const int32_t corners[3], struct o
            array_add(&out->caps, &out->n, &cap, sizeof cap, err);
 }
 
-/* Counts an edge of a cap. Ends of the same numbers are one. */
+/* Counts an edge of a cap. */
 static bool count_edge(struct maker *maker, int32_t from, int32_t to, struct error *err)
 {
-    float ends[2][3];
-    const int32_t at[2] = {from, to};
-    for (int i = 0; i < 2; i++) {
-        const struct vector p = maker->out->vertices[at[i]].position;
-        ends[i][0] = (float)p.x + 0;
-        ends[i][1] = (float)p.y + 0;
-        ends[i][2] = (float)p.z + 0;
-    }
-    const int order = memcmp(ends[0], ends[1], sizeof ends[0]);
-    if (order == 0)
-        return true;
-    if (order > 0) {
-        float first[3];
-        memcpy(first, ends[0], sizeof first);
-        memcpy(ends[0], ends[1], sizeof first);
-        memcpy(ends[1], first, sizeof first);
-    }
-    const int known = index_find(&maker->edges, ends, sizeof ends);
-    if (known >= 0) {
-        maker->list[known].n += order < 0 ? 1 : -1;
-        return true;
-    }
-    const struct edge edge = {order < 0 ? from : to, order < 0 ? to : from, order < 0 ? 1 : -1};
-    return index_add(&maker->edges, ends, sizeof ends, maker->n_edges, err) &&
-           array_add(&maker->list, &maker->n_edges, &edge, sizeof edge, err);
+    const bool back = from > to;
+    const struct edge edge = {{back ? to : from, back ? from : to}, back ? -1 : 1};
+    const int known = index_find(&maker->edges, edge.ends, sizeof edge.ends);
+    if (known >= 0)
+        maker->list[known].n += edge.n;
+    return known >= 0 || from == to ||
+           (index_add(&maker->edges, edge.ends, sizeof edge.ends, maker->n_edges, err) &&
+            array_add(&maker->list, &maker->n_edges, &edge, sizeof edge, err));
 }
 
 /* Adds the part of a cap beyond the far plane, which OpenGL cuts off the cap itself. Caps that
  * share an edge cut it at the same numbers. */
-static bool add_beyond(struct maker *maker, const struct cap *cap, const int32_t at[3],
-                       struct error *err)
+static bool add_beyond(struct maker *maker, const struct cap *cap, struct error *err)
 {
     static const struct clip_plane far_plane = {{0, 0, 1, -1}, 0};
     const struct surface *surface = &maker->lit->surfaces[cap->of.surface];
@@ -309,8 +292,8 @@ static bool add_beyond(struct maker *maker, const struct cap *cap, const int32_t
         struct vector point = {0, 0, 0};
         for (int c = 0; c < 3; c++)
             point = vector_add(point, vector_scale(corner_of(maker, cap, c), corners[i].share[c]));
-        number[i] =
-            corners[i].inner == corners[i].outer ? at[corners[i].inner] : maker->out->n_vertices;
+        number[i] = corners[i].inner == corners[i].outer ? cap->corner[corners[i].inner]
+                                                         : maker->out->n_vertices;
         if (number[i] == maker->out->n_vertices && !add_vertex(maker->out, point, err))
             return false;
     }
@@ -336,12 +319,11 @@ static bool has_part(const struct cap *cap, enum cap_part part)
 static bool add_cap(struct maker *maker, const struct cap *cap, enum cap_part part,
                     struct error *err)
 {
-    const int32_t *number = maker->number, n = part == CAP_FAR ? maker->n_near : 0,
-                  at[3] = {number[cap->corner[0]], number[cap->corner[1]], number[cap->corner[2]]};
+    const int32_t n = part == CAP_FAR ? maker->n_near : 0, *at = cap->corner;
     const bool turned = (part == CAP_FAR && cap->side > 0) || (part == CAP_BEHIND && cap->side < 0);
     const int32_t corners[3] = {at[0] + n, at[turned ? 2 : 1] + n, at[turned ? 1 : 2] + n};
     if (part == CAP_BEYOND)
-        return add_beyond(maker, cap, at, err);
+        return add_beyond(maker, cap, err);
     if (part != CAP_EDGES)
         return add_triangle(maker, corners, part == CAP_NEAR ? cap->of : no_cap, err);
     for (int i = 0; i < 3; i++) {
@@ -367,8 +349,7 @@ static bool add_sides(struct maker *maker, struct error *err)
 {
     for (int i = 0; i < maker->n_edges; i++) {
         const struct edge *edge = &maker->list[i];
-        const int32_t a = edge->n > 0 ? edge->from : edge->to,
-                      b = edge->n > 0 ? edge->to : edge->from, n = maker->n_near;
+        const int32_t a = edge->ends[edge->n < 0], b = edge->ends[edge->n > 0], n = maker->n_near;
         const int32_t one[3] = {b, a, a + n}, other[3] = {b, a + n, b + n};
         for (int k = abs(edge->n); k > 0; k--)
             if (!add_triangle(maker, one, no_cap, err) || !add_triangle(maker, other, no_cap, err))
@@ -428,7 +409,7 @@ static bool ends_beyond(const struct maker *maker)
 }
 
 /* Adds the volume of n caps to the list. */
-static bool make_volume(struct maker *maker, const struct cap *caps, int n, int shadowed,
+static bool make_volume(struct maker *maker, struct cap *caps, int n, int shadowed,
                         struct volumes *list, struct error *err)
 {
     const struct volume fresh = {.shadowed = shadowed, .instance = maker->first};
@@ -437,8 +418,7 @@ static bool make_volume(struct maker *maker, const struct cap *caps, int n, int 
     maker->out = &list->list[list->n - 1];
     const bool done = make_vertices(maker, caps, n, err) && add_triangles(maker, caps, n, err);
     maker->out->is_doubtful = done && !ends_beyond(maker);
-    for (int i = 0; i < 3 * n; i++)
-        maker->number[caps[i / 3].corner[i % 3]] = -1;
+    index_free(&maker->corners);
     index_free(&maker->edges);
     free(maker->list);
     maker->list = NULL;
@@ -451,20 +431,13 @@ static bool make_volume(struct maker *maker, const struct cap *caps, int n, int 
 static bool make_volumes(struct maker *maker, int shadowed, struct volumes *list, struct error *err)
 {
     const struct placed_instance *instances = maker->lit->plan->instances;
-    int n_vertices = 0;
     maker->towards = light_in_mesh(&instances[maker->first].instance, maker->light);
     maker->nearest = HUGE_VAL;
-    for (int i = maker->first; i < maker->end; i++) {
-        if (!list_caps(maker, i, n_vertices, err))
+    for (int i = maker->first; i < maker->end; i++)
+        if (!list_caps(maker, i, err))
             return false;
-        n_vertices += instances[i].instance.n_vertices;
-    }
     maker->reach = maker->light->directional ? 2 * fmax(0, maker->farthest - maker->nearest)
                                              : fmax(2, 2 * maker->farthest / maker->nearest);
-    if (!MAKE_ARRAY(maker->number, n_vertices, err, "the vertices of a shadow"))
-        return false;
-    for (int i = 0; i < n_vertices; i++)
-        maker->number[i] = -1;
     int64_t looks = (int64_t)MOST_LOOKS * maker->n_caps;
     const int most =
         may_wrap(maker, maker->caps, maker->n_caps, 0, &looks) ? MOST_COUNTED : maker->n_caps;
@@ -491,9 +464,8 @@ static bool list_volumes(const struct lit_scene *lit, int shadowed, struct volum
             end++;
         maker.end = end;
         done = (first->casts >> shadowed & 1) == 0 || make_volumes(&maker, shadowed, out, err);
-        FREE_ALL(maker.caps, maker.number);
+        free(maker.caps);
         maker.caps = NULL;
-        maker.number = NULL;
         maker.n_caps = 0;
     }
     return done;
