@@ -31,23 +31,6 @@ static double page_scale(const struct stored_band *band)
     return holds_counts(band) ? 1 : band->lit->full_scale / FULL_COUNT;
 }
 
-/* Returns whether all are in [0, FULL_COUNT]; NaN is not. Sums are kept in lanes, which the
- * compiler can do together; `counts` is filled up to whole lanes with 0. */
-static bool are_counts(double *counts, size_t n)
-{
-    enum { LANES = 4 };
-    const double middle = 0.5 * FULL_COUNT;
-    double odd[LANES] = {0}, sum = 0;
-    for (; n % LANES != 0; n++)
-        counts[n] = 0;
-    for (size_t i = 0; i < n; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            odd[k] += fabs(counts[i + k] - middle) <= middle ? 0 : 1;
-    for (size_t k = 0; k < LANES; k++)
-        sum += odd[k];
-    return sum < 1;
-}
-
 /* Replaces what the page cannot hold by what it stores instead. Counts at or above `limit` are
  * counted as clipped. */
 static void tame(const struct stored_band *band, double *counts, size_t n, double limit,
@@ -63,7 +46,7 @@ static void tame(const struct stored_band *band, double *counts, size_t n, doubl
 }
 
 /* Stores n <= BLOCK samples from band->out[at] on. `counts`, BLOCK of them, in units of full scale
- * / FULL_COUNT, are changed where the page cannot hold them. Usually none are. */
+ * / FULL_COUNT, are changed where the page cannot hold them. */
 static void store(const struct stored_band *band, double *counts, size_t n, double limit, size_t at,
                   struct odd_samples *odd)
 {
@@ -72,8 +55,7 @@ static void store(const struct stored_band *band, double *counts, size_t n, doub
     uint8_t *bytes = (uint8_t *)band->out + at;
     uint16_t *words = (uint16_t *)band->out + at;
     float *floats = (float *)band->out + at;
-    if (!holds_counts(band) || limit <= FULL_COUNT || !are_counts(counts, n))
-        tame(band, counts, n, limit, odd);
+    tame(band, counts, n, limit, odd);
     for (size_t i = 0; i < n && bits == 8; i++)
         bytes[i] = (uint8_t)(int)(counts[i] / COUNTS_PER_BYTE + 0.5);
     for (size_t i = 0; i < n && bits == 16; i++)
