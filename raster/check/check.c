@@ -421,9 +421,8 @@ static void settle_all(struct check *check, const struct tile *tile, struct chec
 
 void check_free(struct check *check)
 {
-    FREE_ALL(check->stretches, check->failed, check->ratio, check->floor, check->band_floor,
-             check->hypotheses, check->estimates, check->candidate_estimates, check->rests,
-             check->limits);
+    FREE_ALL(check->failed, check->ratio, check->floor, check->band_floor, check->hypotheses,
+             check->estimates, check->candidate_estimates, check->rests, check->limits);
     *check = (struct check){.scene = NULL};
 }
 
@@ -436,13 +435,6 @@ static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row
            chunk->picture.surface[at] == chunk->picture.surface[first])
         at++;
     return at - first;
-}
-
-static void find_stretches(const struct chunk *chunk, uint16_t *out)
-{
-    const size_t width = (size_t)chunk->picture.at.width, n_pixels = chunk_pixels(chunk);
-    for (size_t first = 0; first < n_pixels; first += out[first] ? out[first] : 1)
-        out[first] = (uint16_t)settled_pixels(chunk, first, (first / width + 1) * width);
 }
 
 static bool allocate(const struct chunk *chunk, struct check *out, struct error *err)
@@ -465,7 +457,6 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
                       "%zu candidates, such as triangles of %s", n_candidates, object) &&
            MAKE_ARRAY(out->rests, n_bands, err, "the check of %d bands", n_bands) &&
            MAKE_ARRAY(out->limits, n_bands, err, "the check of %d bands", n_bands) &&
-           MAKE_ARRAY(out->stretches, n, err, "the check of %zu pixels", n) &&
            (!out->scene->mapped || MAKE_ARRAY(out->ratio, n, err, "a map of %zu pixels", n));
 }
 
@@ -478,7 +469,6 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
         check_free(out);
         return false;
     }
-    find_stretches(chunk, out->stretches);
     for (size_t i = 0; i < chunk->n_candidates + chunk->n_ambiguous; i++)
         out->hypotheses[i] =
             (struct hypothesis){.alive = true, .samples = empty_verdict.samples, .band = -1};
@@ -498,7 +488,7 @@ static void treat_settled(struct check *check, int first_band, int n_channels, c
     struct block block;
     for (size_t first = 0; first < chunk_pixels(check->chunk); first += block.n ? block.n : 1) {
         const float *from = pixels + (first / width * stride + first % width) * 4;
-        block.n = check->stretches[first];
+        block.n = settled_pixels(check->chunk, first, (first / width + 1) * width);
         for (size_t i = 0; i < block.n; i++)
             for (size_t c = 0; c < BANDS_PER_PASS; c++)
                 seen[c][i] = from[4 * i + c];

@@ -174,9 +174,6 @@ bool is_biased(const struct check_verdict *verdict);
 struct check {
     const struct check_scene *scene;
     const struct chunk *chunk;
-    /* of pixels with a single candidate, BLOCK at most of one surface in a row: of the first how
-     * many they are; of ambiguous pixels 0 */
-    uint16_t *stretches;
     bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
     struct check_verdict verdict;
     struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
