@@ -17,7 +17,6 @@ struct visit {
     struct fragment_list *pixel;
     double x, y;
     struct edge_functions edges;
-    double most; /* most_slack */
 };
 
 static const struct bounded_triangle *visited(const struct visit *visit)
@@ -52,16 +51,6 @@ static void own_edge_slack(const struct bounded_triangle *triangle,
     edge_slack(edges, errors, slack);
 }
 
-/* The largest slack at any pixel that scan_triangle visits. scan_triangle visits centres up to the
- * error and 1.5 pixels outside of the bounding box. */
-static double most_slack(const struct bounded_triangle *triangle)
-{
-    const double *x = triangle->screen.x, *y = triangle->screen.y,
-                 error = most_of(triangle->edge_px),
-                 size = most_of(x) - least_of(x) + most_of(y) - least_of(y);
-    return 2 * error * (size + 3 + 3 * error);
-}
-
 /* True if a point lies beside the box around a triangle whose corners are off by up to `most`:
  * edges no longer than that may run in any direction, and do not exclude it. */
 static bool is_beside_box(const struct screen_triangle *screen, const double most[2], double px,
@@ -71,13 +60,14 @@ static bool is_beside_box(const struct screen_triangle *screen, const double mos
            least_of(screen->y) - most[1] > py || py > most_of(screen->y) + most[1];
 }
 
-static enum presence near_edges(const struct bounded_triangle *triangle,
-                                const struct edge_functions *edges, double px, double py)
+static enum presence triangle_presence(const struct visit *visit)
 {
+    const struct bounded_triangle *triangle = visited(visit);
+    const struct edge_functions *edges = &visit->edges;
     const double *errors = triangle->edge_px, most = most_of(errors);
-    enum presence presence = DEFINITE;
+    enum presence presence = triangle->screen.twice_area > 0 ? DEFINITE : POSSIBLE;
     double slack[3];
-    if (is_beside_box(&triangle->screen, (const double[2]){most, most}, px, py))
+    if (is_beside_box(&triangle->screen, (const double[2]){most, most}, visit->x, visit->y))
         return IMPOSSIBLE;
     own_edge_slack(triangle, edges, slack);
     for (int i = 0; i < 3; i++) {
@@ -89,18 +79,6 @@ static enum presence near_edges(const struct bounded_triangle *triangle,
             presence = POSSIBLE;
     }
     return presence;
-}
-
-static enum presence triangle_presence(const struct visit *visit)
-{
-    const struct bounded_triangle *triangle = visited(visit);
-    const double *e = visit->edges.e, most = visit->most;
-    enum presence presence = DEFINITE;
-    if (e[0] < -most || e[1] < -most || e[2] < -most)
-        return IMPOSSIBLE;
-    if (!(e[0] > most && e[1] > most && e[2] > most))
-        presence = near_edges(triangle, &visit->edges, visit->x, visit->y);
-    return presence == DEFINITE && !(triangle->screen.twice_area > 0) ? POSSIBLE : presence;
 }
 
 /* A triangle without area touches its longest edge only. */
@@ -399,8 +377,7 @@ static bool visit_triangle(struct fragments *of, int surface, int triangle)
     int n = triangle_parts(of->tile, surface, triangle, &of->rows, parts);
     for (int i = 0; i < n; i++) {
         const struct bounded_triangle *bounded = &parts[i].bounded;
-        struct visit visit = {
-            .of = of, .triangle = (int32_t)of->n_triangles, .most = most_slack(bounded)};
+        struct visit visit = {.of = of, .triangle = (int32_t)of->n_triangles};
         if (!add_part(of, &parts[i]) ||
             !scan_triangle(&bounded->screen, &of->rows, most_of(bounded->edge_px), visit_pixel,
                            &visit))
@@ -532,11 +509,8 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
         const int n = triangle_parts(is_cut ? of->tile : tile, is_cut ? cap->surface : index,
                                      is_cut ? cap->triangle : t, &of->rows, parts);
         for (int i = 0; i < n; i++) {
-            struct facet_visit facet = {.visit = {.of = of,
-                                                  .triangle = (int32_t)of->n_triangles,
-                                                  .most = most_slack(&parts[i].bounded)},
-                                        .volume = volume,
-                                        .facet = t};
+            struct facet_visit facet = {
+                {.of = of, .triangle = (int32_t)of->n_triangles}, volume, t};
             if (watertight && is_behind_all(volume, t, &parts[i].bounded))
                 continue;
             if (!add_part(of, &parts[i]) ||
