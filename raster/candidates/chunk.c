@@ -42,8 +42,7 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
     if (!make_room(out, n_rows))
         return false;
     pixel_take_place(&bounding->pixel, place);
-    put_rows(bounding->pixel.surface->instance, bounding->pixel.attributes, place->place,
-             out->candidate_rows + first, 1);
+    pixel_put(&bounding->pixel, out->candidate_rows + first);
     struct mean_bound mean =
         pixel_errors(&bounding->pixel, out->candidate_rows + first, 1,
                      out->candidate_errors + first, out->candidate_own + first);
@@ -109,8 +108,7 @@ enum { MOST_IN_DOUBT = 6 };
 
 /* Adds the pixel's triangle, which has its bounds, with its gates turned: in each way in which
  * lights may reach it, and with each place in the texture that OpenGL may sample. */
-static bool add_shadowed(struct bounding *bounding, const struct fragment *fragment, unsigned gates,
-                         int x, int y)
+static bool add_shadowed(struct bounding *bounding, const struct fragment *fragment, unsigned gates)
 {
     struct bounded_pixel *pixel = &bounding->pixel;
     struct texel_point choices[TEXEL_CHOICES];
@@ -121,16 +119,14 @@ static bool add_shadowed(struct bounding *bounding, const struct fragment *fragm
     added.has_no_shadow = count_bits(in_doubt) > MOST_IN_DOUBT;
     added.loose = added.loose || added.has_no_shadow;
     in_doubt = added.loose ? 0 : in_doubt;
+    const int n = pixel_choices(pixel, choices);
     for (uint32_t more = in_doubt;; more = (more - 1) & in_doubt) {
-        pixel_darken(pixel, dark | more);
-        const int n = pixel_choices(pixel, choices);
+        pixel->dark = dark | more;
         for (int i = 0; i < n; i++)
             if (!add_candidate(bounding, &added, gates, &choices[i]))
                 return false;
         if (more == 0)
             return true;
-        pixel_bound(pixel, fragment, x, y, true); /* with all of its weights again */
-        pixel_turn_gates(pixel, gates);
     }
 }
 
@@ -141,7 +137,7 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
     unsigned gates = 0;
     do {
         pixel_bound(&bounding->pixel, fragment, x, y, true);
-        if (!add_shadowed(bounding, fragment, gates, x, y))
+        if (!add_shadowed(bounding, fragment, gates))
             return false;
     } while (++gates < 1U << bounding->pixel.n_gated);
     return true;
