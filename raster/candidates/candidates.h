@@ -76,9 +76,11 @@ struct ambiguous_pixel {
  */
 struct chunk {
     struct picture picture;
-    struct picture stored; /* instead of that one; without pixels: that one is stored */
-    float *errors;         /* of picture.rows: bounds on OpenGL's error; NULL without a check */
-    float *own; /* of the same: bounds on what each band rounds by itself, a part of errors */
+    /* picture.rows as they are checked: with the driver's levels of detail. Owned where the picture
+     * is stored and these differ; NULL without a check */
+    double *rows;
+    float *errors; /* of rows: bounds on OpenGL's error; NULL without a check */
+    float *own;    /* of the same: bounds on what each band rounds by itself, a part of errors */
     struct pixel_bounds *pixels; /* of each pixel; but for overdraw, unless it is ambiguous */
     bool *is_ambiguous;
     uint32_t *dark; /* of each pixel: lights that do not reach it: see picture_shadow; NULL: none */

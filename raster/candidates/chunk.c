@@ -4,6 +4,7 @@
  * gets candidates, each with its own bounds. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "raster/candidates/inside.h"
 
@@ -42,7 +43,7 @@ static bool add_candidate(struct bounding *bounding, const struct fragment *frag
     if (!make_room(out, n_rows))
         return false;
     pixel_take_place(&bounding->pixel, place);
-    pixel_put(&bounding->pixel, out->candidate_rows + first);
+    pixel_put(&bounding->pixel, out->candidate_rows + first, 1);
     struct mean_bound mean =
         pixel_errors(&bounding->pixel, out->candidate_rows + first, 1,
                      out->candidate_errors + first, out->candidate_own + first);
@@ -328,9 +329,10 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     const struct fragment *only = &bounding->fragments.fragments[list->head];
     pixel_bound(&bounding->pixel, only, x, y, false);
     const uint32_t dark = bounding->pixel.dark = out->dark ? out->dark[index] : 0;
+    if (bounding->pixel.surface->instance->texels.n_levels > 1)
+        pixel_put(&bounding->pixel, out->rows + index, n_pixels);
     const uint32_t in_doubt =
-        only->in_doubt &
-        (dark | pixel_shadowed(&bounding->pixel, out->picture.rows + index, n_pixels));
+        only->in_doubt & (dark | pixel_shadowed(&bounding->pixel, out->rows + index, n_pixels));
     if (bounding->pixel.n_gated > 0 || in_doubt != 0 ||
         pixel_choices(&bounding->pixel, choices) > 1)
         return true;
@@ -338,8 +340,8 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     struct pixel_bounds *bounds = &out->pixels[index];
     bounds->depth_error = stored_depth_error(only->depth_error, out->picture.depth[index]);
     bounds->steepness = (float)pixel_steepness(&bounding->pixel);
-    bounds->mean = pixel_errors(&bounding->pixel, out->picture.rows + index, n_pixels,
-                                out->errors + index, out->own + index);
+    bounds->mean = pixel_errors(&bounding->pixel, out->rows + index, n_pixels, out->errors + index,
+                                out->own + index);
     return false;
 }
 
@@ -362,6 +364,21 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
 
 /* ---- a chunk ---- */
 
+/* The driver decides the levels of detail of what is checked, and the specification those of what
+ * is stored, on every machine. */
+static bool make_rows(struct chunk *out, const struct plan *plan)
+{
+    const struct rectangle *at = &out->picture.at;
+    const size_t n = (size_t)at->width * (size_t)at->height * (size_t)plan->max_rows;
+    out->rows = out->picture.rows;
+    if (!checks_other_rows(plan))
+        return true;
+    if (!memory_make(&out->rows, n, sizeof *out->rows))
+        return false;
+    memcpy(out->rows, out->picture.rows, n * sizeof *out->rows);
+    return true;
+}
+
 static bool allocate(struct bounding *bounding)
 {
     struct chunk *out = bounding->chunk;
@@ -372,7 +389,8 @@ static bool allocate(struct bounding *bounding)
            memory_make(&out->errors, n_pixels * n_rows, sizeof *out->errors) &&
            memory_make(&out->own, n_pixels * n_rows, sizeof *out->own) &&
            memory_make(&out->pixels, n_pixels, sizeof *out->pixels) &&
-           memory_make(&out->is_ambiguous, n_pixels, sizeof *out->is_ambiguous);
+           memory_make(&out->is_ambiguous, n_pixels, sizeof *out->is_ambiguous) &&
+           make_rows(out, plan);
 }
 
 static bool find_candidates(const struct tile *tile, struct chunk *chunk)
@@ -388,34 +406,20 @@ static bool find_candidates(const struct tile *tile, struct chunk *chunk)
     return done;
 }
 
-/* Draws rows of a tile by the reference, with their shadows, and with levels of detail by a rule.
- * False: no memory. */
-static bool draw_rows(const struct tile *tile, const struct rectangle *rows,
-                      const struct detail_rule *detail, struct picture *out, uint32_t **dark)
+/* Draws the rows of a tile by the reference, with their shadows. False: no memory. */
+static bool draw_rows(const struct lit_scene *lit, struct chunk *out)
 {
-    const struct lit_scene *lit = tile->lit;
     const struct plan *plan = lit->plan;
-    struct view view = plan->view;
-    view.detail = detail;
-    if (!picture_draw(&view, lit->surfaces, plan->n_instances, rows, plan->max_rows, out))
+    const struct rectangle rows = out->picture.at;
+    if (!picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
+                      &out->picture))
         return false;
     if (plan->view.n_shadowed == 0)
         return true;
-    if (!memory_make(dark, (size_t)rows->width * (size_t)rows->height, sizeof **dark))
+    if (!memory_make(&out->dark, (size_t)rows.width * (size_t)rows.height, sizeof *out->dark))
         return false;
-    picture_shadow(&view, &lit->occluders, out, *dark);
+    picture_shadow(&plan->view, &lit->occluders, &out->picture, out->dark);
     return true;
-}
-
-/* Draws the pixels that are stored where others are checked: the driver that checks decides the
- * levels of detail of the one, and the specification those of the other, on every machine. */
-static bool draw_stored(const struct tile *tile, const struct rectangle *rows, struct picture *out)
-{
-    const struct plan *plan = tile->lit->plan;
-    uint32_t *dark = NULL;
-    const bool done = !draws_twice(plan) || draw_rows(tile, rows, plan->view.detail, out, &dark);
-    free(dark);
-    return done;
 }
 
 /* Draws chunk `index` of a tile: chunk_rows of the plan, fewer in the last chunk. Finds its
@@ -433,18 +437,14 @@ static bool chunk_draw(const struct tile *tile, int index)
     *out = (struct chunk){.picture = {.at = rows}};
     if (!plan->options.check && !plan->options.store_raster)
         return true;
-    const struct detail_rule *detail =
-        plan->options.check ? &lit->driver->detail : plan->view.detail;
-    if (!draw_rows(tile, &rows, detail, &out->picture, &out->dark) ||
-        !draw_stored(tile, &rows, &out->stored))
-        return false;
-    return !plan->options.check || find_candidates(tile, out);
+    return draw_rows(lit, out) && (!plan->options.check || find_candidates(tile, out));
 }
 
 static void chunk_free(struct chunk *chunk)
 {
+    if (chunk->rows != chunk->picture.rows)
+        free(chunk->rows);
     picture_free(&chunk->picture);
-    picture_free(&chunk->stored);
     FREE_ALL(chunk->dark, chunk->errors, chunk->own, chunk->pixels, chunk->is_ambiguous,
              chunk->ambiguous, chunk->candidates, chunk->candidate_rows, chunk->candidate_errors,
              chunk->candidate_own);

@@ -171,8 +171,9 @@ void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
 /* Returns a bit for each light with shadows that has a weight among those of the pixel's terms,
  * `stride` apart, after pixel_bound. */
 uint32_t pixel_shadowed(const struct bounded_pixel *pixel, const double *weights, size_t stride);
-/* Writes the pixel_rows numbers that the pixel keeps, by the lights that reach it. */
-void pixel_put(const struct bounded_pixel *pixel, double *rows);
+/* Writes the pixel_rows numbers that the pixel keeps, by the lights that reach it, `stride` apart.
+ */
+void pixel_put(const struct bounded_pixel *pixel, double *rows, size_t stride);
 /* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
  */
 struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,

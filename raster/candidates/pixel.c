@@ -390,12 +390,12 @@ uint32_t pixel_shadowed(const struct bounded_pixel *pixel, const double *weights
     return bits;
 }
 
-void pixel_put(const struct bounded_pixel *pixel, double *rows)
+void pixel_put(const struct bounded_pixel *pixel, double *rows, size_t stride)
 {
-    put_rows(pixel->surface->instance, pixel->attributes, pixel->place.place, rows, 1);
+    put_rows(pixel->surface->instance, pixel->attributes, pixel->place.place, rows, stride);
     for (size_t t = 0; t < (size_t)pixel->surface->instance->n_terms; t++)
         if ((shadow_bit(pixel, t) & pixel->dark) != 0)
-            rows[t] = 0;
+            rows[t * stride] = 0;
 }
 
 /* The errors of a pixel's weights, added up: see struct mean_bound. */

@@ -105,7 +105,7 @@ static struct run run_of(const struct check *check, size_t first, struct block *
     const struct chunk *chunk = check->chunk;
     const int32_t surface = chunk->picture.surface[first];
     return (struct run){.shaded = surface < 0 ? NULL : check->scene->lit->bounds[surface].shaded,
-                        .rows = chunk->picture.rows + first,
+                        .rows = chunk->rows + first,
                         .errors = chunk->errors + first,
                         .own = chunk->own + first,
                         .stride = chunk_pixels(chunk),

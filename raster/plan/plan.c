@@ -13,11 +13,11 @@
  * ambiguous pixels (18). A row has a weight (8), its errors (8) and an estimate (4); a sum of
  * passes is a colour, and Mesa keeps a copy (32). Checked steps of 16 bits have a colour and depth
  * of Mesa's own (12) and our copy (8) beside what floats have. Shaders draw four frames at once:
- * Mesa's own (48) and our copies (64) come on top. Lights with shadows have a mask (4). A picture
- * that is drawn twice has surface, triangle and depth again (16), and the weights of its rows (8).
+ * Mesa's own (48) and our copies (64) come on top. Lights with shadows have a mask (4). Rows of the
+ * check have their weights again (8).
  */
 enum { PIXEL_BYTES = 192, ROW_BYTES = 20, SUM_BYTES = 32, STEPS_BYTES = 20, SHADER_BYTES = 112 };
-enum { MASK_BYTES = 4, TWICE_BYTES = 16, TWICE_ROW_BYTES = 8 };
+enum { MASK_BYTES = 4, CHECKED_ROW_BYTES = 8 };
 /* The memory of a tile, without what stages need to work side by side, so that a render stays well
  * below 300 MiB with Mesa's own memory. Tiles should keep their sizes: the last bits of what OpenGL
  * draws depend on where a tile begins. */
@@ -85,7 +85,6 @@ static struct view view_of(const struct plan *plan, const struct camera *camera)
     static const enum shading_model shadings[] = {
         [SHADING_SMOOTH] = GOURAUD, [SHADING_FLAT] = FLAT, [SHADING_PHONG] = PHONG};
     const struct scene *scene = plan->scene;
-    static const struct detail_rule defined = {.quad = false};
     return (struct view){.width = scene->positions * scene->width,
                          .height = scene->positions * scene->height,
                          .projection = projection_of(camera, scene->width, scene->height),
@@ -93,8 +92,7 @@ static struct view view_of(const struct plan *plan, const struct camera *camera)
                          .shading = shadings[scene->shading],
                          .lights = plan->lights,
                          .n_lights = plan->n_lights,
-                         .find_detail = detail_find,
-                         .detail = &defined};
+                         .find_detail = detail_find};
 }
 
 /* Whole rows of the picture where they fit, so that a band of a tile is one piece of its page. */
@@ -106,7 +104,7 @@ static void size_tiles(struct plan *plan)
         plan->options.use_gl && !plan->options.check && !plan->options.store_raster;
     const size_t n_rows = (size_t)plan->max_rows;
     size_t pixel = PIXEL_BYTES + ROW_BYTES * n_rows + (plan->view.n_shadowed > 0 ? MASK_BYTES : 0) +
-                   (draws_twice(plan) ? TWICE_BYTES + TWICE_ROW_BYTES * n_rows : 0) +
+                   (checks_other_rows(plan) ? CHECKED_ROW_BYTES * n_rows : 0) +
                    (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
                    (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0) +
                    (plan->options.gl_way != GL_WITHOUT_SHADERS ? SHADER_BYTES : 0);

@@ -225,7 +225,7 @@ bool plan_has_mipmaps(const struct plan *plan)
     return has;
 }
 
-bool draws_twice(const struct plan *plan)
+bool checks_other_rows(const struct plan *plan)
 {
     return plan->options.store_raster && plan->options.check && plan_has_mipmaps(plan);
 }

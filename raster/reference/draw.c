@@ -110,7 +110,7 @@ static void shade_pixel(struct drawing *drawing, size_t pixel)
     if (instance->textured)
         texel_place(&instance->texels, drawing->attributes + instance->n_terms, place);
     if (instance->textured && instance->texels.n_levels > 1)
-        place[PLACE_DETAIL] = drawing->view->find_detail(drawing->view->detail, triangle, x, y);
+        place[PLACE_DETAIL] = drawing->view->find_detail(triangle, x, y);
     put_rows(instance, drawing->attributes, place, picture->rows + pixel, n_pixels);
     picture->surface[pixel] = (int32_t)(triangle->surface - drawing->surfaces);
     picture->triangle[pixel] = triangle->triangle;

@@ -27,12 +27,9 @@ struct eye_light {
 };
 enum shading_model { GOURAUD, FLAT, PHONG };
 struct screen_triangle;
-struct detail_rule;
 /* Finds the level of detail of a textured triangle at a pixel, from 0 to its last level: the binary
- * logarithm of how many texels a step to the next pixel takes in. It may be found by several rules.
- */
-typedef double detail_finder(const struct detail_rule *by, const struct screen_triangle *triangle,
-                             int x, int y);
+ * logarithm of how many texels a step to the next pixel takes in. */
+typedef double detail_finder(const struct screen_triangle *triangle, int x, int y);
 struct view {
     int width, height;        /* of the picture */
     struct matrix projection; /* eye space to clip space */
@@ -40,8 +37,7 @@ struct view {
     enum shading_model shading;
     const struct eye_light *lights;
     int n_lights, n_shadowed;   /* n_shadowed: the last ones, each with terms of its own */
-    detail_finder *find_detail; /* by this rule; only of mipmaps */
-    const struct detail_rule *detail;
+    detail_finder *find_detail; /* only of mipmaps */
 };
 enum reflection { CONSTANT, DIFFUSE, SPECULAR }; /* constant: the weight is 1 */
 struct term {

@@ -194,7 +194,7 @@ static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
     const struct plan *plan = of->state->plan;
     const struct counted *counted = &of->state->counted;
     const struct chunk *drawn = &of->tile->chunks[chunk];
-    const struct picture *picture = drawn->stored.surface ? &drawn->stored : &drawn->picture;
+    const struct picture *picture = &drawn->picture;
     const struct rectangle at = plan_pixels(plan, &picture->at);
     const size_t first = (size_t)at.width * (size_t)(at.y - counted->at.y);
     struct stored_band stored[BANDS_PER_PASS];

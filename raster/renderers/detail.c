@@ -76,10 +76,10 @@ double detail_of(const struct detail_rule *rule, int n_levels, double steps[2][2
     return most > 1 ? fmin(fmax(0, logarithm_of(rule, fmin(most, longest))), n_levels - 1) : 0;
 }
 
-double detail_find(const struct detail_rule *by, const struct screen_triangle *triangle, int x,
-                   int y)
+double detail_find(const struct screen_triangle *triangle, int x, int y)
 {
+    static const struct detail_rule defined = {.quad = false};
     double steps[2][2];
-    detail_steps(by, triangle, x, y, steps);
-    return detail_of(by, triangle->surface->instance->texels.n_levels, steps);
+    detail_steps(&defined, triangle, x, y, steps);
+    return detail_of(&defined, triangle->surface->instance->texels.n_levels, steps);
 }

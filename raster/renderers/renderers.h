@@ -36,7 +36,7 @@ void detail_steps(const struct detail_rule *rule, const struct screen_triangle *
 /* Returns the level of detail for such steps: not below 0, nor beyond the last level. It never
  * falls where a step grows. */
 double detail_of(const struct detail_rule *rule, int n_levels, double steps[2][2]);
-detail_finder detail_find;
+detail_finder detail_find; /* by the specification's definition */
 
 /* ---- driver.c: the known properties of drivers ---- */
 

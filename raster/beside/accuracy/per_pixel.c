@@ -194,8 +194,7 @@ static double texel_of(const struct judged_surface *of, const struct screen_tria
         return 0.5 * (texture->smallest + texture->largest);
     texel_place(&instance->texels, attributes + instance->n_terms, place);
     if (instance->texels.n_levels > 1)
-        place[PLACE_DETAIL] =
-            view->find_detail(view->detail, triangle, (int)floor(at[0]), (int)floor(at[1]));
+        place[PLACE_DETAIL] = view->find_detail(triangle, (int)floor(at[0]), (int)floor(at[1]));
     return texel_at(&instance->texels, place);
 }
 
