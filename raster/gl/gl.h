@@ -210,6 +210,8 @@ bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, 
 struct shown drawing_shown(const struct renderer *renderer, int x, int y);
 void drawing_set_viewport(const struct drawing *of); /* of the tile */
 void drawing_read_depths(const struct drawing *of);  /* if they are wanted */
+/* Empties all depths, and stale colours: those of another tile. They are stale no more. */
+void drawing_clear(const struct drawing *of, bool *is_stale);
 
 /* Binds the vertices of an instance, VERTEX_NUMBERS floats each, and its triangles. Returns how
  * many corners these have. */

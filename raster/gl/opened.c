@@ -363,6 +363,13 @@ void drawing_close(struct drawing *of)
 
 /* ---- a tile ---- */
 
+void drawing_clear(const struct drawing *of, bool *is_stale)
+{
+    const GLbitfield colours = *is_stale ? GL_COLOR_BUFFER_BIT : 0;
+    of->call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    *is_stale = false;
+}
+
 /* A smaller tile lies in the first rows of the buffer. */
 void drawing_set_viewport(const struct drawing *of)
 {

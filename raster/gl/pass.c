@@ -258,21 +258,12 @@ static void draw_instance(struct gl *gl, int instance)
     call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
 }
 
-/* Empties what the current context has drawn of another tile, and all depths. */
-static void clear(struct gl *gl)
-{
-    bool *is_stale = &gl->is_stale[gl->current != gl->colours];
-    const GLbitfield colours = *is_stale ? GL_COLOR_BUFFER_BIT : 0;
-    gl->base.call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    *is_stale = false;
-}
-
 /* Draws up to BANDS_PER_PASS bands, lit by one group of lights. */
 static void draw_pass(struct gl *gl, int group, int first_band, double full_scale)
 {
     const struct plan *plan = gl->base.plan;
     int shaded = -1;
-    clear(gl);
+    drawing_clear(&gl->base, &gl->is_stale[gl->current != gl->colours]);
     place_lights(gl, group);
     for (int i = 0; i < plan->n_instances; i++) {
         const struct placed_instance *placed = &plan->instances[i];
@@ -313,7 +304,7 @@ static bool draw_instances(struct gl *gl, bool shadows, struct error *err)
     if (is_smooth)
         call->ShadeModel(GL_FLAT);
     if (!shadows) {
-        clear(gl);
+        drawing_clear(&gl->base, &gl->is_stale[gl->current != gl->colours]);
         call->Enable(GL_STENCIL_TEST);
     }
     call->BindBuffer(GL_ARRAY_BUFFER, 0);

@@ -86,14 +86,6 @@ static void place_instance(const struct shader *shader, const struct program *pr
         set_matrix(shader, program->normals, &placed->normal_matrix, 3);
 }
 
-/* Empties what was drawn of another tile, and all depths. */
-static void clear(struct shader *shader)
-{
-    const GLbitfield colours = shader->stale ? GL_COLOR_BUFFER_BIT : 0;
-    shader->base.call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    shader->stale = false;
-}
-
 /* ---- a material ---- */
 
 /* Gives a program the colours of a material, of passes or of lights and passes, unless it has them.
@@ -209,7 +201,7 @@ static bool shader_identify(struct renderer *renderer, struct error *err)
     struct shader *shader = (struct shader *)renderer;
     if (!program_use(shader, NULL, err))
         return false;
-    clear(shader);
+    drawing_clear(&shader->base, &shader->stale);
     choose_colours(shader, 1);
     shader->base.call->Enable(GL_STENCIL_TEST);
     shader->base.call->DisableVertexAttribArray(COORDINATES);
@@ -238,7 +230,7 @@ static bool draw_batch(struct shader *shader, int first, struct error *err)
         if (!group_is_drawn(plan, group))
             continue;
         shader->n_batches++;
-        clear(shader);
+        drawing_clear(&shader->base, &shader->stale);
         for (int i = 0; i < plan->n_instances; i++)
             if (surface_reaches(&of->lit->bounds[i], &of->tile) &&
                 !draw_instance(shader, i, group, err))
