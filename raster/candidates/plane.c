@@ -126,6 +126,14 @@ static struct plane_rounding plane_rounding(const struct clipped_triangle *trian
         .own = roundings(2) * (terms + extent) + roundings(4) * across + roundings(5) * up};
 }
 
+/* Bounds the error of a plane through q, but for its part relative to the value at the pixel. */
+static double plane_error(const struct clipped_triangle *triangle, const struct edges *edges,
+                          const double q[3])
+{
+    const struct plane_rounding rounding = plane_rounding(triangle, edges, q);
+    return rounding.common + rounding.own;
+}
+
 /* True in a parallel view: w is 1, and neither products nor divisions by it round. */
 static bool is_parallel(const struct clipped_triangle *triangle)
 {
@@ -143,9 +151,8 @@ double bound_linear(const struct clipped_triangle *triangle, const double values
                     double e_values)
 {
     struct edges edges = edges_of(triangle);
-    struct plane_rounding rounding = plane_rounding(triangle, &edges, values);
     return most_of(triangle->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
-           e_values * edges.spread + rounding.common + rounding.own +
+           e_values * edges.spread + plane_error(triangle, &edges, values) +
            roundings(triangle->value_roundings) * largest(values) * edges.spread;
 }
 
@@ -157,18 +164,12 @@ static double fixed_slack(const struct clipped_triangle *triangle, const struct 
            edges->slack_per_d * (edges->spread - 1) * largest(triangle->screen.inverse_w);
 }
 
-/* Bounds the error of D, but for its part relative to D. */
-static double inverse_w_error(const struct clipped_triangle *triangle, const struct edges *edges)
-{
-    struct plane_rounding rounding = plane_rounding(triangle, edges, triangle->screen.inverse_w);
-    return rounding.common + rounding.own;
-}
-
 void bound_inverse_w(struct clipped_triangle *triangle)
 {
     struct edges edges = edges_of(triangle);
-    double slope = norm(gradient_of(&edges, triangle->screen.inverse_w)),
-           fixed = slope * fixed_slack(triangle, &edges) + inverse_w_error(triangle, &edges),
+    const double *d = triangle->screen.inverse_w;
+    double slope = norm(gradient_of(&edges, d)),
+           fixed = slope * fixed_slack(triangle, &edges) + plane_error(triangle, &edges, d),
            per_d = slope * edges.slack_per_d + inverse_w_roundings(triangle),
            magnification = HUGE_VAL;
     /* beyond, second-order terms would no longer be small */
@@ -203,7 +204,7 @@ struct colour_bound bound_colour(const struct clipped_triangle *triangle, const 
         .per_d = slope * edges.slack_per_d,
         .fixed = slope * fixed_slack(triangle, &edges) +
                  triangle->slack.w * range * beyond * largest(d) + of_n.common +
-                 value * inverse_w_error(triangle, &edges),
+                 value * plane_error(triangle, &edges, d),
         .own_constant = roundings(products + triangle->value_roundings) * value,
         .own_fixed = of_n.own + roundings(1 + triangle->value_roundings) * beyond * largest(n)};
 }
@@ -273,13 +274,6 @@ static double step_of_corners(const struct value_step *of, double e_values)
                    fabs(after * (value - of->to.value) - before * (value - of->from.value));
     }
     return sum;
-}
-
-static double plane_error(const struct clipped_triangle *triangle, const struct edges *edges,
-                          const double q[3])
-{
-    const struct plane_rounding rounding = plane_rounding(triangle, edges, q);
-    return rounding.common + rounding.own;
 }
 
 /* Planes: with e for the errors of N and D that both pixels share, and c for those of their changes

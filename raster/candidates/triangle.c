@@ -454,12 +454,6 @@ static int set_up(const struct tile *tile, struct bounded_triangle *triangle,
     return 1;
 }
 
-/* The difference between a stored depth and the computed one, at most. */
-static double depth_rounding(const struct driver *driver)
-{
-    return roundings(driver->depth_roundings);
-}
-
 /* Corners that are cut off lie nowhere for OpenGL; those that cutting makes are off by slack_px. */
 static void set_edge_errors(const struct tile *tile, struct bounded_triangle *triangle)
 {
@@ -492,7 +486,8 @@ static void complete(const struct tile *tile, const struct clip_plane planes[CLI
             error = fmax(error, clipped->magnification *
                                     bound_linear(clipped, clipped->screen.z, clipped->slack.depth));
     }
-    triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(tile->lit->driver);
+    triangle->depth_error =
+        error < 0 ? HUGE_VAL : error + roundings(tile->lit->driver->depth_roundings);
     set_edge_errors(tile, triangle);
     triangle->edge_on = may_turn(&triangle->screen, triangle->edge_px);
 }
@@ -503,7 +498,7 @@ static bool crosses_depth(const struct lit_scene *lit, const struct screen_trian
 {
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *vertex = &screen->surface->vertices[screen->vertex[i]];
-        double slack = whole_slack(lit, screen, i).depth + depth_rounding(lit->driver);
+        double slack = whole_slack(lit, screen, i).depth + roundings(lit->driver->depth_roundings);
         if (!(vertex->clip[3] > 0) || vertex->z < slack || vertex->z > 1 - slack)
             return true;
     }
