@@ -36,6 +36,7 @@ struct knowledge {
     double brightest;   /* the largest sum of a band's spectra */
     double *covariance; /* [term][term]; owned */
     double *moved;      /* covariance x spectra of the band that came last; owned */
+    double *saved;      /* room for a covariance; owned */
 };
 
 /* The place of a term in the tables of a material: see struct material_fit. */
@@ -72,6 +73,7 @@ static bool knowledge_begin(const struct fit *fit, const struct material_fit *ma
     const size_t n = (size_t)material->n_terms;
     *out = (struct knowledge){.material = material};
     if (!MAKE_ARRAY(out->covariance, n * n, err, "the fit of a material") ||
+        !MAKE_ARRAY(out->saved, n * n, err, "the fit of a material") ||
         !MAKE_ARRAY(out->moved, n, err, "the fit of a material"))
         return false;
     for (size_t i = 0; i < n; i++)
@@ -83,7 +85,7 @@ static bool knowledge_begin(const struct fit *fit, const struct material_fit *ma
 
 static void knowledge_free(struct knowledge *knowledge)
 {
-    FREE_ALL(knowledge->covariance, knowledge->moved);
+    FREE_ALL(knowledge->covariance, knowledge->moved, knowledge->saved);
 }
 
 /* Takes a band into account. Returns by how much that narrows the errors, as a binary logarithm of
@@ -111,13 +113,6 @@ static double knowledge_add(struct knowledge *knowledge, int band)
 
 /* ---- pilots ---- */
 
-/* The state of the choice. */
-struct choice {
-    struct fit *fit;
-    struct knowledge *known; /* of each material, from the passes chosen so far */
-    double *saved;           /* room for the largest covariance */
-};
-
 static double add_pass(const struct fit *fit, struct knowledge *known, int pass)
 {
     double narrowed = 0;
@@ -128,29 +123,29 @@ static double add_pass(const struct fit *fit, struct knowledge *known, int pass)
 }
 
 /* Returns by how much a pass would narrow the errors of all materials; *most: of one of them. */
-static double worth_of(struct choice *choice, int pass, double *most)
+static double worth_of(const struct fit *fit, struct knowledge *of, int pass, double *most)
 {
     double sum = 0;
-    for (int m = 0; m < choice->fit->plan->n_materials; m++) {
-        struct knowledge *known = &choice->known[m];
+    for (int m = 0; m < fit->plan->n_materials; m++) {
+        struct knowledge *known = &of[m];
         const size_t n = (size_t)known->material->n_terms, size = n * n * sizeof *known->covariance;
-        memcpy(choice->saved, known->covariance, size);
-        double narrowed = add_pass(choice->fit, known, pass);
-        memcpy(known->covariance, choice->saved, size);
+        memcpy(known->saved, known->covariance, size);
+        double narrowed = add_pass(fit, known, pass);
+        memcpy(known->covariance, known->saved, size);
         sum += narrowed;
         *most = fmax(*most, narrowed);
     }
     return sum;
 }
 
-/* Adds the pass that is worth most. Returns false where none is worth its memory. */
-static bool choose_pass(struct choice *choice)
+/* Adds the pass that is worth most. known: of each material, from the passes chosen so far. Returns
+ * false where none is worth its memory. */
+static bool choose_pass(struct fit *fit, struct knowledge *known)
 {
-    struct fit *fit = choice->fit;
     double largest = 0;
-    int best = -1;
+    int best = -1, at;
     for (int pass = 0; pass < fit->plan->n_passes; pass++) {
-        double most = 0, worth = pilot_pass(fit, pass) >= 0 ? 0 : worth_of(choice, pass, &most);
+        double most = 0, worth = pilot_pass(fit, pass) >= 0 ? 0 : worth_of(fit, known, pass, &most);
         if (worth > largest && most > binary_logarithm(worthwhile)) {
             largest = worth;
             best = pass;
@@ -159,40 +154,30 @@ static bool choose_pass(struct choice *choice)
     if (best < 0)
         return false;
     for (int m = 0; m < fit->plan->n_materials; m++)
-        add_pass(fit, &choice->known[m], best);
-    fit->passes[fit->n_passes++] = best;
+        add_pass(fit, &known[m], best);
+    for (at = fit->n_passes++; at > 0 && fit->passes[at - 1] > best; at--)
+        fit->passes[at] = fit->passes[at - 1];
+    fit->passes[at] = best;
     return fit->n_passes < MOST_PILOT_PASSES;
-}
-
-static int compare_passes(const void *a, const void *b)
-{
-    const int *first = a, *second = b;
-    return *first - *second;
 }
 
 /* Chooses fit->passes and fit->pilots. False: no memory. */
 static bool pilots_choose(struct fit *fit, struct error *err)
 {
     const int n_materials = fit->plan->n_materials;
-    size_t most = 0;
-    struct choice choice = {.fit = fit};
-    bool done = MAKE_ARRAY(choice.known, n_materials, err, "the fit of materials");
-    for (int m = 0; m < n_materials && done; m++) {
-        const size_t n = (size_t)fit->materials[m].n_terms;
-        most = n > most ? n : most;
-        done = knowledge_begin(fit, &fit->materials[m], &choice.known[m], err);
-    }
-    done = done && MAKE_ARRAY(choice.saved, most * most, err, "the fit of materials");
-    while (done && choose_pass(&choice))
+    struct knowledge *known;
+    bool done = MAKE_ARRAY(known, n_materials, err, "the fit of materials");
+    for (int m = 0; m < n_materials && done; m++)
+        done = knowledge_begin(fit, &fit->materials[m], &known[m], err);
+    while (done && choose_pass(fit, known))
         ;
-    qsort(fit->passes, (size_t)fit->n_passes, sizeof *fit->passes, compare_passes);
     for (int p = 0; p < fit->n_passes; p++)
         for (int i = 0, first = fit->passes[p] * BANDS_PER_PASS; i < pass_bands(fit->plan, first);
              i++)
             fit->pilots[fit->n_pilots++] = first + i;
-    for (int m = 0; m < n_materials && choice.known; m++)
-        knowledge_free(&choice.known[m]);
-    FREE_ALL(choice.known, choice.saved);
+    for (int m = 0; m < n_materials && known; m++)
+        knowledge_free(&known[m]);
+    free(known);
     return done;
 }
 
