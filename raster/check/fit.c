@@ -232,7 +232,7 @@ static struct slope slope_of(const struct run *run, int m, size_t i)
     if (!texel->is_straight)
         return out;
     out.noise = sample->error * (texel->value + texel->error) +
-                fabs(sample->radiance) * texel->rest + flushed_counts();
+                fabs(sample->radiance) * texel->rest + FLUSHED_COUNTS;
     for (int k = 0; k < m; k++) {
         out.g[k] = sample->radiance * texel->slope[k];
         out.e_place[k] = (double)run->errors[(size_t)(run->shaded->n_terms + k) * run->stride + i];
@@ -396,7 +396,7 @@ static void bound_band(const struct fit *fit, struct material_fit *of, int band)
     double kept = by.itself < 0 ? 1 : 1 - by.h[by.itself];
     bool fitted = by.sum > 0 && kept >= 1 - MOST_OF_ITSELF;
     out->scale = fitted ? (float)(1 / kept) : 0;
-    out->flushed = (float)(flushed_counts() * (1 + by.sum));
+    out->flushed = (float)(FLUSHED_COUNTS * (1 + by.sum));
     for (int t = 0; t < of->n_terms; t++) {
         double s = in_band(of, t, band), own = s * fabs(kept), rest = s, rounding = 0;
         for (int k = 0; k < fit->n_pilots; k++) {

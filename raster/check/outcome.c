@@ -98,7 +98,7 @@ static double mean_limit(const struct check_totals *totals)
     for (size_t i = 0; i < totals->n_triangles; i++)
         squares += totals->varying[i] * totals->varying[i];
     return (totals->shared + sqrt(2 * chance * squares)) / pixels + buffer_rounding(plan) +
-           flushed_counts();
+           FLUSHED_COUNTS;
 }
 
 bool is_biased(const struct check_verdict *verdict)

@@ -9,15 +9,6 @@
 
 #include "raster/counts/counts.h"
 
-/* In counts, some 10^-25 of full scale. Mesa flushes results below 2^-126 = 1.2e-38 to zero. The
- * set-up of a plane magnifies this error by one over the triangle's area (10^4 at most; smaller
- * triangles are too thin for a bound), by the distance to the framebuffer's origin (2 x 16384), and
- * by a w of up to 2048. There are 4 such steps. */
-double flushed_counts(void)
-{
-    return 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
-}
-
 /* ---- OpenGL's colour buffer ---- */
 
 /* A driver rounds each pass to the nearest step. Before that it multiplies and adds (2 roundings).
@@ -87,7 +78,7 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
 /* Adds what may be flushed to zero. A bound that single precision cannot hold is infinite. */
 VECTORIZED static void add_flushed(size_t n, float *bound)
 {
-    const float flushed = (float)flushed_counts();
+    const float flushed = (float)FLUSHED_COUNTS;
     for (size_t i = 0; i < n; i++) {
         const float more = bound[i] + flushed;
         bound[i] = more < HUGE_VALF ? more : HUGE_VALF; /* NaN too */

@@ -44,9 +44,12 @@ struct run {
     size_t stride, n;
     struct textured_sample *textured; /* of the band that came last; NULL without errors */
 };
-/* Bounds the part of a sample that OpenGL's results that are flushed to zero may take, in counts.
- */
-double flushed_counts(void);
+/* The most of a sample that OpenGL's results that are flushed to zero take, in counts, some 10^-25
+ * of full scale. Mesa flushes results below 2^-126 = 1.2e-38 to zero. The set-up of a plane
+ * magnifies this error by one over the triangle's area (10^4 at most; smaller triangles are too
+ * thin for a bound), by the distance to the framebuffer's origin (2 x 16384), and by a w of up to
+ * 2048. There are 4 such steps. */
+#define FLUSHED_COUNTS (FULL_COUNT * 1.2e-38 * 1e4 * 32768 * 2048 * 4)
 /* Computes the counts of a run in one band, before rounding, and bounds on OpenGL's error if the
  * run has errors. A bound may be infinite. Fills in what the run keeps. */
 void expect_counts(const struct lit_scene *lit, const struct run *run, int band, double *expected,
