@@ -2,6 +2,7 @@
 /* Samples beside their expected values and bounds, and sums over many samples. */
 #include <float.h>
 #include <math.h>
+#include <stdlib.h>
 
 #include "raster/check/inside.h"
 
@@ -10,11 +11,6 @@
 /* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
  * whole lanes with samples that are 0 and expected to be 0. More lanes do not fit in the
  * registers. */
-
-static double seen_counts(const struct block *block, size_t i)
-{
-    return (double)block->seen[i] * FULL_COUNT;
-}
 
 /* Fills in the differences of `all` samples, a multiple of LANES. */
 VECTORIZED static void differ(struct check_samples *samples, const float *restrict seen,
@@ -39,40 +35,32 @@ VECTORIZED static void differ(struct check_samples *samples, const float *restri
     }
 }
 
-/* Returns whether all samples are counts, which need not be clamped, and within these limits; NaN
- * is not. worst: the largest magnitude of a difference; ratios: the largest error / bound, rest /
- * limit. */
+/* Returns whether all samples are within these limits; NaN is not. worst: the largest magnitude of
+ * a difference; ratios: the largest error / bound, rest / limit. */
 VECTORIZED static bool are_within(const struct block *block, float worst, float ratio,
-                                  float fit_ratio, size_t all)
+                                  float fit_ratio)
 {
-    const float *seen = block->seen;
     int odd = 0;
-    for (size_t i = 0; i < all; i++) {
+    for (size_t i = 0; i < block->n; i++) {
         const float difference = block->difference[i], rest = difference - block->fit.explained[i],
                     most = ratio * block->bound[i], limit = most < worst ? most : worst;
-        odd |= !(seen[i] >= 0) | !(seen[i] <= 1) | !(fabsf(difference) <= limit) |
-               !(fabsf(rest) <= fit_ratio * block->fit.limit[i]);
+        odd |= !(fabsf(difference) <= limit) | !(fabsf(rest) <= fit_ratio * block->fit.limit[i]);
     }
     return odd == 0;
 }
 
-/* Values that need no clamping, and are less than half a count apart, need only be rounded. */
-VECTORIZED static void count_close(struct check_samples *samples, const struct block *block)
+/* Counts the samples that are stored as they are expected, and those at most a count beside. */
+VECTORIZED static void count_equal(struct check_samples *samples, const struct block *block)
 {
-    int exact = 0;
-    for (size_t i = 0; i < block->n; i++)
-        exact += (int)(seen_counts(block, i) + 0.5) == (int)(block->expected[i] + 0.5);
-    samples->exact += (uint64_t)exact;
-    samples->within_1 += block->n;
-}
-
-static void count_equal(struct check_samples *samples, const struct block *block)
-{
+    int exact = 0, within_1 = 0;
     for (size_t i = 0; i < block->n; i++) {
-        const int apart = counts_round(seen_counts(block, i)) - counts_round(block->expected[i]);
-        samples->exact += apart == 0;
-        samples->within_1 += apart >= -1 && apart <= 1;
+        const int apart =
+            counts_round((double)block->seen[i] * FULL_COUNT) - counts_round(block->expected[i]);
+        exact += apart == 0;
+        within_1 += abs(apart) <= 1;
     }
+    samples->exact += (uint64_t)exact;
+    samples->within_1 += (uint64_t)within_1;
 }
 
 /* Raises the worst ratio to that of a value within its bound. Returns whether it is within; NaN is
@@ -91,7 +79,6 @@ static bool raise_ratio(double *worst, float value, float bound)
 static bool look_closer(struct check_samples *samples, const struct block *block)
 {
     bool within = true;
-    count_equal(samples, block);
     for (size_t i = 0; i < block->n; i++) {
         const float difference = block->difference[i];
         if (samples->largest < fabs((double)difference)) /* NaN never counts as larger */
@@ -109,20 +96,15 @@ static bool look_closer(struct check_samples *samples, const struct block *block
 bool samples_compare(struct check_samples *samples, struct block *block)
 {
     size_t all = block->n;
-    for (; all % LANES != 0; all++) {
-        block->seen[all] = block->bound[all] = block->fit.explained[all] = block->fit.limit[all] =
-            0;
-        block->expected[all] = 0;
-    }
-    const float worst = fminf((float)samples->largest, 0.499F),
+    for (; all % LANES != 0; all++)
+        block->expected[all] = (double)(block->seen[all] = 0);
+    const float worst = (float)samples->largest,
                 ratio = (float)samples->worst_ratio, /* beyond 1: of a candidate without a bound */
         fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1;
     samples->n += block->n;
     differ(samples, block->seen, block->expected, block->difference, all);
-    if (!are_within(block, worst, ratio, fit_ratio, all))
-        return look_closer(samples, block);
-    count_close(samples, block);
-    return true;
+    count_equal(samples, block);
+    return are_within(block, worst, ratio, fit_ratio) || look_closer(samples, block);
 }
 
 void samples_add(struct check_samples *to, const struct check_samples *from)
