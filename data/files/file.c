@@ -60,10 +60,27 @@ static bool refuse_binary(const char *path, const char *bytes, size_t zero, size
 {
     const char *format = format_of(bytes, length);
     const struct place whole = {path, 0, 0};
-    if (strcmp(format, "UTF-16") == 0)
+    const bool without_mark =
+        length > 3 && zero < 2 && bytes[zero + 1] != '\0' && bytes[zero + 2] == '\0';
+    if (strcmp(format, "UTF-16") == 0 || (format[0] == '\0' && without_mark))
         return error_at(err, whole, "the text is UTF-16; save it as UTF-8");
     return error_at(err, whole, "byte %zu is NUL, so this is no text file%s%s", zero + 1,
                     format[0] != '\0' ? "; it looks like " : "", format);
+}
+
+/* Instruments fill the ends of lines with NUL bytes. They become blanks. Returns the first other
+ * NUL before `end`; NULL: there is none. */
+static char *fill_lines(char *at, char *end)
+{
+    while ((at = memchr(at, '\0', (size_t)(end - at)))) {
+        char *line = memchr(at, '\n', (size_t)(end - at)), *to = at;
+        while (line && to < line && (*to == '\0' || *to == '\r'))
+            to++;
+        if (!line || to < line)
+            return at;
+        memset(at, ' ', (size_t)(line - at));
+    }
+    return NULL;
 }
 
 /* Reads to the end. Looks for NUL bytes while it reads, so that /dev/zero ends at once. Keeps room
@@ -79,7 +96,7 @@ static bool read_open(const char *path, struct place from, int descriptor, size_
         UNTIL_DONE(got, read(descriptor, more, capacity - 1 - length));
         if (got < 0)
             return error_cause(err, from, "cannot read %s", path);
-        const char *zero = memchr(more, '\0', (size_t)got);
+        const char *zero = fill_lines(more, more + got);
         if (zero != NULL)
             return refuse_binary(path, *bytes, (size_t)(zero - *bytes), length + (size_t)got, err);
         length += (size_t)got;

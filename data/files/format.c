@@ -28,13 +28,24 @@ static const struct format pictures[] = {
     {"JPEG 2000", "\0\0\0\x0cjP", 6},
     {"ENVI", "ENVI\n", 5},
     {"ENVI", "ENVI\r", 5},
+    {"PNM", "P1\n", 3},
+    {"PNM", "P2\n", 3},
+    {"PNM", "P3\n", 3},
+    {"PNM", "P4\n", 3},
+    {"PNM", "P5\n", 3},
+    {"PNM", "P6\n", 3},
 };
 static const struct format others[] = {
-    {"HDF5", "\x89HDF", 4},          {"MATLAB", "MATLAB", 6}, {"NumPy", "\x93NUMPY", 6},
-    {"ZIP", "PK\x03\x04", 4}, /* spreadsheets, too */
-    {"gzip", "\x1f\x8b", 2},         {"PDF", "%PDF", 4},      {"XML", "<?xml", 5},
-    {"XML", "\xef\xbb\xbf<?xml", 8}, {"JSON", "{", 1},        {"UTF-16", "\xff\xfe", 2},
-    {"UTF-16", "\xfe\xff", 2},
+    {"HDF5", "\x89HDF", 4},    {"MATLAB", "MATLAB", 6},
+    {"NumPy", "\x93NUMPY", 6}, {"ZIP", "PK\x03\x04", 4}, /* spreadsheets, too */
+    {"gzip", "\x1f\x8b", 2},   {"PDF", "%PDF", 4},
+    {"XML", "<?xml", 5},       {"XML", "\xef\xbb\xbf<?xml", 8},
+    {"JSON", "{", 1},          {"UTF-16", "\xff\xfe", 2},
+    {"UTF-16", "\xfe\xff", 2}, {"JCAMP-DX", "##TITLE=", 8},
+    {"PLY", "ply\n", 4},       {"PLY", "ply\r", 4},
+    {"STL", "solid ", 6},      {"OFF", "OFF\n", 4},
+    {"OFF", "OFF\r", 4},       {"glTF", "glTF", 4},
+    {"IES", "IESNA", 5},       {"a pointer of Git LFS", "version https://git-lfs", 23},
 };
 enum { PICTURES = sizeof pictures / sizeof *pictures, OTHERS = sizeof others / sizeof *others };
 

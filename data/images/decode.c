@@ -154,13 +154,19 @@ static bool page_turn(const struct image *image, int page, struct error *err)
 
 /* ---- values ---- */
 
-/* Returns a sample as stored. */
-static double sample_at(const struct sample_layout *layout, const void *samples, size_t at)
+static double stored_at(const struct sample_layout *layout, const void *samples, size_t at)
 {
     if (layout->bits == 8)
         return ((const uint8_t *)samples)[at];
     return layout->bits == 16 ? ((const uint16_t *)samples)[at]
                               : (double)((const float *)samples)[at];
+}
+
+/* Returns a linear sample. */
+static double sample_at(const struct sample_layout *layout, const void *samples, size_t at)
+{
+    const double stored = stored_at(layout, samples, at), largest = layout->largest;
+    return layout->gamma == 0 ? stored : largest * linear_value(layout->gamma, stored / largest);
 }
 
 /* Returns a value from 0 to 1, or a float sample. The sum of RGB is a whole number, so that three
@@ -204,7 +210,8 @@ static bool values_place(const struct stored_rows *of, uint32_t y, uint32_t n, f
     const size_t width = layout->width, before = (y - of->first) * width;
     const double scale = of->image->scale;
     if (layout->bits == 16 && layout->n_colours == 1 && layout->pixel_step == 1 &&
-        !layout->inverted && !layout->has_nodata && scale <= (double)FLT_MAX) {
+        !layout->inverted && !layout->has_nodata && layout->gamma == 0 &&
+        scale <= (double)FLT_MAX) {
         counts_place((const uint16_t *)(const void *)of->samples + before, n * width, scale, out);
         return true;
     }

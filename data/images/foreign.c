@@ -16,6 +16,7 @@ struct foreign {
     unsigned char *bytes; /* of the file; owned */
     size_t length;
     uint32_t width, height, channels, sample_bytes;
+    double gamma;       /* see linear_value; 0: values are linear */
     bool planar;        /* one channel after the other */
     char *description;  /* of a PNG; owned; NULL: none */
     bool lacks;         /* memory for it */
@@ -50,6 +51,13 @@ static bool allocate(struct foreign *of, struct error *err)
 
 /* ---- PNG ---- */
 
+double linear_value(double gamma, double value)
+{
+    if (gamma > 0)
+        return power(value, 1 / gamma);
+    return value > 0.04045 ? power((value + 0.055) / 1.055, 2.4) : value / 12.92;
+}
+
 /* Joins the contents of all IDAT chunks in place, behind the signature. Returns false if a chunk is
  * broken or the last one is missing. */
 static bool png_join(struct foreign *of, size_t *packed)
@@ -68,6 +76,10 @@ static bool png_join(struct foreign *of, size_t *packed)
             of->description = strndup((const char *)chunk + 20, length - 12);
             of->lacks = !of->description;
         }
+        if (memcmp(chunk + 4, "sRGB", 4) == 0)
+            of->gamma = GAMMA_SRGB;
+        if (length == 4 && memcmp(chunk + 4, "gAMA", 4) == 0 && of->gamma == 0)
+            of->gamma = number_at(chunk + 8, 4) / 1e5;
         if (memcmp(chunk + 4, "IDAT", 4) == 0) {
             memmove(of->bytes + 8 + *packed, chunk + 8, length);
             *packed += length;
@@ -225,6 +237,7 @@ static bool describe(struct image *image, const struct foreign *of, struct error
         .row_bytes = of->width * pixel_step * of->sample_bytes,
         .rows_offset = FIRST,
         .largest = of->sample_bytes == 1 ? 255 : 65535,
+        .gamma = of->gamma == 1 ? 0 : of->gamma,
     };
     image->width = (int)of->width;
     image->height = (int)of->height;

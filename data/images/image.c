@@ -37,6 +37,8 @@ bool PRINTF_LIKE(4, 5)
 bool image_refuse_broken(const struct image *image, int page, struct error *err)
 {
     const char *message = image->file->client.message;
+    if (strncmp(message, "Not a TIFF", 10) == 0)
+        return image_refuse(image, page, err, "its format is not known; convert it");
     return image_refuse(image, page, err, "libtiff: %.255s",
                         message[0] != '\0' ? message : "its pages cannot be read");
 }
@@ -479,6 +481,12 @@ bool image_open(const char *path, struct place from, image_tags *read_tags, stru
                (image_converts(format) || pages_read(out, read_tags, err));
     }
     return done;
+}
+
+bool image_has_alpha(const struct image *image)
+{
+    const struct sample_layout *layout = image->file->pages;
+    return layout->n_bands == 1 && layout->n_samples > layout->n_colours;
 }
 
 bool image_is_float(const struct image *image)

@@ -58,16 +58,19 @@ bool PRINTF_LIKE(4, 5)
     image_refuse(const struct image *image, int page, struct error *err, const char *format, ...);
 /* Reads rows y .. y + rows - 1 of a page, width values each, the top row first. A value is 0 to 1,
  * or a float sample, times the scale. An RGB pixel has the luma 0.2126 R + 0.7152 G + 0.0722 B
- * (ITU-R BT.709) of its stored values. Refuses a value that is negative or not finite, and a file
- * that ends too early. If the page is uncompressed, only these
- * rows are read. If the samples of all bands lie side by side, these rows of up to 256 MB of bands
- * are kept: read the same rows of one page after the other. */
+ * (ITU-R BT.709) of its values. Those of a PNG
+ * file that says sRGB or gAMA are made linear. Refuses a value that is negative or not finite, and
+ * a file that ends too early. If the page is uncompressed, only these rows are read. If the samples
+ * of all bands lie side by side, these rows of up to 256 MB of bands are kept: read the same rows
+ * of one page after the other. */
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
 /* The wavelengths at which three colours of unknown spectra are taken, from 0 red to 2 blue.
  * Between them they are linear. They reach beyond all light. */
 enum { RGB_KNOTS = 6 };
 extern const double rgb_knot_nm[RGB_KNOTS];
 extern const int rgb_knot_colour[RGB_KNOTS];
+/* Returns whether pixels have an alpha, which is not read. */
+bool image_has_alpha(const struct image *image);
 /* Returns whether all samples are grey floats. */
 bool image_is_float(const struct image *image);
 void image_close(struct image *image);

@@ -20,6 +20,7 @@ struct sample_layout {
     size_t row_bytes;     /* of a plane */
     uint64_t rows_offset; /* the first of such rows; 0: libtiff decodes the blocks */
     double largest;       /* sample of white; 1 of floats */
+    double gamma;         /* of stored values: 0 of linear ones; see foreign.c */
     bool tiled, inverted; /* inverted: 0 is white */
     bool has_nodata;
     double nodata; /* see struct page_record */
@@ -101,5 +102,9 @@ int png_paeth(int left, int above, int corner);
 
 /* foreign.c: decodes an open file of such a format, and lets its client read the samples. */
 bool foreign_read(struct image *image, const char *format, struct error *err);
+
+/* Makes a value of 0 to 1 linear: by the power that encoded it, or by sRGB's curve. */
+enum { GAMMA_SRGB = -1 };
+double linear_value(double gamma, double value);
 
 #endif

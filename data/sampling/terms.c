@@ -186,6 +186,26 @@ static bool allocate(struct terms_maker *maker, struct error *err)
            MAKE_ARRAY(maker->row, (size_t)product_length(pages), err, "the terms of a material");
 }
 
+/* Refuses a reflectance whose table has no value in the range that the pages stand for: its end
+ * value would be the whole picture. The first and last wavelength stand for half a step more. */
+static bool check_range(const struct spectral_pages *pages, const struct spectrum *table,
+                        struct error *err)
+{
+    const int last = pages_looked_at(pages) - 1;
+    const double first_nm = pages_looked_at_nm(pages, 0), last_nm = pages_looked_at_nm(pages, last);
+    const double half = last > 0 ? (pages_looked_at_nm(pages, 1) - first_nm) / 2 : 0.5;
+    if (table->kind != SPECTRUM_SAMPLED ||
+        (table->wavelength_nm[0] <= last_nm + half &&
+         table->wavelength_nm[table->count - 1] >= first_nm - half))
+        return true;
+    return error_at(
+        err, table->place,
+        "'%.100s' has values from %g to %g nm, and none in the picture's range, %g to %g "
+        "nm; if they are not in nm, name the unit above them",
+        table->name, table->wavelength_nm[0], table->wavelength_nm[table->count - 1], first_nm,
+        last_nm);
+}
+
 bool material_terms_make(const struct illumination *illumination, const struct material *material,
                          struct material_terms *out, struct error *err)
 {
@@ -193,7 +213,9 @@ bool material_terms_make(const struct illumination *illumination, const struct m
                                 .out = out,
                                 .luminescence = luminescence_of(&illumination->pages, material)};
     *out = (struct material_terms){.material = material};
-    bool done = allocate(&maker, err) && add_constant(&maker, err);
+    bool done = check_range(&illumination->pages, &material->diffuse, err) &&
+                check_range(&illumination->pages, &material->specular, err) &&
+                allocate(&maker, err) && add_constant(&maker, err);
     for (int i = 0; done && i < illumination->n_first; i++)
         done = add_light(&maker, illumination->first[i], err);
     out->fluoresces = maker.luminescence.seen;

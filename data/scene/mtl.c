@@ -62,6 +62,8 @@ static bool read_colour(struct text *text, enum statement statement, struct plac
            spread(colour, place, out->name, spectra[statement], err);
 }
 
+enum { ILLUM_1 = 1 << LOST_KINDS }; /* it has no highlight */
+
 static bool is_numeric(const struct word *word)
 {
     struct error ignored = {0};
@@ -69,21 +71,29 @@ static bool is_numeric(const struct word *word)
     return word_number(word, "", -HUGE_VAL, HUGE_VAL, &value, &ignored);
 }
 
-/* Skips options such as `-s 1 1 1` and `-clamp on`. Returns whether one scales, moves or disturbs
- * the picture: -s by another number than 1, -o or -t by another one than 0. */
+/* Skips options such as `-s 1 1 1` and `-clamp off`. Returns whether one changes the picture: -s by
+ * another number than 1, -o or -t by another one than 0, -mm by others than 0 and 1, or -clamp on.
+ */
 static bool skip_options(struct text *text)
 {
     struct word option = {.length = 0}, word;
     bool changes = false;
+    int i = 0; /* numbers of the option */
     while (text_peek(*text, &word)) {
         const bool number = is_numeric(&word);
         if (!number && word.start[0] != '-' && !word_is(&word, "on") && !word_is(&word, "off"))
             break;
         text_word(text, &word);
-        if (!number && word.start[0] == '-')
+        const bool gain = word_is(&option, "-mm");
+        if (!number && word.start[0] == '-') {
             option = word;
-        else if (number && option.length == 2)
-            changes = changes || strtod(word.start, NULL) != (word_is(&option, "-s") ? 1 : 0);
+            i = 0;
+        } else if (number && (option.length == 2 || gain)) {
+            changes = changes || strtod(word.start, NULL) !=
+                                     (word_is(&option, "-s") || (gain && i == 1) ? 1 : 0);
+            i++;
+        }
+        changes = changes || (word_is(&option, "-clamp") && word_is(&word, "on"));
     }
     return changes;
 }
@@ -119,18 +129,22 @@ static bool read_map(struct text *text, struct place place, struct material *out
     return true;
 }
 
-/* Notes other statements that change a picture: d below 1, Tr above 0, other maps. */
+/* Notes other statements that change a picture: maps; d or Tf below 1, Tr above 0; illum 0 or 1. */
 static void note_lost(struct text *text, const struct word *first, struct material *out)
 {
-    const bool opacity = word_is(first, "d"), transparency = word_is(first, "Tr");
-    struct word word, last = {.start = ""};
-    if (first->length > 4 && strncasecmp(first->start, "map_", 4) == 0)
-        out->lost |= LOST_MAPS;
-    while ((opacity || transparency) && text_word(text, &word))
-        last = word;
-    if (last.length > 0 && is_numeric(&last) &&
-        (opacity ? strtod(last.start, NULL) < 1 : strtod(last.start, NULL) > 0))
+    static const char *const maps[] = {"bump", "disp", "decal", "refl"};
+    bool is_map = first->length > 4 && strncasecmp(first->start, "map_", 4) == 0;
+    double last = word_is(first, "Tr") ? 0 : 1;
+    for (size_t i = 0; i < sizeof maps / sizeof *maps; i++)
+        is_map = is_map || word_is(first, maps[i]);
+    out->lost |= is_map ? LOST_MAPS : 0;
+    for (struct word word; text_word(text, &word);)
+        last = is_numeric(&word) ? strtod(word.start, NULL) : last;
+    if (((word_is(first, "d") || word_is(first, "Tf")) && last < 1) ||
+        (word_is(first, "Tr") && last > 0))
         out->lost |= LOST_TRANSPARENCY;
+    if (word_is(first, "illum") && last <= 1)
+        out->lost |= last < 1 ? LOST_ILLUM : ILLUM_1;
 }
 
 static bool read_statement(struct text *text, const struct word *first,
@@ -244,8 +258,12 @@ static bool complete(const struct place given[STATEMENTS], struct material *out,
     out->lost |= out->specular.kind != SPECTRUM_NONE && out->gloss > HIGHEST_GLOSS ? LOST_GLOSS : 0;
     out->gloss = out->specular.kind != SPECTRUM_NONE ? fmin(out->gloss, HIGHEST_GLOSS) : 0;
     out->gloss_place = given[NS];
-    if (out->gloss == 0)
+    if (out->gloss == 0) {
+        out->lost |= out->specular.kind != SPECTRUM_NONE ? LOST_HIGHLIGHT : 0;
         spectrum_free(&out->specular);
+    }
+    out->lost |= out->gloss > 0 && (out->lost & ILLUM_1) ? LOST_ILLUM : 0;
+    out->lost &= ~ILLUM_1;
     return out->diffuse.kind != SPECTRUM_NONE ||
            spread(colour, given[KD].line > 0 ? given[KD] : out->place, out->name, &out->diffuse,
                   err);

@@ -18,7 +18,9 @@ enum {
     LOST_TRANSPARENCY = 4,
     LOST_GLOSS = 8,
     LOST_SPECULAR = 16,
-    LOST_KINDS = 5
+    LOST_HIGHLIGHT = 32,
+    LOST_ILLUM = 64,
+    LOST_KINDS = 7
 };
 /* How a surface reflects and emits light. All reflectances are in [0, 1]. */
 struct material {

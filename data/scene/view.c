@@ -75,6 +75,16 @@ static bool read_wavelength_list(struct scene *scene, struct text *text, struct 
     return true;
 }
 
+/* Refuses wavelengths that all lie below 10 nm: light is meant. */
+static bool check_unit(const struct scene *scene, struct error *err)
+{
+    const double last_nm = scene->wavelengths_nm[scene->n_wavelengths - 1];
+    return last_nm >= 10 || error_at(err, scene->wavelengths_place,
+                                     "wavelengths up to %.15g nm; expected nm: multiply micrometres "
+                                     "by 1000",
+                                     last_nm);
+}
+
 bool wavelengths_read(struct scene_reader *reader, struct error *err)
 {
     struct text *text = reader->text, before = *text;
@@ -82,10 +92,11 @@ bool wavelengths_read(struct scene_reader *reader, struct error *err)
     reader->scene->wavelengths_place = reader->place;
     if (!text_expect(text, &word, "START END STEP or list and wavelengths", err))
         return false;
-    if (word_is(&word, "list"))
-        return read_wavelength_list(reader->scene, text, err);
-    *text = before;
-    return read_range(reader->scene, text, err) && text_end(text, "wavelengths", err);
+    const bool list = word_is(&word, "list");
+    if (!list)
+        *text = before;
+    return (list ? read_wavelength_list : read_range)(reader->scene, text, err) &&
+           text_end(text, "wavelengths", err) && check_unit(reader->scene, err);
 }
 
 /* ---- picture ---- */
@@ -263,8 +274,9 @@ bool scene_set_wavelengths(struct scene *scene, const char *value, struct error 
         return false;
     scene->n_wavelengths = 0;
     scene->wavelengths_place = text_place(&text);
-    return range ? read_range(scene, &text, err) && text_end(&text, "START:END:STEP", err)
-                 : read_wavelength_list(scene, &text, err);
+    return (range ? read_range(scene, &text, err) && text_end(&text, "START:END:STEP", err)
+                  : read_wavelength_list(scene, &text, err)) &&
+           check_unit(scene, err);
 }
 
 bool scene_set_size(struct scene *scene, const char *value, struct error *err)

@@ -1,394 +1,392 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads tables of columns, as spreadsheets and instruments write them: a wavelength and its values
- * a row. A file that can be read in two ways is refused, with the words that decide. */
+/* Reads tables of columns: a wavelength and its values a row, or pairs of columns, each value with
+ * the wavelength beside it; or a sample a row, with the wavelengths in the heading. What can be
+ * read in two ways is refused, with the words that decide. */
 #include "data/spectra/inside.h"
 
-/* Returns whether a comment begins here: a # where a field or a word could begin. */
-static bool begins_comment(const struct text *text, const char *at)
-{
-    return *at == '#' && (at == text->line_start || strchr(" \t,;", at[-1]));
-}
+/* ---- what a line is ---- */
 
-/* Returns the character that separates the columns of the current line: a semicolon, if there is
- * one outside of quotes; otherwise a comma, unless a number follows a blank where no comma is: then
- * blanks separate, and commas are decimal. */
-static char find_separator(const struct text *text)
-{
-    bool comma = false, blank = false, quoted = false, gap = false;
-    char last = ',';
-    for (const char *at = text->line_start; at < text->line_end; at++) {
-        if (!quoted && begins_comment(text, at))
-            break;
-        quoted = quoted != (*at == '"');
-        if (!quoted && *at == ';')
-            return ';';
-        comma = comma || (!quoted && *at == ',');
-        blank = blank || (gap && last != ',' && strchr("0123456789+-.\"", *at));
-        gap = *at == ' ' || *at == '\t';
-        last = gap ? last : *at;
-    }
-    return comma && !blank ? ',' : ' ';
-}
+struct line {
+    struct table at;                  /* with its own separator; line 0: there is none */
+    int n_cells, n_filled, n_columns; /* n_columns: up to the last that is filled */
+    int n_numbers; /* as some country writes them; also a wavelength with a unit */
+    int n_nm;      /* wavelengths above 100 nm that rise, or fall; 0: others */
+    double first;  /* its first number; NAN: it begins with none */
+    bool is_units; /* all cells name a unit, or wavelengths */
+};
 
-/* Returns the end of a field without the blanks behind it. */
-static const char *field_end(const struct text *text, const char *at, char separator)
+/* Reads the cell of a wavelength, of which a blank may separate the unit. */
+static bool wavelength_cell(struct table *table, struct word *out)
 {
-    const bool quotes = *at == '"';
-    const char *end = at;
-    bool quoted = false;
-    for (; at < text->line_end && (quoted || (*at != separator && !begins_comment(text, at)));
-         at++) {
-        quoted = quotes && quoted != (*at == '"');
-        if (*at != ' ' && *at != '\t')
-            end = at + 1;
-    }
-    return end;
-}
-
-/* Reads the next field of the current line, without the blanks around it. It may be empty, or in
- * quotes. Returns false behind the last field. */
-static bool read_field(struct text *text, char separator, struct word *out)
-{
-    const char *at = text->at, *end = text->line_end;
-    if (separator == ' ')
-        return text_word(text, out);
-    while (at < end && (*at == ' ' || *at == '\t'))
-        at++;
-    text->at = at;
-    if (at == end || *at == '#')
-        return false;
-    end = field_end(text, at, separator);
-    *out = (struct word){.start = at, .length = (size_t)(end - at), .place = text_place(text)};
-    if (out->length > 1 && *at == '"') {
-        out->quoted = true;
-        out->start++;
-        out->length -= end[-1] == '"' ? 2 : 1;
-    }
-    text->at = end + strspn(end, " \t");
-    text->at += *text->at == separator;
-    return true;
-}
-
-bool table_field(struct table *table, struct word *out)
-{
-    if (!read_field(&table->text, table->separator, out))
-        return false;
-    if (!out->quoted || out->start[out->length] != '"')
-        return true;
-    out->quoted = false;
-    for (; out->length > 0 && strchr(" \t", *out->start); out->start++)
-        out->length--;
-    while (out->length > 0 && strchr(" \t", out->start[out->length - 1]))
-        out->length--;
-    return true;
-}
-
-bool table_mark(struct table *table, const struct word *word, struct error *err)
-{
-    char *comma = memchr(table->text.bytes + (word->start - table->text.bytes), ',', word->length);
-    const bool point = memchr(word->start, '.', word->length) != NULL;
-    const char mark = comma ? ',' : point ? '.' : 0;
-    const int length = word_shown(word);
-    if (comma && table->separator == ',')
-        return error_at(err, word->place,
-                        "%.*s has a decimal comma, but commas separate the columns; write a point, "
-                        "or put semicolons between columns",
-                        length, word->start);
-    if (mark && table->mark && mark != table->mark)
-        return error_at(err, word->place,
-                        "%.*s has a decimal %s, but line %d has a decimal %s; expected one of them",
-                        length, word->start, comma ? "comma" : "point", table->mark_line,
-                        comma ? "point" : "comma");
-    if (mark && !table->mark)
-        table->mark_line = word->place.line;
-    table->mark = mark ? mark : table->mark;
-    if (comma && !point)
-        *comma = '.';
-    return true;
-}
-
-static bool refuse_row(const struct word *word, struct error *err)
-{
-    return error_at(err, word->place,
-                    "expected a wavelength in nm, found '%.*s'; put # before a line that is no row "
-                    "of the table",
-                    word_shown(word), word->start);
-}
-
-/* Reads a wavelength, which may have its unit nm. */
-static bool read_wavelength(struct table *table, struct word *word, double *out, struct error *err)
-{
-    const size_t length = word->length;
-    struct text ahead = table->text;
+    struct table ahead;
     struct word unit;
-    if (!word_begins_wavelength(word) && !word->quoted)
-        return refuse_row(word, err);
-    if (length > 2 && strncmp(word->start + length - 2, "nm", 2) == 0)
-        for (word->length -= 2; strchr(" \t", word->start[word->length - 1]);)
-            word->length--;
-    else if (table->separator == ' ' && text_word(&ahead, &unit) && word_is(&unit, "nm"))
-        table->text = ahead;
-    return table_mark(table, word, err) &&
-           word_number(word, "wavelength", -HUGE_VAL, HUGE_VAL, out, err);
-}
-
-/* Drops names of a heading that do not fit the columns, and numbers columns without a name. */
-static bool name_columns(struct table *table, long n_columns, struct error *err)
-{
-    if (table->names.n > n_columns) {
-        set_names_free(&table->names);
-        table->names = (struct set_names){0};
-    }
-    while (table->names.n < n_columns)
-        if (!names_add(table, NULL, err))
-            return false;
+    if (!line_cell(table, out))
+        return false;
+    ahead = *table;
+    if (table->separator == ' ' && line_cell(&ahead, &unit) && word_is(&unit, "nm"))
+        *table = ahead;
     return true;
 }
 
-/* Keeps the number of columns, or refuses it. */
-static bool check_columns(struct table *table, long n_columns, struct place place,
-                          struct error *err)
+/* Counts a cell. */
+static void line_add(struct line *line, const struct word *cell, double *last)
 {
-    const struct columns *wanted = table->wanted;
-    const bool named = table->names.n == n_columns;
-    const char *advice = table->separator == ',' && n_columns > 1
-                             ? "; if its commas are decimal, put semicolons between columns"
-                             : "";
-    char name[LABEL_SIZE];
-    table->n_columns = n_columns;
-    if (!name_columns(table, n_columns, err))
-        return false;
-    if (wanted->sample.length > 0 && table->first == 0)
-        return sample_unknown(table, err);
-    if (table->first > n_columns)
-        return error_at(err, wanted->table.place, "'%.*s' has no value column %ld; its last is %ld",
-                        word_shown(&wanted->table), wanted->table.start, table->first, n_columns);
-    if (wanted->all || wanted->is_set)
-        return true;
-    if (wanted->count == 0 && n_columns == 3 && !named)
-        return error_at(err, place,
-                        "the columns have no names; write a heading, 'wavelength,x,y,z' for an "
-                        "observer or 'wavelength,r,g,b' for a camera");
-    return wanted->count != 1 || table->first > 0 || n_columns == 1 ||
-           error_at(err, wanted->table.place,
-                    "'%s' has %ld value columns; write '%s:1' for the first of them, or its name%s",
-                    table_label(table, name), n_columns, name, advice);
+    const double nm = heading_nm(cell, false);
+    const bool number = word_is_numeric(cell, "0123456789+-.,%eE"), first = line->n_cells == 0;
+    struct meaning meaning;
+    struct error own = {.status = EXIT_AGREED};
+    heading_read(cell, false, &meaning, &own);
+    line->is_units =
+        line->is_units && (cell->length == 0 || meaning.is_unit || meaning.is_wavelength);
+    line->n_cells++;
+    line->n_filled += cell->length > 0;
+    line->n_columns = cell->length > 0 ? line->n_cells : line->n_columns;
+    line->n_numbers += number || (first && nm > 0);
+    if (first && (number || nm > 0))
+        line->first = nm;
+    if (nm > 0 && line->n_nm >= 0)
+        line->n_nm = line->n_nm < 2 || (nm > last[1]) == (last[1] > last[0]) ? line->n_nm + 1 : -1;
+    if (nm > 0 && nm == last[1])
+        line->n_nm = -1;
+    last[0] = nm > 0 ? last[1] : last[0];
+    last[1] = nm > 0 ? nm : last[1];
 }
 
-/* Reads the values of a row. Empty fields may only stand behind the last value. */
-static bool read_values(struct table *table, long *n_values, struct error *err)
+/* separator: 0: the line's own. */
+static struct line line_look(const struct table *table, char separator)
 {
-    const struct columns *wanted = table->wanted;
-    const long first = table->first > 0 ? table->first : 1;
-    struct place empty = {0};
-    struct word word;
-    double value;
-    *n_values = 0;
-    while (table_field(table, &word)) {
-        if (word.length == 0 && !word.quoted) {
-            empty = empty.line > 0 ? empty : word.place;
-            continue;
-        }
-        if (empty.line > 0)
-            return error_at(err, empty, "expected a value; this column is empty");
-        const long i = ++*n_values - first;
-        const bool kept = i >= 0 && (wanted->count == 0 || i < wanted->count);
-        if (!table_mark(table, &word, err) ||
-            !(kept ? table_value(table, &word, 1, &value, err) &&
-                         array_add(&table->value, &table->n_values, &value, sizeof value, err)
-                   : word_number(&word, "value", -HUGE_VAL, HUGE_VAL, &value, err)))
-            return false;
+    struct line line = {.at = *table, .first = NAN, .is_units = true};
+    struct word cell;
+    double last[2] = {0, 0};
+    line_begin(&line.at);
+    if (separator)
+        line.at.separator = separator;
+    struct table rest = line.at;
+    for (bool more = wavelength_cell(&rest, &cell); more; more = line_cell(&rest, &cell))
+        line_add(&line, &cell, last);
+    line.n_nm = line.n_nm > 0 ? line.n_nm : 0;
+    return line;
+}
+
+static bool is_row(const struct line *line)
+{
+    return !isnan(line->first) && line->n_filled > 1 && line->n_numbers == line->n_filled;
+}
+
+/* ---- the lines of a table ---- */
+
+struct layout {
+    struct line first;        /* the first row, or, `of_rows`, the heading of its wavelengths */
+    struct line names, units; /* the headings above it */
+    struct line broken;       /* the first that begins with a number and is no row */
+    struct word above;        /* what lines above these say: see struct sample */
+    bool of_rows;
+};
+
+/* Finds the first cell of a line that says percent or what is no reflectance, unless an earlier
+ * line has one. */
+static void note_said(const struct line *line, struct word *says)
+{
+    struct table rest = line->at;
+    struct word cell;
+    struct meaning meaning;
+    struct error own = {.status = EXIT_AGREED};
+    while (line->n_cells > 0 && says->length == 0 && line_cell(&rest, &cell)) {
+        heading_read(&cell, false, &meaning, &own);
+        if (meaning.is_percent || meaning.quantity == QUANTITY_OTHER)
+            *says = cell;
     }
-    return true;
 }
 
-/* Refuses a wavelength out of order. The second one decides which order that is. */
-static bool check_order(struct table *table, const struct row *row, struct error *err)
+/* Takes the separator of the rows, where the line has it. */
+static void split_again(struct line *line, char separator)
 {
-    const double last = table->n_rows > 0 ? table->row[table->n_rows - 1].nm : -HUGE_VAL;
-    if (table->n_rows == 1)
-        table->decreasing = row->nm < last;
-    return (table->decreasing ? row->nm < last : row->nm > last) ||
-           error_at(err, row->place, "wavelength %.15g nm follows %.15g nm; wavelengths must %s",
-                    row->nm, last,
-                    table->decreasing ? "decrease, as in the first two rows" : "increase");
+    const struct text *text = &line->at.text;
+    if (line->n_cells > 0 && separator != ' ' &&
+        memchr(text->line_start, separator, (size_t)(text->line_end - text->line_start)))
+        *line = line_look(&line->at, separator);
 }
 
-/* Reads the current line: a wavelength and one or more values. Skips a line of empty fields. */
-static bool read_row(struct table *table, struct error *err)
+/* Marks of Ocean Optics' programs stand around the rows, and DOS ends files with Ctrl-Z. */
+static bool is_mark(const struct text *text)
 {
-    struct row row = {0};
-    struct word word;
-    long n;
-    if (!table_field(table, &word))
-        return true;
-    row.place = word.place;
-    if (word.length == 0) {
-        while (word.length == 0 && table_field(table, &word))
-            ;
-        return word.length == 0 || error_at(err, row.place, "expected a wavelength");
-    }
-    if (!read_wavelength(table, &word, &row.nm, err) || !read_values(table, &n, err))
-        return false;
-    if (n == 0)
-        return error_at(err, text_place(&table->text), "expected a value after the wavelength");
-    if (table->n_rows == 0 && !check_columns(table, n, row.place, err))
-        return false;
-    if (n != table->n_columns)
-        return error_at(err, row.place, "this row has %ld values, the first row has %ld", n,
-                        table->n_columns);
-    return check_order(table, &row, err) &&
-           array_add(&table->row, &table->n_rows, &row, sizeof row, err);
+    return strncmp(text->line_start, ">>>>>", 5) == 0 || *text->line_start == '\x1a';
 }
 
-/* Reads the first field of a line, which may have a separator of its own. */
-static bool first_field(struct table *line, struct word *out)
+/* Goes on to the next line that is neither blank nor a mark. */
+static bool next_line(struct table *table, char separator, struct line *out)
 {
-    line->separator = find_separator(&line->text);
-    return table_field(line, out);
-}
-
-/* Returns whether all fields of a line but the first are numbers, as in a row with a mistake. */
-static bool has_numbers(struct table line, struct word *first)
-{
-    struct word word;
-    long n = 0;
-    if (!table_field(&line, first))
-        return false;
-    for (; table_field(&line, &word); n += word.length > 0)
-        if (word.length > 0 && !word_is_numeric(&word, "0123456789+-.,%eE")) /* in some country */
-            return false;
-    return n > 0;
-}
-
-static bool refuse_percent(const struct table *table, const struct word *word, struct error *err)
-{
-    char name[LABEL_SIZE];
-    return error_at(err, word->place,
-                    "'%.*s' says percent; write '%s*0.01', or '%s*1' if the values are "
-                    "fractions of 1",
-                    word_shown(word), word->start, table_label(table, name), name);
-}
-
-/* Returns whether names in a heading are wavelengths, two or more that increase: then each row is a
- * sample. */
-static bool is_of_rows(struct table line)
-{
-    struct word word;
-    double last = 0, nm;
-    int n = 0;
-    for (; table_field(&line, &word); n += nm > 0, last = nm > 0 ? nm : last) {
-        nm = name_wavelength(&word);
-        if ((nm == 0 && name_says_wavelength(&word)) || (n > 0 && !(nm > last)))
-            return false;
-    }
-    return n > 1;
-}
-
-static bool wants_fractions(const struct table *table)
-{
-    return table->wanted->highest < HUGE_VAL && !table->wanted->scaled;
-}
-
-/* Refuses a line above the names of the columns that says percent of all of them. */
-static bool check_above(const struct table *table, struct table line, struct error *err)
-{
-    struct word word;
-    while (wants_fractions(table) && table_field(&line, &word))
-        if (name_says_percent(&word))
-            return refuse_percent(table, &word, err);
-    return true;
-}
-
-/* Reads the names of the columns, which other characters than those of the rows may separate. A
- * reflectance in percent needs a factor: whether 0.9 is 0.9 % or nearly white cannot be guessed. */
-static bool read_heading(struct table *table, struct text heading, struct error *err)
-{
-    const long first = table->first > 0 ? table->first : 1;
-    const size_t length = (size_t)(heading.line_end - heading.at);
-    struct table line = *table;
-    struct word word, name = {0};
-    int n = 0;
-    line.text = heading;
-    if (table->separator == ' ' || !memchr(heading.at, table->separator, length))
-        line.separator = find_separator(&heading);
-    for (; table_field(&line, &word); n++) {
-        name = n == 0 ? word : name;
-        if (n > 0 && !names_add(table, &word, err))
-            return false;
-        if (n > 0 && is_sample(table, &word))
-            table->first = n;
-        if ((n == 0 || line.separator == ' ') && !name_check_unit(&word, err))
-            return false;
-        if (n > 0 && name_says_wavelength(&word) && !name_says_wavelength(&name) &&
-            line.separator != ' ')
-            return error_at(err, name.place,
-                            "the first column must hold the wavelengths; it is named '%.*s'",
-                            word_shown(&name), name.start);
-        if (wants_fractions(table) && name_says_percent(&word) &&
-            (n == first ||
-             (n > 0 && (table->wanted->is_set || (table->first == 0 && line.separator == ' ')))))
-            return refuse_percent(table, &word, err);
-    }
-    return true;
-}
-
-/* Reads the lines above the first row as headings. The last one names the columns. It is refused as
- * a row if it has numbers behind its first field. */
-static bool read_headings(struct table *table, struct error *err)
-{
-    struct table line = *table, heading = {0};
-    struct word word;
-    while (!first_field(&line, &word) || !word_begins_wavelength(&word)) {
-        if (text_peek(table->text, &word)) {
-            if (heading.text.line > 0 && !check_above(table, heading, err))
-                return false;
-            heading = *table;
-            heading.separator = line.separator;
-            table->of_rows = is_of_rows(heading);
-            if (table->of_rows) {
-                table->separator = heading.separator;
-                return true;
-            }
-        }
-        if (!text_next_line(&table->text))
+    while (text_next_line(&table->text)) {
+        *out = line_look(table, separator);
+        if (out->n_filled > 0 && !is_mark(&table->text))
             return true;
-        line.text = table->text;
     }
-    table->separator = line.separator;
-    if (table->separator != ' ' && heading.text.line > 0 &&
-        memchr(heading.text.at, table->separator,
-               (size_t)(heading.text.line_end - heading.text.at)))
-        heading.separator = table->separator;
-    if (heading.text.line > 0 && heading.text.line == table->text.line - 1 &&
-        has_numbers(heading, &word))
-        return refuse_row(&word, err);
-    return heading.text.line == 0 || read_heading(table, heading.text, err);
+    return false;
 }
 
-bool columns_read(struct table *table, struct error *err)
+/* Finds whether each row behind a heading of wavelengths is a sample. */
+static bool find_order(const struct line *heading, bool *of_rows, struct error *err)
 {
-    if (!read_headings(table, err))
+    struct table rest = heading->at;
+    struct line next;
+    struct word cell = {.length = 0};
+    struct meaning meaning;
+    *of_rows = heading->n_nm > 1 && !is_row(heading) &&
+               next_line(&rest, heading->at.separator, &next) && next.n_numbers > 0;
+    if (!*of_rows || !is_row(&next))
+        return true;
+    rest = heading->at;
+    line_cell(&rest, &cell);
+    if (!heading_read(&cell, false, &meaning, err))
         return false;
-    if (table->of_rows)
-        return samples_read(table, err);
-    do
-        if (!read_row(table, err))
+    *of_rows = !meaning.is_wavelength;
+    return meaning.is_wavelength || meaning.is_label || !(next.first >= 100) ||
+           error_at(err, text_place(&heading->at.text),
+                    "the numbers of this heading may be wavelengths, if each row is a sample, or "
+                    "names of columns; write 'name' before them, or 'wavelength'");
+}
+
+static bool refuse_row(const struct line *line, struct error *err)
+{
+    struct table rest = line->at;
+    struct word cell = {.length = 0};
+    while (line_cell(&rest, &cell) &&
+           (cell.length == 0 || word_is_numeric(&cell, "0123456789+-.,%eE")))
+        ;
+    if (line->n_filled == 1)
+        return error_at(err, text_place(&rest.text), "expected a value after the wavelength");
+    return error_at(err, cell.place,
+                    "expected a number, found '%.*s'; put # before a line that is no row of the "
+                    "table",
+                    word_shown(&cell), cell.start);
+}
+
+/* Refuses what may be a row whose wavelength is no number: its values would become names. */
+static bool check_names(const struct line *line, struct error *err)
+{
+    struct table rest = line->at;
+    struct word cell = {.length = 0};
+    struct meaning meaning = {.is_unit = true};
+    const struct text *text = &line->at.text;
+    if (line->n_filled > 0 && line->n_numbers == line->n_filled &&
+        memchr(text->line_start, '.', (size_t)(text->line_end - text->line_start)))
+        return error_at(err, text_place(text), "expected a wavelength");
+    return line->n_filled < 2 || line->n_numbers < line->n_filled - 1 || !line_cell(&rest, &cell) ||
+           !heading_read(&cell, false, &meaning, err) || cell.length == 0 ||
+           meaning.is_wavelength || meaning.is_label || meaning.is_unit || refuse_row(line, err);
+}
+
+/* Finds which line is what. A line above the first row is a heading, unless it begins with a number
+ * and has another one. */
+static bool find_layout(struct table table, struct layout *out, struct error *err)
+{
+    struct line line;
+    *out = (struct layout){.of_rows = false};
+    while (next_line(&table, 0, &line)) {
+        if (!find_order(&line, &out->of_rows, err))
             return false;
-    while (text_next_line(&table->text));
-    return true;
+        if (out->of_rows || is_row(&line)) {
+            out->first = line;
+            break;
+        }
+        if (!isnan(line.first) && line.n_numbers > 1)
+            return refuse_row(&line, err);
+        if (!isnan(line.first) && out->broken.n_cells == 0)
+            out->broken = line;
+        note_said(&out->names, &out->above);
+        out->names = out->units;
+        out->units = line;
+    }
+    split_again(&out->names, out->first.at.separator);
+    split_again(&out->units, out->first.at.separator);
+    if (!out->units.is_units || out->names.n_cells < 2) {
+        note_said(&out->names, &out->above);
+        out->names = out->units;
+        out->units = (struct line){.n_cells = 0};
+    }
+    if (out->first.n_cells > 0 && !out->of_rows && out->names.n_cells == 0 &&
+        out->first.n_cells > 3 && 2 * out->first.n_nm == out->first.n_cells)
+        return error_at(err, text_place(&out->first.at.text),
+                        "this line may be pairs of a wavelength and a value, or a wavelength and "
+                        "%d values; write a pair a line, or names above the columns",
+                        out->first.n_cells - 1);
+    return out->first.n_cells == 0 || out->of_rows || check_names(&out->names, err);
 }
 
 bool columns_found(struct text text)
 {
-    struct table table = {.wanted = NULL, .text = text};
-    struct word word, first;
-    while (text_next_line(&table.text)) {
-        struct table line = table;
-        line.separator = find_separator(&line.text);
-        if (is_of_rows(line) || (text_peek(table.text, &word) && word_begins_wavelength(&word) &&
-                                 has_numbers(line, &first)))
-            return true;
+    struct layout layout;
+    struct error own = {.status = EXIT_AGREED};
+    return !find_layout((struct table){.text = text}, &layout, &own) || layout.first.n_cells > 0;
+}
+
+/* ---- columns ---- */
+
+struct columns {
+    double *to_nm; /* of a column of wavelengths; 0: of values; owned */
+    int n;
+};
+
+/* Takes what a heading says of each column. A cell above the wavelengths of a pair names the
+ * values. */
+static bool read_heading(struct table *table, const struct line *line, bool names,
+                         struct columns *of, struct error *err)
+{
+    struct table rest = line->at;
+    struct word cell, pair = {.length = 0};
+    struct meaning meaning;
+    for (int k = 0, i = 0; k < of->n && line_cell(&rest, &cell); k++) {
+        const bool heads = of->to_nm[k] > 0;
+        if (!heading_read(&cell, heads, &meaning, err))
+            return false;
+        of->to_nm[k] *= meaning.to_nm;
+        pair = heads && k > 0 ? cell : pair;
+        if (heads)
+            continue;
+        struct sample *sample = &table->sample[i++];
+        if ((meaning.is_percent || meaning.quantity) && sample->says.length == 0)
+            sample->says = cell;
+        if (names && !table_add_name(table, i - 1, cell.length > 0 ? &cell : &pair, err))
+            return false;
     }
-    return false;
+    return true;
+}
+
+/* Finds which columns have wavelengths: the first, and those whose names say so as the first's
+ * does. */
+static bool find_pairs(struct table *table, const struct line *names, struct columns *of,
+                       struct error *err)
+{
+    struct table rest = names->at;
+    struct word cell, first = {.length = 0};
+    struct meaning meaning;
+    bool leads = false;
+    of->to_nm[0] = 1;
+    for (int k = 0; k < of->n && line_cell(&rest, &cell); k++) {
+        heading_read(&cell, false, &meaning, err);
+        first = k == 0 ? cell : first;
+        leads = leads || (k == 0 && meaning.is_wavelength);
+        if (k == 0 || !meaning.is_wavelength || rest.separator == ' ')
+            continue;
+        if (!leads && first.length > 0)
+            return error_at(err, first.place,
+                            "the first column must hold the wavelengths; it is named '%.*s'",
+                            word_shown(&first), first.start);
+        of->to_nm[k] = 1;
+        table->has_pairs = true;
+    }
+    return true;
+}
+
+/* Takes the unit of wavelengths from a heading whose cells do not fit the columns. */
+static bool read_unit(const struct line *line, double *to_nm, struct error *err)
+{
+    struct table rest = line->at;
+    struct word cell;
+    struct meaning meaning;
+    while (line_cell(&rest, &cell)) {
+        if (!heading_read(&cell, true, &meaning, err))
+            return false;
+        *to_nm *= meaning.to_nm;
+    }
+    return true;
+}
+
+/* Makes a sample of each column of values, with what the headings say of it. A heading of more
+ * cells than columns names none. */
+static bool make_columns(struct table *table, struct layout *layout, struct columns *of,
+                         struct error *err)
+{
+    const bool fits = layout->names.n_columns <= layout->first.n_columns;
+    of->n = layout->first.n_columns;
+    if (!fits)
+        note_said(&layout->names, &layout->above);
+    table->above = layout->above;
+    if (!MAKE_ARRAY(of->to_nm, of->n, err, "%d columns", of->n) ||
+        !find_pairs(table, &layout->names, of, err))
+        return false;
+    for (int k = 0; k < of->n; k++)
+        if (of->to_nm[k] == 0 && !table_add_sample(table, err))
+            return false;
+    return (fits ? read_heading(table, &layout->names, true, of, err)
+                 : read_unit(&layout->names, &of->to_nm[0], err)) &&
+           read_heading(table, &layout->units, false, of, err);
+}
+
+/* ---- rows ---- */
+
+/* Reads a wavelength, which may have a unit of its own. */
+static bool read_wavelength(struct table *table, struct word *cell, double *nm, struct error *err)
+{
+    struct word unit = *cell;
+    struct meaning meaning = {.to_nm = 1};
+    while (cell->length > 0 && !strchr("0123456789.", cell->start[cell->length - 1]))
+        cell->length--;
+    unit.start += cell->length;
+    unit.length -= cell->length;
+    if (cell->length == 0 || !heading_read(&unit, true, &meaning, err) ||
+        (unit.length > 0 && !meaning.is_unit))
+        return error_at(err, cell->place,
+                        "expected a wavelength in nm, found '%.*s'; put # before a line that is no "
+                        "row of the table",
+                        (int)(cell->length + unit.length), cell->start);
+    if (!table_number(table, cell, "wavelength", nm, err))
+        return false;
+    *nm *= meaning.to_nm;
+    return true;
+}
+
+/* Reads the current line. Empty cells may stand behind the last value only, or in pairs. */
+static bool read_row(struct table *table, const struct columns *of, struct error *err)
+{
+    struct place empty = {0};
+    struct word cell;
+    struct reading at = {.nm = 0};
+    int k = 0, sample = 0, n = 0;
+    for (bool more = wavelength_cell(table, &cell); more; more = line_cell(table, &cell), k++) {
+        const bool heads = k < of->n && of->to_nm[k] > 0;
+        if (cell.length == 0 && !cell.quoted) {
+            empty = empty.line > 0 || table->has_pairs ? empty : cell.place;
+            sample += !heads;
+            continue;
+        }
+        if (empty.line > 0)
+            return error_at(err, empty,
+                            n == 0 ? "expected a wavelength"
+                                   : "expected a value; this cell is empty");
+        n++;
+        if (heads ? !read_wavelength(table, &cell, &at.nm, err)
+                  : sample < table->n_samples && !table_add(table, sample, &at, &cell, 1, err))
+            return false;
+        at.nm *= heads ? of->to_nm[k] : 1;
+        at.nm_column = heads ? cell.place.column : at.nm_column;
+        sample += !heads;
+    }
+    if (n == 1 && !table->has_pairs)
+        return error_at(err, text_place(&table->text), "expected a value after the wavelength");
+    return n == 0 || table->has_pairs || n == of->n ||
+           error_at(err, text_place(&table->text), "this row has %d values, the first row has %d",
+                    n - 1, of->n - 1);
+}
+
+bool columns_read(struct table *table, struct error *err)
+{
+    struct layout layout;
+    struct columns of = {.n = 0};
+    if (!find_layout(*table, &layout, err))
+        return false;
+    if (layout.first.n_cells == 0)
+        return layout.broken.n_cells == 0 || refuse_row(&layout.broken, err);
+    table->text = layout.first.at.text;
+    table->separator = layout.first.at.separator;
+    if (layout.of_rows) {
+        table->above = layout.above;
+        return samples_read(table, err);
+    }
+    bool done = make_columns(table, &layout, &of, err);
+    do
+        done = done && (is_mark(&table->text) || read_row(table, &of, err));
+    while (done && !is_mark(&table->text) && text_next_line(&table->text));
+    free(of.to_nm);
+    return done;
 }

@@ -5,98 +5,123 @@
 
 #include "data/spectra/spectra.h"
 
-/* The columns that are wanted of a table. */
-struct columns {
+/* What is wanted of a table. */
+struct wanted {
     struct word table;              /* a built-in name, or a file */
-    int count;                      /* of values that are kept; 0: all, a detector's */
-    long first;                     /* the number of a column or sample, from 1; 0: the only one */
+    int count;                      /* samples from the first on; 0: all, a detector's */
+    long first;                     /* the number of a sample, from 1; 0: the only one */
     struct word sample;             /* its name, which goes before the number; length 0: none */
-    bool all;                       /* all samples are counted and named, and none is read */
-    bool is_set;                    /* all are read, and are no detector's channels */
     double lowest, highest, factor; /* limits of a value times the factor */
     bool scaled;                    /* the factor was written */
 };
 /* Reads them into out[count], without the factor; or all of them, with their names, into the
  * channels of a detector. The caller frees *out or *detector, also after a failure. spectra_read
- * reads n columns without limits, or a detector. */
-bool table_read(const struct columns *columns, struct spectrum *out, struct detector *detector,
+ * reads n samples without limits, or a detector. */
+bool table_read(const struct wanted *wanted, struct spectrum *out, struct detector *detector,
                 struct error *err);
 bool spectra_read(const char *name, int n, struct spectrum *out, struct detector *detector,
                   struct error *err);
 
-/* ---- table.c: a table that is being read ---- */
+/* ---- heading.c: what a cell of a heading says ---- */
 
-struct row {
-    double nm;
-    struct place place;
+enum quantity {
+    QUANTITY_UNSAID,
+    QUANTITY_REFLECTANCE, /* or transmittance */
+    QUANTITY_LIGHT,       /* radiance, counts */
+    QUANTITY_OTHER        /* absorbance, a density, K/S: neither */
 };
+struct meaning {
+    bool is_wavelength; /* it names a column of wavelengths */
+    double to_nm;       /* its numbers times this are in nm; 1 where no unit stands */
+    bool is_unit;       /* it is nothing but a unit */
+    bool is_percent;
+    bool is_name, is_label; /* it names a column of names; or of numbers or places of samples */
+    enum quantity quantity;
+};
+/* Finds it. Refuses, where the cell heads wavelengths, a unit that is no length, with the way to
+ * convert. */
+bool heading_read(const struct word *cell, bool of_wavelengths, struct meaning *out,
+                  struct error *err);
+/* Returns the wavelength in nm that a cell is: a number, with a unit or without, and nothing else;
+ * 0: none. `named`: letters may stand before it, as in the SPEC_400 of CGATS. */
+double heading_nm(const struct word *cell, bool named);
+/* Returns which of the letters a channel is named by, as x, X, xbar, x_bar_10, CIE x, or R and red;
+ * NULL: none. */
+const char *heading_channel(const struct word *cell, const char *letters);
+/* Returns whether a word has a digit, and else only such characters. */
+bool word_is_numeric(const struct word *word, const char *characters);
 
+/* ---- table.c: a table that is being read, whole, before any of it is chosen ---- */
+
+struct reading {
+    double nm, value;
+    int line, nm_column, column; /* where they stand */
+};
+struct sample {
+    struct word name, says;  /* says: a cell that says percent or a quantity; length 0: none */
+    struct reading *reading; /* by increasing or decreasing wavelengths; owned */
+    int n;
+};
+struct label {
+    struct word word; /* a name of a sample */
+    int sample;
+};
 struct table {
-    const struct columns *wanted;
     struct text text;
-    char separator;  /* of columns: a semicolon, a comma, a tab or a blank */
-    char mark;       /* of decimals: a point or a comma; 0: none was seen */
-    int mark_line;   /* where it was first seen */
-    long first;      /* the column or sample that is wanted; 0: the only one */
-    long n_columns;  /* of values */
-    bool decreasing; /* the first wavelength is the longest */
-    bool of_rows;    /* each row is a sample, and the heading has the wavelengths */
-    struct row *row; /* n_rows in the order of the file; owned */
-    double *value;   /* n_values: those of a row, then those of the next; of samples, sample by
-                        sample; owned */
-    int n_rows, n_values;
-    bool by_samples;
-    struct set_names names; /* of all samples so far; owned */
-    int n_named;            /* samples that have the wanted name */
+    char separator; /* of cells: a semicolon, a comma, a tab or a blank */
+    char mark;      /* of decimals: a point or a comma; 0: none was seen */
+    int mark_line;  /* where it was first seen */
+    struct sample *sample;
+    struct label *label;
+    int n_samples, n_labels;
+    bool has_pairs;    /* samples have wavelengths of their own */
+    struct word above; /* a cell of a heading that says percent or a quantity of all samples */
 };
+/* Adds a sample; and a name of one, of which the first is its own. An empty name is none. */
+bool table_add_sample(struct table *table, struct error *err);
+bool table_add_name(struct table *table, int sample, const struct word *name, struct error *err);
+/* Adds a value, divided by norm, to a sample, at the wavelength of `at`. Refuses wavelengths that
+ * neither rise nor fall. */
+bool table_add(struct table *table, int sample, const struct reading *at, const struct word *value,
+               double norm, struct error *err);
+/* Reads a number, whose decimal comma becomes a point in the text. Refuses a comma where commas
+ * separate, and two marks in one file: one of them may separate thousands. */
+bool table_number(struct table *table, const struct word *word, const char *what, double *out,
+                  struct error *err);
 
-enum { LABEL_SIZE = 96, LONGEST_NAME = 64 };
-/* Writes the table as a scene names it, without a factor; a long name as FILE. */
-const char *table_label(const struct table *table, char out[LABEL_SIZE]);
-/* Reads a value, divided by norm, and refuses it if it leaves the limits with the factor. */
-bool table_value(const struct table *table, const struct word *word, double norm, double *out,
-                 struct error *err);
+/* ---- cells.c ---- */
 
-/* ---- columns.c: a row a wavelength ---- */
+/* Chooses the separator of the current line. */
+void line_begin(struct table *table);
+/* Reads the next cell of the line without quotes, and without the blanks within. An unclosed quote
+ * stays. Returns false behind the last cell. */
+bool line_cell(struct table *table, struct word *out);
 
-/* Reads the rows from the current line on. */
+/* ---- columns.c: a wavelength a row; or a sample a row, with the wavelengths in the heading ----
+ */
+
 bool columns_read(struct table *table, struct error *err);
-/* Returns whether a text, before its first line, has a line of wavelengths, or of a wavelength and
- * values. */
+/* Returns whether a text, before its first line, has such a row or heading. */
 bool columns_found(struct text text);
-/* Reads the next field of the line without quotes, and without the blanks within. An unclosed quote
- * stays. Returns false behind the last field. */
-bool table_field(struct table *table, struct word *out);
-/* Writes a point for a decimal comma into the text. Refuses a comma where commas separate, and two
- * marks in one file: one of them may separate thousands. */
-bool table_mark(struct table *table, const struct word *word, struct error *err);
 
 /* ---- sets.c: tables of samples ---- */
 
-/* Read the samples of a table, each in a row, as CGATS.5 or as IES TM-27; keep the wanted one. */
-bool samples_read(struct table *table, struct error *err); /* the heading is the current line */
+/* A field of each sample: a value at a wavelength, or, with 0 nm, something else. */
+struct field {
+    double nm;
+    bool is_name, is_label; /* its heading says so; is_label: of a name, a number or a place */
+};
+struct fields {
+    struct field *field; /* owned */
+    struct word *word;   /* of a sample that is read; owned */
+    int n, n_bands;      /* n_bands: fields with a wavelength */
+    double norm;         /* divides values */
+    struct word says;    /* see struct sample */
+};
+/* Read the samples of a table, each in a row, behind the heading that is the current line; as
+ * CGATS.5; as IES TM-27. */
+bool samples_read(struct table *table, struct error *err);
 bool cgats_read(struct table *table, struct error *err);
 bool spdx_read(struct table *table, struct error *err);
-/* Adds the name of the next sample; NULL: its number. */
-bool names_add(struct table *table, const struct word *name, struct error *err);
-bool is_sample(const struct table *table, const struct word *name); /* the wanted one */
-/* Refuses a name that no sample has. */
-bool sample_unknown(const struct table *table, struct error *err);
-
-/* ---- column_names.c: words of a heading ---- */
-
-/* Returns whether a column is named as an observer's: x, X, xbar, x_bar_10, CIE x ... */
-bool name_is_tristimulus(const struct word *word, char letter);
-/* Refuses a column of wavelengths that names another unit than nm. */
-bool name_check_unit(const struct word *word, struct error *err);
-/* Returns whether a column is named as one of wavelengths. */
-bool name_says_wavelength(const struct word *word);
-/* Returns the wavelength that a name ends with, as in 400, nm400, R_400 or 400nm; 0: none. */
-double name_wavelength(const struct word *word);
-bool name_says_percent(const struct word *word);
-/* Returns whether a word has a digit, and else only such characters. */
-bool word_is_numeric(const struct word *word, const char *characters);
-/* Returns whether a wavelength begins here: a digit, perhaps behind a sign or a point. */
-bool word_begins_wavelength(const struct word *word);
 
 #endif

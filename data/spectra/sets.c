@@ -6,160 +6,48 @@
 
 #include "data/spectra/inside.h"
 
-/* ---- names ---- */
-
-bool names_add(struct table *table, const struct word *name, struct error *err)
-{
-    char *copy;
-    struct printed number = {.text = NULL};
-    print(&number, "%d", table->names.n + 1);
-    if (name && name->length > 0) {
-        free(printed_end(&number));
-        copy = word_copy(name, err);
-    } else {
-        copy = printed_take(&number, err);
-    }
-    if (copy && array_add(&table->names.name, &table->names.n, &copy, sizeof copy, err))
-        return true;
-    free(copy);
-    return false;
-}
-
-void set_names_free(struct set_names *names)
-{
-    for (int i = 0; i < names->n; i++)
-        free(names->name[i]);
-    free(names->name);
-}
-
-bool is_sample(const struct table *table, const struct word *name)
-{
-    const struct word *sample = &table->wanted->sample;
-    return sample->length > 0 && sample->length == name->length &&
-           memcmp(sample->start, name->start, name->length) == 0;
-}
-
-bool sample_unknown(const struct table *table, struct error *err)
-{
-    const struct word *sample = &table->wanted->sample;
-    struct suggestion suggestion = {.distance = 0};
-    for (int i = 0; i < table->names.n; i++)
-        suggestion_add(&suggestion, sample, table->names.name[i], strlen(table->names.name[i]));
-    return error_at(err, sample->place, "%.200s has no sample '%.*s'; %s", table->text.path,
-                    word_shown(sample), sample->start,
-                    suggestion_end(&suggestion, "its samples are"));
-}
-
 /* ---- samples ---- */
-
-/* A field of each sample: the radiance of a wavelength, or, with 0 nm, something else. */
-struct field {
-    double nm;
-    bool is_name; /* its heading says so */
-    bool
-        is_label; /* a name, a number or a place of the sample, as its heading says; or the first */
-};
-struct fields {
-    struct field *field; /* owned */
-    struct word *word;   /* of a sample that is read; owned */
-    int n;
-    int n_bands; /* fields with a wavelength */
-    double norm; /* divides values */
-};
 
 static void fields_free(struct fields *fields)
 {
     FREE_ALL(fields->field, fields->word);
 }
 
-/* Returns whether a heading has a part, in capitals or not. */
-static bool says(const struct word *heading, const char *part)
+/* named: letters may stand before a wavelength. */
+static bool add_field(struct fields *fields, const struct word *heading, bool named,
+                      struct error *err)
 {
-    const size_t length = strlen(part);
-    bool found = false;
-    for (size_t i = 0; i + length <= heading->length; i++)
-        found = found || strncasecmp(heading->start + i, part, length) == 0;
-    return found;
-}
-
-static bool add_field(struct fields *fields, const struct word *heading, struct error *err)
-{
-    const struct field field = {.nm = name_wavelength(heading),
-                                .is_name = says(heading, "name"),
-                                .is_label = fields->n == 0 || says(heading, "name") ||
-                                            says(heading, "id") || says(heading, "sample") ||
-                                            says(heading, "loc") || says(heading, "patch")};
+    struct field field = {.nm = heading_nm(heading, named)};
+    struct meaning meaning;
+    if (!heading_read(heading, false, &meaning, err))
+        return false;
+    field.is_name = meaning.is_name;
+    field.is_label = fields->n == 0 || meaning.is_name || meaning.is_label;
     fields->n_bands += field.nm > 0;
+    if (fields->says.length == 0 && (meaning.is_percent || meaning.quantity))
+        fields->says = *heading;
     return array_add(&fields->field, &fields->n, &field, sizeof field, err);
 }
 
-/* Keeps the values of the sample, in place of those of another, unless all are wanted. */
-static bool keep_sample(struct table *table, const struct fields *fields, struct error *err)
-{
-    const bool more = table->wanted->count == 0 && table->n_rows > 0;
-    if (!more)
-        table->n_rows = table->n_values = 0;
-    for (int i = 0; i < fields->n; i++) {
-        const struct row row = {.nm = fields->field[i].nm, .place = fields->word[i].place};
-        double value;
-        if (row.nm == 0)
-            continue;
-        if (table->n_rows == 1)
-            table->decreasing = row.nm < table->row[0].nm;
-        if (!table_mark(table, &fields->word[i], err) ||
-            !table_value(table, &fields->word[i], fields->norm, &value, err) ||
-            !array_add(&table->value, &table->n_values, &value, sizeof value, err) ||
-            !(more || array_add(&table->row, &table->n_rows, &row, sizeof row, err)))
-            return false;
-    }
-    return true;
-}
-
-/* Takes the next sample, and keeps it if it is wanted: by one of its names, or else by its number.
- */
+/* Takes the next sample, with all of its names: one that the heading calls so comes first. */
 static bool add_sample(struct table *table, const struct fields *fields, struct error *err)
 {
-    const struct columns *wanted = table->wanted;
-    const struct word *name = NULL;
-    bool found = false, named = false;
-    for (int i = 0; i < fields->n; i++) {
-        const struct field *field = &fields->field[i];
-        if (field->nm > 0 || !field->is_label)
-            continue;
-        if (!name || (field->is_name && !named))
-            name = &fields->word[i];
-        named = named || field->is_name;
-        found = found || is_sample(table, &fields->word[i]);
-    }
-    table->n_named += found;
-    if (!names_add(table, name, err))
-        return false;
-    const bool all = wanted->count == 0, only = wanted->sample.length == 0 && wanted->first == 0;
-    const bool numbered = wanted->first == table->names.n && table->n_named == 0;
-    return wanted->all || !(all || found || numbered || (only && table->names.n == 1)) ||
-           keep_sample(table, fields, err);
-}
-
-/* Refuses a name that several samples have or none, and no name where there are several. */
-static bool check_choice(const struct table *table, struct error *err)
-{
-    const struct columns *wanted = table->wanted;
-    char name[LABEL_SIZE];
-    if (wanted->all || wanted->count == 0 || table->names.n == 0 ||
-        (table->n_rows > 0 && table->n_named == 1))
-        return true;
-    if (table->n_named > 1)
-        return error_at(err, wanted->sample.place,
-                        "%d samples are named '%.*s'; write the number of one, from 1 to %d",
-                        table->n_named, word_shown(&wanted->sample), wanted->sample.start,
-                        table->names.n);
-    if (wanted->sample.length > 0 || wanted->first > 0)
-        return table->n_rows > 0 || sample_unknown(table, err);
-    return table->names.n == 1 ||
-           error_at(err, wanted->table.place,
-                    "'%s' has %d samples, each in a row; write one as '%s:NAME' or by its number: "
-                    "spectral list %s",
-                    table_label(table, name), table->names.n, name, name);
+    const int index = table->n_samples;
+    bool done = table_add_sample(table, err);
+    for (int pass = 0; done && pass < 2; pass++)
+        for (int i = 0; done && i < fields->n; i++)
+            if (fields->field[i].nm == 0 && fields->field[i].is_label &&
+                fields->field[i].is_name == (pass == 0))
+                done = table_add_name(table, index, &fields->word[i], err);
+    for (int i = 0; done && i < fields->n; i++)
+        if (fields->field[i].nm > 0) {
+            const struct reading at = {.nm = fields->field[i].nm,
+                                       .nm_column = fields->word[i].place.column};
+            done = table_add(table, index, &at, &fields->word[i], fields->norm, err);
+        }
+    if (done)
+        table->sample[index].says = fields->says;
+    return done;
 }
 
 /* ---- a sample a row ---- */
@@ -168,7 +56,7 @@ static bool check_choice(const struct table *table, struct error *err)
 static bool read_line(struct table *table, struct fields *fields, int *n)
 {
     *n = 0;
-    for (struct word word; table_field(table, &word); ++*n)
+    for (struct word word; line_cell(table, &word); ++*n)
         if (*n < fields->n)
             fields->word[*n] = word;
     return *n > 0 && !(*n == 1 && fields->word[0].length == 0);
@@ -180,9 +68,8 @@ bool samples_read(struct table *table, struct error *err)
     struct word word;
     int n;
     bool done = true;
-    table->by_samples = true;
-    while (done && table_field(table, &word))
-        done = add_field(&fields, &word, err);
+    while (done && line_cell(table, &word))
+        done = add_field(&fields, &word, false, err);
     done = done && MAKE_ARRAY(fields.word, fields.n, err, "the fields of %s", table->text.path);
     while (done && text_next_line(&table->text))
         if (read_line(table, &fields, &n))
@@ -191,14 +78,14 @@ bool samples_read(struct table *table, struct error *err)
                        : error_at(err, text_place(&table->text),
                                   "this row has %d fields, the heading has %d", n, fields.n);
     fields_free(&fields);
-    return done && check_choice(table, err);
+    return done;
 }
 
 /* ---- CGATS ---- */
 
 /* Tabs alone separate the words of a line that has some: names may then have blanks without quotes.
  */
-static void begin_line(struct table *table)
+static void cgats_line(struct table *table)
 {
     const struct text *text = &table->text;
     const size_t length = (size_t)(text->line_end - text->line_start);
@@ -208,10 +95,10 @@ static void begin_line(struct table *table)
 /* Reads the next word of the file, on this line or a later one. */
 static bool next_word(struct table *table, struct word *out)
 {
-    while (!table_field(table, out)) {
+    while (!line_cell(table, out)) {
         if (!text_next_line(&table->text))
             return false;
-        begin_line(table);
+        cgats_line(table);
     }
     return true;
 }
@@ -252,7 +139,7 @@ static bool find_bands(struct fields *fields, const double *head, struct place p
     if (fields->n == 0 && !check_cgats(head, place, err))
         return false;
     for (int i = 0, n = fields->n == 0 ? (int)head[BANDS] : 0; i < n; i++)
-        if (!add_field(fields, &band, err))
+        if (!add_field(fields, &band, true, err))
             return false;
     if (fields->n_bands == 0)
         return error_at(err, place, "no field of the data is named as a wavelength, as SPEC_400");
@@ -270,7 +157,7 @@ static bool read_data(struct table *table, struct fields *fields, struct place b
 {
     struct word word;
     int n = 0;
-    begin_line(table);
+    cgats_line(table);
     while (next_word(table, &word)) {
         if (word_is(&word, "END_DATA"))
             return n == 0 ||
@@ -287,9 +174,9 @@ static bool read_format(struct table *table, struct fields *fields, struct error
 {
     struct word word;
     fields->n = fields->n_bands = 0;
-    begin_line(table);
+    cgats_line(table);
     while (next_word(table, &word) && !word_is(&word, "END_DATA_FORMAT"))
-        if (!add_field(fields, &word, err))
+        if (!add_field(fields, &word, true, err))
             return false;
     return true;
 }
@@ -316,7 +203,6 @@ bool cgats_read(struct table *table, struct error *err)
     struct fields fields = {.n = 0};
     struct word word;
     bool done = text_next_line(&table->text), read = false;
-    table->by_samples = true;
     while (done && !read && head_word(&table->text, &word)) {
         read = word_is(&word, "BEGIN_DATA");
         done = read ? find_bands(&fields, head, word.place, err) &&
@@ -325,30 +211,81 @@ bool cgats_read(struct table *table, struct error *err)
                                                      : read_head(table, &word, head, err);
     }
     fields_free(&fields);
-    return done && check_choice(table, err);
+    return done;
 }
 
 /* ---- IES TM-27 ---- */
 
+/* Goes behind the name of the next tag, outside of comments. The part of a name before a colon does
+ * not count. */
+static bool next_tag(const char **at, struct word *name)
+{
+    while ((*at = strchr(*at, '<'))) {
+        if (strncmp(*at, "<!--", 4) == 0) {
+            *at = strstr(*at, "-->");
+            if (!*at)
+                return false;
+            continue;
+        }
+        name->start = *at + 1;
+        const char *colon = name->start + strcspn(name->start, ": \t\r\n>");
+        name->start = *colon == ':' ? colon + 1 : name->start;
+        name->length = strcspn(name->start, " \t\r\n>");
+        *at = name->start + name->length;
+        return true;
+    }
+    return false;
+}
+
+/* Makes a word of the bytes up to one of the characters, without blanks. */
+static struct word slice(struct text *text, const char *at, const char *ends)
+{
+    at += strspn(at, " \t\r\n");
+    while (at > text->line_end && text_next_line(text))
+        ;
+    const int column = (int)(at - text->line_start) + 1;
+    return (struct word){at, strcspn(at, ends), false, {text->path, text->line, column}};
+}
+
+/* Finds the value of an attribute before the end of a tag. */
+static bool find_attribute(struct text *text, const char *at, const char *name, struct word *out)
+{
+    const char *end = at + strcspn(at, ">");
+    while ((at = strstr(at, name)) && at < end) {
+        const bool begins = strchr(" \t\r\n", at[-1]) != NULL;
+        at += strlen(name);
+        at += strspn(at, " \t\r\n");
+        if (!begins || *at != '=')
+            continue;
+        at += 1 + strspn(at + 1, " \t\r\n");
+        *out = slice(text, at + 1, *at == '"' ? "\"" : "'");
+        return *at == '"' || *at == '\'';
+    }
+    return false;
+}
+
 /* Reads elements such as <SpectralData wavelength="400">0.5</SpectralData>. */
 bool spdx_read(struct table *table, struct error *err)
 {
-    static const char mark[] = "SpectralData wavelength=\"";
     struct text *text = &table->text;
-    bool done = names_add(table, NULL, err);
-    while (done && text_next_line(text))
-        for (const char *at = text->at; done && (at = strstr(at, mark)) && at < text->line_end;) {
-            struct row row = {.place = text_place(text)};
-            struct word word = {.start = at + strlen(mark), .place = row.place};
-            double value;
-            word.length = strcspn(word.start, "\"");
-            done = word_number(&word, "wavelength", DBL_MIN, HUGE_VAL, &row.nm, err);
-            at = word.start + word.length + strcspn(word.start + word.length, ">\n");
-            word.start = at + (*at == '>');
-            word.length = strcspn(word.start, "<\n");
-            done = done && table_value(table, &word, 1, &value, err) &&
-                   array_add(&table->value, &table->n_values, &value, sizeof value, err) &&
-                   array_add(&table->row, &table->n_rows, &row, sizeof row, err);
+    struct word name, nm, value;
+    const char *at = text->at;
+    struct reading from = {.nm = 0};
+    bool done = table_add_sample(table, err) && text_next_line(text);
+    while (done && next_tag(&at, &name)) {
+        const bool is_data = word_equals(&name, "SpectralData");
+        if (is_data && find_attribute(text, at, "wavelength", &nm)) {
+            from.nm_column = nm.place.column;
+            value = slice(text, at + strcspn(at, ">") + 1, " \t\r\n<");
+            done = word_number(&nm, "wavelength", DBL_MIN, HUGE_VAL, &from.nm, err) &&
+                   table_add(table, 0, &from, &value, 1, err);
+        } else if (is_data) {
+            done = error_at(err, slice(text, at, ">").place, "SpectralData needs a wavelength");
+        } else if (word_equals(&name, "SpectralQuantity")) {
+            table->above = slice(text, at + strcspn(at, ">") + 1, "<");
         }
-    return done;
+    }
+    return done && (table->sample[0].n > 0 ||
+                    error_at(err, text_whole(text),
+                             "the file is XML, but not of IES TM-27: it has no SpectralData"));
 }

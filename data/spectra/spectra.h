@@ -23,6 +23,8 @@ struct spectrum {
     double factor;                 /* multiplies every value */
     int count;                     /* samples */
     double *wavelength_nm, *value; /* count each, wavelengths strictly increasing; owned */
+    int n_limited;                 /* values that were noise beyond 0, or 1, and became that */
+    double limited_nm;             /* the wavelength of the first */
     char *name;                    /* as written, for reports; owned */
     char *path;                    /* of its file, where that is not built in; NULL: none; owned */
     struct place place;

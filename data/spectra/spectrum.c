@@ -116,16 +116,19 @@ bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double val
     return true;
 }
 
-/* No light has less than 20 nm, nor a table of reflectances more than 20 micrometres. */
+/* No light has less than 20 nm, nor a table of reflectances more than 20 micrometres, or less than
+ * 0.1. */
 bool spectrum_is_in_nm(const struct spectrum *spectrum, struct error *err)
 {
     const int n = spectrum->count;
     const double longest = n > 0 ? spectrum->wavelength_nm[n - 1] : 20;
+    const double first = n > 0 ? spectrum->wavelength_nm[0] : 0;
     /* thermal infrared reaches 300 um; tables in nm that begin below 10 nm do not end there */
-    return longest >= (n > 1 && spectrum->wavelength_nm[0] < 10 ? 300 : 20) ||
-           error_at(err, spectrum->place,
-                    "expected wavelengths in nm; these look like %s: multiply them by %s",
-                    longest < 1e-3 ? "metres" : "micrometres", longest < 1e-3 ? "1e9" : "1000");
+    return longest >= (n > 1 && first < 10 ? 300 : 20) ||
+           error_at(err, spectrum->place, "expected wavelengths in nm%s",
+                    longest < 1e-3 ? "; these look like metres: multiply them by 1e9"
+                    : first >= 0.1 ? "; these look like micrometres: multiply them by 1000"
+                                   : "");
 }
 
 void spectrum_free(struct spectrum *spectrum)
@@ -240,24 +243,24 @@ static bool find_file(const struct word *word, bool *out, struct error *err)
 }
 
 /* Reads NAME or FILE, with :COLUMN or without: the number or the name of a column or a sample. */
-static bool read_named(const struct word *word, struct columns *columns, struct spectrum *out,
+static bool read_named(const struct word *word, struct wanted *wanted, struct spectrum *out,
                        struct error *err)
 {
     struct word before, sample;
-    columns->table = *word;
+    wanted->table = *word;
     if (split(word, ':', &before, &sample) && sample.length > 0) {
         const bool number = strspn(sample.start, "0123456789") >= sample.length;
         bool is_whole, is_table;
         if (!find_file(word, &is_whole, err) || !find_file(&before, &is_table, err))
             return false;
         if (number || (!is_whole && is_table)) {
-            columns->table.length = before.length;
-            columns->sample = sample;
+            wanted->table.length = before.length;
+            wanted->sample = sample;
         }
-        if (number && !word_integer(&sample, "column", 1, INT_MAX, &columns->first, err))
+        if (number && !word_integer(&sample, "column", 1, INT_MAX, &wanted->first, err))
             return false;
     }
-    return table_read(columns, out, NULL, err);
+    return table_read(wanted, out, NULL, err);
 }
 
 static bool read_gaussian(const struct word *word, double parameter[2], struct error *err)
@@ -280,16 +283,22 @@ static bool names_formula(const struct word *word, const char *formula, struct w
     return true;
 }
 
-/* Reads a spectrum without its factor. */
-static bool read_unscaled(const struct word *word, struct columns *columns, struct spectrum *out,
+/* Reads a spectrum without its factor. A light of 1000 to 10^5 is likelier a temperature. */
+static bool read_unscaled(const struct word *word, struct wanted *wanted, struct spectrum *out,
                           struct error *err)
 {
-    const double highest = columns->scaled ? HUGE_VAL : columns->highest;
+    const double highest = wanted->scaled ? HUGE_VAL : wanted->highest;
     double *parameter = out->parameter;
     struct word rest;
     if (!word->quoted && word_is_numeric(word, "0123456789+-.eE")) {
         out->kind = SPECTRUM_CONSTANT;
-        return word_number(word, "spectrum", columns->lowest, highest, &parameter[0], err);
+        return word_number(word, "spectrum", wanted->lowest, highest, &parameter[0], err) &&
+               (wanted->lowest < 0 || wanted->scaled || parameter[0] < 1000 || parameter[0] > 1e5 ||
+                error_at(err, word->place,
+                         "the spectrum is %.*s at every wavelength; for a temperature write "
+                         "daylight:%.*s or blackbody:%.*s, for the number %.*s*1",
+                         word_shown(word), word->start, word_shown(word), word->start,
+                         word_shown(word), word->start, word_shown(word), word->start));
     }
     if (names_formula(word, "blackbody:", &rest)) {
         out->kind = SPECTRUM_BLACKBODY;
@@ -298,7 +307,7 @@ static bool read_unscaled(const struct word *word, struct columns *columns, stru
     if (names_formula(word, "daylight:", &rest))
         return daylight_read(&rest, out, err);
     if (!names_formula(word, "gaussian:", &rest))
-        return read_named(word, columns, out, err);
+        return read_named(word, wanted, out, err);
     out->kind = SPECTRUM_GAUSSIAN;
     return read_gaussian(&rest, parameter, err);
 }
@@ -319,7 +328,7 @@ static bool check_peak(const struct spectrum *s, double highest, struct error *e
 bool spectrum_read(const struct word *word, double lowest, double highest, struct spectrum *out,
                    struct error *err)
 {
-    struct columns columns = {.lowest = lowest, .highest = highest, .factor = 1, .count = 1};
+    struct wanted wanted = {.lowest = lowest, .highest = highest, .factor = 1, .count = 1};
     struct word unscaled = *word, before, number;
     bool done = true;
     *out = (struct spectrum){0};
@@ -327,12 +336,12 @@ bool spectrum_read(const struct word *word, double lowest, double highest, struc
         return error_at(err, word->place, "a quote must be closed on its line");
     if (split(word, '*', &before, &number)) {
         unscaled.length = before.length;
-        columns.scaled = true;
-        done = word_number(&number, "factor", 0, HUGE_VAL, &columns.factor, err);
+        wanted.scaled = true;
+        done = word_number(&number, "factor", 0, HUGE_VAL, &wanted.factor, err);
     }
-    done = done && read_unscaled(&unscaled, &columns, out, err);
+    done = done && read_unscaled(&unscaled, &wanted, out, err);
     if (done) {
-        out->factor = columns.factor;
+        out->factor = wanted.factor;
         out->place = word->place;
         out->name = word_copy(word, err);
         done = out->name != NULL && check_peak(out, highest, err);

@@ -1,90 +1,49 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads tables of wavelengths and values, of all forms. */
+/* Reads tables of wavelengths and values, of all forms, and takes samples of them. */
 #include <float.h>
 
 #include "data/spectra/inside.h"
 
-/* ---- values ---- */
+/* ---- samples ---- */
 
-const char *table_label(const struct table *table, char out[LABEL_SIZE])
+bool table_add_sample(struct table *table, struct error *err)
 {
-    const struct word *name = &table->wanted->table;
-    const bool fits = name->length <= LONGEST_NAME;
-    const int length = snprintf(out, LABEL_SIZE, "%.*s", fits ? (int)name->length : 4,
-                                fits ? name->start : "FILE");
-    if (table->first > 0)
-        snprintf(out + length, LABEL_SIZE - (size_t)length, ":%ld", table->first);
-    return out;
+    const struct sample sample = {.n = 0};
+    return array_add(&table->sample, &table->n_samples, &sample, sizeof sample, err);
 }
 
-bool table_value(const struct table *table, const struct word *word, double norm, double *out,
-                 struct error *err)
+bool table_add_name(struct table *table, int sample, const struct word *name, struct error *err)
 {
-    const struct columns *wanted = table->wanted;
-    char name[LABEL_SIZE], times[48] = "";
-    double raw;
-    if (word->length > 0 && word->start[word->length - 1] == '%')
-        return error_at(err, word->place,
-                        "'%.*s' has a percent sign; remove the signs, and write '%s*0.01'",
-                        word_shown(word), word->start, table_label(table, name));
-    if (!word_number(word, "value", -HUGE_VAL, HUGE_VAL, &raw, err))
+    const struct label label = {*name, sample};
+    struct word *own = &table->sample[sample].name;
+    *own = own->length > 0 ? *own : *name;
+    return name->length == 0 ||
+           array_add(&table->label, &table->n_labels, &label, sizeof label, err);
+}
+
+/* The second wavelength decides on the order. */
+bool table_add(struct table *table, int sample, const struct reading *at, const struct word *value,
+               double norm, struct error *err)
+{
+    struct sample *to = &table->sample[sample];
+    const struct reading *last = to->reading + to->n - 1;
+    const bool falls = to->n > 1 && to->reading[1].nm < to->reading[0].nm;
+    struct reading added = {at->nm, 0, value->place.line, at->nm_column, value->place.column};
+    if (to->n > 0 && (at->nm == last->nm || (to->n > 1 && (at->nm < last->nm) != falls)))
+        return error_at(err, (struct place){table->text.path, added.line, added.nm_column},
+                        "wavelength %.15g nm follows %.15g nm; wavelengths must %s", at->nm,
+                        last->nm, falls ? "decrease, as in the first two rows" : "increase");
+    if (!table_number(table, value, "value", &added.value, err))
         return false;
-    *out = raw / norm;
-    if (*out < wanted->lowest)
-        return error_at(err, word->place,
-                        "value %.*s is below %.15g; write %.15g in its place if it is noise",
-                        word_shown(word), word->start, wanted->lowest, wanted->lowest);
-    if (*out * wanted->factor <= wanted->highest)
-        return true;
-    if (wanted->scaled)
-        snprintf(times, sizeof times, " times %.15g", wanted->factor);
-    return error_at(err, word->place,
-                    "reflectance %.15g%s is above %.15g; write '%s*0.01' if the values are in "
-                    "percent, or another factor",
-                    *out, times, wanted->highest, table_label(table, name));
+    added.value /= norm;
+    return array_add(&to->reading, &to->n, &added, sizeof added, err);
 }
 
-/* ---- files ---- */
-
-/* Puts the rows into n spectra, in the order of wavelengths. */
-static bool take_rows(const struct table *table, int n, struct spectrum *out, struct error *err)
+static void table_free(struct table *table)
 {
-    for (int k = 0; k < table->n_rows; k++) {
-        const int at = table->decreasing ? table->n_rows - 1 - k : k;
-        const struct row *row = &table->row[at];
-        for (int i = 0; i < n; i++)
-            if (!spectrum_append(
-                    &out[i], row->nm,
-                    table->value[table->by_samples ? i * table->n_rows + at : at * n + i],
-                    row->place, err))
-                return false;
-    }
-    return spectrum_is_in_nm(out, err);
-}
-
-/* Makes the channels of a detector; three that are named x, y and z are an observer's. */
-static bool take_channels(struct table *table, struct detector *out, struct error *err)
-{
-    const int n = table->n_values / table->n_rows;
-    if (!MAKE_ARRAY(out->sensitivity, n, err, "%d channels", n))
-        return false;
-    out->n = n;
-    out->observer = n == 3;
-    for (int i = 0; i < n && i < 3; i++) {
-        const char *name = table->names.name[i];
-        const struct word word = {.start = name, .length = strlen(name)};
-        out->observer = out->observer && name_is_tristimulus(&word, "xyz"[i]);
-    }
-    out->channel = table->names.name;
-    table->names = (struct set_names){0};
-    return take_rows(table, n, out->sensitivity, err);
-}
-
-/* Makes a spectrum of each sample. */
-static bool take_samples(const struct table *table, struct spectrum **out, struct error *err)
-{
-    const int n = table->n_values / table->n_rows;
-    return MAKE_ARRAY(*out, n, err, "%d samples", n) && take_rows(table, n, *out, err);
+    for (int i = 0; i < table->n_samples; i++)
+        free(table->sample[i].reading);
+    FREE_ALL(table->sample, table->label);
 }
 
 typedef bool table_reader(struct table *table, struct error *err);
@@ -100,25 +59,249 @@ static table_reader *reader_of(const struct text *text)
 
 static bool read_text(struct table *table, struct error *err)
 {
-    table_reader *reader = reader_of(&table->text);
-    table->first = table->wanted->first;
-    const bool done =
-        reader ? reader(table, err) : !text_next_line(&table->text) || columns_read(table, err);
-    return done && (table->n_rows > 0 || table->wanted->all ||
-                    error_at(err, text_whole(&table->text),
-                             "no line begins with a wavelength; expected rows such as 400,0.1"));
+    struct text *text = &table->text;
+    table_reader *reader = reader_of(text);
+    for (char *at = text->bytes; (at = strstr(at, "\xC2\xA0"));) /* no-break spaces */
+        at[0] = at[1] = ' ';
+    return (reader ? reader(table, err) : columns_read(table, err)) &&
+           (table->n_samples > 0 ||
+            error_at(err, text_whole(text),
+                     "no line begins with a wavelength; expected rows such as 400,0.1, or a "
+                     "heading of wavelengths such as 400 or 400 nm"));
 }
 
-static bool read_file(const char *path, struct table *table, struct spectrum *out,
+/* ---- which sample ---- */
+
+static bool refuse_choice(const struct table *table, const struct wanted *wanted, struct error *err)
+{
+    const struct word *sample = &wanted->sample, *file = &wanted->table;
+    const int n = table->n_samples, length = word_shown(file);
+    struct suggestion suggestion = {.distance = 0};
+    if (wanted->first == 0 && sample->length == 0)
+        return error_at(
+            err, file->place,
+            "'%.*s' has %d samples; write one as '%.*s:NAME', or by its number: spectral "
+            "list %.*s%s",
+            length, file->start, n, length, file->start, length, file->start,
+            table->separator == ',' ? "; if its commas are decimal, put semicolons between columns"
+                                    : "");
+    for (int i = 0; i < table->n_labels; i++)
+        suggestion_add(&suggestion, sample, table->label[i].word.start,
+                       table->label[i].word.length);
+    return wanted->first > 0
+               ? error_at(err, file->place, "'%.*s' has no sample %ld; its last is %d%s", length,
+                          file->start, wanted->first, n,
+                          table->has_pairs ? ", each with the wavelengths beside it" : "")
+               : error_at(err, sample->place, "%.200s has no sample '%.*s'; %s", table->text.path,
+                          word_shown(sample), sample->start,
+                          suggestion_end(&suggestion, "its samples are"));
+}
+
+/* Finds the first sample that is wanted: by its name, or else by its number. */
+static bool choose(const struct table *table, const struct wanted *wanted, int *out,
+                   struct error *err)
+{
+    const struct word *sample = &wanted->sample;
+    int n = 0;
+    *out = -1;
+    for (int i = 0; i < table->n_labels && sample->length > 0; i++) {
+        const struct label *label = &table->label[i];
+        if (label->word.length != sample->length ||
+            memcmp(label->word.start, sample->start, sample->length) != 0)
+            continue;
+        n += label->sample != *out;
+        *out = label->sample;
+    }
+    if (n > 1)
+        return error_at(err, sample->place,
+                        "%d samples are named '%.*s'; write the number of one, from 1 to %d", n,
+                        word_shown(sample), sample->start, table->n_samples);
+    if (n == 0 && wanted->first > 0 && wanted->first <= table->n_samples)
+        *out = (int)wanted->first - 1;
+    else if (n == 0 && wanted->first == 0 && sample->length == 0 &&
+             (table->n_samples == 1 || wanted->count != 1))
+        *out = 0;
+    return *out >= 0 || refuse_choice(table, wanted, err);
+}
+
+/* ---- its values ---- */
+
+/* Writes the table and the sample as a scene names them, without a factor; a long name as FILE. */
+enum { LABEL_SIZE = 96 };
+static void write_label(const struct wanted *wanted, char out[LABEL_SIZE])
+{
+    const struct word *table = &wanted->table, *sample = &wanted->sample;
+    const char *end =
+        sample->length > 0 ? sample->start + sample->length : table->start + table->length;
+    const int length = (int)(end - table->start);
+    snprintf(out, LABEL_SIZE, "%.*s", length < LABEL_SIZE ? length : 4,
+             length < LABEL_SIZE ? table->start : "FILE");
+}
+
+/* Refuses percent, and another quantity than is wanted. Lights are relative. */
+static bool check_quantity(const struct table *table, const struct sample *sample,
+                           const struct wanted *wanted, struct error *err)
+{
+    const struct word *says = sample->says.length > 0 ? &sample->says : &table->above;
+    const bool reflectance = wanted->highest < HUGE_VAL;
+    struct meaning meaning;
+    char label[LABEL_SIZE];
+    write_label(wanted, label);
+    if (!heading_read(says, false, &meaning, err))
+        return false;
+    if (reflectance && !wanted->scaled && meaning.is_percent)
+        return error_at(err, says->place,
+                        wanted->count > 0 ? "'%.*s' says percent; write '%s*0.01', or '%s*1' if "
+                                            "the values are fractions of 1"
+                                          : "'%.*s' says percent; divide the values of %s by 100",
+                        word_shown(says), says->start, label, label);
+    if (reflectance && (meaning.quantity == QUANTITY_LIGHT || meaning.quantity == QUANTITY_OTHER))
+        return error_at(err, says->place,
+                        "'%.*s' is no reflectance; expected values from 0 to 1, or another word",
+                        word_shown(says), says->start);
+    return wanted->lowest < 0 || reflectance || meaning.quantity != QUANTITY_REFLECTANCE ||
+           error_at(err, says->place, "'%.*s' is no light; expected its spectrum, or another word",
+                    word_shown(says), says->start);
+}
+
+/* Noise of instruments, and rounding of reflectances: outside of 380 to 780 nm, at most 0.5 % of
+ * the largest value below 0, or at most 0.01 beyond a limit of reflectances. */
+static bool is_noise(double nm, double beyond, double largest, bool reflectance)
+{
+    return nm < 380 || nm > 780 || beyond <= 0.005 * largest || (reflectance && beyond <= 0.01);
+}
+
+/* Takes a value within the limits. Counts what is noise, which becomes the limit. */
+static bool take_value(const struct reading *reading, const struct wanted *wanted, double largest,
+                       struct spectrum *out, struct error *err)
+{
+    const struct place place = {out->place.path, reading->line, reading->column};
+    const bool reflectance = wanted->highest < HUGE_VAL;
+    const double value = reading->value, product = value * wanted->factor;
+    double kept = fmax(value, wanted->lowest);
+    char label[LABEL_SIZE];
+    if (value < wanted->lowest &&
+        !is_noise(reading->nm, (wanted->lowest - value) * (reflectance ? wanted->factor : 1),
+                  largest, reflectance))
+        return error_at(err, place,
+                        "value %.15g is below %.15g; write %.15g in its place if it is noise",
+                        value, wanted->lowest, wanted->lowest);
+    if (product > wanted->highest && !is_noise(reading->nm, product - wanted->highest, 0, true)) {
+        write_label(wanted, label);
+        return wanted->scaled
+                   ? error_at(err, place, "reflectance %.15g times %.15g is above %.15g", value,
+                              wanted->factor, wanted->highest)
+                   : error_at(err, place,
+                              "reflectance %.15g is above %.15g; write '%s*0.01' if the values are "
+                              "in percent, or another factor",
+                              value, wanted->highest, label);
+    }
+    if (product > wanted->highest)
+        for (kept = wanted->highest / wanted->factor; kept * wanted->factor > wanted->highest;)
+            kept = nextafter(kept, 0);
+    if (kept != value && out->n_limited++ == 0)
+        out->limited_nm = reading->nm;
+    return spectrum_append(out, reading->nm, kept,
+                           (struct place){place.path, reading->line, reading->nm_column}, err);
+}
+
+/* Makes a spectrum of a sample, in the order of wavelengths. */
+static bool take(const struct table *table, const struct sample *sample,
+                 const struct wanted *wanted, struct spectrum *out, struct error *err)
+{
+    const bool falls = sample->n > 1 && sample->reading[1].nm < sample->reading[0].nm;
+    double largest = 0;
+    out->place.path = table->text.path;
+    if (!check_quantity(table, sample, wanted, err))
+        return false;
+    for (int k = 0; k < sample->n; k++)
+        largest = fmax(largest, sample->reading[k].value);
+    for (int k = 0; k < sample->n; k++)
+        if (!take_value(&sample->reading[falls ? sample->n - 1 - k : k], wanted, largest, out, err))
+            return false;
+    return spectrum_is_in_nm(out, err);
+}
+
+static char *sample_name(const struct table *table, int i, struct error *err)
+{
+    struct printed number = {.text = NULL};
+    const struct word *name = &table->sample[i].name;
+    if (name->length > 0)
+        return word_copy(name, err);
+    print(&number, "%d", i + 1);
+    return printed_take(&number, err);
+}
+
+/* ---- detectors ---- */
+
+/* Finds the order in which three channels stand, by names that begin with the letters. */
+static bool find_channels(const struct table *table, const char *letters, int order[3])
+{
+    bool found[3] = {false, false, false};
+    for (int i = 0; i < 3; i++) {
+        const char *letter = heading_channel(&table->sample[i].name, letters);
+        if (!letter)
+            return false;
+        order[letter - letters] = i;
+        found[letter - letters] = true;
+    }
+    return found[0] && found[1] && found[2];
+}
+
+/* Makes the channels of a detector: X, Y and Z, and R, G and B, in this order; others in the
+ * file's.
+ */
+static bool take_channels(const struct table *table, const struct wanted *wanted,
+                          struct detector *out, struct error *err)
+{
+    const int n = table->n_samples;
+    int order[3] = {0, 1, 2};
+    bool named = true;
+    for (int i = 0; i < n; i++)
+        named = named && table->sample[i].name.length > 0;
+    if (n == 3 && !named)
+        return error_at(err, (struct place){table->text.path, table->sample[0].reading->line, 1},
+                        "the columns have no names; write a heading, 'wavelength,x,y,z' for an "
+                        "observer or 'wavelength,r,g,b' for a camera");
+    if (!MAKE_ARRAY(out->sensitivity, n, err, "%d channels", n) ||
+        !MAKE_ARRAY(out->channel, n, err, "%d channels", n))
+        return false;
+    out->n = n;
+    out->observer = n == 3 && find_channels(table, "xyz", order);
+    if (n != 3 || (!out->observer && !find_channels(table, "rgb", order)))
+        order[0] = 0, order[1] = 1, order[2] = 2;
+    for (int i = 0; i < n; i++) {
+        const int from = n == 3 ? order[i] : i;
+        out->channel[i] = sample_name(table, from, err);
+        if (!out->channel[i] ||
+            !take(table, &table->sample[from], wanted, &out->sensitivity[i], err))
+            return false;
+    }
+    return true;
+}
+
+/* ---- files ---- */
+
+static bool take_wanted(const struct table *table, const struct wanted *wanted,
+                        struct spectrum *out, struct error *err)
+{
+    int first;
+    bool done = choose(table, wanted, &first, err);
+    for (int i = 0; done && i < wanted->count; i++)
+        done = take(table, &table->sample[first + i], wanted, &out[i], err);
+    return done;
+}
+
+static bool read_file(const char *path, const struct wanted *wanted, struct spectrum *out,
                       struct detector *detector, struct error *err)
 {
-    const bool done = text_open(&table->text, path, table->wanted->table.place, TEXT_XML, err) &&
-                      read_text(table, err) &&
-                      (detector ? take_channels(table, detector, err)
-                                : take_rows(table, table->wanted->count, out, err));
-    FREE_ALL(table->row, table->value);
-    set_names_free(&table->names);
-    text_free(&table->text);
+    struct table table = {.n_samples = 0};
+    const bool done = text_open(&table.text, path, wanted->table.place, TEXT_XML, err) &&
+                      read_text(&table, err) &&
+                      (detector ? take_channels(&table, wanted, detector, err)
+                                : take_wanted(&table, wanted, out, err));
+    table_free(&table);
+    text_free(&table.text);
     return done;
 }
 
@@ -132,19 +315,32 @@ bool set_is(struct text text)
 bool set_read(struct text text, double highest, struct spectrum **out, struct set_names *names,
               struct error *err)
 {
-    const struct columns columns = {.table = {.start = path_name(text.path),
-                                              .length = strlen(path_name(text.path)),
-                                              .place = text_whole(&text)},
-                                    .lowest = highest < HUGE_VAL ? 0 : -HUGE_VAL,
-                                    .highest = highest,
-                                    .factor = 1,
-                                    .all = out == NULL,
-                                    .is_set = true};
-    struct table table = {.wanted = &columns, .text = text};
-    const bool done = read_text(&table, err) && (!out || take_samples(&table, out, err));
-    *names = table.names;
-    FREE_ALL(table.row, table.value);
+    const char *name = path_name(text.path);
+    const struct wanted wanted = {
+        .table = {.start = name, .length = strlen(name), .place = text_whole(&text)},
+        .lowest = highest < HUGE_VAL ? 0 : -HUGE_VAL,
+        .highest = highest,
+        .factor = 1};
+    struct table table = {.text = text};
+    *names = (struct set_names){.n = 0};
+    bool done = read_text(&table, err) &&
+                (!out || MAKE_ARRAY(*out, table.n_samples, err, "%d samples", table.n_samples));
+    for (int i = 0; done && i < table.n_samples; i++) {
+        char *copy = sample_name(&table, i, err);
+        done = copy && array_add(&names->name, &names->n, &copy, sizeof copy, err) &&
+               (!out || take(&table, &table.sample[i], &wanted, &(*out)[i], err));
+        if (copy && names->n == i)
+            free(copy);
+    }
+    table_free(&table);
     return done;
+}
+
+void set_names_free(struct set_names *names)
+{
+    for (int i = 0; i < names->n; i++)
+        free(names->name[i]);
+    free(names->name);
 }
 
 void set_free(struct spectrum *samples, struct set_names *names)
@@ -162,7 +358,7 @@ bool table_is_detector(const struct builtin_file *file)
             strstr((const char *)file->bytes, "\nwavelength_nm,r,g,b\n") != NULL);
 }
 
-static bool refuse_unknown(const struct columns *wanted, struct error *err)
+static bool refuse_unknown(const struct wanted *wanted, struct error *err)
 {
     const bool detector = wanted->count == 0;
     const struct word *word = &wanted->table;
@@ -184,14 +380,13 @@ static bool refuse_unknown(const struct columns *wanted, struct error *err)
                                               "daylight:KELVIN, gaussian:CENTRE,WIDTH, or one of"));
 }
 
-bool table_read(const struct columns *columns, struct spectrum *out, struct detector *detector,
+bool table_read(const struct wanted *wanted, struct spectrum *out, struct detector *detector,
                 struct error *err)
 {
-    struct table table = {.wanted = columns};
     char *path;
-    bool done = word_file(&columns->table, FILE_TABLE, &path, err) &&
-                (file_is_missing(path) ? refuse_unknown(columns, err)
-                                       : read_file(path, &table, out, detector, err));
+    bool done = word_file(&wanted->table, FILE_TABLE, &path, err) &&
+                (file_is_missing(path) ? refuse_unknown(wanted, err)
+                                       : read_file(path, wanted, out, detector, err));
     if (done && !path_is_builtin(path))
         (detector ? detector->sensitivity : out)->path = path;
     else
@@ -202,10 +397,10 @@ bool table_read(const struct columns *columns, struct spectrum *out, struct dete
 bool spectra_read(const char *name, int n, struct spectrum *out, struct detector *detector,
                   struct error *err)
 {
-    const struct columns columns = {.table = {.start = name, .length = strlen(name)},
-                                    .count = n,
-                                    .lowest = -HUGE_VAL,
-                                    .highest = HUGE_VAL,
-                                    .factor = 1};
-    return table_read(&columns, out, detector, err);
+    const struct wanted wanted = {.table = {.start = name, .length = strlen(name)},
+                                  .count = n,
+                                  .lowest = -HUGE_VAL,
+                                  .highest = HUGE_VAL,
+                                  .factor = 1};
+    return table_read(&wanted, out, detector, err);
 }

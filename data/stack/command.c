@@ -54,7 +54,7 @@ static void put_facts(struct json *json, const struct image *image, const struct
                      record->white.n);
     }
     json_number(json, "radiance_of_full_count", image->scale);
-    json_string(json, "verdict", image->verdict);
+    json_string(json, "verdict", image->verdict[0] ? image->verdict : NULL);
 }
 
 /* Puts the facts of a stack of another program, or of a picture or raw values: no record, but a

@@ -8,8 +8,7 @@
 struct tables {
     const struct plan *plan;
     struct printed *to; /* gets a line for each that ends too early; NULL: none */
-    int n;              /* those whose end matters */
-    char first[BEYOND_TEXT];
+    struct tables_found found;
 };
 
 static int count_outside(const struct spectral_pages *pages, const struct spectrum *table)
@@ -43,6 +42,10 @@ static void look_at(struct tables *tables, const char *what, const char *owner,
     const struct spectral_pages *pages = &tables->plan->illumination.pages;
     const int outside = table->kind == SPECTRUM_SAMPLED ? count_outside(pages, table) : 0;
     char rest[160];
+    if (table->n_limited > 0 && tables->found.n_limited == 0)
+        snprintf(tables->found.limited, BEYOND_TEXT, "%s %.200s, at %g nm", what, owner,
+                 table->limited_nm);
+    tables->found.n_limited += table->n_limited;
     if (outside == 0)
         return;
     snprintf(rest, sizeof rest, "%d of %d wavelengths outside %g..%g nm, %s there", outside,
@@ -50,8 +53,8 @@ static void look_at(struct tables *tables, const char *what, const char *owner,
              table->wavelength_nm[table->count - 1], holds ? "the end value holds" : "0");
     if (tables->to)
         print(tables->to, "extrapolated      %s %s: %s\n", what, owner, rest);
-    if (ends_early(pages, table, holds) && tables->n++ == 0)
-        snprintf(tables->first, sizeof tables->first, "%s %.200s: %s", what, owner, rest);
+    if (ends_early(pages, table, holds) && tables->found.n++ == 0)
+        snprintf(tables->found.first, BEYOND_TEXT, "%s %.200s: %s", what, owner, rest);
 }
 
 static void look_at_material(struct tables *tables, const struct shaded_material *shaded)
@@ -76,7 +79,7 @@ static void look_at_texture(struct tables *tables, const struct texture *texture
         look_at(tables, "texture", image->path, &pages, true);
 }
 
-int tables_beyond(const struct plan *plan, struct printed *to, char first[BEYOND_TEXT])
+struct tables_found tables_look(const struct plan *plan, struct printed *to)
 {
     struct tables tables = {.plan = plan, .to = to};
     const struct light *light = plan->scene->lights;
@@ -91,6 +94,5 @@ int tables_beyond(const struct plan *plan, struct printed *to, char first[BEYOND
         look_at_material(&tables, &plan->materials[i]);
     for (int i = 0; i < plan->n_textures; i++)
         look_at_texture(&tables, &plan->textures[i]);
-    snprintf(first, BEYOND_TEXT, "%s", tables.first);
-    return tables.n;
+    return tables.found;
 }

@@ -161,7 +161,6 @@ bool plan_put_files(const struct plan *plan, const char *detector, struct json *
 /* Prints what words have beside the facts: textures, and each value that is guessed. */
 static void print_guesses(const struct plan *plan, struct printed *to)
 {
-    char first[BEYOND_TEXT];
     for (int i = 0; i < plan->n_textures; i++) {
         const struct texture *texture = &plan->textures[i];
         print(to, "texture           %s: %d x %d texels, %d levels, %zu bytes a band, %d pages%s\n",
@@ -169,7 +168,7 @@ static void print_guesses(const struct plan *plan, struct printed *to)
               texture->plane_size * sizeof(float), texture->image.n_pages,
               texture->spectral && plan->sampling ? ", at the wavelength of each page" : "");
     }
-    tables_beyond(plan, to, first);
+    tables_look(plan, to);
     for (int i = 0; i < plan->n_materials; i++) {
         const struct material *material = plan->materials[i].material;
         if (material->from_rgb)

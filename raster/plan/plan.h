@@ -216,12 +216,16 @@ bool plan_put_files(const struct plan *plan, const char *detector, struct json *
 /* Puts the members on the scene, and on the size and the wavelengths of its picture. */
 void scene_put(const struct plan *plan, struct json *json);
 
-/* ---- beyond_tables.c: spectra that are tables, and end before the picture's wavelengths do ----
- */
+/* ---- beyond_tables.c: spectra that are tables ---- */
 
 enum { BEYOND_TEXT = 384 };
-/* Prints a line for each table that the picture reaches beyond; `to` NULL: none. Returns the number
- * of tables whose end matters, and describes the first of them. */
-int tables_beyond(const struct plan *plan, struct printed *to, char first[BEYOND_TEXT]);
+struct tables_found {
+    int n, n_limited;          /* tables that end too early; values that were noise */
+    char first[BEYOND_TEXT];   /* the first of these tables, in words */
+    char limited[BEYOND_TEXT]; /* the first of these values */
+};
+/* Finds what is to be noted of tables. Prints a line for each that the picture reaches beyond; `to`
+ * NULL: none. */
+struct tables_found tables_look(const struct plan *plan, struct printed *to);
 
 #endif

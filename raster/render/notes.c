@@ -143,11 +143,17 @@ static int lost_of_file(const struct scene *scene, int i)
 }
 
 /* Adds a note for each MTL file on what the entries that objects use lose, while there is room. */
-static void note_lost(const struct scene *scene, struct notes *notes)
+static void note_lost(const struct plan *plan, struct notes *notes)
 {
+    const struct scene *scene = plan->scene;
     static const char *const words[LOST_KINDS] = {
-        "map_Kd without a picture that can be read, or with options", "other maps",
-        "transparency (d, Tr)", "Ns above 128", "Ks above 1"};
+        "map_Kd without a picture that can be read, or with options",
+        "other maps",
+        "transparency (d, Tr, Tf)",
+        "Ns above 128",
+        "Ks above 1",
+        "Ks without Ns, or with Ns 0",
+        "illum 0, or 1 beside Ks and Ns"};
     for (int i = 0; i < scene->n_materials && notes->n < MOST_NOTES - 2; i++) {
         const int lost = lost_of_file(scene, i);
         char list[NOTE_TEXT / 2] = "";
@@ -158,19 +164,25 @@ static void note_lost(const struct scene *scene, struct notes *notes)
         if (lost)
             note_add(notes, "mtl", "not drawn of %.300s: %s", scene->materials[i].path, list);
     }
+    for (int i = 0; i < plan->n_textures && notes->n < MOST_NOTES - 2; i++)
+        if (plan->textures[i].rgb && image_has_alpha(&plan->textures[i].image))
+            note_add(notes, "alpha", "not drawn: the alpha of %.300s",
+                     plan->textures[i].image.path);
 }
 
 /* ---- all notes ---- */
 
-/* Adds a note on tables that end before the picture's wavelengths do. */
+/* Adds notes on tables that end before the picture's wavelengths do, and on noise in tables. */
 static void note_tables(const struct plan *plan, struct notes *notes)
 {
-    char first[BEYOND_TEXT];
-    const int tables = tables_beyond(plan, NULL, first);
-    if (tables == 1)
-        note_add(notes, "extrapolated", "extrapolated: %s", first);
-    else if (tables > 1)
-        note_add(notes, "extrapolated", "extrapolated: %d spectra, first %s", tables, first);
+    const struct tables_found found = tables_look(plan, NULL);
+    if (found.n == 1)
+        note_add(notes, "extrapolated", "extrapolated: %s", found.first);
+    else if (found.n > 1)
+        note_add(notes, "extrapolated", "extrapolated: %d spectra, first %s", found.n, found.first);
+    if (found.n_limited > 0)
+        note_add(notes, "noise", "%d value%s of tables beyond 0 or 1 became that, first of %s",
+                 found.n_limited, found.n_limited == 1 ? "" : "s", found.limited);
 }
 
 bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
@@ -180,7 +192,7 @@ bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *ou
     note_depth(lit, out);
     note_tables(lit->plan, out);
     note_emission(lit->plan, out);
-    note_lost(lit->plan->scene, out);
+    note_lost(lit->plan, out);
     return !shading_judge || shading_judge->judge(lit, judged_pixels, out, err);
 }
 

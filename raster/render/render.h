@@ -13,7 +13,7 @@ struct shading;
 
 /* ---- notes.c: a list of notes ---- */
 
-enum { NOTE_TEXT = 768, MOST_NOTES = 8 };
+enum { NOTE_TEXT = 768, MOST_NOTES = 10 };
 struct note {
     const char *code;     /* a name for scripts, which stays from version to version: "black" */
     char text[NOTE_TEXT]; /* one line */

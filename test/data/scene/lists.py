@@ -77,7 +77,7 @@ def partners():
         output_of("render", scene, "--depth", "32f", "-q", "-o", stack)
         page = pages_of(stack)[0]
         check(np.allclose(page[:, :20], left) and np.allclose(page[:, 20:], right), f"{name} is the texture of the partner", page[0, ::10])
-    write("pair.txt", "300 0.5\nmr 300 0.4\nmt rgb/wood0.rgb\n")
+    write("pair.txt", "550 0.5\nmr 550 0.4\nmt rgb/wood0.rgb\n")
     refuses("a partner's texture that is not there", "pair.txt:3:1: error: no file .*rgb/wood0.rgb", "plan", scene)
 
 

@@ -80,7 +80,7 @@ check("2 samples are named 'a'" in got, "a name that two samples have is refused
 write("other.csv", "Name,Gloss,400,500\na,2,0.1,0.1\nb,1,0.3,0.3\n")
 got = stack("other", "material m { diffuse other.csv:1 }\nobject plane 12 8 material m\n")
 check(np.allclose(got[:, 30, 45], 0.1 * d65[:, 30, 45], rtol=1e-5), "a number is no value of another field", got)
-write("dark.csv", "Name,400,500\na,0.1,-0.01\n")
+write("dark.csv", "Name,400,500\na,0.1,-0.02\n")
 got = stack("dark", "material m { diffuse dark.csv }\nobject plane 12 8 material m\n")
 check("dark.csv:2:7" in got and "below 0" in got and "write 0" in got, "a value below 0 is refused with the way out", got)
 write("tm27.spdx", """<?xml version="1.0" encoding="utf-8"?>
@@ -98,7 +98,7 @@ TABLE = "nm,R\n400,0.1\n700,0.5\n"
 for name, content, why in (
         ("le.csv", b"\xff\xfe" + TABLE.encode("utf-16-le"), "the text is UTF-16; save it as UTF-8"),
         ("be.csv", b"\xfe\xff" + TABLE.encode("utf-16-be"), "the text is UTF-16; save it as UTF-8"),
-        ("a.json", b'{"main": {"400": [0.1]}}', "the file is JSON"), ("a.csv", b"\xef\xbb\xbf<?xml version='1.0'?><a/>", "no line begins"),
+        ("a.json", b'{"main": {"400": [0.1]}}', "the file is JSON"), ("a.csv", b"\xef\xbb\xbf<?xml version='1.0'?><a/>", "is XML, but not of IES TM-27"),
         ("a.xlsx", b"PK\x03\x04\x14\0\0\0", "it looks like ZIP"), ("a.mat", b"MATLAB 5.0 MAT-file\0", "it looks like MATLAB"),
         ("sekonic.csv", b"Title,x\nTLMF,---\n\nSpectral Data 400[nm],0.1\n", "no line begins with a wavelength")):
     with open(f"{TMP}/{name}", "wb") as file:
