@@ -96,7 +96,8 @@ static bool print_list(const struct list *list, struct printed *to, struct error
 static bool print_samples(const char *path, struct printed *to, struct error *err)
 {
     const struct word word = {.start = path, .length = strlen(path)};
-    struct set_names names = {0};
+    struct spectrum *samples;
+    int n;
     struct text text;
     char *file;
     bool done =
@@ -104,11 +105,11 @@ static bool print_samples(const char *path, struct printed *to, struct error *er
     free(file);
     if (!done)
         return false;
-    done = set_read(text, HUGE_VAL, NULL, &names, err);
+    done = set_read(text, HUGE_VAL, &samples, &n, err);
     print(to, "%s\n", path);
-    for (int i = 0; i < names.n; i++)
-        print(to, "  %s\n", names.name[i]);
-    set_names_free(&names);
+    for (int i = 0; i < n; i++)
+        print(to, "  %s\n", samples[i].name);
+    set_free(samples, n);
     text_free(&text);
     return done;
 }

@@ -90,9 +90,9 @@ bool light_read(struct scene_reader *reader, struct error *err);
 bool definition_read(struct scene_reader *reader, struct error *err);
 /* Adds the material of a file that a list names, unless it is there already; *out is its index. */
 bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err);
-/* Adds a material whose reflectance is a sample of a table, and takes that over. */
-bool sample_add(struct scene_reader *reader, struct place place, const char *name,
-                struct spectrum *sample, struct error *err);
+/* Adds a material whose reflectance is a sample of a table, with its name, and takes that over. */
+bool sample_add(struct scene_reader *reader, struct place place, struct spectrum *sample,
+                struct error *err);
 /* Finds the materials of all objects and reads those that are used. */
 bool materials_resolve(struct scene_reader *reader, struct error *err);
 void materials_forget(struct scene_reader *reader); /* frees what finds materials by name */

@@ -64,17 +64,13 @@ static struct material *partner_of(struct material *material, struct place place
     return material->partner;
 }
 
-/* Returns the kind of a line: the last letter of its first word, in lower case; 0: unknown word. */
+/* Returns the kind of a line: the first letter of its first word, in lower case, as the program of
+ * the thesis read it; behind an m the second. 0: unknown word. */
 static char line_kind(const struct word *word)
 {
-    static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg", "mt"};
-    if (word->quoted)
-        return 0;
-    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
-        if (word->length == strlen(known[i]) &&
-            strncasecmp(word->start, known[i], word->length) == 0)
-            return known[i][word->length - 1];
-    return 0;
+    const bool partner = tolower((unsigned char)word->start[0]) == 'm' && word->length > 1;
+    const char kind = (char)tolower((unsigned char)word->start[partner]);
+    return !word->quoted && kind != '\0' && strchr(partner ? "rsfgt" : "sfgt", kind) ? kind : 0;
 }
 
 static bool read_line(struct text *text, const struct word *first, struct material *out,
@@ -104,7 +100,7 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     case 't':
         return place_once(&out->texture_place, first->place, "texture", err) &&
                text_expect(text, &word, "a texture file", err) &&
-               word_file(&word, FILE_TEXTURE, &out->texture, err);
+               word_file_or_here(&word, FILE_TEXTURE, &out->texture, err);
     default:
         return error_at(err, first->place,
                         "unknown line '%.*s'; a line begins with a wavelength, g, s, f, t, mr, mg, "

@@ -19,7 +19,8 @@ static bool check_name(const struct scene_reader *reader, const struct word *wor
                     material->name, material->place.line, material->place.path);
 }
 
-/* Reads the words in braces behind the name, or notes the name of a file. */
+/* Reads the words in braces behind the name, or a sample of a table; or notes the name of a file.
+ */
 static bool read_content(struct text *text, struct material *out, struct error *err)
 {
     struct word word;
@@ -33,7 +34,11 @@ static bool read_content(struct text *text, struct material *out, struct error *
         return error_at(err, word.place, "'%.*s' stands between braces: material NAME { %.*s ... }",
                         word_shown(&word), word.start, word_shown(&word), word.start);
     out->place = word.place;
-    return word_file(&word, FILE_MATERIAL, &out->path, err) && text_end(text, "a material", err);
+    if (!word_file(&word, FILE_MATERIAL, &out->path, err))
+        return false;
+    const bool is_sample = memchr(word.start, ':', word.length) && file_is_missing(out->path);
+    return (!is_sample || spectrum_read(&word, 0, 1, &out->diffuse, err)) &&
+           text_end(text, "a material", err);
 }
 
 bool definition_read(struct scene_reader *reader, struct error *err)
@@ -60,7 +65,7 @@ bool listed_add(struct scene_reader *reader, const struct word *word, int *out, 
 {
     struct material material = {.place = word->place};
     struct scene *scene = reader->scene;
-    if (!word_file(word, FILE_MATERIAL, &material.path, err))
+    if (!word_file_or_here(word, FILE_MATERIAL, &material.path, err))
         return false;
     const size_t length = strlen(material.path);
     *out = index_find(&reader->listed, material.path, length);
@@ -75,14 +80,14 @@ bool listed_add(struct scene_reader *reader, const struct word *word, int *out, 
     return known;
 }
 
-bool sample_add(struct scene_reader *reader, struct place place, const char *name,
-                struct spectrum *sample, struct error *err)
+bool sample_add(struct scene_reader *reader, struct place place, struct spectrum *sample,
+                struct error *err)
 {
     struct scene *scene = reader->scene;
     struct material material = {.place = place, .diffuse = *sample};
     *sample = (struct spectrum){.kind = SPECTRUM_NONE};
     const bool done =
-        string_copy(name, &material.name, err) && string_copy(name, &material.diffuse.name, err) &&
+        string_copy(material.diffuse.name, &material.name, err) &&
         array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err);
     if (!done)
         material_free(&material);

@@ -245,15 +245,15 @@ static bool add_listed(struct scene_reader *reader, struct text *list, struct de
 static bool add_samples(struct scene_reader *reader, const struct text *set,
                         struct description *pattern, struct error *err)
 {
-    struct set_names names = {0};
-    struct spectrum *samples = NULL;
-    bool done = set_read(*set, 1, &samples, &names, err);
-    for (int i = 0; done && i < names.n; i++) {
+    struct spectrum *samples;
+    int n;
+    bool done = set_read(*set, 1, &samples, &n, err);
+    for (int i = 0; done && i < n; i++) {
         pattern->object.material = reader->scene->n_materials;
-        done = sample_add(reader, text_whole(set), names.name[i], &samples[i], err) &&
+        done = sample_add(reader, text_whole(set), &samples[i], err) &&
                add_object(reader, pattern, err);
     }
-    set_free(samples, &names);
+    set_free(samples, n);
     return done;
 }
 

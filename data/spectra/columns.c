@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads tables of columns: a wavelength and its values a row, or pairs of columns, each value with
- * the wavelength beside it; or a sample a row, with the wavelengths in the heading. What can be
- * read in two ways is refused, with the words that decide. */
+/* Reads tables of columns: a wavelength and its values a row; or a sample a row, with the
+ * wavelengths in the heading. What can be read in two ways is refused, with the words that decide.
+ */
 #include "data/spectra/inside.h"
 
 /* ---- what a line is ---- */
@@ -10,9 +10,10 @@ struct line {
     struct table at;                  /* with its own separator; line 0: there is none */
     int n_cells, n_filled, n_columns; /* n_columns: up to the last that is filled */
     int n_numbers; /* as some country writes them; also a wavelength with a unit */
-    int n_nm;      /* wavelengths above 100 nm that rise, or fall; 0: others */
-    double first;  /* its first number; NAN: it begins with none */
+    int n_nm;      /* wavelengths above 100 nm; they rise, or fall, or: */
+    bool falls_and_rises;
     bool is_units; /* all cells name a unit, or wavelengths */
+    double first;  /* its first number in nm, 0: below 100 nm; NAN: it begins with none */
 };
 
 /* Reads the cell of a wavelength, of which a blank may separate the unit. */
@@ -28,28 +29,27 @@ static bool wavelength_cell(struct table *table, struct word *out)
     return true;
 }
 
-/* Counts a cell. */
-static void line_add(struct line *line, const struct word *cell, double *last)
+/* Counts a cell. nm: the last two wavelengths. */
+static void line_add(struct line *line, const struct word *cell, double nm[2])
 {
-    const double nm = heading_nm(cell, false);
+    const double found = heading_nm(cell, false);
     const bool number = word_is_numeric(cell, "0123456789+-.,%eE"), first = line->n_cells == 0;
     struct meaning meaning;
-    struct error own = {.status = EXIT_AGREED};
-    heading_read(cell, false, &meaning, &own);
-    line->is_units =
-        line->is_units && (cell->length == 0 || meaning.is_unit || meaning.is_wavelength);
+    heading_read(cell, &meaning);
+    line->is_units = line->is_units && (cell->length == 0 || meaning.is_unit);
     line->n_cells++;
     line->n_filled += cell->length > 0;
     line->n_columns = cell->length > 0 ? line->n_cells : line->n_columns;
-    line->n_numbers += number || (first && nm > 0);
-    if (first && (number || nm > 0))
-        line->first = nm;
-    if (nm > 0 && line->n_nm >= 0)
-        line->n_nm = line->n_nm < 2 || (nm > last[1]) == (last[1] > last[0]) ? line->n_nm + 1 : -1;
-    if (nm > 0 && nm == last[1])
-        line->n_nm = -1;
-    last[0] = nm > 0 ? last[1] : last[0];
-    last[1] = nm > 0 ? nm : last[1];
+    line->n_numbers += number || (first && found > 0);
+    if (first && (number || found > 0))
+        line->first = found;
+    if (found == 0)
+        return;
+    line->falls_and_rises = line->falls_and_rises || found == nm[1] ||
+                            (line->n_nm > 1 && (found > nm[1]) != (nm[1] > nm[0]));
+    line->n_nm++;
+    nm[0] = nm[1];
+    nm[1] = found;
 }
 
 /* separator: 0: the line's own. */
@@ -64,7 +64,6 @@ static struct line line_look(const struct table *table, char separator)
     struct table rest = line.at;
     for (bool more = wavelength_cell(&rest, &cell); more; more = line_cell(&rest, &cell))
         line_add(&line, &cell, last);
-    line.n_nm = line.n_nm > 0 ? line.n_nm : 0;
     return line;
 }
 
@@ -90,9 +89,8 @@ static void note_said(const struct line *line, struct word *says)
     struct table rest = line->at;
     struct word cell;
     struct meaning meaning;
-    struct error own = {.status = EXIT_AGREED};
     while (line->n_cells > 0 && says->length == 0 && line_cell(&rest, &cell)) {
-        heading_read(&cell, false, &meaning, &own);
+        heading_read(&cell, &meaning);
         if (meaning.is_percent || meaning.quantity == QUANTITY_OTHER)
             *says = cell;
     }
@@ -131,14 +129,13 @@ static bool find_order(const struct line *heading, bool *of_rows, struct error *
     struct line next;
     struct word cell = {.length = 0};
     struct meaning meaning;
-    *of_rows = heading->n_nm > 1 && !is_row(heading) &&
+    *of_rows = heading->n_nm > 1 && !heading->falls_and_rises && !is_row(heading) &&
                next_line(&rest, heading->at.separator, &next) && next.n_numbers > 0;
     if (!*of_rows || !is_row(&next))
         return true;
     rest = heading->at;
     line_cell(&rest, &cell);
-    if (!heading_read(&cell, false, &meaning, err))
-        return false;
+    heading_read(&cell, &meaning);
     *of_rows = !meaning.is_wavelength;
     return meaning.is_wavelength || meaning.is_label || !(next.first >= 100) ||
            error_at(err, text_place(&heading->at.text),
@@ -166,14 +163,15 @@ static bool check_names(const struct line *line, struct error *err)
 {
     struct table rest = line->at;
     struct word cell = {.length = 0};
-    struct meaning meaning = {.is_unit = true};
+    struct meaning meaning;
     const struct text *text = &line->at.text;
     if (line->n_filled > 0 && line->n_numbers == line->n_filled &&
         memchr(text->line_start, '.', (size_t)(text->line_end - text->line_start)))
         return error_at(err, text_place(text), "expected a wavelength");
-    return line->n_filled < 2 || line->n_numbers < line->n_filled - 1 || !line_cell(&rest, &cell) ||
-           !heading_read(&cell, false, &meaning, err) || cell.length == 0 ||
-           meaning.is_wavelength || meaning.is_label || meaning.is_unit || refuse_row(line, err);
+    if (line->n_filled < 2 || line->n_numbers < line->n_filled - 1 || !line_cell(&rest, &cell))
+        return true;
+    heading_read(&cell, &meaning);
+    return cell.length == 0 || meaning.is_wavelength || meaning.is_label || refuse_row(line, err);
 }
 
 /* Finds which line is what. A line above the first row is a heading, unless it begins with a number
@@ -220,173 +218,123 @@ bool columns_found(struct text text)
     return !find_layout((struct table){.text = text}, &layout, &own) || layout.first.n_cells > 0;
 }
 
-/* ---- columns ---- */
+/* ---- headings ---- */
 
-struct columns {
-    double *to_nm; /* of a column of wavelengths; 0: of values; owned */
-    int n;
-};
-
-/* Takes what a heading says of each column. A cell above the wavelengths of a pair names the
- * values. */
-static bool read_heading(struct table *table, const struct line *line, bool names,
-                         struct columns *of, struct error *err)
+/* Takes what a cell above the wavelengths says: their unit. */
+static bool read_unit(const struct word *cell, double *to_nm, struct error *err)
 {
-    struct table rest = line->at;
-    struct word cell, pair = {.length = 0};
     struct meaning meaning;
-    for (int k = 0, i = 0; k < of->n && line_cell(&rest, &cell); k++) {
-        const bool heads = of->to_nm[k] > 0;
-        if (!heading_read(&cell, heads, &meaning, err))
-            return false;
-        of->to_nm[k] *= meaning.to_nm;
-        pair = heads && k > 0 ? cell : pair;
-        if (heads)
-            continue;
-        struct sample *sample = &table->sample[i++];
-        if ((meaning.is_percent || meaning.quantity) && sample->says.length == 0)
-            sample->says = cell;
-        if (names && !table_add_name(table, i - 1, cell.length > 0 ? &cell : &pair, err))
-            return false;
-    }
-    return true;
+    heading_read(cell, &meaning);
+    *to_nm *= meaning.to_nm;
+    return !meaning.advice ||
+           error_at(err, cell->place, "'%.*s' is no wavelength; wavelengths in nm are %s",
+                    word_shown(cell), cell->start, meaning.advice);
 }
 
-/* Finds which columns have wavelengths: the first, and those whose names say so as the first's
- * does. */
-static bool find_pairs(struct table *table, const struct line *names, struct columns *of,
-                       struct error *err)
-{
-    struct table rest = names->at;
-    struct word cell, first = {.length = 0};
-    struct meaning meaning;
-    bool leads = false;
-    of->to_nm[0] = 1;
-    for (int k = 0; k < of->n && line_cell(&rest, &cell); k++) {
-        heading_read(&cell, false, &meaning, err);
-        first = k == 0 ? cell : first;
-        leads = leads || (k == 0 && meaning.is_wavelength);
-        if (k == 0 || !meaning.is_wavelength || rest.separator == ' ')
-            continue;
-        if (!leads && first.length > 0)
-            return error_at(err, first.place,
-                            "the first column must hold the wavelengths; it is named '%.*s'",
-                            word_shown(&first), first.start);
-        of->to_nm[k] = 1;
-        table->has_pairs = true;
-    }
-    return true;
-}
-
-/* Takes the unit of wavelengths from a heading whose cells do not fit the columns. */
-static bool read_unit(const struct line *line, double *to_nm, struct error *err)
-{
-    struct table rest = line->at;
-    struct word cell;
-    struct meaning meaning;
-    while (line_cell(&rest, &cell)) {
-        if (!heading_read(&cell, true, &meaning, err))
-            return false;
-        *to_nm *= meaning.to_nm;
-    }
-    return true;
-}
-
-/* Makes a sample of each column of values, with what the headings say of it. A heading of more
- * cells than columns names none. */
-static bool make_columns(struct table *table, struct layout *layout, struct columns *of,
+/* Takes what a heading says of each column. Where its cells do not fit the columns, one may be the
+ * unit of the wavelengths, and none is a name. */
+static bool read_heading(struct table *table, const struct line *line, int n_columns, bool names,
                          struct error *err)
 {
-    const bool fits = layout->names.n_columns <= layout->first.n_columns;
-    of->n = layout->first.n_columns;
-    if (!fits)
-        note_said(&layout->names, &layout->above);
-    table->above = layout->above;
-    if (!MAKE_ARRAY(of->to_nm, of->n, err, "%d columns", of->n) ||
-        !find_pairs(table, &layout->names, of, err))
-        return false;
-    for (int k = 0; k < of->n; k++)
-        if (of->to_nm[k] == 0 && !table_add_sample(table, err))
+    struct table rest = line->at;
+    struct word cell, first = {.length = 0};
+    struct meaning meaning;
+    const bool fits = line->n_columns <= n_columns;
+    bool leads = false;
+    for (int k = 0; line->n_cells > 0 && line_cell(&rest, &cell); k++) {
+        first = k == 0 ? cell : first;
+        if ((k == 0 || !fits) && !read_unit(&cell, &table->to_nm, err))
             return false;
-    return (fits ? read_heading(table, &layout->names, true, of, err)
-                 : read_unit(&layout->names, &of->to_nm[0], err)) &&
-           read_heading(table, &layout->units, false, of, err);
+        heading_read(&cell, &meaning);
+        leads = leads || (k == 0 && meaning.is_wavelength);
+        if (k == 0 || !fits)
+            continue;
+        if (names && meaning.is_wavelength && rest.separator != ' ')
+            return leads ? error_at(err, cell.place,
+                                    "'%.*s' heads further wavelengths; write each pair of columns "
+                                    "into a file of its own",
+                                    word_shown(&cell), cell.start)
+                         : error_at(err, first.place,
+                                    "the first column must hold the wavelengths; it is named "
+                                    "'%.*s'",
+                                    word_shown(&first), first.start);
+        struct sample *sample = &table->sample[k - 1];
+        if ((meaning.is_percent || meaning.quantity) && sample->says.length == 0)
+            sample->says = cell;
+        if (names && k < n_columns && !table_add_name(table, k - 1, &cell, err))
+            return false;
+    }
+    return true;
 }
 
 /* ---- rows ---- */
 
-/* Reads a wavelength, which may have a unit of its own. */
-static bool read_wavelength(struct table *table, struct word *cell, double *nm, struct error *err)
+static bool read_wavelength(struct table *table, struct word *cell, struct reading *out,
+                            struct error *err)
 {
-    struct word unit = *cell;
-    struct meaning meaning = {.to_nm = 1};
-    while (cell->length > 0 && !strchr("0123456789.", cell->start[cell->length - 1]))
-        cell->length--;
-    unit.start += cell->length;
-    unit.length -= cell->length;
-    if (cell->length == 0 || !heading_read(&unit, true, &meaning, err) ||
-        (unit.length > 0 && !meaning.is_unit))
+    if (cell->length > 2 && strncmp(cell->start + cell->length - 2, "nm", 2) == 0)
+        for (cell->length -= 2; strchr(" \t", cell->start[cell->length - 1]);)
+            cell->length--;
+    out->nm_column = cell->place.column;
+    if (!word_is_numeric(cell, "0123456789+-.,eE"))
         return error_at(err, cell->place,
                         "expected a wavelength in nm, found '%.*s'; put # before a line that is no "
                         "row of the table",
-                        (int)(cell->length + unit.length), cell->start);
-    if (!table_number(table, cell, "wavelength", nm, err))
+                        word_shown(cell), cell->start);
+    if (!table_number(table, cell, "wavelength", &out->nm, err))
         return false;
-    *nm *= meaning.to_nm;
+    out->nm *= table->to_nm;
     return true;
 }
 
-/* Reads the current line. Empty cells may stand behind the last value only, or in pairs. */
-static bool read_row(struct table *table, const struct columns *of, struct error *err)
+/* Reads the current line. Empty cells may stand behind the last value only. */
+static bool read_row(struct table *table, struct error *err)
 {
     struct place empty = {0};
     struct word cell;
     struct reading at = {.nm = 0};
-    int k = 0, sample = 0, n = 0;
-    for (bool more = wavelength_cell(table, &cell); more; more = line_cell(table, &cell), k++) {
-        const bool heads = k < of->n && of->to_nm[k] > 0;
+    int n = 0;
+    for (bool more = wavelength_cell(table, &cell); more; more = line_cell(table, &cell)) {
         if (cell.length == 0 && !cell.quoted) {
-            empty = empty.line > 0 || table->has_pairs ? empty : cell.place;
-            sample += !heads;
+            empty = empty.line > 0 ? empty : cell.place;
             continue;
         }
         if (empty.line > 0)
-            return error_at(err, empty,
-                            n == 0 ? "expected a wavelength"
-                                   : "expected a value; this cell is empty");
-        n++;
-        if (heads ? !read_wavelength(table, &cell, &at.nm, err)
-                  : sample < table->n_samples && !table_add(table, sample, &at, &cell, 1, err))
+            return error_at(err, empty, n == 0 ? "expected a wavelength" : "this cell is empty");
+        if (n == 0 ? !read_wavelength(table, &cell, &at, err)
+                   : n <= table->n_samples && !table_add(table, n - 1, &at, &cell, 1, err))
             return false;
-        at.nm *= heads ? of->to_nm[k] : 1;
-        at.nm_column = heads ? cell.place.column : at.nm_column;
-        sample += !heads;
+        n++;
     }
-    if (n == 1 && !table->has_pairs)
+    if (n == 1)
         return error_at(err, text_place(&table->text), "expected a value after the wavelength");
-    return n == 0 || table->has_pairs || n == of->n ||
+    return n == 0 || n == table->n_samples + 1 ||
            error_at(err, text_place(&table->text), "this row has %d values, the first row has %d",
-                    n - 1, of->n - 1);
+                    n - 1, table->n_samples);
 }
 
 bool columns_read(struct table *table, struct error *err)
 {
     struct layout layout;
-    struct columns of = {.n = 0};
+    const struct line *first = &layout.first;
     if (!find_layout(*table, &layout, err))
         return false;
-    if (layout.first.n_cells == 0)
+    if (first->n_cells == 0)
         return layout.broken.n_cells == 0 || refuse_row(&layout.broken, err);
-    table->text = layout.first.at.text;
-    table->separator = layout.first.at.separator;
-    if (layout.of_rows) {
-        table->above = layout.above;
+    if (layout.names.n_columns > first->n_columns)
+        note_said(&layout.names, &layout.above);
+    table->above = layout.above;
+    table->text = first->at.text;
+    table->separator = first->at.separator;
+    if (layout.of_rows)
         return samples_read(table, err);
-    }
-    bool done = make_columns(table, &layout, &of, err);
-    do
-        done = done && (is_mark(&table->text) || read_row(table, &of, err));
-    while (done && !is_mark(&table->text) && text_next_line(&table->text));
-    free(of.to_nm);
+    for (int k = 1; k < first->n_columns; k++)
+        if (!table_add_sample(table, err))
+            return false;
+    bool done = read_heading(table, &layout.names, first->n_columns, true, err) &&
+                read_heading(table, &layout.units, first->n_columns, false, err);
+    while (done && !is_mark(&table->text) && (done = read_row(table, err)) &&
+           text_next_line(&table->text))
+        ;
     return done;
 }

@@ -68,8 +68,7 @@ static bool fits(const char *spelled, const char *parts, bool whole)
     return false;
 }
 
-bool heading_read(const struct word *cell, bool of_wavelengths, struct meaning *out,
-                  struct error *err)
+void heading_read(const struct word *cell, struct meaning *out)
 {
     char spelled[SPELLED];
     bool unit = false;
@@ -77,35 +76,23 @@ bool heading_read(const struct word *cell, bool of_wavelengths, struct meaning *
     spell(cell, " ", spelled);
     out->is_unit = cell->length > 0 && strchr("[(%", cell->start[0]);
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        const enum said says = words[i].says;
         if (!fits(spelled, words[i].parts, false))
             continue;
-        out->is_unit = out->is_unit || fits(spelled, words[i].parts, true);
-        switch (words[i].says) {
-        case SAYS_UNIT:
-            if (of_wavelengths && !unit && words[i].advice)
-                return error_at(err, cell->place,
-                                "'%.*s' is no wavelength; wavelengths in nm are %s",
-                                word_shown(cell), cell->start, words[i].advice);
-            out->to_nm = unit || !of_wavelengths ? out->to_nm : words[i].to_nm;
+        out->is_unit =
+            out->is_unit || says == SAYS_WAVELENGTH || fits(spelled, words[i].parts, true);
+        out->is_wavelength = out->is_wavelength || says == SAYS_WAVELENGTH ||
+                             (says == SAYS_UNIT && fits(spelled, words[i].parts, true));
+        out->is_name = out->is_name || says == SAYS_NAME;
+        out->is_label = out->is_label || says == SAYS_NAME || says == SAYS_LABEL;
+        out->is_percent = out->is_percent || says == SAYS_PERCENT;
+        out->quantity = out->quantity ? out->quantity : words[i].quantity;
+        if (says == SAYS_UNIT && !unit) {
+            out->to_nm = words[i].advice ? 1 : words[i].to_nm;
+            out->advice = words[i].advice;
             unit = true;
-            break;
-        case SAYS_WAVELENGTH:
-            out->is_wavelength = true;
-            break;
-        case SAYS_NAME:
-        case SAYS_LABEL:
-            out->is_label = true;
-            out->is_name = out->is_name || words[i].says == SAYS_NAME;
-            break;
-        case SAYS_PERCENT:
-            out->is_percent = true;
-            break;
-        case SAYS_QUANTITY:
-            out->quantity = out->quantity ? out->quantity : words[i].quantity;
         }
     }
-    out->is_wavelength = out->is_wavelength || strstr(spelled, " nm ");
-    return true;
 }
 
 double heading_nm(const struct word *cell, bool named)
@@ -128,7 +115,8 @@ double heading_nm(const struct word *cell, bool named)
     number.length = (size_t)(unit.start - number.start);
     unit.length -= number.length;
     number.quoted = unit.quoted = false;
-    if (!heading_read(&unit, true, &meaning, &own) || (unit.length > 0 && !meaning.is_unit) ||
+    heading_read(&unit, &meaning);
+    if (meaning.advice || (unit.length > 0 && !meaning.is_unit) ||
         !word_number(&number, "", 0, HUGE_VAL, &nm, &own))
         return 0;
     return nm * meaning.to_nm >= 100 ? nm * meaning.to_nm : 0;

@@ -33,15 +33,13 @@ enum quantity {
 struct meaning {
     bool is_wavelength; /* it names a column of wavelengths */
     double to_nm;       /* its numbers times this are in nm; 1 where no unit stands */
+    const char *advice; /* its unit is none of wavelengths, which follow so; NULL: it is one */
     bool is_unit;       /* it is nothing but a unit */
     bool is_percent;
     bool is_name, is_label; /* it names a column of names; or of numbers or places of samples */
     enum quantity quantity;
 };
-/* Finds it. Refuses, where the cell heads wavelengths, a unit that is no length, with the way to
- * convert. */
-bool heading_read(const struct word *cell, bool of_wavelengths, struct meaning *out,
-                  struct error *err);
+void heading_read(const struct word *cell, struct meaning *out);
 /* Returns the wavelength in nm that a cell is: a number, with a unit or without, and nothing else;
  * 0: none. `named`: letters may stand before it, as in the SPEC_400 of CGATS. */
 double heading_nm(const struct word *cell, bool named);
@@ -74,7 +72,7 @@ struct table {
     struct sample *sample;
     struct label *label;
     int n_samples, n_labels;
-    bool has_pairs;    /* samples have wavelengths of their own */
+    double to_nm;      /* wavelengths of columns times this are in nm */
     struct word above; /* a cell of a heading that says percent or a quantity of all samples */
 };
 /* Adds a sample; and a name of one, of which the first is its own. An empty name is none. */
@@ -106,18 +104,6 @@ bool columns_found(struct text text);
 
 /* ---- sets.c: tables of samples ---- */
 
-/* A field of each sample: a value at a wavelength, or, with 0 nm, something else. */
-struct field {
-    double nm;
-    bool is_name, is_label; /* its heading says so; is_label: of a name, a number or a place */
-};
-struct fields {
-    struct field *field; /* owned */
-    struct word *word;   /* of a sample that is read; owned */
-    int n, n_bands;      /* n_bands: fields with a wavelength */
-    double norm;         /* divides values */
-    struct word says;    /* see struct sample */
-};
 /* Read the samples of a table, each in a row, behind the heading that is the current line; as
  * CGATS.5; as IES TM-27. */
 bool samples_read(struct table *table, struct error *err);

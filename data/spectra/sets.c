@@ -8,6 +8,18 @@
 
 /* ---- samples ---- */
 
+/* A field of each sample: a value at a wavelength, or, with 0 nm, something else. */
+struct field {
+    double nm;
+    bool is_name, is_label; /* its heading says so; is_label: of a name, a number or a place */
+};
+struct fields {
+    struct field *field; /* owned */
+    struct word *word;   /* of a sample that is read; owned */
+    int n, n_bands;      /* n_bands: fields with a wavelength */
+    double norm;         /* divides values */
+    struct word says;    /* see struct sample */
+};
 static void fields_free(struct fields *fields)
 {
     FREE_ALL(fields->field, fields->word);
@@ -19,8 +31,7 @@ static bool add_field(struct fields *fields, const struct word *heading, bool na
 {
     struct field field = {.nm = heading_nm(heading, named)};
     struct meaning meaning;
-    if (!heading_read(heading, false, &meaning, err))
-        return false;
+    heading_read(heading, &meaning);
     field.is_name = meaning.is_name;
     field.is_label = fields->n == 0 || meaning.is_name || meaning.is_label;
     fields->n_bands += field.nm > 0;

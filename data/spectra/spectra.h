@@ -48,18 +48,11 @@ bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm
 void spectrum_free(struct spectrum *spectrum);
 /* Returns whether a text, before its first line, is a table of spectra and no list of names. */
 bool set_is(struct text text);
-/* The names of the samples of a table; a sample without a name has its number. */
-struct set_names {
-    char **name;
-    int n;
-};
-void set_names_free(struct set_names *names);
-/* Reads all samples, each as spectrum_read reads a file of one: *out has as many as *names; out
- * NULL: the names alone. The caller's cursor stays. The caller frees both, also after a failure, by
- * set_free. */
-bool set_read(struct text text, double highest, struct spectrum **out, struct set_names *names,
-              struct error *err);
-void set_free(struct spectrum *samples, struct set_names *names); /* NULL is fine */
+/* Reads all samples, each as spectrum_read reads a file of one: (*out)[*n], with their names; a
+ * sample without a name has its number. The caller's cursor stays. The caller frees them, also
+ * after a failure, by set_free. */
+bool set_read(struct text text, double highest, struct spectrum **out, int *n, struct error *err);
+void set_free(struct spectrum *samples, int n);
 /* Returns true if a built-in table has three values a line. */
 bool table_is_detector(const struct builtin_file *file);
 

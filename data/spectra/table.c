@@ -89,9 +89,8 @@ static bool refuse_choice(const struct table *table, const struct wanted *wanted
         suggestion_add(&suggestion, sample, table->label[i].word.start,
                        table->label[i].word.length);
     return wanted->first > 0
-               ? error_at(err, file->place, "'%.*s' has no sample %ld; its last is %d%s", length,
-                          file->start, wanted->first, n,
-                          table->has_pairs ? ", each with the wavelengths beside it" : "")
+               ? error_at(err, file->place, "'%.*s' has no sample %ld; its last is %d", length,
+                          file->start, wanted->first, n)
                : error_at(err, sample->place, "%.200s has no sample '%.*s'; %s", table->text.path,
                           word_shown(sample), sample->start,
                           suggestion_end(&suggestion, "its samples are"));
@@ -147,8 +146,7 @@ static bool check_quantity(const struct table *table, const struct sample *sampl
     struct meaning meaning;
     char label[LABEL_SIZE];
     write_label(wanted, label);
-    if (!heading_read(says, false, &meaning, err))
-        return false;
+    heading_read(says, &meaning);
     if (reflectance && !wanted->scaled && meaning.is_percent)
         return error_at(err, says->place,
                         wanted->count > 0 ? "'%.*s' says percent; write '%s*0.01', or '%s*1' if "
@@ -295,7 +293,7 @@ static bool take_wanted(const struct table *table, const struct wanted *wanted,
 static bool read_file(const char *path, const struct wanted *wanted, struct spectrum *out,
                       struct detector *detector, struct error *err)
 {
-    struct table table = {.n_samples = 0};
+    struct table table = {.to_nm = 1};
     const bool done = text_open(&table.text, path, wanted->table.place, TEXT_XML, err) &&
                       read_text(&table, err) &&
                       (detector ? take_channels(&table, wanted, detector, err)
@@ -312,8 +310,7 @@ bool set_is(struct text text)
     return reader_of(&text) || columns_found(text);
 }
 
-bool set_read(struct text text, double highest, struct spectrum **out, struct set_names *names,
-              struct error *err)
+bool set_read(struct text text, double highest, struct spectrum **out, int *n, struct error *err)
 {
     const char *name = path_name(text.path);
     const struct wanted wanted = {
@@ -321,34 +318,25 @@ bool set_read(struct text text, double highest, struct spectrum **out, struct se
         .lowest = highest < HUGE_VAL ? 0 : -HUGE_VAL,
         .highest = highest,
         .factor = 1};
-    struct table table = {.text = text};
-    *names = (struct set_names){.n = 0};
+    struct table table = {.text = text, .to_nm = 1};
+    *out = NULL;
+    *n = 0;
     bool done = read_text(&table, err) &&
-                (!out || MAKE_ARRAY(*out, table.n_samples, err, "%d samples", table.n_samples));
-    for (int i = 0; done && i < table.n_samples; i++) {
-        char *copy = sample_name(&table, i, err);
-        done = copy && array_add(&names->name, &names->n, &copy, sizeof copy, err) &&
-               (!out || take(&table, &table.sample[i], &wanted, &(*out)[i], err));
-        if (copy && names->n == i)
-            free(copy);
+                MAKE_ARRAY(*out, table.n_samples, err, "%d samples", table.n_samples);
+    while (done && *n < table.n_samples) {
+        struct spectrum *sample = &(*out)[*n];
+        done = take(&table, &table.sample[(*n)++], &wanted, sample, err) &&
+               (sample->name = sample_name(&table, *n - 1, err)) != NULL;
     }
     table_free(&table);
     return done;
 }
 
-void set_names_free(struct set_names *names)
+void set_free(struct spectrum *samples, int n)
 {
-    for (int i = 0; i < names->n; i++)
-        free(names->name[i]);
-    free(names->name);
-}
-
-void set_free(struct spectrum *samples, struct set_names *names)
-{
-    for (int i = 0; samples && i < names->n; i++)
+    for (int i = 0; i < n; i++)
         spectrum_free(&samples[i]);
     free(samples);
-    set_names_free(names);
 }
 
 bool table_is_detector(const struct builtin_file *file)

@@ -73,6 +73,23 @@ bool word_file(const struct word *word, enum file_kind kind, char **out, struct 
     return *out || memory_lacks(err, (double)word->length, "the name of a file");
 }
 
+bool word_file_or_here(const struct word *word, enum file_kind kind, char **out, struct error *err)
+{
+    char *here;
+    if (!word_file(word, kind, out, err))
+        return false;
+    if (!file_is_missing(*out))
+        return true;
+    here = word_copy(word, err);
+    if (here && !file_is_missing(here)) {
+        free(*out);
+        *out = here;
+    } else {
+        free(here);
+    }
+    return here != NULL;
+}
+
 /* Returns the end of a path that has as many folders as a name, without the ending of its kind. */
 static struct word tail(const char *path, const char *name, const char *ending)
 {

@@ -184,6 +184,9 @@ bool builtin_is(const struct builtin_file *file, enum file_kind kind, char out[B
  * own file; if that is missing, a built-in one whose name differs in case. *out is its path,
  * allocated. Refuses an empty word, but not a missing file. */
 bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err);
+/* Finds it likewise; where it is missing, in the working folder, as the program of the thesis did.
+ */
+bool word_file_or_here(const struct word *word, enum file_kind kind, char **out, struct error *err);
 /* Refuses a missing file, and proposes a built-in one of this kind. The place names the file. */
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err);
 

@@ -65,15 +65,15 @@ static bool add_detector(struct curves *curves, const char *name, struct error *
 
 static bool add_samples(struct curves *curves, const char *path, struct error *err)
 {
-    struct set_names names = {0};
-    struct spectrum *samples = NULL;
+    struct spectrum *samples;
+    int n;
     struct text text;
     if (!text_open(&text, path, NOWHERE, TEXT_XML, err))
         return false;
-    bool done = set_read(text, HUGE_VAL, &samples, &names, err) && names.n > 0;
-    for (int i = 0; done && i < names.n; i++)
-        done = add_curve(curves, names.name[i], "", &samples[i], err);
-    set_free(samples, &names);
+    bool done = set_read(text, HUGE_VAL, &samples, &n, err);
+    for (int i = 0; done && i < n; i++)
+        done = add_curve(curves, samples[i].name, "", &samples[i], err);
+    set_free(samples, n);
     text_free(&text);
     return done;
 }
