@@ -251,8 +251,8 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
             continue;
         if (names && meaning.is_wavelength && rest.separator != ' ')
             return leads ? error_at(err, cell.place,
-                                    "'%.*s' heads further wavelengths; write each pair of columns "
-                                    "into a file of its own",
+                                    "'%.*s' heads the wavelengths of another pair of columns; write "
+                                    "each pair into a file of its own (data/samples/to_csv.py)",
                                     word_shown(&cell), cell.start)
                          : error_at(err, first.place,
                                     "the first column must hold the wavelengths; it is named "

@@ -239,7 +239,7 @@ static bool next_tag(const char **at, struct word *name)
             continue;
         }
         name->start = *at + 1;
-        const char *colon = name->start + strcspn(name->start, ": \t\r\n>");
+        const char *colon = name->start + strcspn(name->start, ":/ \t\r\n>");
         name->start = *colon == ':' ? colon + 1 : name->start;
         name->length = strcspn(name->start, " \t\r\n>");
         *at = name->start + name->length;
@@ -298,5 +298,6 @@ bool spdx_read(struct table *table, struct error *err)
     }
     return done && (table->sample[0].n > 0 ||
                     error_at(err, text_whole(text),
-                             "the file is XML, but not of IES TM-27: it has no SpectralData"));
+                             "the file is XML, but has no SpectralData of IES TM-27; "
+                             "data/samples/to_csv.py reads CxF"));
 }

@@ -54,7 +54,8 @@ static bool check_format(const struct text *text, bool xml, struct error *err)
     const char *format = format_of(text->at, text->length - (size_t)(text->at - text->bytes));
     return strcmp(format, "text") == 0 || format[0] == '\0' ||
            (xml && strcmp(format, "XML") == 0) ||
-           error_at(err, text_whole(text), "the file is %s; expected plain text", format);
+           error_at(err, text_whole(text), "the file is %s; expected plain text%s", format,
+                    strcmp(format, "JCAMP-DX") == 0 ? ", as data/samples/to_csv.py writes" : "");
 }
 
 /* Starts to read bytes, which it owns from now on. Fails if they are NULL: no memory. */

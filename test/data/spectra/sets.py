@@ -98,7 +98,7 @@ TABLE = "nm,R\n400,0.1\n700,0.5\n"
 for name, content, why in (
         ("le.csv", b"\xff\xfe" + TABLE.encode("utf-16-le"), "the text is UTF-16; save it as UTF-8"),
         ("be.csv", b"\xfe\xff" + TABLE.encode("utf-16-be"), "the text is UTF-16; save it as UTF-8"),
-        ("a.json", b'{"main": {"400": [0.1]}}', "the file is JSON"), ("a.csv", b"\xef\xbb\xbf<?xml version='1.0'?><a/>", "is XML, but not of IES TM-27"),
+        ("a.json", b'{"main": {"400": [0.1]}}', "the file is JSON"), ("a.csv", b"\xef\xbb\xbf<?xml version='1.0'?><a/>", "is XML, but has no SpectralData"),
         ("a.xlsx", b"PK\x03\x04\x14\0\0\0", "it looks like ZIP"), ("a.mat", b"MATLAB 5.0 MAT-file\0", "it looks like MATLAB"),
         ("sekonic.csv", b"Title,x\nTLMF,---\n\nSpectral Data 400[nm],0.1\n", "no line begins with a wavelength")):
     with open(f"{TMP}/{name}", "wb") as file:
