@@ -7,6 +7,7 @@
 
 bool scene_keep(struct scene *scene, struct text *text, struct error *err)
 {
+    text->tables = &scene->tables;
     if (array_add(&scene->files, &scene->n_files, text, sizeof *text, err))
         return true;
     text_free(text);
@@ -176,6 +177,7 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     done = read_named(&reader, name, err);
     free(reader.materials);
     materials_forget(&reader);
+    tables_free(&out->tables);
     if (done)
         digest_files(out);
     else
@@ -205,6 +207,7 @@ void scene_free(struct scene *scene)
         object_free(&scene->objects[i]);
     for (int i = 0; i < scene->n_files; i++)
         text_free(&scene->files[i]);
+    tables_free(&scene->tables);
     FREE_ALL(scene->ambients, scene->lights, scene->materials, scene->objects, scene->files,
              scene->wavelengths_nm, scene->path);
     *scene = (struct scene){0};

@@ -105,6 +105,7 @@ struct scene {
     char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */
     struct text *files; /* those that sha256 is of, then options: own the paths of all places */
     int n_files, n_texts;   /* n_texts: the first ones, that sha256 is of */
+    struct tables tables;   /* while the scene is read */
     double *wavelengths_nm; /* strictly increasing */
     int n_wavelengths;
     int width, height;

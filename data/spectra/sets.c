@@ -255,7 +255,8 @@ static struct word slice(struct text *text, const char *at, const char *ends)
     while (at > text->line_end && text_next_line(text))
         ;
     const int column = (int)(at - text->line_start) + 1;
-    return (struct word){at, strcspn(at, ends), false, {text->path, text->line, column}};
+    return (struct word){
+        .start = at, .length = strcspn(at, ends), .place = {text->path, text->line, column}};
 }
 
 /* Finds the value of an attribute before the end of a tag. */

@@ -46,6 +46,13 @@ double spectrum_at(const struct spectrum *spectrum, double wavelength_nm, enum s
 /* Returns true if wavelength_nm lies outside the samples of a sampled spectrum. */
 bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm);
 void spectrum_free(struct spectrum *spectrum);
+/* The tables that words of a text have named: each is read once. Zero it before use. */
+struct tables {
+    struct index paths;
+    struct table **list; /* owned */
+    int n;
+};
+void tables_free(struct tables *tables);
 /* Returns whether a text, before its first line, is a table of spectra and no list of names. */
 bool set_is(struct text text);
 /* Reads all samples, each as spectrum_read reads a file of one: (*out)[*n], with their names; a

@@ -195,6 +195,7 @@ bool text_word(struct text *text, struct word *out)
     if (at == end || *at == '#')
         return false;
     out->place = place_of(text, at);
+    out->tables = text->tables;
     out->quoted = *at == '"';
     if (out->quoted) {
         out->start = at + 1;

@@ -11,6 +11,7 @@
 #include "data/maths/maths.h"
 
 struct scene;
+struct tables;
 
 /* ---- text.c: a text file, word by word ---- */
 
@@ -24,6 +25,7 @@ struct text {
     const char *at, *line_start, *line_end; /* cursor, current line */
     int line;
     const char *separators; /* more separators, e.g. ",;"; never NULL after text_open */
+    struct tables *tables;  /* of spectra that its words have named; NULL: none is kept */
 };
 
 /* A word is a slice of its text, not terminated. It is valid while the text is open. */
@@ -32,6 +34,7 @@ struct word {
     size_t length;
     bool quoted;
     struct place place;
+    struct tables *tables; /* those of its text */
 };
 
 /* Forms that a text may have beyond the usual: longer than 256 MiB, up to 2 GiB; XML. */

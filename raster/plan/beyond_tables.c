@@ -5,7 +5,7 @@
 #include "raster/plan/inside.h"
 
 /* The tables of a plan, looked at one by one. */
-struct tables {
+struct looked {
     const struct plan *plan;
     struct printed *to; /* gets a line for each that ends too early; NULL: none */
     struct tables_found found;
@@ -36,7 +36,7 @@ static bool ends_early(const struct spectral_pages *pages, const struct spectrum
 
 /* what, owner: "diffuse", and the material's name, or "light", and the table's. Outside of the
  * table its end value holds, or it is 0. */
-static void look_at(struct tables *tables, const char *what, const char *owner,
+static void look_at(struct looked *tables, const char *what, const char *owner,
                     const struct spectrum *table, bool holds)
 {
     const struct spectral_pages *pages = &tables->plan->illumination.pages;
@@ -57,7 +57,7 @@ static void look_at(struct tables *tables, const char *what, const char *owner,
         snprintf(tables->found.first, BEYOND_TEXT, "%s %.200s: %s", what, owner, rest);
 }
 
-static void look_at_material(struct tables *tables, const struct shaded_material *shaded)
+static void look_at_material(struct looked *tables, const struct shaded_material *shaded)
 {
     const struct material *material = shaded->material;
     const char *name = material->name;
@@ -70,7 +70,7 @@ static void look_at_material(struct tables *tables, const struct shaded_material
         look_at(tables, "emission", name, &material->glow, false);
 }
 
-static void look_at_texture(struct tables *tables, const struct texture *texture)
+static void look_at_texture(struct looked *tables, const struct texture *texture)
 {
     const struct image *image = &texture->image;
     const struct spectrum pages = {
@@ -81,7 +81,7 @@ static void look_at_texture(struct tables *tables, const struct texture *texture
 
 struct tables_found tables_look(const struct plan *plan, struct printed *to)
 {
-    struct tables tables = {.plan = plan, .to = to};
+    struct looked tables = {.plan = plan, .to = to};
     const struct light *light = plan->scene->lights;
     const struct light *ambient = plan->scene->ambients;
     for (int i = 0; i < plan->scene->n_lights; i++, light++)

@@ -92,7 +92,7 @@ READERS = {
         n, lambda i: f"material a{i} {{ diffuse 0.5 }}\nmaterial b{i} {{ diffuse 0.4 metamer a{i} }}\n"
                      f"object plane 1 1 material b{i}\n"))),
     "materials whose tables end early": (1000, lambda n: {
-        "t.csv": "499,0.5\n499.5,0.6\n",
+        "t.csv": "499,0.5\n499.6,0.6\n",
         **scene(joined(n, lambda i: f"material m{i} {{ diffuse t.csv }}\nobject plane 1 1 material m{i}\n"))}),
     "shapes": (2500, lambda n: scene(GREY + joined(n, lambda i: f"object plane {1 + i} 1 material m\n"))),
     "objects": (500, lambda n: scene(GREY + joined(n, lambda i: f"object plane 1 1 material m translate {i} 0 0\n"))),
@@ -117,6 +117,9 @@ READERS = {
     "columns of a set": (200, lambda n: {
         "s.csv": "nm" + joined(n, lambda i: f",c{i}") + "".join(f"\n{nm}" + n * ",0.5" for nm in (400, 500, 600)) + "\n",
         **scene("checker s.csv plane 1 1\n")}),
+    "materials of one table": (100, lambda n: {
+        "s.csv": "nm" + joined(n, lambda i: f",c{i}") + "".join(f"\n{nm}" + n * ",0.5" for nm in (400, 500, 600)) + "\n",
+        **scene(joined(n, lambda i: f"material m{i} {{ diffuse s.csv:c{i} }}\nobject plane 1 1 material m{i}\n"))}),
     "bands in one line": (2000, lambda n: {
         "s.ti3": f"CGATS.17\nSPECTRAL_BANDS {n}\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 700\nBEGIN_DATA\n" + n * "0.5 " + "\nEND_DATA\n",
         **scene("material m { diffuse s.ti3 }\nobject plane 1 1 material m\n")}),
