@@ -381,7 +381,7 @@ bool table_is_detector(const struct builtin_file *file)
             strstr((const char *)file->bytes, "\nwavelength_nm,r,g,b\n") != NULL);
 }
 
-static bool refuse_unknown(const struct wanted *wanted, struct error *err)
+static bool refuse_unknown(const struct wanted *wanted, const char *path, struct error *err)
 {
     const bool detector = wanted->count == 0;
     const struct word *word = &wanted->table;
@@ -390,7 +390,8 @@ static bool refuse_unknown(const struct wanted *wanted, struct error *err)
     if (word_equals(word, "daylight") || word_equals(word, "blackbody"))
         return error_at(err, word->place, "%.*s needs a temperature in K, as %.*s:6504",
                         word_shown(word), word->start, word_shown(word), word->start);
-    for (size_t i = 0; i < builtin_file_count; i++)
+    suggestion_add_files(&suggestion, path);
+    for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++)
         if (builtin_is(&builtin_files[i], FILE_TABLE, known) &&
             table_is_detector(&builtin_files[i]) == detector && !strchr(known, '/'))
             suggestion_add(&suggestion, word, known, strlen(known));
@@ -408,7 +409,7 @@ bool table_read(const struct wanted *wanted, struct spectrum *out, struct detect
 {
     char *path;
     bool done = word_file(&wanted->table, FILE_TABLE, &path, err) &&
-                (file_is_missing(path) ? refuse_unknown(wanted, err)
+                (file_is_missing(path) ? refuse_unknown(wanted, path, err)
                                        : read_file(path, wanted, out, detector, err));
     if (done && !path_is_builtin(path))
         (detector ? detector->sensitivity : out)->path = path;

@@ -106,21 +106,22 @@ static struct word tail(const char *path, const char *name, const char *ending)
     return (struct word){.start = at, .length = length};
 }
 
-/* Compares the path of a scene with those of the scenes in its folder. */
-static void add_neighbours(const char *path, enum file_kind kind, struct suggestion *out)
+void suggestion_add_files(struct suggestion *suggestion, const char *path)
 {
-    const char *name = path_name(path);
+    const struct word typed = {.start = path_name(path), .length = strlen(path_name(path))};
+    const char *ending = strrchr(typed.start, '.');
     char *folder = file_relative(path, ".");
-    DIR *entries = folder && kind == FILE_SCENE ? opendir(folder) : NULL;
+    DIR *entries = folder ? opendir(folder) : NULL;
     for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
-        const struct word typed = {.start = name, .length = strlen(name)};
         const char *dot = strrchr(entry->d_name, '.');
-        if (dot && strcmp(dot, kinds[kind].places[0].ending) == 0)
-            suggestion_add(out, &typed, entry->d_name, strlen(entry->d_name));
+        if (dot && strcmp(dot, ending ? ending : ".scene") == 0)
+            suggestion_add(suggestion, &typed, entry->d_name, strlen(entry->d_name));
     }
     if (entries)
         closedir(entries);
     free(folder);
+    if (!suggestion->nearest[0])
+        *suggestion = (struct suggestion){.distance = 0};
 }
 
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err)
@@ -129,9 +130,7 @@ bool file_expected(const char *path, struct place from, enum file_kind kind, str
     char known[BUILTIN_NAME], otherwise[64] = "built-in are";
     if (!file_is_missing(path))
         return true;
-    add_neighbours(path, kind, &suggestion);
-    if (!suggestion.nearest[0])
-        suggestion = (struct suggestion){.distance = 0};
+    suggestion_add_files(&suggestion, path);
     for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++) {
         if (!builtin_is(&builtin_files[i], kind, known))
             continue;

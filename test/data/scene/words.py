@@ -1,0 +1,115 @@
+#!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
+# SPDX-License-Identifier: MIT
+# level: first; packages: python3-numpy python3-tifffile
+"""Words of scenes and of the files that they name: what an MTL entry loses is noted, values of a PNG file that says so are made
+linear, printed names can be typed, files of the thesis's folders are found, and a near name in the folder is proposed. Prints TAP."""
+import os
+import struct
+import zlib
+
+import numpy as np
+import tifffile
+
+from rendered import TMP, check, done, run, write
+
+HEAD = "size 2 2\nwavelengths list 450 550 650\ncamera ortho 2\nambient e 1\n"
+QUAD = "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nv -9 9 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n"
+
+
+def png(name, pixels, *chunks):
+    """8 bits; 1 channel: grey, 2: with alpha, 3: RGB"""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    height, width, n = pixels.shape
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels.astype(np.uint8))
+    with open(f"{TMP}/{name}", "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, {1: 0, 2: 4, 3: 2}[n], 0, 0, 0)) +
+                   b"".join(chunk(kind, data) for kind, data in chunks) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+
+
+def rendered(text, folder=None):
+    """the pixels of each wavelength, and what is printed"""
+    scene = write("case.scene", text)
+    result = run("render", scene if not folder else os.path.abspath(scene), "-o", os.path.abspath(f"{TMP}/case.tif"), "--depth", "32f", "--renderer", "raster", "--no-check",
+                 **({"cwd": folder} if folder else {}))
+    return (tifffile.imread(f"{TMP}/case.tif") if result.returncode == 0 else None), result.stdout + result.stderr
+
+
+# ---- MTL ----
+png("map.png", np.full((2, 2, 3), 128))
+png("leaf.png", np.full((2, 2, 2), 128))
+LOST = {
+    "-mm": ("Kd 1 1 1\nmap_Kd -mm 0 0.5 map.png\n", "map_Kd"), "-clamp on": ("Kd 1 1 1\nmap_Kd -clamp on map.png\n", "map_Kd"),
+    "-s": ("Kd 1 1 1\nmap_Kd -s 2 2 2 map.png\n", "map_Kd"), "alpha": ("Kd 1 1 1\nmap_Kd leaf.png\n", "alpha"),
+    "illum 0": ("Kd .1 .1 .1\nillum 0\n", "illum"), "illum 1 with a highlight": ("Kd .1 .1 .1\nKs .5 .5 .5\nNs 10\nillum 1\n", "illum"),
+    "Ks without Ns": ("Kd .1 .1 .1\nKs .5 .5 .5\nillum 2\n", "Ks without Ns"), "Ns 0": ("Kd .1 .1 .1\nKs .5 .5 .5\nNs 0\n", "Ks without Ns"),
+    "Tf": ("Kd .5 .5 .5\nTf .1 .1 .1\n", "transparency"), "d": ("Kd .5 .5 .5\nd 0.5\n", "transparency"), "Tr": ("Kd .5 .5 .5\nTr 0.5\n", "transparency"),
+    **{word: (f"Kd .5 .5 .5\n{word} map.png\n", "other maps") for word in ("bump", "disp", "decal", "refl", "map_Ks", "map_bump")}}
+KEPT = {"-mm 0 1": "Kd 1 1 1\nmap_Kd -mm 0 1 map.png\n", "-clamp off": "Kd 1 1 1\nmap_Kd -clamp off map.png\n", "-s 1": "Kd 1 1 1\nmap_Kd -s 1 1 1 map.png\n",
+        "illum 1 alone": "Kd .1 .1 .1\nillum 1\n", "illum 2": "Kd .1 .1 .1\nKs .5 .5 .5\nNs 10\nillum 2\n", "Tf 1": "Kd .5 .5 .5\nTf 1 1 1\n",
+        "d 1": "Kd .5 .5 .5\nd 1\n", "Tr 0": "Kd .5 .5 .5\nTr 0\n"}
+write("quad.obj", "mtllib quad.mtl\n" + QUAD + "usemtl a\nf 1/1 2/2 3/3 4/4\n")
+MESH = HEAD + "object mesh quad.obj\n"
+for case, (entry, why) in LOST.items():
+    write("quad.mtl", "newmtl a\n" + entry)
+    _, said = rendered(MESH)
+    check("not drawn" in said and why in said and said.count("not drawn") == 1, f"a note says that {case} is not drawn", said)
+for case, entry in KEPT.items():
+    write("quad.mtl", "newmtl a\n" + entry)
+    _, said = rendered(MESH)
+    check("not drawn" not in said, f"{case} changes nothing, and is not noted", said)
+
+# ---- values that are not linear ----
+TEXTURE = HEAD + "material m {{ diffuse 1 texture {} nearest }}\nobject plane 2 2 material m\n"
+for stored in (0, 10, 11, 128, 188, 255):
+    value = stored / 255
+    srgb = value / 12.92 if value <= 0.04045 else ((value + 0.055) / 1.055) ** 2.4
+    for case, chunks, expected in (("no word", [], value), ("sRGB", [(b"sRGB", b"\0")], srgb), ("gAMA 1", [(b"gAMA", struct.pack(">I", 100000))], value),
+                                   ("gAMA 1/2.2", [(b"gAMA", struct.pack(">I", 45455))], value ** (1 / 0.45455)),
+                                   ("both", [(b"gAMA", struct.pack(">I", 45455)), (b"sRGB", b"\0")], srgb)):
+        png("grey.png", np.full((2, 2, 1), stored), *chunks)
+        got, said = rendered(TEXTURE.format("grey.png"))
+        check(got is not None and np.allclose(got, expected, rtol=1e-6, atol=1e-9), f"{stored} of a PNG file with {case} is {expected:.6f}", got, said)
+png("rgb.png", np.full((2, 2, 3), (188, 128, 10)), (b"sRGB", b"\0"))
+got, said = rendered(TEXTURE.format("rgb.png"))
+linear = [((c / 255 + 0.055) / 1.055) ** 2.4 if c > 10 else c / 255 / 12.92 for c in (188, 128, 10)]
+check(np.allclose(got, 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2], rtol=1e-6), "the luma is one of linear values", got, said)
+
+# ---- names ----
+write("chart.csv", "nm,paper,\"dark skin\"\n400,0.1,0.5\n700,0.1,0.7\n")
+for typed, expected in (("chart.csv:paper", 0.1), ('"chart.csv:dark skin"', [0.5 + 0.2 * (nm - 400) / 300 for nm in (450, 550, 650)]), ("chart.csv:1", 0.1)):
+    got, said = rendered(HEAD + f"material m {typed}\nobject plane 9 9 material m\n")
+    check(got is not None and np.allclose(got[:, 1, 1], expected, rtol=1e-6), f"material m {typed} is that sample", got, said)
+_, said = rendered(HEAD + "material m chart.csv:papr\nobject plane 9 9 material m\n")
+check("did you mean paper?" in said, "a name that no sample has is refused", said)
+
+# ---- the thesis's folders and words ----
+os.makedirs(f"{TMP}/lists", exist_ok=True)
+os.makedirs(f"{TMP}/work/bricks", exist_ok=True)
+tifffile.imwrite(f"{TMP}/work/bricks/wall.tif", np.full((2, 2), 128, np.uint8))
+for place in ("work", "lists"):
+    write(f"{place}/red.txt", "gloss 20\n400 0.5\n700 0.5\nSpecular 400 0.5\nspec 700 0.5\n" + ("texture bricks/wall.tif\n" if place == "work" else ""))
+os.remove(f"{TMP}/lists/red.txt")
+write("lists/all.list", "red.txt\n")
+for word, expected in (("red.txt", 0.5 * 128 / 255),):
+    result = run("render", os.path.abspath(f"{TMP}/lists/all.list"), "--wavelengths", "550", "--size", "4x4", "--renderer", "raster", "--no-check", "-o",
+                 os.path.abspath(f"{TMP}/list.tif"), "--depth", "32f", cwd=f"{TMP}/work")
+    check(result.returncode == 0, "a list finds its material in the working folder, and that its texture", result.stderr)
+write("lists/red.txt", "400 0.25\n700 0.25\n")
+result = run("plan", os.path.abspath(f"{TMP}/lists/all.list"), cwd=f"{TMP}/work")
+check(result.returncode == 0 and "wall.tif" not in result.stdout, "a file beside the list goes before one in the working folder", result.stdout, result.stderr)
+for line, why in (("x 1", "unknown line 'x'"), ("m 1", "unknown line 'm'"), ("mx 1", "unknown line 'mx'")):
+    write("odd.txt", f"400 0.5\n{line}\n")
+    _, said = rendered(HEAD + "material m odd.txt\nobject plane 9 9 material m\n")
+    check(why in said, f"{line} is refused", said)
+
+# ---- near names of files in the folder ----
+for name in ("block.obj", "oak.csv", "wood.png", "red.txt", "my.list", "a.map", "lamp.scene"):
+    write(name, "")
+for typed, near in (("material m { diffuse oka.csv }", "oak.csv"), ("material m { diffuse 0.5 texture woood.png }", "wood.png"),
+                    ("material m { diffuse 0.5 }\nobject mesh blok.obj material m", "block.obj"), ("material m rde.txt", "red.txt"),
+                    ("checker mi.list plane 1 1", "my.list"), ("material m { diffuse 0.5 }\nobject mesh quad.obj materials b.map", "a.map"),
+                    ("include lmap.scene", "lamp.scene")):
+    _, said = rendered(HEAD + typed + "\nobject plane 9 9 material m\n")
+    check(f"did you mean {near}?" in said, f"{typed.splitlines()[-1]}: {near} is proposed", said)
+done()
