@@ -69,6 +69,7 @@ bool table_is_detector(const struct builtin_file *file);
 struct detector {
     char *name;     /* as written; owned */
     bool observer;  /* colour matching functions: its channels are tristimulus values X, Y and Z */
+    bool named;     /* so that their names say which of X, Y, Z or R, G, B they are */
     int n;          /* channels */
     char **channel; /* their names; owned */
     struct spectrum *sensitivity; /* owned */

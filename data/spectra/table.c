@@ -232,18 +232,19 @@ static char *sample_name(const struct table *table, int i, struct error *err)
 
 /* ---- detectors ---- */
 
-/* Finds the order in which three channels stand, by names that begin with the letters. */
+/* Finds the order in which three channels stand, if each letter begins the name of one. */
 static bool find_channels(const struct table *table, const char *letters, int order[3])
 {
-    bool found[3] = {false, false, false};
+    int found[3] = {-1, -1, -1};
     for (int i = 0; i < 3; i++) {
         const char *letter = heading_channel(&table->sample[i].name, letters);
-        if (!letter)
-            return false;
-        order[letter - letters] = i;
-        found[letter - letters] = true;
+        if (letter)
+            found[letter - letters] = i;
     }
-    return found[0] && found[1] && found[2];
+    if (found[0] < 0 || found[1] < 0 || found[2] < 0)
+        return false;
+    memcpy(order, found, sizeof found);
+    return true;
 }
 
 /* Makes the channels of a detector: X, Y and Z, and R, G and B, in this order; others in the
@@ -266,8 +267,7 @@ static bool take_channels(const struct table *table, const struct wanted *wanted
         return false;
     out->n = n;
     out->observer = n == 3 && find_channels(table, "xyz", order);
-    if (n != 3 || (!out->observer && !find_channels(table, "rgb", order)))
-        order[0] = 0, order[1] = 1, order[2] = 2;
+    out->named = out->observer || (n == 3 && find_channels(table, "rgb", order));
     for (int i = 0; i < n; i++) {
         const int from = n == 3 ? order[i] : i;
         out->channel[i] = sample_name(table, from, err);
