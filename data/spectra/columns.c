@@ -250,14 +250,15 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
         if (k == 0 || !fits)
             continue;
         if (names && meaning.is_wavelength && rest.separator != ' ')
-            return leads ? error_at(err, cell.place,
-                                    "'%.*s' heads the wavelengths of another pair of columns; write "
-                                    "each pair into a file of its own (data/samples/to_csv.py)",
-                                    word_shown(&cell), cell.start)
-                         : error_at(err, first.place,
-                                    "the first column must hold the wavelengths; it is named "
-                                    "'%.*s'",
-                                    word_shown(&first), first.start);
+            return leads
+                       ? error_at(err, cell.place,
+                                  "'%.*s' heads the wavelengths of another pair of columns; write "
+                                  "each pair into a file of its own (data/samples/to_csv.py)",
+                                  word_shown(&cell), cell.start)
+                       : error_at(err, first.place,
+                                  "the first column must hold the wavelengths; it is named "
+                                  "'%.*s'",
+                                  word_shown(&first), first.start);
         struct sample *sample = &table->sample[k - 1];
         if ((meaning.is_percent || meaning.quantity) && sample->says.length == 0)
             sample->says = cell;
