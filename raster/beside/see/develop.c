@@ -90,6 +90,9 @@ void develop_print_settings(const struct development *of, struct printed *to)
         [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
     print(to, "detector          %s (%s)\n", of->options->detector_name,
           of->detector.observer ? "observer" : "camera or film, balanced to the white");
+    if (!of->detector.named)
+        print(to, "channels          %s, %s, %s as red, green, blue\n", of->detector.channel[0],
+              of->detector.channel[1], of->detector.channel[2]);
     if (of->sampled[0] != '\0')
         print_fact(to, "sampling", of->sampled);
     if (of->has_white)

@@ -255,6 +255,8 @@ bool probe_against(struct options *options, const struct probe *first, const str
 /* Begins a probe of a stack or scene: copies the wavelengths, and makes room for means and
  * deviations. The image gives these and the size. Refuses a region that is not within it. */
 bool probe_begin(struct probe *probe, const struct image *image, struct error *err);
+/* Ends it: the means of its moments, and their colour under the white of the cube. */
+bool probe_end(struct probe *probe, const struct cube *cube, struct error *err);
 /* probe_objects.c: finds the means of the object that is wanted, without its edges. */
 bool probe_object(struct probe *probe, const char *path, struct error *err);
 /* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller

@@ -76,7 +76,7 @@ bool probe_begin(struct probe *probe, const struct image *image, struct error *e
 /* Ends the means and deviations. Computes XYZ of the mean and of the white. has_white is false if
  * neither the probe names a white nor the cube records one. Refuses a white that the probe names if
  * it cannot be used. */
-static bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
+bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
 {
     const struct white_request white = {probe->white, false};
     struct sight sight = {.weights = NULL};

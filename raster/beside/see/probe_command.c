@@ -14,14 +14,30 @@ struct probe_own {
 
 /* ---- operands ---- */
 
+/* Reads "X,Y", or takes the word as the name or number of an object. */
+static bool read_printed(const char *word, struct probe *out, struct error *err)
+{
+    char x[16];
+    const char *comma = strchr(word, ',');
+    if (!comma || comma[1 + strspn(comma + 1, "0123456789")] || comma - word >= (int)sizeof x) {
+        out->wanted = word;
+        return true;
+    }
+    snprintf(x, sizeof x, "%.*s", (int)(comma - word), word);
+    return option_count("X", x, 0, INT32_MAX, &out->x, err) &&
+           option_count("Y", comma + 1, 0, INT32_MAX, &out->y, err);
+}
+
 static bool region_read(const struct options *options, struct probe *out, struct error *err)
 {
     static const char *const names[] = {"X", "Y", "W", "H"};
     int *numbers[] = {&out->x, &out->y, &out->width, &out->height};
+    if (options->n_operands == 2) /* X,Y, as printed; or an object */
+        return read_printed(options->operands[1], out, err);
     if (options->n_operands != 3 && options->n_operands != 5)
-        return error_usage(err,
-                           "probe takes a STACK or SCENE, X and Y, and optionally W and H; see "
-                           "spectral probe --help");
+        return error_usage(
+            err, "probe takes a STACK or SCENE, X and Y, and optionally W and H; or a STACK "
+                 "and an object; see spectral probe --help");
     for (int i = 0; i + 1 < options->n_operands; i++)
         if (!option_count(names[i], options->operands[1 + i], i < 2 ? 0 : 1, INT32_MAX, numbers[i],
                           err))
@@ -82,8 +98,11 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
     if (!image_is(options->operand, &is_stack, err))
         return false;
     if (!is_stack)
-        return probe_picture(options, probe, err);
-    return refuse_changes(options, err) && probe_stack(probe, options->operand, err);
+        return probe->wanted
+                   ? error_usage(err, "objects are found in stacks; a scene takes X and Y")
+                   : probe_picture(options, probe, err);
+    return refuse_changes(options, err) &&
+           (probe->wanted ? probe_object : probe_stack)(probe, options->operand, err);
 }
 
 /* ---- out ---- */
@@ -173,10 +192,12 @@ static void probe_json(const struct probe *probe, struct json *json)
     double lab[3];
     json_begin(json);
     json_string(json, "source", probe->source);
-    json_count(json, "x", (uint64_t)probe->x);
-    json_count(json, "y", (uint64_t)probe->y);
-    json_count(json, "width", (uint64_t)probe->width);
-    json_count(json, "height", (uint64_t)probe->height);
+    if (!probe->wanted) {
+        json_count(json, "x", (uint64_t)probe->x);
+        json_count(json, "y", (uint64_t)probe->y);
+        json_count(json, "width", (uint64_t)probe->width);
+        json_count(json, "height", (uint64_t)probe->height);
+    }
     json_string(json, "object", probe->object);
     json_string(json, "observer", probe->observer);
     json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
@@ -202,7 +223,7 @@ static void probe_json(const struct probe *probe, struct json *json)
 static bool probe_svg(const struct probe *probe, struct printed *to, struct error *err)
 {
     const struct probe_column *columns = probe->columns;
-    const bool is_region = probe->width > 1 || probe->height > 1;
+    const bool is_region = probe->width > 1 || probe->height > 1 || probe->wanted;
     const size_t n_bars = 3 * (size_t)probe->n; /* both ends, and what separates them */
     struct chart_series *all = NULL;
     double *nm, *ends = NULL;
@@ -309,7 +330,7 @@ static const struct option probe_rows[] = {
 };
 const struct command probe_command = {
     .name = "probe",
-    .operands = "STACK|SCENE X Y [W H]",
+    .operands = "STACK|SCENE X Y [W H], or STACK OBJECT",
     .summary = "print the spectrum of a pixel, or the mean of a region",
     .example = "probe fluorescence 700 300 --svg -o spectrum.svg",
     .run = run_probe,

@@ -154,9 +154,11 @@ bool probe_object(struct probe *probe, const char *path, struct error *err)
     if (found && moments->n == 0)
         found =
             error_usage(err, "%s: no pixel shows '%.100s' but at its edges", path, probe->wanted);
-    for (int i = 0; found && i < probe->n; i++)
-        moments_end(&moments[i], &probe->columns[MEAN].values[i],
-                    &probe->columns[SPREAD].values[i]);
+    if (found) {
+        memcpy(probe->moments, moments, (size_t)probe->n * sizeof *moments);
+        found = string_copy(of.rows.cube.record.objects.text[object], &probe->object, err) &&
+                probe_end(probe, &of.rows.cube, err);
+    }
     measured_free(&of);
     return found;
 }

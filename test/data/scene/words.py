@@ -83,6 +83,24 @@ for typed, expected in (("chart.csv:paper", 0.1), ('"chart.csv:dark skin"', [0.5
 _, said = rendered(HEAD + "material m chart.csv:papr\nobject plane 9 9 material m\n")
 check("did you mean paper?" in said, "a name that no sample has is refused", said)
 
+STACK = f"{TMP}/patches.tif"
+run("render", "patches", "--size", "60x40", "--wavelengths", "400:700:50", "-q", "-o", STACK, "--renderer", "raster", "--no-check")
+at, typed = run("probe", STACK, 30, 20).stdout, run("probe", STACK, "30,20").stdout
+check(at == typed and "region            pixel 30,20\n" in at, "a pixel is typed as it is printed", at, typed)
+table = run("probe", STACK, "--objects", "--csv").stdout.splitlines()
+for row in table[1:]:
+    name, _, x, y, z = row.replace('"', "").split(",")[:5]
+    typed = run("probe", STACK, name, "--json", "-").stdout
+    check(all(f"{float(number):.17g}"[:12] in typed for number in (x, y, z)) and name in typed, f"{name} is the object of that name", row, typed[:300])
+for words, why in ((("patches", "13-blue"), "a scene takes X and Y"), ((STACK, "blu"), "no object 'blu'"), ((STACK, "99"), "no object '99'"), ((STACK, "30,"), "Y")):
+    result = run("probe", *words)
+    check(result.returncode == 2 and why in result.stderr, f"probe refuses {words[-1]}: {why}", result.stderr)
+write("film.csv", "nm,first,second,third\n400,0.1,0.2,0.3\n700,0.3,0.2,0.1\n")
+said = run("develop", STACK, "--detector", f"{TMP}/film.csv", "-o", f"{TMP}/film.png").stdout
+check("channels          first, second, third as red, green, blue\n" in said, "develop says which channel is which colour", said)
+said = run("develop", STACK, "--detector", "dcs200-camera", "-o", f"{TMP}/film.png").stdout
+check("channels" not in said, "where their names say so, it does not", said)
+
 # ---- the thesis's folders and words ----
 os.makedirs(f"{TMP}/lists", exist_ok=True)
 os.makedirs(f"{TMP}/work/bricks", exist_ok=True)
