@@ -16,7 +16,7 @@ struct line {
     double first;  /* its first number in nm, 0: below 100 nm; NAN: it begins with none */
 };
 
-/* Reads the cell of a wavelength, of which a blank may separate the unit. */
+/* Reads the cell of a wavelength, whose unit may stand behind a blank. */
 static bool wavelength_cell(struct table *table, struct word *out)
 {
     struct table ahead;
@@ -82,7 +82,7 @@ struct layout {
     bool of_rows;
 };
 
-/* Finds the first cell of a line that says percent or what is no reflectance, unless an earlier
+/* Finds the first cell of a line that says percent, or another quantity, unless an earlier
  * line has one. */
 static void note_said(const struct line *line, struct word *says)
 {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the cells of a heading say: wavelengths and their units, names, percent, quantities. */
+/* The meaning of the cells of a heading: wavelengths and their units, names, percent, quantities.
+ */
 #include "data/spectra/inside.h"
 
 enum { SPELLED = 80 };

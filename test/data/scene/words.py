@@ -28,7 +28,7 @@ def png(name, pixels, *chunks):
 
 
 def rendered(text, folder=None):
-    """the pixels of each wavelength, and what is printed"""
+    """the pixels of each wavelength, and the printed report"""
     scene = write("case.scene", text)
     result = run("render", scene if not folder else os.path.abspath(scene), "-o", os.path.abspath(f"{TMP}/case.tif"), "--depth", "32f", "--renderer", "raster", "--no-check",
                  **({"cwd": folder} if folder else {}))

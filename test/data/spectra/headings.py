@@ -1,7 +1,7 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
 # level: first; packages: python3-numpy python3-tifffile
-"""What a heading says is used or refused: tables as instruments, spreadsheets and programs write them give the spectrum that
+"""Each word of a heading is used or refused: tables as instruments, spreadsheets and programs write them give the spectrum that
 they hold, or a message that names the word. A case is a table, the sample that is taken of it, and the values at some
 wavelengths (`show` prints them), or words of a refusal, where it is a reflectance, or, marked so, a light. Prints TAP."""
 import csv
