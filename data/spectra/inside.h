@@ -5,7 +5,7 @@
 
 #include "data/spectra/spectra.h"
 
-/* What is wanted of a table. */
+/* The samples that a caller wants of a table. */
 struct wanted {
     struct word table;              /* a built-in name, or a file */
     int count;                      /* samples from the first on; 0: all, a detector's */
@@ -75,7 +75,7 @@ struct table {
     double to_nm;      /* wavelengths of columns times this are in nm */
     struct word above; /* a cell of a heading that says percent or a quantity of all samples */
 };
-/* Adds a sample; and a name of one, of which the first is its own. An empty name is none. */
+/* Adds a sample; and a name to one: the first is its own. An empty name is none. */
 bool table_add_sample(struct table *table, struct error *err);
 bool table_add_name(struct table *table, int sample, const struct word *name, struct error *err);
 /* Adds a value, divided by norm, to a sample, at the wavelength of `at`. Refuses wavelengths that

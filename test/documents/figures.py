@@ -41,7 +41,7 @@ SOURCES = {
     "camera.md": [("no pixel is 0.1 CIEDE2000 off", "test/documents/pages.py")],
     "exchange.md": [("A picture has at most 8192 pixels a side", constant("raster/plan/plan.c", r"LARGEST_TILE = (\d+)"))],
     "maps.md": [("0.502 counts", "test/raster/beside/see/maps.py")],
-    "materials.md": [("(of lights: 0.5 %)", "test/data/spectra/headings.py")],
+    "materials.md": [("of lights: 0.5 %", "test/data/spectra/headings.py")],
     "mesa.md": [("", "test/raster/gl/test_mesa.c"), ("320 texels", "test/cases/mesa/blocks.scene"), ("32 texels", "test/cases/mesa/blocks.scene")],
     "parts.md": [("with 8000 × 8000 pixels and 31 wavelengths", "test/bench"), ("one render", "test/bench"), ("8 parts by", "test/bench")],
     "performance.md": [("", "test/bench")],
