@@ -114,7 +114,7 @@ void suggestion_add_files(struct suggestion *suggestion, const char *path)
     DIR *entries = folder ? opendir(folder) : NULL;
     for (const struct dirent *entry; entries && (entry = readdir(entries)) != NULL;) {
         const char *dot = strrchr(entry->d_name, '.');
-        if (dot && strcmp(dot, ending ? ending : ".scene") == 0)
+        if (dot && (strcmp(dot, ".scene") == 0 || (ending && strcmp(dot, ending) == 0)))
             suggestion_add(suggestion, &typed, entry->d_name, strlen(entry->d_name));
     }
     if (entries)

@@ -97,8 +97,8 @@ struct suggestion {
 /* Adds a known word, and compares it with the typed one. */
 void suggestion_add(struct suggestion *suggestion, const struct word *typed, const char *known,
                     size_t length);
-/* Adds the files in the folder of a missing one that end as it does, or, where it has no ending, in
- * .scene; none of them if none is near. names.c. */
+/* Adds the scenes in the folder of a missing file, and the files that end as it does; none of them
+ * if none is near. In names.c. */
 void suggestion_add_files(struct suggestion *suggestion, const char *path);
 /* Returns "did you mean NEAREST?" if a known word is near, or else the list behind the words
  * `otherwise`: "known are A, B". Valid as long as *suggestion. */

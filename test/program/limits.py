@@ -88,7 +88,7 @@ TRIALS = {
     "LARGEST_PAGE": lambda n: ("view", "patches", "--size", f"4096x{-(-n // 4096)}", "-o", path_of("page.html")),
     "MOST_PAGE_OBJECTS": lambda n: ("view", write("limit.scene", SCENE + n * PLANE), "-o", path_of("page.html")),
     "MOST_POSITIONS": lambda n: ("plan", "patches", "--samples", n),
-    "MOST_WAVELENGTHS": lambda n: ("plan", "patches", "--wavelengths", f"1000:{999 + n}:1"),
+    "MOST_WAVELENGTHS": lambda n: (*plan(SCENE + PLANE), "--wavelengths", f"1000:{999 + n}:1"),
     "LARGEST_QUADRATURE": lambda n: ("plan", "patches", "--sampling", f"gauss:{n}"),
     "MOST_SHADOWED": lambda n: plan(SCENE + n * "light d65 0.1 direction 0 1 1 shadows\n" + PLANE + PLANE.replace("\n", " translate 0 0 1\n")),
     "MOST_DIVISIONS": lambda n: plan(SCENE + f"object sphere 1 {n} 2 material m\n"),
