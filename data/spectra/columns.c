@@ -55,7 +55,7 @@ static void line_add(struct line *line, const struct word *cell, double nm[2])
 /* separator: 0: the line's own. */
 static struct line line_look(const struct table *table, char separator)
 {
-    struct line line = {.at = *table, .first = NAN, .is_units = true};
+    struct line line = {.at = *table, .first = (double)NAN, .is_units = true};
     struct word cell;
     double last[2] = {0, 0};
     line_begin(&line.at);
