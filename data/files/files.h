@@ -36,8 +36,9 @@ bool builtin_name(const struct builtin_file *file, const char *folder, const cha
 
 /* Reads a whole text file, or a "builtin:..." file, into an allocated string; NULL after an error.
  * Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a NUL
- * byte, but at the end of a line, where it becomes a blank. The message names `from`, the place that names the file; its path is NULL when the command
- * line names it. Waits for a pipe only then. */
+ * byte, but at the end of a line, where it becomes a blank. The message names `from`, the place
+ * that names the file; its path is NULL when the command line names it. Waits for a pipe only then.
+ */
 char *file_read(const char *path, struct place from, struct error *err);
 /* Reads standard input likewise, to its end. Messages call it `name`. */
 char *input_read(const char *name, struct error *err);

@@ -79,10 +79,11 @@ static bool read_wavelength_list(struct scene *scene, struct text *text, struct 
 static bool check_unit(const struct scene *scene, struct error *err)
 {
     const double last_nm = scene->wavelengths_nm[scene->n_wavelengths - 1];
-    return last_nm >= 10 || error_at(err, scene->wavelengths_place,
-                                     "wavelengths up to %.15g nm; expected nm: multiply micrometres "
-                                     "by 1000",
-                                     last_nm);
+    return last_nm >= 10 ||
+           error_at(err, scene->wavelengths_place,
+                    "wavelengths up to %.15g nm; expected nm: multiply micrometres "
+                    "by 1000",
+                    last_nm);
 }
 
 bool wavelengths_read(struct scene_reader *reader, struct error *err)

@@ -221,8 +221,8 @@ static void check_columns(void)
     struct error err;
     CHECK(strstr(refused_content("400 0.1 0.2\n", "", &err), "has 2 samples; write one") != NULL,
           "several columns need a choice");
-    CHECK(strstr(refused_content("400 0.1 0.2\n", ":3", &err),
-                 "has no sample 3; its last is 2") != NULL,
+    CHECK(strstr(refused_content("400 0.1 0.2\n", ":3", &err), "has no sample 3; its last is 2") !=
+              NULL,
           "a chosen column must exist");
     CHECK(refused_content("400 0.1 0.2\n", ":2", &err)[0] == '\0' && err.status == EXIT_AGREED,
           "a column that exists is read");
