@@ -364,8 +364,8 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
 
 /* ---- a chunk ---- */
 
-/* The driver decides the levels of detail of what is checked, and the specification those of what
- * is stored, on every machine. */
+/* The check takes levels of detail as the driver finds them, the stored picture as the
+ * specification does, on every machine. */
 static bool make_rows(struct chunk *out, const struct plan *plan)
 {
     const struct rectangle *at = &out->picture.at;
