@@ -26,13 +26,13 @@ bool table_add(struct table *table, int sample, const struct reading *at, const 
                double norm, struct error *err)
 {
     struct sample *to = &table->sample[sample];
-    const struct reading *last = to->reading + to->n - 1;
+    const double last_nm = to->n > 0 ? to->reading[to->n - 1].nm : 0;
     const bool falls = to->n > 1 && to->reading[1].nm < to->reading[0].nm;
     struct reading added = {at->nm, 0, value->place.line, at->nm_column, value->place.column};
-    if (to->n > 0 && (at->nm == last->nm || (to->n > 1 && (at->nm < last->nm) != falls)))
+    if (to->n > 0 && (at->nm == last_nm || (to->n > 1 && (at->nm < last_nm) != falls)))
         return error_at(err, (struct place){table->text.path, added.line, added.nm_column},
                         "wavelength %.15g nm follows %.15g nm; wavelengths must %s", at->nm,
-                        last->nm, falls ? "decrease, as in the first two rows" : "increase");
+                        last_nm, falls ? "decrease, as in the first two rows" : "increase");
     if (!table_number(table, value, "value", &added.value, err))
         return false;
     added.value /= norm;
