@@ -259,6 +259,13 @@ static struct word slice(struct text *text, const char *at, const char *ends)
         .start = at, .length = strcspn(at, ends), .place = {text->path, text->line, column}};
 }
 
+/* The content of the element whose tag ends next. */
+static struct word content(struct text *text, const char *at, const char *ends)
+{
+    at += strcspn(at, ">");
+    return slice(text, at + (*at == '>'), ends);
+}
+
 /* Finds the value of an attribute before the end of a tag. */
 static bool find_attribute(struct text *text, const char *at, const char *name, struct word *out)
 {
@@ -270,8 +277,11 @@ static bool find_attribute(struct text *text, const char *at, const char *name, 
         if (!begins || *at != '=')
             continue;
         at += 1 + strspn(at + 1, " \t\r\n");
-        *out = slice(text, at + 1, *at == '"' ? "\"" : "'");
-        return *at == '"' || *at == '\'';
+        const char quote[2] = {*at, '\0'};
+        if (*at != '"' && *at != '\'')
+            return false;
+        *out = slice(text, at + 1, quote);
+        return true;
     }
     return false;
 }
@@ -288,13 +298,13 @@ bool spdx_read(struct table *table, struct error *err)
         const bool is_data = word_equals(&name, "SpectralData");
         if (is_data && find_attribute(text, at, "wavelength", &nm)) {
             from.nm_column = nm.place.column;
-            value = slice(text, at + strcspn(at, ">") + 1, " \t\r\n<");
+            value = content(text, at, " \t\r\n<");
             done = word_number(&nm, "wavelength", DBL_MIN, HUGE_VAL, &from.nm, err) &&
                    table_add(table, 0, &from, &value, 1, err);
         } else if (is_data) {
             done = error_at(err, slice(text, at, ">").place, "SpectralData needs a wavelength");
         } else if (word_equals(&name, "SpectralQuantity")) {
-            table->above = slice(text, at + strcspn(at, ">") + 1, "<");
+            table->above = content(text, at, "<");
         }
     }
     return done && (table->sample[0].n > 0 ||

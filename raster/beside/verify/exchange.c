@@ -138,8 +138,8 @@ static bool read_numbers(const struct drawn *of, const char *name, size_t n, voi
     struct stat status;
     int descriptor;
     snprintf(path, sizeof path, "%.4095s/%s%s", of->pixels->path, of->pixels->prefix, name);
-    if (found && !(*found = !file_is_missing(path)))
-        return true;
+    if (found && !(*found = stat(path, &status) == 0))
+        return errno == ENOENT || error_cause(err, place, "cannot read");
     if (!file_open(path, place, &descriptor, &builtin, err))
         return false;
     bool done = fstat(descriptor, &status) == 0 || error_cause(err, place, "cannot read");
@@ -214,11 +214,12 @@ static bool find_driver(const struct drawn *of, struct driver *out, struct error
     struct foreign_pixels pixels = {of->pixels->path, targets_prefix};
     const struct render_foreign targets = {.open = drawn_open, .of = &pixels};
     char path[sizeof of->path];
+    struct stat status;
     *out = *driver_of(of->renderer.names.renderer);
     snprintf(path, sizeof path, "%.4095s/%sdrawn.txt", pixels.path, pixels.prefix);
     if (of->pixels->prefix[0]) /* these are the targets */
         return true;
-    if (!file_is_missing(path)) {
+    if (stat(path, &status) == 0) {
         if ((!driver_is_known(out) || plan_has_mipmaps(of->plan)) &&
             !targets_measure(&targets, NULL, out, err))
             return false;
