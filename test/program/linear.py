@@ -41,7 +41,7 @@ def scene(text):
     return {"a.scene": HEAD + text}
 
 
-def parts(n):
+def used(n):
     return "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + joined(n, lambda i: f"usemtl u{i}\nf 1 2 3\n")
 
 
@@ -98,11 +98,11 @@ READERS = {
     "objects": (500, lambda n: scene(GREY + joined(n, lambda i: f"object plane 1 1 material m translate {i} 0 0\n"))),
     "lights of one spectrum": (3000, lambda n: scene(
         GREY + "object plane 1 1 material m\n" + joined(n, lambda i: f"light 1 1 position {i} 0 5\n"))),
-    "usemtl": (500, lambda n: mesh(parts(n), {"a.map": "* material m\n"}, "materials a.map")),
+    "usemtl": (500, lambda n: mesh(used(n), {"a.map": "* material m\n"}, "materials a.map")),
     "lines of a material map": (300, lambda n: mesh(
-        parts(n), {"a.map": joined(n, lambda i: f"u{i} material m\n")}, "materials a.map")),
+        used(n), {"a.map": joined(n, lambda i: f"u{i} material m\n")}, "materials a.map")),
     "entries of an MTL file": (150, lambda n: mesh(
-        parts(n), {"a.map": joined(n, lambda i: f"u{i} mtl a.mtl\n"),
+        used(n), {"a.map": joined(n, lambda i: f"u{i} mtl a.mtl\n"),
                    "a.mtl": joined(n, lambda i: f"newmtl u{i}\nKd 0.5 0.5 0.5\n")}, "materials a.map")),
     "faces of a mesh": (800, grid),
     "faces at the tip of a cone": (400, cone),
