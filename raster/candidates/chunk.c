@@ -364,8 +364,8 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
 
 /* ---- a chunk ---- */
 
-/* The check takes levels of detail as the driver finds them, the stored picture as the
- * specification does, on every machine. */
+/* Checked rows have the driver's levels of detail; stored ones have the specification's, on every
+ * machine. */
 static bool make_rows(struct chunk *out, const struct plan *plan)
 {
     const struct rectangle *at = &out->picture.at;

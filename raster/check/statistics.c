@@ -96,8 +96,10 @@ static bool look_closer(struct check_samples *samples, const struct block *block
 bool samples_compare(struct check_samples *samples, struct block *block)
 {
     size_t all = block->n;
-    for (; all % LANES != 0; all++)
-        block->expected[all] = (double)(block->seen[all] = 0);
+    for (; all % LANES != 0; all++) {
+        block->seen[all] = 0;
+        block->expected[all] = 0;
+    }
     const float worst = (float)samples->largest,
                 ratio = (float)samples->worst_ratio, /* beyond 1: of a candidate without a bound */
         fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1;
