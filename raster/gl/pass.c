@@ -299,7 +299,8 @@ static bool draw_instances(struct gl *gl, bool shadows, struct error *err)
     static const struct numbered_draw by = {place, draw_batch};
     const struct gl_functions *call = gl->base.call;
     const bool is_smooth = gl->base.plan->scene->shading != SHADING_FLAT;
-    bind_texture(gl, NULL);
+    if (gl->current == gl->colours) /* `numbers` never has a texture */
+        bind_texture(gl, NULL);
     call->Disable(GL_LIGHTING);
     if (is_smooth)
         call->ShadeModel(GL_FLAT);

@@ -240,6 +240,20 @@ def dark_texture(renderer):
           f"{picture.report['full_scale']}, not {expected}")
 
 
+def tiles_of_steps(renderer):
+    """Two tiles of a buffer of 8 bits: numbers of triangles are drawn before each, in a context of their own. The object that
+    is drawn first has no texture, also in the second tile."""
+    tifffile.imwrite(path_of("half.tif"), np.full((1, 1), 128, np.uint8))
+    scene = (f"size 8300 4\ncamera ortho 8300\n{FACING}material plain {{ diffuse 0.5 }}\n"
+             "material half { diffuse 0.5 texture half.tif }\n"
+             "object plane 8300 2 material plain translate 0 1 0\nobject plane 8300 2 material half translate 0 -1 0\n")
+    steps = ("--buffer", "8") if renderer == "gl" else ()
+    picture = Picture("tiles", renderer, scene, "--wavelengths", "550", *steps)
+    rows = picture.radiance[0] / picture.report["full_scale"]
+    check(np.abs(rows - np.array([[1], [1], [128 / 255], [128 / 255]])).max() <= 0.51 / 255,
+          f"{renderer}: an object without a texture has none in the second tile either", rows[:, [0, 8299]])
+
+
 def spectral_textures(renderer):
     size = "size 24 18\ncamera ortho 24\n"
     source = Picture("source", renderer, size + "ambient a 0.2\nlight d65 1 position 3 4 20\n"
@@ -664,7 +678,7 @@ def thesis_list(renderer):
           f"{renderer}: a list of files with every kind of line renders and agrees")
 
 
-EFFECTS = (fluorescence, bispectral, diagonals, textures, two_repeats, twins, flat_texture, texel_borders, dark_texture, spectral_textures, spots, highlights,
+EFFECTS = (fluorescence, bispectral, diagonals, textures, two_repeats, twins, flat_texture, texel_borders, dark_texture, tiles_of_steps, spectral_textures, spots, highlights,
            grazing, many_lights, lights_alike, light_of_option, full_scale, sums, emission, fill_rule, sides, flat_shading, halves, halves_in_perspective,
            equal_halves, textured_halves, several_materials, perspective, many_objects, thesis_list)
 for each in ("raster", "gl"):
