@@ -60,7 +60,10 @@ void driver_print(const struct driver *driver, char out[DRIVER_WORDS])
              "edges to %.3g pixel, values to %.3g, depth to %g step, filters to %.3g, levels of "
              "detail %s, light to %g x Mesa's, %s where triangles meet",
              driver->grid_px, driver->corner_px, driver->depth_roundings, driver->filter_texels,
-             detail, driver->lighting, driver->watertight ? "no holes" : "holes");
+             detail, driver->lighting,
+             !driver->watertight   ? "holes"
+             : driver->is_measured ? "no holes seen"
+                                   : "no holes");
 }
 
 /* ---- --renderer ---- */

@@ -280,7 +280,8 @@ void traits_print(const struct driver *of, struct printed *to)
         snprintf(value, sizeof value, "off by %.3g %s", *trait_of(&driver, t), traits[t].unit);
         print_row(traits[t].name, value, traits[t].allowed, to);
     }
-    print_row("where triangles meet", of->watertight ? "each pixel once" : "holes or doubles",
+    print_row("where triangles meet",
+              of->watertight ? "each pixel of the targets once" : "holes or doubles",
               "each pixel once", to);
     print_row("level of detail",
               of->detail_error < 0 ? "neither as llvmpipe nor softpipe"
