@@ -231,8 +231,8 @@ static bool read_unit(const struct word *cell, double *to_nm, struct error *err)
                     word_shown(cell), cell->start, meaning.advice);
 }
 
-/* Takes what a heading says of each column. Where its cells do not fit the columns, one may be the
- * unit of the wavelengths, and none is a name. */
+/* Takes what a heading says of each column. Where its cells do not fit the columns none is a name,
+ * and one is the unit of the wavelengths, if the first speaks of these. */
 static bool read_heading(struct table *table, const struct line *line, int n_columns, bool names,
                          struct error *err)
 {
@@ -243,10 +243,10 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
     bool leads = false;
     for (int k = 0; line->n_cells > 0 && line_cell(&rest, &cell); k++) {
         first = k == 0 ? cell : first;
-        if ((k == 0 || !fits) && !read_unit(&cell, &table->to_nm, err))
-            return false;
         heading_read(&cell, &meaning);
         leads = leads || (k == 0 && meaning.is_wavelength);
+        if ((fits ? k == 0 : leads) && !read_unit(&cell, &table->to_nm, err))
+            return false;
         if (k == 0 || !fits)
             continue;
         if (names && meaning.is_wavelength && rest.separator != ' ')

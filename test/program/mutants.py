@@ -116,6 +116,7 @@ def main():
     faulty = [mutant.name for mutant in mutants if not mutant.whole]
     check(not faulty, "each block of the list has a file, an old text, a new one, and tests or a reason", *faulty)
     wanted = [mutant for mutant in mutants if not tap.ONLY or mutant.name == tap.ONLY[0] or mutant.name.startswith(tap.ONLY[0] + "-")]
+    tap.found = bool(wanted)
     planted = [mutant for mutant in wanted if mutant.tests and mutant.whole]
     for mutant in wanted:
         with open(mutant.file, encoding="utf-8") as file:

@@ -45,6 +45,9 @@ prints '^# again: ONLY=two/8 ./build.sh test full planted$' "a truth of a Python
 planted ONLY=two/8
 ! grep -q one "$tmp/out" && grep -q '^not ok 1 - two 8$' "$tmp/out" && ! grep -q 'two 7' "$tmp/out"
 ok $? "ONLY repeats the case, and no other"
+planted ONLY=two/9x
+grep -q '^not ok 1 - a case has the name two/9x$' "$tmp/out"
+ok $? "ONLY that names no case fails"
 
 head='# level: (first|full|release|(first|full) release)(; packages:( [a-z0-9.+-]+)+)?(; makes:( [a-z_]+)+)?'
 find test/*/ -type f -perm -u+x >"$tmp/scripts"

@@ -9,6 +9,7 @@ import sys
 
 ONLY = os.environ["ONLY"].split("/") if os.environ.get("ONLY") else []
 count = failures = 0
+found = not ONLY  # the case that ONLY names
 path = []  # of the case that is running, and those around it
 
 
@@ -37,10 +38,12 @@ def amount(plain, full, soak):
 
 def cases(values, name=str):
     """Yields the values of a loop, all, or the one that ONLY names."""
+    global found
     for value in values:
         path.append(name(value).replace("/", "-"))
         try:
             if all(wanted == own for wanted, own in zip(ONLY, path)):
+                found = found or len(path) >= len(ONLY)
                 yield value
         finally:
             path.pop()
@@ -53,6 +56,8 @@ def parts(*functions):
 
 
 def done():
+    if not (found or failures):
+        check(False, f"a case has the name {'/'.join(ONLY)}")
     print(f"1..{count}")
     sys.exit(failures > 0)
 

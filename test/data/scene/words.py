@@ -103,18 +103,18 @@ check("channels" not in said, "where their names say so, it does not", said)
 
 # ---- the thesis's folders and words ----
 os.makedirs(f"{TMP}/lists", exist_ok=True)
-os.makedirs(f"{TMP}/work/bricks", exist_ok=True)
-tifffile.imwrite(f"{TMP}/work/bricks/wall.tif", np.full((2, 2), 128, np.uint8))
-for place in ("work", "lists"):
-    write(f"{place}/red.txt", "gloss 20\n400 0.5\n700 0.5\nSpecular 400 0.5\nspec 700 0.5\n" + ("texture bricks/wall.tif\n" if place == "work" else ""))
+os.makedirs(f"{TMP}/here/bricks", exist_ok=True)
+tifffile.imwrite(f"{TMP}/here/bricks/wall.tif", np.full((2, 2), 128, np.uint8))
+for place in ("here", "lists"):
+    write(f"{place}/red.txt", "gloss 20\n400 0.5\n700 0.5\nSpecular 400 0.5\nspec 700 0.5\n" + ("texture bricks/wall.tif\n" if place == "here" else ""))
 os.remove(f"{TMP}/lists/red.txt")
 write("lists/all.list", "red.txt\n")
 for word, expected in (("red.txt", 0.5 * 128 / 255),):
     result = run("render", os.path.abspath(f"{TMP}/lists/all.list"), "--wavelengths", "550", "--size", "4x4", "--renderer", "raster", "--no-check", "-o",
-                 os.path.abspath(f"{TMP}/list.tif"), "--depth", "32f", cwd=f"{TMP}/work")
+                 os.path.abspath(f"{TMP}/list.tif"), "--depth", "32f", cwd=f"{TMP}/here")
     check(result.returncode == 0, "a list finds its material in the working folder, and that its texture", result.stderr)
 write("lists/red.txt", "400 0.25\n700 0.25\n")
-result = run("plan", os.path.abspath(f"{TMP}/lists/all.list"), cwd=f"{TMP}/work")
+result = run("plan", os.path.abspath(f"{TMP}/lists/all.list"), cwd=f"{TMP}/here")
 check(result.returncode == 0 and "wall.tif" not in result.stdout, "a file beside the list goes before one in the working folder", result.stdout, result.stderr)
 for line, why in (("x 1", "unknown line 'x'"), ("m 1", "unknown line 'm'"), ("mx 1", "unknown line 'mx'")):
     write("odd.txt", f"400 0.5\n{line}\n")

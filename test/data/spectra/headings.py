@@ -63,9 +63,11 @@ READ = {
                "BEGIN_DATA\nA1\t0.1\t0.2\t0.4\nEND_DATA\n", "A1", RISING),
     "Konica Minolta": ("Data Name,L*(D65),a*(D65),b*(D65),400[nm],500[nm],700[nm]\npaper,95,0,1,0.1,0.2,0.4\n", "paper", RISING),
     "pandas": (",sample_1,sample_2\n400.0,0.1,0.9\n500.0,0.2,0.9\n700.0,0.4,0.9\n", "sample_1", RISING),
-    "R": ('"wl" "vis" "nir"\n"1" 400 0.1\n'.split("\n")[0].replace('"wl" "vis" "nir"', '"wl","paint","paper"') + "\n400,0.1,0.9\n500,0.2,0.9\n700,0.4,0.9\n", "paint", RISING),
+    "R": ('"wl","paint","paper"\n400,0.1,0.9\n500,0.2,0.9\n700,0.4,0.9\n', "paint", RISING),
     "MATLAB": ("   4.0000000e+02   1.0000000e-01\n   5.0000000e+02   2.0000000e-01\n   7.0000000e+02   4.0000000e-01\n", "", RISING),
-    "Ctrl-Z at the end": (rows(end) if (end := ",") else "", "", RISING),
+    "a sentence with units of other things": ("Energy saving on, lamp at 5 cm, slit of 2 mm\n" + rows("\t"), "", RISING),
+    "a note with a length below the date": ("Date: Mon\nDistance of the probe: 5 mm\n" + rows(" "), "", RISING),
+    "Ctrl-Z at the end": (rows() + "\x1a", "", RISING),
     "no-break spaces": ("nm;R\n" + rows("\u00a0;"), "", RISING),
     "a date as the first line": ("12/03/2024 10:11:12\nnm;R\n" + rows(";", ","), "", RISING),
     "a number of samples as the first line": ("3\nnm;R\n" + rows(";", ","), "", RISING),
@@ -81,7 +83,6 @@ READ = {
     "a hair above 1": ("nm,R\n400,0.1\n450,1.005\n500,0.2\n700,0.4\n", "", RISING),
     "a hair below 0": ("nm,R\n400,0.1\n450,-0.009\n500,0.2\n700,0.4\n", "", RISING),
 }
-READ["Ctrl-Z at the end"] = (rows() + "\x1a", "", RISING)
 NOISE = {name for name in READ if name.startswith(("noise", "a little", "a hair"))}
 
 REFUSED = {
