@@ -167,15 +167,15 @@ fuzz() {
     keep) seconds=keep; shift ;;
     [0-9]*) seconds=$1; shift ;;
     esac
-    all=$(fuzz_targets)
+    known=$(fuzz_targets)
     for target; do
-        echo "$all" | grep -qx -- "$target" || refuse "build.sh: there is no target '$target'; the targets are:
-$all"
+        echo "$known" | grep -qx -- "$target" || refuse "build.sh: there is no target '$target'; the targets are:
+$known"
     done
     [ "$seconds" = 0 ] || make_seeds
     build_fuzzer
     open_folder
-    for target in ${*:-$all}; do
+    for target in ${*:-$(fuzz_targets)}; do
         unpack $target
         case $seconds in
         0) run_fuzzer $target -runs=0 "$BUILD/fuzz/kept" ;;
