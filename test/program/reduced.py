@@ -99,6 +99,6 @@ reduced("lights", "test/cases/faults/lights.scene", FAULT="52", **fault)
 kept = reduced("own", own_scene(), egl=True, SPOIL="diffuse", LD_PRELOAD=SPOIL)
 check(kept.count("\nobject ") + kept.count("\nchecker ") == 1, "one object is left of the scene with many", kept)
 if os.environ.get("FULL"):
-    reduced("room", "room", "--gl", "egl", *SMALL, egl=True, SPOIL="diffuse", LD_PRELOAD=SPOIL)
+    reduced("fluorescence", "fluorescence", "--gl", "egl", *SMALL, egl=True, SPOIL="diffuse", LD_PRELOAD=SPOIL)
 refusals()
 done()

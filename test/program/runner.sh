@@ -27,7 +27,7 @@ judges failed 'ended after 1 truths' 'echo "ok 1 - a"; echo broken >&2; kill -9 
 grep -q '^    broken$' "$tmp/out"
 ok $? "what a test said before it ended is printed"
 judges failed 'ended after 0 truths' 'exit 0'
-grep -q '^    again: ./build.sh test planted$' "$tmp/out"
+grep -qE '^    again: ./build.sh test (full )?planted$' "$tmp/out"
 ok $? "a test that failed says how to repeat it alone"
 cat >"$tmp/planted.py" <<'END'
 from tap import cases, check, done, parts

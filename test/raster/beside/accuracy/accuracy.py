@@ -68,7 +68,7 @@ def keeps_its_promise(name, scene, errors):
     sample and the texels of the estimate are in the way. Pixels are the reference's: a driver takes other levels of detail."""
     truth = standard(scene)
     for error in errors:
-        report = render(scene, "--accuracy", error, "--max-triangles", "5000000", "--memory", "4000", "--renderer", "raster", *SIZE)
+        report = render(scene, "--accuracy", error, "--max-triangles", "5000000", "--memory", "4000", "--renderer", "raster", "--no-check", *SIZE)
         measured, said = colour_error_95(truth, seen_in("stack.tif")), report["accuracy"]["error_95"]
         check(measured <= float(error), f"{name}: --accuracy {error} holds", measured, said)
         check(report["accuracy"]["refined"]["stopped"] or
