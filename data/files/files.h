@@ -23,7 +23,8 @@ extern const size_t builtin_file_count;
 /* All of them as gzip packs them, with a NUL behind each; NULL: they are not packed. */
 extern const unsigned char *const builtin_packed;
 extern const size_t builtin_packed_length;
-extern struct builtin_file *const builtin_to_unpack; /* these files; they get their bytes */
+extern unsigned char *const builtin_unpacked; /* room for them, to which the files point already */
+extern const size_t builtin_unpacked_length;
 /* Unpacks them, if they are packed. Call it once, before anything else of this room. */
 bool builtin_unpack(struct error *err);
 
