@@ -122,8 +122,8 @@ struct outputs {
  * left. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err);
 /* Finds the name by which the output of a path can be read before it is committed; NULL: it is none
- * of them. Fails only where the system does. */
-bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
+ * of the first n. Fails only where the system does. */
+bool outputs_readable(const struct outputs *outputs, int n, const char *path, const char **out,
                       struct error *err);
 /* Lets all outputs appear under their names. Refuses to replace a file that this process has read:
  * then none appears. */

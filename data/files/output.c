@@ -223,33 +223,26 @@ bool output_pass(struct output *output, struct outputs *outputs, struct error *e
     return done;
 }
 
-/* The outputs have the names that open_beside found. A pipe may have none. */
-bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
+bool outputs_readable(const struct outputs *outputs, int n, const char *path, const char **out,
                       struct error *err)
 {
-    char *resolved = realpath(path, NULL);
     *out = NULL;
-    if (!resolved && errno != ENOENT && errno != EACCES)
-        return error_system(err, "cannot find the folder of %s", path);
-    for (int i = 0; i < outputs->n; i++)
-        if (strcmp(outputs->list[i].path, resolved ? resolved : path) == 0)
+    for (int i = 0; i < n; i++) {
+        bool same;
+        if (!file_is_same(outputs->list[i].path, path, &same, err))
+            return false;
+        if (same)
             *out = outputs->list[i].temporary;
-    free(resolved);
+    }
     return true;
 }
 
 /* Refuses two outputs of one name: the later would replace the earlier. */
 static bool is_one_of_its_own(const struct outputs *outputs, int i, struct error *err)
 {
-    const char *path = outputs->list[i].path;
-    for (int j = 0; j < i; j++) {
-        bool same;
-        if (!file_is_same(outputs->list[j].path, path, &same, err))
-            return false;
-        if (same)
-            return error_usage(err, "%s would be written twice; expected two files", path);
-    }
-    return true;
+    const char *path = outputs->list[i].path, *other;
+    return outputs_readable(outputs, i, path, &other, err) &&
+           (!other || error_usage(err, "%s would be written twice; expected two files", path));
 }
 
 bool outputs_commit(struct outputs *outputs, struct error *err)

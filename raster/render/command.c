@@ -71,7 +71,7 @@ static bool write_json(const struct rendered *of, struct error *err)
     struct outputs *outputs = of->output->outputs;
     char sha256[65];
     const char *stack = NULL;
-    if ((of->stored && !outputs_readable(outputs, of->stored, &stack, err)) ||
+    if ((of->stored && !outputs_readable(outputs, outputs->n, of->stored, &stack, err)) ||
         (stack && !digest_file(stack, sha256, err)))
         return false;
     struct json json;
