@@ -124,18 +124,6 @@ static bool digest_descriptor(const char *path, int descriptor, char out[65], st
     return true;
 }
 
-bool digest_file(const char *path, char out[65], struct error *err)
-{
-    int file;
-    out[0] = '\0';
-    UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
-    if (file < 0)
-        return error_system(err, "cannot read %s", path);
-    const bool done = digest_descriptor(path, file, out, err);
-    close(file);
-    return done;
-}
-
 /* ---- the files that were read ---- */
 
 /* The digests of the files that this process has read, each of the bytes as they were read: a stack
@@ -181,12 +169,19 @@ bool digest_note_open(const char *path, int descriptor, struct error *err)
            (digest_descriptor(path, descriptor, sha256.text, err) && note(path, &sha256, err));
 }
 
-bool digest_was_read(const char *path, char out[65])
+bool digest_file(const char *path, char out[65], struct error *err)
 {
     pthread_mutex_lock(&were_read.lock);
     const int known = index_find(&were_read.paths, path, strlen(path));
-    if (known >= 0)
-        memcpy(out, were_read.list[known].text, sizeof were_read.list[known].text);
+    snprintf(out, 65, "%s", known >= 0 ? were_read.list[known].text : "");
     pthread_mutex_unlock(&were_read.lock);
-    return known >= 0;
+    if (known >= 0)
+        return true;
+    int file;
+    UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
+    if (file < 0)
+        return error_system(err, "cannot read %s", path);
+    const bool done = digest_descriptor(path, file, out, err);
+    close(file);
+    return done;
 }

@@ -85,14 +85,13 @@ void digest_start(struct digest *out);
 void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 void digest_bytes(const void *bytes, size_t length, char out[65]);
-bool digest_file(const char *path, char out[65], struct error *err);
 
 /* Notes the digest of a file as its bytes were read, or as it lies open. A built-in file has none.
  */
 bool digest_note(const char *path, const void *bytes, size_t length, struct error *err);
 bool digest_note_open(const char *path, int descriptor, struct error *err);
-/* Finds the digest of a file that was read. Returns false for any other file. */
-bool digest_was_read(const char *path, char out[65]);
+/* Finds the digest of a file as it was read, or else as it is now. */
+bool digest_file(const char *path, char out[65], struct error *err);
 
 /* ---- output.c: files that appear whole or not at all ---- */
 
