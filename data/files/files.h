@@ -86,10 +86,8 @@ void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 void digest_bytes(const void *bytes, size_t length, char out[65]);
 
-/* Notes the digest of a file as its bytes were read, or as it lies open. A built-in file has none.
- */
+/* Notes the digest of a text as its bytes were read. A built-in file has none. */
 bool digest_note(const char *path, const void *bytes, size_t length, struct error *err);
-bool digest_note_open(const char *path, int descriptor, struct error *err);
 /* Finds the digest of a file as it was read, or else as it is now. */
 bool digest_file(const char *path, char out[65], struct error *err);
 
