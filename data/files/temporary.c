@@ -52,16 +52,19 @@ static bool write_name(struct output *out, const char *path, int attempt)
                     attempt) < (int)sizeof out->temporary;
 }
 
-/* Opens a new file under its temporary name. The guard knows the name first, so that no moment is
- * left in which a signal leaves the file behind. */
-static bool create_named(struct output *out, const char *path, mode_t mode)
+/* Gives a temporary name to the file without a name, or else to a new file. The guard knows the
+ * name first, so that no moment is left in which a signal leaves the file behind. */
+static bool name_temporarily(struct output *out, const char *path, mode_t mode)
 {
+    const bool nameless = out->descriptor >= 0;
     for (int attempt = 0; attempt < MOST_NAMES; attempt++) {
         if (!write_name(out, path, attempt) || !guard_remove(out->temporary))
             return false;
-        UNTIL_DONE(out->descriptor,
-                   open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
-        out->named = out->descriptor >= 0;
+        if (!nameless)
+            UNTIL_DONE(out->descriptor,
+                       open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+        out->named =
+            nameless ? link_nameless(out->descriptor, out->temporary) : out->descriptor >= 0;
         if (out->named)
             return true;
         guard_forget(out->temporary);
@@ -77,7 +80,7 @@ bool temporary_create(struct output *out, const char *path, mode_t mode)
 {
     char *folder = file_relative(path, ".");
     const bool done =
-        folder && (create_nameless(out, folder, mode) || create_named(out, path, mode));
+        folder && (create_nameless(out, folder, mode) || name_temporarily(out, path, mode));
     const int cause = errno;
     if (!done)
         out->temporary[0] = '\0';
@@ -86,24 +89,11 @@ bool temporary_create(struct output *out, const char *path, mode_t mode)
     return done;
 }
 
-/* Gives a file without a name a temporary one, by which it can replace another file: signals wait
- * meanwhile. */
-static bool name_temporarily(struct output *out, const char *path)
-{
-    for (int attempt = 0; attempt < MOST_NAMES && !out->named; attempt++) {
-        out->named =
-            write_name(out, path, attempt) && link_nameless(out->descriptor, out->temporary);
-        if (!out->named && errno != EEXIST)
-            return false;
-    }
-    return out->named;
-}
-
 bool temporary_name(struct output *out, const char *path)
 {
     if (!out->named && link_nameless(out->descriptor, path))
         return true;
-    if ((!out->named && (errno != EEXIST || !name_temporarily(out, path))) ||
+    if ((!out->named && (errno != EEXIST || !name_temporarily(out, path, 0))) ||
         rename(out->temporary, path) != 0)
         return false;
     guard_forget(out->temporary);
