@@ -151,29 +151,20 @@ const char *temporary_folder(void)
     return given && given[0] ? given : "/tmp";
 }
 
-/* Makes a folder whose name is a prefix and the six characters of mkdtemp. */
+/* Makes a folder whose name begins so, and ends in the six characters of mkdtemp. */
 static bool make(const char *parent, const char *prefix, struct folder *out)
 {
-    char path[sizeof out->path];
-    if (snprintf(path, sizeof path, "%s/%sXXXXXX", parent, prefix) >= (int)sizeof path) {
-        errno = ENAMETOOLONG;
+    errno = ENAMETOOLONG;
+    if (snprintf(out->path, sizeof out->path, "%s/%sXXXXXX", parent, prefix) >=
+            (int)sizeof out->path ||
+        !mkdtemp(out->path)) {
+        out->path[0] = '\0';
         return false;
     }
-    if (!mkdtemp(path))
-        return false;
-    memcpy(out->path, path, sizeof path);
     do
-        out->entries = opendir(path);
+        out->entries = opendir(out->path);
     while (!out->entries && errno == EINTR);
     return out->entries;
-}
-
-/* Removes the files in a folder, which holds no folders. */
-static void empty(DIR *entries)
-{
-    rewinddir(entries);
-    for (const struct dirent *entry; (entry = readdir(entries));)
-        unlinkat(dirfd(entries), entry->d_name, 0);
 }
 
 bool folder_open(struct folder *out, struct error *err)
@@ -200,7 +191,6 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     if (!file_is_missing(path))
         return error_at(err, place, "this folder exists already; expected a new name");
     snprintf(below, sizeof below, "%s", path);
-    errno = 0;
     if (make(dirname(below), ".spectral-unfinished.", out))
         return true;
     error_cause(err, place, "cannot make the folder");
@@ -208,24 +198,25 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     return false;
 }
 
-/* The new name is on the disk when its own folder is. */
 bool folder_keep(struct folder *folder, const char *path, struct error *err)
 {
-    const struct place place = {path, 0, 0};
     const mode_t mask = umask(0);
     umask(mask);
-    const int own = dirfd(folder->entries);
-    if (fchmod(own, 0777 & ~mask) != 0 || fsync(own) != 0 || rename(folder->path, path) != 0)
-        return error_cause(err, place, "cannot make the folder");
+    if (chmod(folder->path, 0777 & ~mask) != 0 || rename(folder->path, path) != 0)
+        return error_cause(err, (struct place){path, 0, 0}, "cannot make the folder");
     folder->path[0] = '\0';
-    folder_sync(path);
+    folder_sync(path); /* the new name is on the disk when its own folder is */
     return true;
 }
 
+/* A folder holds no folders. */
 void folder_close(struct folder *folder)
 {
-    if (folder->path[0] && folder->entries)
-        empty(folder->entries);
+    if (folder->path[0] && folder->entries) {
+        rewinddir(folder->entries);
+        for (const struct dirent *entry; (entry = readdir(folder->entries));)
+            unlinkat(dirfd(folder->entries), entry->d_name, 0);
+    }
     if (folder->path[0])
         rmdir(folder->path);
     guard_forget(folder->path);
