@@ -39,10 +39,9 @@ bool builtin_name(const struct builtin_file *file, const char *folder, const cha
  * Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a NUL
  * byte, but at the end of a line, where it becomes a blank. The message names `from`, the place
  * that names the file; its path is NULL when the command line names it. Waits for a pipe only then.
- */
+ * Reads standard input to its end where the path is this one, no other of its letters. */
+extern const char standard_input[]; /* "<stdin>" */
 char *file_read(const char *path, struct place from, struct error *err);
-/* Reads standard input likewise, to its end. Messages call it `name`. */
-char *input_read(const char *name, struct error *err);
 
 /* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
  * Refuses what file_read refuses, but accepts NUL bytes. */

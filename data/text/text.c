@@ -5,7 +5,6 @@
  * is safe to read one character past a word. */
 #include <float.h>
 #include <limits.h>
-#include <sys/stat.h>
 
 #include "data/text/text.h"
 
@@ -16,20 +15,14 @@ enum {
 
 /* ---- lines ---- */
 
-static bool refuse_length(const char *path, size_t length, struct error *err)
-{
-    return error_at(err, (struct place){path, 0, 0},
-                    "the file has %zu MB; a text file has at most %d MB", (length >> 20) + 1,
-                    LONGEST_TEXT >> 20);
-}
-
 /* Refuses a text that is too long, or that has a line that is. */
 static bool check_lengths(const struct text *text, size_t longest, struct error *err)
 {
     const char *at = text->bytes, *end = at + text->length, *next;
     struct place place = {text->path, 1, 1};
     if (text->length > longest)
-        return refuse_length(text->path, text->length, err);
+        return error_at(err, text_whole(text), "the file has %zu MB; a text file has at most %d MB",
+                        (text->length >> 20) + 1, LONGEST_TEXT >> 20);
     for (; (size_t)(end - at) > LONGEST_LINE; at = next + 1, place.line++) {
         next = memchr(at, '\n', (size_t)(end - at));
         next = next != NULL ? next : end;
@@ -79,34 +72,17 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     return false;
 }
 
-/* Refuses a long regular file before it is read. */
 bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err)
 {
     const size_t longest = may & TEXT_LARGE ? SIZE_MAX : LONGEST_TEXT;
-    struct stat status;
-    *out = (struct text){0};
-    if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && (uint64_t)status.st_size > longest)
-        return refuse_length(path, (size_t)status.st_size, err);
     char *bytes = file_read(path, from, err);
-    if (!bytes)
-        return false;
-    if (!digest_note(path, bytes, strlen(bytes), err)) {
-        free(bytes);
-        return false;
-    }
+    const bool noted = bytes && digest_note(path, bytes, strlen(bytes), err);
     if (!start(out, path, bytes, longest, err))
         return false;
-    if (check_format(out, (may & TEXT_XML) != 0, err))
+    if (noted && check_format(out, (may & TEXT_XML) != 0, err))
         return true;
     text_free(out);
     return false;
-}
-
-bool text_open_input(struct text *out, const char *name, struct error *err)
-{
-    char *bytes = input_read(name, err);
-    *out = (struct text){0};
-    return bytes && start(out, name, bytes, LONGEST_TEXT, err);
 }
 
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)

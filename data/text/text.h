@@ -39,11 +39,10 @@ struct word {
 
 /* Forms that a text may have beyond the usual: longer than 256 MiB, up to 2 GiB; XML. */
 enum { TEXT_LARGE = 1, TEXT_XML = 2 };
-/* Opens a file. `from` is the place that names it. No line is current yet. Refuses a line of more
- * than 64 MiB, UTF-16 and JSON; and what `may`, a sum of the words above, does not allow. */
+/* Opens a file, or standard_input. `from` is the place that names it. No line is current yet.
+ * Refuses a line of more than 64 MiB, UTF-16 and JSON; and what `may`, a sum of the words above,
+ * does not allow. */
 bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err);
-/* Opens standard input, which is read to its end. `name` takes the place of the path. */
-bool text_open_input(struct text *out, const char *name, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err);
 /* Opens a string of one line, which becomes the current line. Refuses any other string. */
