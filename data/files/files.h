@@ -132,7 +132,7 @@ bool file_write(const char *path, const char *bytes, size_t length, struct outpu
 /* Writes a whole text likewise, and frees it. */
 bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,
                    struct error *err);
-/* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
+/* Refuses an output that cannot be opened, before the work begins. Leaves no file. */
 bool output_can_open(const char *path, struct error *err);
 
 /* ---- temporary.c: room on the disk ---- */

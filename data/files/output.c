@@ -114,7 +114,7 @@ bool output_open(struct output *out, const char *path, struct error *err)
 bool output_can_open(const char *path, struct error *err)
 {
     struct output probe = {.path = NULL};
-    bool able = !path || output_is_standard(path) || open_output(&probe, path, err);
+    bool able = output_is_standard(path) || open_output(&probe, path, err);
     output_discard(&probe);
     return able;
 }

@@ -238,9 +238,7 @@ static bool spares_option(const struct options *options, const struct option *wr
     const char *written = given_text(options, writes), *named = given_text(options, row), *one,
                *other;
     bool same;
-    const bool again = row->made_again && written == options->output;
-    if (row == writes || !named || strcmp(written, "/dev/null") == 0 ||
-        strcmp(named, "/dev/null") == 0 || again)
+    if (row == writes || !named || (row->made_again && written == options->output))
         return true;
     if (!names_written(written, named, row->writes, &same, err))
         return false;
@@ -283,16 +281,21 @@ static bool check_needs(const struct options *options, struct error *err)
     return true;
 }
 
-/* Refuses outputs that would replace another file of the command line. */
+/* Refuses outputs that would replace another file of the command line, and those beside --output
+ * that cannot be opened: that one is opened before the work begins, or is a folder. */
 static bool check_outputs(const struct options *options, struct error *err)
 {
     const struct option *writes, *other;
     for (int i = 0; (writes = option_at(options->command, i)); i++) {
         const char *written = writes->writes ? given_text(options, writes) : NULL;
-        for (int k = 0; written && (other = option_at(options->command, k)); k++)
+        if (!written || strcmp(written, "/dev/null") == 0)
+            continue;
+        if (written != options->output && !output_can_open(written, err))
+            return false;
+        for (int k = 0; (other = option_at(options->command, k)); k++)
             if (!spares_option(options, writes, other, err))
                 return false;
-        for (int k = 0; written && k < options->n_operands; k++)
+        for (int k = 0; k < options->n_operands; k++)
             if (!spares_operand(written, options->operands[k], err))
                 return false;
     }
