@@ -90,22 +90,6 @@ bool word_file_or_here(const struct word *word, enum file_kind kind, char **out,
     return here != NULL;
 }
 
-/* Returns the end of a path that has as many folders as a name, without the ending of its kind. */
-static struct word tail(const char *path, const char *name, const char *ending)
-{
-    const char *at = path + strlen(path);
-    size_t length, cut = strlen(ending);
-    int folders = 0;
-    for (; *name; name++)
-        folders += *name == '/';
-    while (at > path && (at[-1] != '/' || folders-- > 0))
-        at--;
-    length = strlen(at);
-    if (length > cut && strcmp(at + length - cut, ending) == 0)
-        length -= cut;
-    return (struct word){.start = at, .length = length};
-}
-
 void suggestion_add_files(struct suggestion *suggestion, const char *path)
 {
     const struct word typed = {.start = path_name(path), .length = strlen(path_name(path))};
@@ -126,17 +110,16 @@ void suggestion_add_files(struct suggestion *suggestion, const char *path)
 
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err)
 {
+    const char *name = path_name(path);
+    const struct word typed = {.start = name, .length = strcspn(name, ".")}; /* without an ending */
     struct suggestion suggestion = {.distance = 0};
     char known[BUILTIN_NAME], otherwise[64] = "built-in are";
     if (!file_is_missing(path))
         return true;
     suggestion_add_files(&suggestion, path);
-    for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++) {
-        if (!builtin_is(&builtin_files[i], kind, known))
-            continue;
-        const struct word typed = tail(path, known, strrchr(builtin_files[i].name, '.'));
-        suggestion_add(&suggestion, &typed, known, strlen(known));
-    }
+    for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++)
+        if (builtin_is(&builtin_files[i], kind, known))
+            suggestion_add(&suggestion, &typed, known, strlen(known));
     if (kinds[kind].list) {
         suggestion.known[0] = '\0';
         snprintf(otherwise, sizeof otherwise, "see spectral list %s", kinds[kind].list);
