@@ -105,7 +105,6 @@ struct output {
 /* Creates the file. Refuses a path that cannot be written, a terminal, and a file that this process
  * has read: see file_was_read. */
 bool output_open(struct output *out, const char *path, struct error *err);
-bool output_sync(const struct output *output, struct error *err); /* bytes are then on the disk */
 void output_discard(struct output *out); /* safe after output_pass, and on a zeroed struct */
 
 /* The outputs of a command: they appear together, when all that can fail is done. */

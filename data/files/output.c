@@ -129,11 +129,6 @@ static bool sync_descriptor(int descriptor)
     return got == 0 || errno == EINVAL;
 }
 
-bool output_sync(const struct output *output, struct error *err)
-{
-    return sync_descriptor(output->descriptor) || write_fault(err, output->path);
-}
-
 void folder_sync(const char *path)
 {
     char *folder = file_relative(path, ".");
@@ -152,10 +147,9 @@ static bool commit_name(struct output *out, struct error *err)
     guard_hold();
     const bool done = temporary_name(out, out->path) || write_fault(err, out->path);
     guard_release();
-    if (!done)
-        return false;
-    folder_sync(out->path);
-    return true;
+    if (done)
+        folder_sync(out->path);
+    return done;
 }
 
 static bool copy_bytes(int from, int to)
@@ -209,13 +203,11 @@ void output_discard(struct output *out)
  * appeared. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err)
 {
-    if (!output->copied && !output_sync(output, err)) {
-        output_discard(output);
-        return false;
-    }
-    if (!outputs || output->copied)
+    const bool synced =
+        output->copied || sync_descriptor(output->descriptor) || write_fault(err, output->path);
+    if (synced && (!outputs || output->copied))
         return commit(output, err);
-    const bool done = array_add(&outputs->list, &outputs->n, output, sizeof *output, err);
+    const bool done = synced && array_add(&outputs->list, &outputs->n, output, sizeof *output, err);
     if (done)
         *output = (struct output){.path = NULL};
     else
