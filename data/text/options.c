@@ -415,21 +415,16 @@ void help_words(struct printed *to, const char *text, int column)
     print_text(to, "\n");
 }
 
-/* Prints an option as the user types it, and its explanation beside it, or below if there is no
- * room. */
-static void help_explain(struct printed *to, const char *typed, const char *explanation)
-{
-    const int used = 2 + (int)strlen(typed);
-    print(to, "  %s", typed);
-    if (used + 2 > HELP_COLUMN)
-        print_text(to, "\n");
-    print(to, "%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
-    help_words(to, explanation, HELP_COLUMN);
-}
-
+/* An explanation stands beside its option, or below if there is no room. */
 void help_options(const struct command *command, struct printed *to)
 {
     const struct option *option;
-    for (int i = 0; (option = option_at(command, i)); i++)
-        help_explain(to, option->usage, option->help);
+    for (int i = 0; (option = option_at(command, i)); i++) {
+        const int used = 2 + (int)strlen(option->usage);
+        print(to, "  %s", option->usage);
+        if (used + 2 > HELP_COLUMN)
+            print_text(to, "\n");
+        print(to, "%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
+        help_words(to, option->help, HELP_COLUMN);
+    }
 }
