@@ -148,9 +148,6 @@ bool output_reserve(const struct output *output, uint64_t length);
 /* Returns the default name of an output: that of a file without its folder, and with another
  * ending. Allocated; NULL: no memory. */
 char *output_name(const char *path, const char *ending, struct error *err);
-/* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
- * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
-bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
 bool output_is_standard(const char *path); /* true of "-" and /dev/stdout, standard output */
 bool output_is_stream(const char *path);   /* true of "-", a pipe and a device */
 

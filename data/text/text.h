@@ -113,6 +113,9 @@ int word_choose(const struct word *word, const char *const *known, const char *w
 /* Finds the next word among the known ones. Without a word the error is "expected EXPECTED". */
 int text_choose(struct text *text, const char *expected, const char *const *known, const char *what,
                 struct error *err);
+/* Finds the ending of a path likewise, among words as ".png", ".tif", NULL. *out is its index; -1:
+ * the name has no ending, as "-" and /dev/stdout. */
+bool path_ending(const char *path, const char *const *known, int *out, struct error *err);
 /* Sets *first to `again` if it has no line yet. Otherwise refuses: "WHAT is given twice". */
 bool place_once(struct place *first, struct place again, const char *what, struct error *err);
 /* Like word_choose; then notes the place in given[index], and refuses a word that has one there. */

@@ -16,7 +16,7 @@ static bool check_stack_name(const char *path, struct error *err)
                                          ".gif", ".pfm", ".ppm", ".html", ".svg", NULL};
     struct error unknown = {0};
     int other;
-    return !path || !output_ending(path, others, &other, &unknown) || other < 0 ||
+    return !path || !path_ending(path, others, &other, &unknown) || other < 0 ||
            error_at(err, (struct place){path, 0, 0},
                     "render writes a stack, which is a TIFF; expected .tif (spectral view writes "
                     "pictures)");

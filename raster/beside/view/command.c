@@ -211,7 +211,7 @@ static bool run_view(struct options *options, struct error *err)
     bool is_stack = false;
     int ending;
     if (!options_name_output(options, subject, ".html", err) ||
-        !output_ending(options->output, endings, &ending, err))
+        !path_ending(options->output, endings, &ending, err))
         return false;
     const enum output_kind kind = ending < 0 ? HTML_PAGE : (enum output_kind)ending;
     if (own->gallery && (operand || own->still))
