@@ -88,17 +88,6 @@ bool text_open_string(struct text *out, const char *name, const char *string, st
     return start(out, name, strdup(string), LONGEST_TEXT, err);
 }
 
-bool text_open_line(struct text *out, const char *name, const char *line, struct error *err)
-{
-    if (!text_open_string(out, name, line, err))
-        return false;
-    if (text_next_line(out) && strchr(line, '\n') == NULL)
-        return true;
-    error_at(err, text_place(out), "expected one line, not '%s'", line);
-    text_free(out);
-    return false;
-}
-
 void text_free(struct text *text)
 {
     FREE_ALL(text->path, text->bytes);

@@ -45,8 +45,6 @@ enum { TEXT_LARGE = 1, TEXT_XML = 2 };
 bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err);
-/* Opens a string of one line, which becomes the current line. Refuses any other string. */
-bool text_open_line(struct text *out, const char *name, const char *line, struct error *err);
 void text_free(struct text *text);
 
 /* Goes to the next line, blank or not. Returns false at the end of the file. */
