@@ -129,8 +129,8 @@ static bool redirect(int from, int to)
 
 /* Nobody types at the program and nobody reads its table. Its messages go to the pipe. Linux has a
  * name for the file of the running program, even if that file has been moved or replaced meanwhile;
- * elsewhere the name that the user typed is looked for as a shell does. Ends this process with the
- * system's reason in a line, as the program itself would. */
+ * elsewhere the name that the user typed is looked for as a shell does. Where the system can run
+ * neither, this process ends with the reason in a line, as the program itself would. */
 static void become(const char *const *words, int messages)
 {
     struct error err = {.status = EXIT_AGREED};

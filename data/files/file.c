@@ -27,7 +27,7 @@ bool builtin_name(const struct builtin_file *file, const char *folder, const cha
 
 /* ---- reading ---- */
 
-const char standard_input[] = "<stdin>"; /* as messages and stacks call it */
+const char standard_input[] = "<stdin>";
 
 /* Lines and columns are counted in int: a message could not name a place in a longer file. */
 static const size_t longest_read = INT_MAX;

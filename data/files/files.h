@@ -35,12 +35,12 @@ enum { BUILTIN_NAME = 256 };
 bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
                   char out[BUILTIN_NAME]);
 
+extern const char standard_input[]; /* "<stdin>", as messages and stacks call it */
 /* Reads a whole text file, or a "builtin:..." file, into an allocated string; NULL after an error.
  * Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a NUL
  * byte, but at the end of a line, where it becomes a blank. The message names `from`, the place
  * that names the file; its path is NULL when the command line names it. Waits for a pipe only then.
- * Reads standard input to its end where the path is this one, no other of its letters. */
-extern const char standard_input[]; /* "<stdin>" */
+ * Where the path is standard_input itself, reads standard input to its end. */
 char *file_read(const char *path, struct place from, struct error *err);
 
 /* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
