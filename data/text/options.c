@@ -281,9 +281,8 @@ static bool check_needs(const struct options *options, struct error *err)
     return true;
 }
 
-/* Refuses outputs that would replace another file of the command line, and those beside --output
- * that cannot be opened: that one is opened before the work begins, or is a folder. */
-static bool check_outputs(const struct options *options, struct error *err)
+/* --output is opened before the work begins, or is a folder. */
+bool options_check_outputs(const struct options *options, struct error *err)
 {
     const struct option *writes, *other;
     for (int i = 0; (writes = option_at(options->command, i)); i++) {
@@ -327,7 +326,7 @@ bool options_read(const struct command *command, bool recorded, const char *cons
         }
     }
     out->operand = out->operands[0];
-    return check_needs(out, err) && check_outputs(out, err);
+    return check_needs(out, err) && options_check_outputs(out, err);
 }
 
 void options_free(struct options *options)
@@ -348,7 +347,7 @@ bool options_name_output(struct options *options, const char *path, const char *
         return true;
     options->output = options->named_output =
         output_name(output_is_standard(path) ? "scene" : path, ending, err);
-    return options->output && check_outputs(options, err);
+    return options->output && options_check_outputs(options, err);
 }
 
 /* A tile, with the program's and OpenGL's own memory, takes at most 300 MiB: the tests measure it.

@@ -288,6 +288,10 @@ struct options {
 bool options_read(const struct command *command, bool recorded, const char *const *words,
                   int n_words, struct options *out, struct error *err);
 void options_free(struct options *options);
+/* Refuses outputs that would replace another file of the command line, or a file that was read
+ * until now, and those beside --output that cannot be opened. options_read has called it; a command
+ * that works long calls it again when its inputs are read. */
+bool options_check_outputs(const struct options *options, struct error *err);
 /* Adds "NAME=VALUE", or the name of a flag (value NULL), to the words that the stack records. */
 bool options_record(struct options *options, const char *name, const char *value,
                     struct error *err);

@@ -199,7 +199,7 @@ bool render_with_options(const struct options *options, const struct render_outp
         job_read(options, output->foreign, &job, err) &&
         check_same_scene(options, &job.scene, output->again, made, err) &&
         (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err)) &&
-        job_plan(options, &job, err) &&
+        job_plan(options, &job, err) && options_check_outputs(options, err) &&
         (!map_maker || map_maker->check(options, &job.scene, err)) &&
         render_job(&job, &rendered, err);
     job_free(&job);
