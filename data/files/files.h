@@ -136,11 +136,9 @@ bool output_can_open(const char *path, struct error *err);
 
 /* ---- temporary.c: room on the disk ---- */
 
-/* Refuses a disk that has no room for so many bytes more, before hours of rendering are lost. */
-bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err);
-/* Reserves the blocks of a large file, so that they lie together, and a full disk shows before the
- * work begins. Returns false with errno where the disk is too full; true, too, where a file system
- * cannot reserve, or a file is small. */
+/* Reserves the blocks of a large file, so that they lie together, and a full disk or quota shows
+ * before hours of rendering are lost. Returns false with errno where the disk is too full; true,
+ * too, where a file system cannot reserve, or a file is small. */
 bool output_reserve(const struct output *output, uint64_t length);
 
 /* ---- paths.c: the names of files that a command writes ---- */

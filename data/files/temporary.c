@@ -6,7 +6,6 @@
 #include <fcntl.h>
 #include <libgen.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "data/files/inside.h"
@@ -114,17 +113,6 @@ void temporary_remove(struct output *out)
 }
 
 /* ---- room on the disk: a full disk shows before the work begins ---- */
-
-/* Some file systems do not report their size. */
-bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err)
-{
-    struct statvfs disk;
-    return fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
-           needed / disk.f_frsize <= disk.f_bavail ||
-           error_failed(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
-                        1e-6 * (double)needed,
-                        1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
-}
 
 /* C libraries make up for a file system that cannot reserve by writing every block: so this asks
  * Linux itself. */
