@@ -333,11 +333,9 @@ void options_free(struct options *options)
 {
     for (int i = 0; i < options->n_recorded; i++)
         free(options->recorded[i]);
-    options->n_recorded = 0;
     FREE_ALL(options->named_output, options->own);
-    options->named_output = NULL;
-    options->own = NULL;
     outputs_discard(&options->outputs);
+    *options = (struct options){.command = NULL};
 }
 
 bool options_name_output(struct options *options, const char *path, const char *ending,
