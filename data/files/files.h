@@ -102,8 +102,8 @@ struct output {
     bool named;           /* the temporary name stands in the folder, and must be removed */
     bool copied;          /* path is no regular file, or "-": copy at the end */
 };
-/* Creates the file. Refuses a path that cannot be written, a terminal, and a file that this process
- * has read: see file_was_read. */
+/* Creates the file. Refuses a path that cannot be written, standard output where it is a terminal,
+ * and a file that this process has read: see file_was_read. */
 bool output_open(struct output *out, const char *path, struct error *err);
 void output_discard(struct output *out); /* safe after output_pass, and on a zeroed struct */
 

@@ -86,28 +86,12 @@ static bool open_output(struct output *out, const char *path, struct error *err)
     return false;
 }
 
-/* Returns whether the output is a terminal. Opens no pipe, which would wait for its reader. */
-static bool is_terminal(const char *path)
-{
-    struct stat status;
-    if (output_is_standard(path))
-        return isatty(STDOUT_FILENO);
-    if (stat(path, &status) != 0 || !S_ISCHR(status.st_mode))
-        return false;
-    const int descriptor = open(path, O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    const bool found = descriptor >= 0 && isatty(descriptor);
-    if (descriptor >= 0)
-        close(descriptor);
-    return found;
-}
-
 bool output_open(struct output *out, const char *path, struct error *err)
 {
     *out = (struct output){.descriptor = -1};
-    return is_terminal(path)
-               ? error_usage(
-                     err, "%s is a terminal, and a picture is no text; expected a file or a pipe",
-                     output_is_standard(path) ? "standard output" : path)
+    return output_is_standard(path) && isatty(STDOUT_FILENO)
+               ? error_usage(err, "standard output is a terminal, and a picture is no text; "
+                                  "expected a file or a pipe")
                : open_output(out, path, err);
 }
 
