@@ -42,12 +42,9 @@ bool path_fold(char *path)
 char *file_relative(const char *base, const char *name)
 {
     const bool whole = base == NULL || name[0] == '/' || path_is_builtin(name);
-    const char *slash = whole ? NULL : strrchr(base, '/');
-    size_t folder = 0;
+    size_t folder = whole ? 0 : (size_t)(path_name(base) - base);
     struct printed path = {.text = NULL};
-    if (slash != NULL)
-        folder = (size_t)(slash + 1 - base);
-    else if (!whole && path_is_builtin(base))
+    if (!whole && folder == 0 && path_is_builtin(base))
         folder = strlen(BUILTIN_PREFIX);
     print(&path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
     char *out = printed_end(&path);

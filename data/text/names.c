@@ -44,16 +44,6 @@ static const struct builtin_file *find(const char *name, enum file_kind kind, bo
     return NULL;
 }
 
-/* Returns the path of a built-in file, or the other path. Allocated; NULL: no memory. */
-static char *path_of(const struct builtin_file *file, const char *base, const char *name)
-{
-    char path[sizeof "builtin:" + BUILTIN_NAME];
-    if (!file)
-        return file_relative(base, name);
-    snprintf(path, sizeof path, "builtin:%s", file->name);
-    return strdup(path);
-}
-
 /* ---- words ---- */
 
 bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err)
@@ -62,12 +52,14 @@ bool word_file(const struct word *word, enum file_kind kind, char **out, struct 
     if (word->length == 0)
         return error_at(err, word->place, "a file name must not be empty");
     char *name = word_copy(word, err);
-    *out = name ? path_of(find(name, kind, true), word->place.path, name) : NULL;
-    const struct builtin_file *other_case =
-        *out && file_is_missing(*out) ? find(name, kind, false) : NULL;
-    if (other_case) {
+    const struct builtin_file *found = name ? find(name, kind, true) : NULL;
+    if (name && !found) {
+        *out = file_relative(word->place.path, name);
+        found = *out && file_is_missing(*out) ? find(name, kind, false) : NULL;
+    }
+    if (found) {
         free(*out);
-        *out = path_of(other_case, NULL, name);
+        *out = file_relative(BUILTIN_PREFIX, found->name);
     }
     free(name);
     return *out || memory_lacks(err, (double)word->length, "the name of a file");
