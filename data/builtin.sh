@@ -29,7 +29,8 @@ raw_files() {
     done <"$1"
     echo 'const unsigned char *const builtin_packed = NULL;'
     echo 'const size_t builtin_packed_length = 0;'
-    echo 'struct builtin_file *const builtin_to_unpack = NULL;'
+    echo 'unsigned char *const builtin_unpacked = NULL;'
+    echo 'const size_t builtin_unpacked_length = 0;'
     echo 'static const struct builtin_file files[] = {'
     number=0
     while read -r name _; do
@@ -41,15 +42,23 @@ raw_files() {
 # The minimal program has its files in one piece that gzip has packed (RFC 1952), each with a NUL behind it.
 packed_files() {
     echo 'static const unsigned char packed[] = {'
-    while read -r _ file; do cat "$file" && printf '\0'; done <"$1" | gzip -9n | bytes
+    in_one_piece <"$1" | gzip -9n | bytes
     echo '};'
-    echo "static struct builtin_file files[$(grep -c '' "$1")];"
+    echo "static unsigned char unpacked[$(in_one_piece <"$1" | wc -c)];"
     echo 'const unsigned char *const builtin_packed = packed;'
     echo 'const size_t builtin_packed_length = sizeof packed;'
-    echo 'struct builtin_file *const builtin_to_unpack = files;'
-    echo "static struct builtin_file files[$(grep -c '' "$1")] = {"
-    while read -r name file; do echo "{\"$name\", NULL, $(($(wc -c <"$file")))},"; done <"$1"
+    echo 'unsigned char *const builtin_unpacked = unpacked;'
+    echo 'const size_t builtin_unpacked_length = sizeof unpacked;'
+    echo 'static const struct builtin_file files[] = {'
+    start=0
+    while read -r name file; do
+        length=$(($(wc -c <"$file")))
+        echo "{\"$name\", unpacked + $start, $length},"
+        start=$((start + length + 1))
+    done <"$1"
 }
+
+in_one_piece() { while read -r _ file; do cat "$file" && printf '\0'; done; }
 
 # list_builtin prints the name of each file, and its path, sorted by name.
 list_builtin() {

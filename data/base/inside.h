@@ -22,10 +22,6 @@ enum { MOST_THREADS = 1024 };
 
 /* ---- guard.c and process.c ---- */
 
-/* Returns the file to run: the link if it leads to a program, or else the name that the user typed,
- * which the system looks for as a shell does. */
-const char *program_file(const char *link, const char *typed);
-
 /* A child ends when its parent ends, where the system can do so. `of` is the parent. Crashes end
  * the child as usual, and it removes no names. Returns false if the parent has ended already. */
 bool guard_child(pid_t parent);

@@ -119,23 +119,6 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
 
 /* ---- this program again ---- */
 
-/* Linux has this name for the file of the running program, even if that file has been moved or
- * replaced meanwhile. */
-static const char running[] = "/proc/self/exe";
-
-const char *program_file(const char *link, const char *typed)
-{
-    return access(link, X_OK) == 0 ? link : typed;
-}
-
-/* Ends this process with the system's reason in a line, as the program itself would. */
-static void refuse(const char *file, int messages)
-{
-    struct error err = {.status = EXIT_AGREED};
-    error_system(&err, "cannot run the program %s", file);
-    _exit(write_all(messages, err.text, strlen(err.text)) ? EXIT_SYSTEM : EXIT_SYSTEM + 1);
-}
-
 /* Makes `to` another name of the open file `from`. */
 static bool redirect(int from, int to)
 {
@@ -144,19 +127,24 @@ static bool redirect(int from, int to)
     return got >= 0;
 }
 
-/* Nobody types at the program and nobody reads its table. Its messages go to the pipe. */
-static void become(const char *file, const char *const *words, int messages)
+/* Nobody types at the program and nobody reads its table. Its messages go to the pipe. Linux has a
+ * name for the file of the running program, even if that file has been moved or replaced meanwhile;
+ * elsewhere the name that the user typed is looked for as a shell does. Where the system can run
+ * neither, this process ends with the reason in a line, as the program itself would. */
+static void become(const char *const *words, int messages)
 {
+    struct error err = {.status = EXIT_AGREED};
     char *const *line; /* as execvp wants it, which changes no word */
     int nothing;
     memcpy(&line, &words, sizeof line);
     UNTIL_DONE(nothing, open("/dev/null", O_RDWR | O_CLOEXEC));
     if (nothing >= 0 && redirect(nothing, STDIN_FILENO) && redirect(nothing, STDOUT_FILENO) &&
         redirect(messages, STDERR_FILENO)) {
-        errno = 0;
-        execvp(file, line);
+        execv("/proc/self/exe", line);
+        execvp(line[0], line);
     }
-    refuse(file, messages);
+    error_system(&err, "cannot run the program %s", line[0]);
+    _exit(write_all(messages, err.text, strlen(err.text)) ? EXIT_SYSTEM : EXIT_SYSTEM + 1);
 }
 
 /* Reads messages until no process has the pipe open. */
@@ -205,7 +193,6 @@ static double children_seconds(void)
 
 bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
 {
-    const char *file = program_file(running, words[0]);
     const struct run_seconds start = {clock_seconds(), children_seconds()};
     struct printed messages = {.text = NULL};
     pid_t child;
@@ -215,7 +202,7 @@ bool process_program(const char *const *words, struct run_seconds *out, struct e
         return false;
     if (child == 0) {
         fcntl(end, F_SETFD, FD_CLOEXEC);
-        become(file, words, end);
+        become(words, end);
     }
     if (!read_messages(end, &messages))
         kill(child, SIGKILL);

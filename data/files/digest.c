@@ -105,40 +105,9 @@ void digest_bytes(const void *bytes, size_t length, char out[65])
     digest_end(&digest, out);
 }
 
-/* Digests an open file; messages name the path. */
-static bool digest_descriptor(const char *path, int descriptor, char out[65], struct error *err)
-{
-    unsigned char buffer[1024 * BLOCK];
-    struct digest digest;
-    ssize_t got;
-    uint64_t at = 0;
-    out[0] = '\0';
-    digest_start(&digest);
-    while ((got = read_at(descriptor, buffer, sizeof buffer, at)) > 0) {
-        digest_add(&digest, buffer, (size_t)got);
-        at += (uint64_t)got;
-    }
-    if (got < 0)
-        return error_system(err, "cannot read %s", path);
-    digest_end(&digest, out);
-    return true;
-}
-
-bool digest_file(const char *path, char out[65], struct error *err)
-{
-    int file;
-    out[0] = '\0';
-    UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
-    if (file < 0)
-        return error_system(err, "cannot read %s", path);
-    const bool done = digest_descriptor(path, file, out, err);
-    close(file);
-    return done;
-}
-
 /* ---- the files that were read ---- */
 
-/* The digests of the files that this process has read, each of the bytes as they were read: a stack
+/* The digests of the texts that this process has read, each of the bytes as they were read: a stack
  * records them, however its files change while it is drawn. Whoever reads a file need not know who
  * records it: so the list is kept by the process, and not passed along. */
 struct sha256 {
@@ -151,42 +120,50 @@ static struct {
     int n;
 } were_read = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
-/* Keeps the last digest of a path. */
-static bool note(const char *path, const struct sha256 *sha256, struct error *err)
+bool digest_note(const char *path, const void *bytes, size_t length, struct error *err)
 {
+    struct sha256 sha256;
+    if (path_is_builtin(path))
+        return true;
+    digest_bytes(bytes, length, sha256.text);
     pthread_mutex_lock(&were_read.lock);
-    const size_t length = strlen(path);
-    const int known = index_find(&were_read.paths, path, length);
-    bool done = known >= 0;
-    if (done)
-        were_read.list[known] = *sha256;
-    else
-        done = array_add(&were_read.list, &were_read.n, sha256, sizeof *sha256, err) &&
-               index_add(&were_read.paths, path, length, were_read.n - 1, err);
+    const int known = index_find(&were_read.paths, path, strlen(path));
+    const bool done =
+        known >= 0 || (array_add(&were_read.list, &were_read.n, &sha256, sizeof sha256, err) &&
+                       index_add(&were_read.paths, path, strlen(path), were_read.n - 1, err));
+    if (known >= 0)
+        were_read.list[known] = sha256; /* the last one */
     pthread_mutex_unlock(&were_read.lock);
     return done;
 }
 
-bool digest_note(const char *path, const void *bytes, size_t length, struct error *err)
+/* Digests a file as it is now. */
+static bool digest_now(const char *path, char out[65], struct error *err)
 {
-    struct sha256 sha256;
-    digest_bytes(bytes, length, sha256.text);
-    return path_is_builtin(path) || note(path, &sha256, err);
+    unsigned char buffer[1024 * BLOCK];
+    struct digest digest;
+    ssize_t got = 1;
+    int file;
+    digest_start(&digest);
+    UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
+    while (file >= 0 && got > 0) {
+        got = read_at(file, buffer, sizeof buffer, OWN_PLACE);
+        digest_add(&digest, buffer, got > 0 ? (size_t)got : 0);
+    }
+    if (file < 0 || got < 0)
+        error_system(err, "cannot read %s", path);
+    digest_end(&digest, out);
+    if (file >= 0)
+        close(file);
+    return file >= 0 && got == 0;
 }
 
-bool digest_note_open(const char *path, int descriptor, struct error *err)
-{
-    struct sha256 sha256;
-    return path_is_builtin(path) ||
-           (digest_descriptor(path, descriptor, sha256.text, err) && note(path, &sha256, err));
-}
-
-bool digest_was_read(const char *path, char out[65])
+bool digest_file(const char *path, char out[65], struct error *err)
 {
     pthread_mutex_lock(&were_read.lock);
     const int known = index_find(&were_read.paths, path, strlen(path));
     if (known >= 0)
         memcpy(out, were_read.list[known].text, sizeof were_read.list[known].text);
     pthread_mutex_unlock(&were_read.lock);
-    return known >= 0;
+    return known >= 0 || digest_now(path, out, err);
 }

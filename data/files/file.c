@@ -27,6 +27,8 @@ bool builtin_name(const struct builtin_file *file, const char *folder, const cha
 
 /* ---- reading ---- */
 
+const char standard_input[] = "<stdin>";
+
 /* Lines and columns are counted in int: a message could not name a place in a longer file. */
 static const size_t longest_read = INT_MAX;
 
@@ -153,18 +155,12 @@ static bool read_builtin(const char *path, struct place from, char **bytes, stru
 char *file_read(const char *path, struct place from, struct error *err)
 {
     char *bytes = NULL;
-    if (path_is_builtin(path) ? read_builtin(path, from, &bytes, err)
-                              : read_path(path, from, &bytes, err))
-        return bytes;
-    free(bytes);
-    return NULL;
-}
-
-char *input_read(const char *name, struct error *err)
-{
-    char *bytes = NULL;
-    if (file_note_read(STDIN_FILENO, err) &&
-        read_open(name, NOWHERE, STDIN_FILENO, 1 << 16, &bytes, err))
+    const bool done = path == standard_input
+                          ? file_note_read(STDIN_FILENO, err) &&
+                                read_open(path, from, STDIN_FILENO, 1 << 16, &bytes, err)
+                      : path_is_builtin(path) ? read_builtin(path, from, &bytes, err)
+                                              : read_path(path, from, &bytes, err);
+    if (done)
         return bytes;
     free(bytes);
     return NULL;

@@ -23,7 +23,8 @@ extern const size_t builtin_file_count;
 /* All of them as gzip packs them, with a NUL behind each; NULL: they are not packed. */
 extern const unsigned char *const builtin_packed;
 extern const size_t builtin_packed_length;
-extern struct builtin_file *const builtin_to_unpack; /* these files; they get their bytes */
+extern unsigned char *const builtin_unpacked; /* room for them, to which the files point already */
+extern const size_t builtin_unpacked_length;
 /* Unpacks them, if they are packed. Call it once, before anything else of this room. */
 bool builtin_unpack(struct error *err);
 
@@ -34,14 +35,13 @@ enum { BUILTIN_NAME = 256 };
 bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
                   char out[BUILTIN_NAME]);
 
+extern const char standard_input[]; /* "<stdin>", as messages and stacks call it */
 /* Reads a whole text file, or a "builtin:..." file, into an allocated string; NULL after an error.
  * Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a NUL
  * byte, but at the end of a line, where it becomes a blank. The message names `from`, the place
  * that names the file; its path is NULL when the command line names it. Waits for a pipe only then.
- */
+ * Where the path is standard_input itself, reads standard input to its end. */
 char *file_read(const char *path, struct place from, struct error *err);
-/* Reads standard input likewise, to its end. Messages call it `name`. */
-char *input_read(const char *name, struct error *err);
 
 /* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
  * Refuses what file_read refuses, but accepts NUL bytes. */
@@ -69,12 +69,9 @@ bool file_is_missing(const char *path); /* no file has the name, which is not "b
  * "": another one. */
 const char *format_of(const void *bytes, size_t length);
 bool format_is_picture(const char *format);
-/* Finds the format of a regular file; "": also of no such file; "ENVI": of an ENVI header, or of
- * raw samples with a header beside them. Fails only where the system does. */
+/* Finds the format of a regular file; "": also of no such file; "ENVI": of raw samples with an ENVI
+ * header beside them. Fails only where the system does. */
 bool file_format(const char *path, const char **out, struct error *err);
-/* Returns the name of the raw samples of such a header, otherwise the path itself; allocated. NULL:
- * no memory. */
-char *envi_data(const char *path);
 
 /* ---- digest.c: SHA-256, and digests of the files that this process has read ---- */
 
@@ -87,14 +84,11 @@ void digest_start(struct digest *out);
 void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 void digest_bytes(const void *bytes, size_t length, char out[65]);
-bool digest_file(const char *path, char out[65], struct error *err);
 
-/* Notes the digest of a file as its bytes were read, or as it lies open. A built-in file has none.
- */
+/* Notes the digest of a text as its bytes were read. A built-in file has none. */
 bool digest_note(const char *path, const void *bytes, size_t length, struct error *err);
-bool digest_note_open(const char *path, int descriptor, struct error *err);
-/* Finds the digest of a file that was read. Returns false for any other file. */
-bool digest_was_read(const char *path, char out[65]);
+/* Finds the digest of a file as it was read, or else as it is now. */
+bool digest_file(const char *path, char out[65], struct error *err);
 
 /* ---- output.c: files that appear whole or not at all ---- */
 
@@ -108,10 +102,9 @@ struct output {
     bool named;           /* the temporary name stands in the folder, and must be removed */
     bool copied;          /* path is no regular file, or "-": copy at the end */
 };
-/* Creates the file. Refuses a path that cannot be written, a terminal, and a file that this process
- * has read: see file_was_read. */
+/* Creates the file. Refuses a path that cannot be written, standard output where it is a terminal,
+ * and a file that this process has read: see file_was_read. */
 bool output_open(struct output *out, const char *path, struct error *err);
-bool output_sync(const struct output *output, struct error *err); /* bytes are then on the disk */
 void output_discard(struct output *out); /* safe after output_pass, and on a zeroed struct */
 
 /* The outputs of a command: they appear together, when all that can fail is done. */
@@ -124,8 +117,8 @@ struct outputs {
  * left. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err);
 /* Finds the name by which the output of a path can be read before it is committed; NULL: it is none
- * of them. Fails only where the system does. */
-bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
+ * of the first n. Fails only where the system does. */
+bool outputs_readable(const struct outputs *outputs, int n, const char *path, const char **out,
                       struct error *err);
 /* Lets all outputs appear under their names. Refuses to replace a file that this process has read:
  * then none appears. */
@@ -138,16 +131,14 @@ bool file_write(const char *path, const char *bytes, size_t length, struct outpu
 /* Writes a whole text likewise, and frees it. */
 bool printed_write(struct printed *printed, const char *path, struct outputs *outputs,
                    struct error *err);
-/* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
+/* Refuses an output that cannot be opened, before the work begins. Leaves no file. */
 bool output_can_open(const char *path, struct error *err);
 
 /* ---- temporary.c: room on the disk ---- */
 
-/* Refuses a disk that has no room for so many bytes more, before hours of rendering are lost. */
-bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err);
-/* Reserves the blocks of a large file, so that they lie together, and a full disk shows before the
- * work begins. Returns false with errno where the disk is too full; true, too, where a file system
- * cannot reserve, or a file is small. */
+/* Reserves the blocks of a large file, so that they lie together, and a full disk or quota shows
+ * before hours of rendering are lost. Returns false with errno where the disk is too full; true,
+ * too, where a file system cannot reserve, or a file is small. */
 bool output_reserve(const struct output *output, uint64_t length);
 
 /* ---- paths.c: the names of files that a command writes ---- */
@@ -155,9 +146,6 @@ bool output_reserve(const struct output *output, uint64_t length);
 /* Returns the default name of an output: that of a file without its folder, and with another
  * ending. Allocated; NULL: no memory. */
 char *output_name(const char *path, const char *ending, struct error *err);
-/* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
- * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
-bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
 bool output_is_standard(const char *path); /* true of "-" and /dev/stdout, standard output */
 bool output_is_stream(const char *path);   /* true of "-", a pipe and a device */
 

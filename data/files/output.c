@@ -86,35 +86,19 @@ static bool open_output(struct output *out, const char *path, struct error *err)
     return false;
 }
 
-/* Returns whether the output is a terminal. Opens no pipe, which would wait for its reader. */
-static bool is_terminal(const char *path)
-{
-    struct stat status;
-    if (output_is_standard(path))
-        return isatty(STDOUT_FILENO);
-    if (stat(path, &status) != 0 || !S_ISCHR(status.st_mode))
-        return false;
-    const int descriptor = open(path, O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    const bool found = descriptor >= 0 && isatty(descriptor);
-    if (descriptor >= 0)
-        close(descriptor);
-    return found;
-}
-
 bool output_open(struct output *out, const char *path, struct error *err)
 {
     *out = (struct output){.descriptor = -1};
-    return is_terminal(path)
-               ? error_usage(
-                     err, "%s is a terminal, and a picture is no text; expected a file or a pipe",
-                     output_is_standard(path) ? "standard output" : path)
+    return output_is_standard(path) && isatty(STDOUT_FILENO)
+               ? error_usage(err, "standard output is a terminal, and a picture is no text; "
+                                  "expected a file or a pipe")
                : open_output(out, path, err);
 }
 
 bool output_can_open(const char *path, struct error *err)
 {
     struct output probe = {.path = NULL};
-    bool able = !path || output_is_standard(path) || open_output(&probe, path, err);
+    bool able = output_is_standard(path) || open_output(&probe, path, err);
     output_discard(&probe);
     return able;
 }
@@ -127,11 +111,6 @@ static bool sync_descriptor(int descriptor)
     int got;
     UNTIL_DONE(got, fsync(descriptor));
     return got == 0 || errno == EINVAL;
-}
-
-bool output_sync(const struct output *output, struct error *err)
-{
-    return sync_descriptor(output->descriptor) || write_fault(err, output->path);
 }
 
 void folder_sync(const char *path)
@@ -152,10 +131,9 @@ static bool commit_name(struct output *out, struct error *err)
     guard_hold();
     const bool done = temporary_name(out, out->path) || write_fault(err, out->path);
     guard_release();
-    if (!done)
-        return false;
-    folder_sync(out->path);
-    return true;
+    if (done)
+        folder_sync(out->path);
+    return done;
 }
 
 static bool copy_bytes(int from, int to)
@@ -209,13 +187,11 @@ void output_discard(struct output *out)
  * appeared. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err)
 {
-    if (!output->copied && !output_sync(output, err)) {
-        output_discard(output);
-        return false;
-    }
-    if (!outputs || output->copied)
+    const bool synced =
+        output->copied || sync_descriptor(output->descriptor) || write_fault(err, output->path);
+    if (synced && (!outputs || output->copied))
         return commit(output, err);
-    const bool done = array_add(&outputs->list, &outputs->n, output, sizeof *output, err);
+    const bool done = synced && array_add(&outputs->list, &outputs->n, output, sizeof *output, err);
     if (done)
         *output = (struct output){.path = NULL};
     else
@@ -223,33 +199,26 @@ bool output_pass(struct output *output, struct outputs *outputs, struct error *e
     return done;
 }
 
-/* The outputs have the names that open_beside found. A pipe may have none. */
-bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
+bool outputs_readable(const struct outputs *outputs, int n, const char *path, const char **out,
                       struct error *err)
 {
-    char *resolved = realpath(path, NULL);
     *out = NULL;
-    if (!resolved && errno != ENOENT && errno != EACCES)
-        return error_system(err, "cannot find the folder of %s", path);
-    for (int i = 0; i < outputs->n; i++)
-        if (strcmp(outputs->list[i].path, resolved ? resolved : path) == 0)
+    for (int i = 0; i < n; i++) {
+        bool same;
+        if (!file_is_same(outputs->list[i].path, path, &same, err))
+            return false;
+        if (same)
             *out = outputs->list[i].temporary;
-    free(resolved);
+    }
     return true;
 }
 
 /* Refuses two outputs of one name: the later would replace the earlier. */
 static bool is_one_of_its_own(const struct outputs *outputs, int i, struct error *err)
 {
-    const char *path = outputs->list[i].path;
-    for (int j = 0; j < i; j++) {
-        bool same;
-        if (!file_is_same(outputs->list[j].path, path, &same, err))
-            return false;
-        if (same)
-            return error_usage(err, "%s would be written twice; expected two files", path);
-    }
-    return true;
+    const char *path = outputs->list[i].path, *other;
+    return outputs_readable(outputs, i, path, &other, err) &&
+           (!other || error_usage(err, "%s would be written twice; expected two files", path));
 }
 
 bool outputs_commit(struct outputs *outputs, struct error *err)

@@ -2,7 +2,6 @@
 /* Paths: how one file names another, what a path names, and the names of files that a command
  * writes. */
 #include <limits.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -43,12 +42,9 @@ bool path_fold(char *path)
 char *file_relative(const char *base, const char *name)
 {
     const bool whole = base == NULL || name[0] == '/' || path_is_builtin(name);
-    const char *slash = whole ? NULL : strrchr(base, '/');
-    size_t folder = 0;
+    size_t folder = whole ? 0 : (size_t)(path_name(base) - base);
     struct printed path = {.text = NULL};
-    if (slash != NULL)
-        folder = (size_t)(slash + 1 - base);
-    else if (!whole && path_is_builtin(base))
+    if (!whole && folder == 0 && path_is_builtin(base))
         folder = strlen(BUILTIN_PREFIX);
     print(&path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
     char *out = printed_end(&path);
@@ -121,28 +117,6 @@ char *output_name(const char *path, const char *ending, struct error *err)
     struct printed printed = {.text = NULL};
     print(&printed, "%.*s%s", (int)length, name, ending);
     return printed_take(&printed, err);
-}
-
-bool output_ending(const char *path, const char *const *endings, int *out, struct error *err)
-{
-    const char *name = path_name(path), *dot = strrchr(name, '.');
-    struct printed list = {.text = NULL};
-    *out = -1;
-    if (!dot || dot == name || !dot[1])
-        return true;
-    for (int i = 0; endings[i]; i++)
-        if (strcasecmp(dot, endings[i]) == 0) {
-            *out = i;
-            return true;
-        }
-    for (int i = 0; endings[i]; i++)
-        print(&list, "%s%s", i == 0 ? "" : endings[i + 1] ? ", " : " or ", endings[i]);
-    char *known = printed_take(&list, err);
-    if (known)
-        error_at(err, (struct place){path, 0, 0}, "the ending %s is unknown; expected %s", dot,
-                 known);
-    free(known);
-    return false;
 }
 
 bool output_is_standard(const char *path)

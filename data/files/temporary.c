@@ -6,7 +6,6 @@
 #include <fcntl.h>
 #include <libgen.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "data/files/inside.h"
@@ -52,16 +51,19 @@ static bool write_name(struct output *out, const char *path, int attempt)
                     attempt) < (int)sizeof out->temporary;
 }
 
-/* Opens a new file under its temporary name. The guard knows the name first, so that no moment is
- * left in which a signal leaves the file behind. */
-static bool create_named(struct output *out, const char *path, mode_t mode)
+/* Gives a temporary name to the file without a name, or else to a new file. The guard knows the
+ * name first, so that no moment is left in which a signal leaves the file behind. */
+static bool name_temporarily(struct output *out, const char *path, mode_t mode)
 {
+    const bool nameless = out->descriptor >= 0;
     for (int attempt = 0; attempt < MOST_NAMES; attempt++) {
         if (!write_name(out, path, attempt) || !guard_remove(out->temporary))
             return false;
-        UNTIL_DONE(out->descriptor,
-                   open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
-        out->named = out->descriptor >= 0;
+        if (!nameless)
+            UNTIL_DONE(out->descriptor,
+                       open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
+        out->named =
+            nameless ? link_nameless(out->descriptor, out->temporary) : out->descriptor >= 0;
         if (out->named)
             return true;
         guard_forget(out->temporary);
@@ -77,7 +79,7 @@ bool temporary_create(struct output *out, const char *path, mode_t mode)
 {
     char *folder = file_relative(path, ".");
     const bool done =
-        folder && (create_nameless(out, folder, mode) || create_named(out, path, mode));
+        folder && (create_nameless(out, folder, mode) || name_temporarily(out, path, mode));
     const int cause = errno;
     if (!done)
         out->temporary[0] = '\0';
@@ -86,24 +88,11 @@ bool temporary_create(struct output *out, const char *path, mode_t mode)
     return done;
 }
 
-/* Gives a file without a name a temporary one, by which it can replace another file: signals wait
- * meanwhile. */
-static bool name_temporarily(struct output *out, const char *path)
-{
-    for (int attempt = 0; attempt < MOST_NAMES && !out->named; attempt++) {
-        out->named =
-            write_name(out, path, attempt) && link_nameless(out->descriptor, out->temporary);
-        if (!out->named && errno != EEXIST)
-            return false;
-    }
-    return out->named;
-}
-
 bool temporary_name(struct output *out, const char *path)
 {
     if (!out->named && link_nameless(out->descriptor, path))
         return true;
-    if ((!out->named && (errno != EEXIST || !name_temporarily(out, path))) ||
+    if ((!out->named && (errno != EEXIST || !name_temporarily(out, path, 0))) ||
         rename(out->temporary, path) != 0)
         return false;
     guard_forget(out->temporary);
@@ -124,17 +113,6 @@ void temporary_remove(struct output *out)
 }
 
 /* ---- room on the disk: a full disk shows before the work begins ---- */
-
-/* Some file systems do not report their size. */
-bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err)
-{
-    struct statvfs disk;
-    return fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
-           needed / disk.f_frsize <= disk.f_bavail ||
-           error_failed(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
-                        1e-6 * (double)needed,
-                        1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
-}
 
 /* C libraries make up for a file system that cannot reserve by writing every block: so this asks
  * Linux itself. */
@@ -161,29 +139,20 @@ const char *temporary_folder(void)
     return given && given[0] ? given : "/tmp";
 }
 
-/* Makes a folder whose name is a prefix and the six characters of mkdtemp. */
+/* Makes a folder whose name begins so, and ends in the six characters of mkdtemp. */
 static bool make(const char *parent, const char *prefix, struct folder *out)
 {
-    char path[sizeof out->path];
-    if (snprintf(path, sizeof path, "%s/%sXXXXXX", parent, prefix) >= (int)sizeof path) {
-        errno = ENAMETOOLONG;
+    errno = ENAMETOOLONG;
+    if (snprintf(out->path, sizeof out->path, "%s/%sXXXXXX", parent, prefix) >=
+            (int)sizeof out->path ||
+        !mkdtemp(out->path)) {
+        out->path[0] = '\0';
         return false;
     }
-    if (!mkdtemp(path))
-        return false;
-    memcpy(out->path, path, sizeof path);
     do
-        out->entries = opendir(path);
+        out->entries = opendir(out->path);
     while (!out->entries && errno == EINTR);
     return out->entries;
-}
-
-/* Removes the files in a folder, which holds no folders. */
-static void empty(DIR *entries)
-{
-    rewinddir(entries);
-    for (const struct dirent *entry; (entry = readdir(entries));)
-        unlinkat(dirfd(entries), entry->d_name, 0);
 }
 
 bool folder_open(struct folder *out, struct error *err)
@@ -210,7 +179,6 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     if (!file_is_missing(path))
         return error_at(err, place, "this folder exists already; expected a new name");
     snprintf(below, sizeof below, "%s", path);
-    errno = 0;
     if (make(dirname(below), ".spectral-unfinished.", out))
         return true;
     error_cause(err, place, "cannot make the folder");
@@ -218,24 +186,25 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     return false;
 }
 
-/* The new name is on the disk when its own folder is. */
 bool folder_keep(struct folder *folder, const char *path, struct error *err)
 {
-    const struct place place = {path, 0, 0};
     const mode_t mask = umask(0);
     umask(mask);
-    const int own = dirfd(folder->entries);
-    if (fchmod(own, 0777 & ~mask) != 0 || fsync(own) != 0 || rename(folder->path, path) != 0)
-        return error_cause(err, place, "cannot make the folder");
+    if (chmod(folder->path, 0777 & ~mask) != 0 || rename(folder->path, path) != 0)
+        return error_cause(err, (struct place){path, 0, 0}, "cannot make the folder");
     folder->path[0] = '\0';
-    folder_sync(path);
+    folder_sync(path); /* the new name is on the disk when its own folder is */
     return true;
 }
 
+/* A folder holds no folders. */
 void folder_close(struct folder *folder)
 {
-    if (folder->path[0] && folder->entries)
-        empty(folder->entries);
+    if (folder->path[0] && folder->entries) {
+        rewinddir(folder->entries);
+        for (const struct dirent *entry; (entry = readdir(folder->entries));)
+            unlinkat(dirfd(folder->entries), entry->d_name, 0);
+    }
     if (folder->path[0])
         rmdir(folder->path);
     guard_forget(folder->path);

@@ -162,8 +162,7 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
     const uint64_t end = pages_end(pages);
     const bool fits = (pages->big || end <= UINT32_MAX) && recorded;
     good = good && (!fits || place_pages(tiff, &client));
-    if (!close_tiff(tiff, &client, good, err) ||
-        !output_fits(pages->output.descriptor, pages->output.path, end, err))
+    if (!close_tiff(tiff, &client, good, err))
         return false;
     int resized;
     UNTIL_DONE(resized, ftruncate(pages->output.descriptor, fits ? (off_t)end : 0));

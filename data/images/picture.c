@@ -5,6 +5,7 @@
 #include <tiffio.h>
 
 #include "data/images/inside.h"
+#include "data/text/text.h"
 
 char *picture_text(char *text)
 {
@@ -31,14 +32,14 @@ static const char *const endings[] = {".png", ".tif", ".tiff", NULL};
 bool picture_accepts(const char *path, struct error *err)
 {
     int ending;
-    return output_ending(path, endings, &ending, err);
+    return path_ending(path, endings, &ending, err);
 }
 
 bool picture_is_png(const char *path)
 {
     struct error ignored = {0};
     int ending;
-    return output_ending(path, endings, &ending, &ignored) && ending == 0;
+    return path_ending(path, endings, &ending, &ignored) && ending == 0;
 }
 
 bool picture_open(struct picture_writer *out, const char *path,

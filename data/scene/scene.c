@@ -92,12 +92,9 @@ static struct word name_word(const char *name)
     return (struct word){.start = name, .length = strlen(name)};
 }
 
-/* Messages and stacks call standard input so. */
-static const char input_path[] = "<stdin>";
-
 bool scene_is_input(const char *path)
 {
-    return strcmp(path, input_path) == 0;
+    return strcmp(path, standard_input) == 0;
 }
 
 bool scene_is_missing(const char *name, bool *out, struct error *err)
@@ -145,8 +142,8 @@ static bool open_named(struct scene *scene, const char *name, struct text *out, 
     if (strcmp(name, "-") != 0)
         return string_copy(name, &scene->path, err) &&
                scene_open(scene, &named, FILE_SCENE, out, err);
-    return string_copy(input_path, &scene->path, err) && text_open_input(out, input_path, err) &&
-           scene_keep(scene, out, err);
+    return string_copy(standard_input, &scene->path, err) &&
+           text_open(out, standard_input, NOWHERE, 0, err) && scene_keep(scene, out, err);
 }
 
 /* Reads the scene of that name. If the file is a list, this is the built-in colorchecker with the

@@ -229,7 +229,13 @@ bool wavelengths_complete(struct scene *scene, struct error *err)
 bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
                  struct error *err)
 {
-    return text_open_line(out, option, value, err) && scene_keep(scene, out, err);
+    if (!text_open_string(out, option, value, err))
+        return false;
+    if (text_next_line(out) && !strchr(value, '\n'))
+        return scene_keep(scene, out, err);
+    error_at(err, text_place(out), "expected one line, not '%s'", value);
+    text_free(out);
+    return false;
 }
 
 struct word option_word(const struct text *text, const char *start, const char *end)

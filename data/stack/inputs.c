@@ -19,8 +19,7 @@ static bool add(struct inputs *to, const char *path, struct error *err)
     if (!path || path_is_builtin(path) || file_is_missing(path) ||
         index_find(&to->paths, path, strlen(path)) >= 0)
         return true;
-    if ((!digest_was_read(path, sha256) && !digest_file(path, sha256, err)) ||
-        !index_add(&to->paths, path, strlen(path), to->n, err))
+    if (!digest_file(path, sha256, err) || !index_add(&to->paths, path, strlen(path), to->n, err))
         return false;
     print(&file, "%s %s", sha256, path);
     char *text = printed_take(&file, err);

@@ -44,16 +44,6 @@ static const struct builtin_file *find(const char *name, enum file_kind kind, bo
     return NULL;
 }
 
-/* Returns the path of a built-in file, or the other path. Allocated; NULL: no memory. */
-static char *path_of(const struct builtin_file *file, const char *base, const char *name)
-{
-    char path[sizeof "builtin:" + BUILTIN_NAME];
-    if (!file)
-        return file_relative(base, name);
-    snprintf(path, sizeof path, "builtin:%s", file->name);
-    return strdup(path);
-}
-
 /* ---- words ---- */
 
 bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err)
@@ -62,12 +52,14 @@ bool word_file(const struct word *word, enum file_kind kind, char **out, struct 
     if (word->length == 0)
         return error_at(err, word->place, "a file name must not be empty");
     char *name = word_copy(word, err);
-    *out = name ? path_of(find(name, kind, true), word->place.path, name) : NULL;
-    const struct builtin_file *other_case =
-        *out && file_is_missing(*out) ? find(name, kind, false) : NULL;
-    if (other_case) {
+    const struct builtin_file *found = name ? find(name, kind, true) : NULL;
+    if (name && !found) {
+        *out = file_relative(word->place.path, name);
+        found = *out && file_is_missing(*out) ? find(name, kind, false) : NULL;
+    }
+    if (found) {
         free(*out);
-        *out = path_of(other_case, NULL, name);
+        *out = file_relative(BUILTIN_PREFIX, found->name);
     }
     free(name);
     return *out || memory_lacks(err, (double)word->length, "the name of a file");
@@ -90,22 +82,6 @@ bool word_file_or_here(const struct word *word, enum file_kind kind, char **out,
     return here != NULL;
 }
 
-/* Returns the end of a path that has as many folders as a name, without the ending of its kind. */
-static struct word tail(const char *path, const char *name, const char *ending)
-{
-    const char *at = path + strlen(path);
-    size_t length, cut = strlen(ending);
-    int folders = 0;
-    for (; *name; name++)
-        folders += *name == '/';
-    while (at > path && (at[-1] != '/' || folders-- > 0))
-        at--;
-    length = strlen(at);
-    if (length > cut && strcmp(at + length - cut, ending) == 0)
-        length -= cut;
-    return (struct word){.start = at, .length = length};
-}
-
 void suggestion_add_files(struct suggestion *suggestion, const char *path)
 {
     const struct word typed = {.start = path_name(path), .length = strlen(path_name(path))};
@@ -126,17 +102,16 @@ void suggestion_add_files(struct suggestion *suggestion, const char *path)
 
 bool file_expected(const char *path, struct place from, enum file_kind kind, struct error *err)
 {
+    const char *name = path_name(path);
+    const struct word typed = {.start = name, .length = strcspn(name, ".")}; /* without an ending */
     struct suggestion suggestion = {.distance = 0};
     char known[BUILTIN_NAME], otherwise[64] = "built-in are";
     if (!file_is_missing(path))
         return true;
     suggestion_add_files(&suggestion, path);
-    for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++) {
-        if (!builtin_is(&builtin_files[i], kind, known))
-            continue;
-        const struct word typed = tail(path, known, strrchr(builtin_files[i].name, '.'));
-        suggestion_add(&suggestion, &typed, known, strlen(known));
-    }
+    for (size_t i = 0; i < builtin_file_count && !suggestion.nearest[0]; i++)
+        if (builtin_is(&builtin_files[i], kind, known))
+            suggestion_add(&suggestion, &typed, known, strlen(known));
     if (kinds[kind].list) {
         suggestion.known[0] = '\0';
         snprintf(otherwise, sizeof otherwise, "see spectral list %s", kinds[kind].list);

@@ -238,9 +238,7 @@ static bool spares_option(const struct options *options, const struct option *wr
     const char *written = given_text(options, writes), *named = given_text(options, row), *one,
                *other;
     bool same;
-    const bool again = row->made_again && written == options->output;
-    if (row == writes || !named || strcmp(written, "/dev/null") == 0 ||
-        strcmp(named, "/dev/null") == 0 || again)
+    if (row == writes || !named || (row->made_again && written == options->output))
         return true;
     if (!names_written(written, named, row->writes, &same, err))
         return false;
@@ -283,16 +281,20 @@ static bool check_needs(const struct options *options, struct error *err)
     return true;
 }
 
-/* Refuses outputs that would replace another file of the command line. */
-static bool check_outputs(const struct options *options, struct error *err)
+/* --output is opened before the work begins, or is a folder. */
+bool options_check_outputs(const struct options *options, struct error *err)
 {
     const struct option *writes, *other;
     for (int i = 0; (writes = option_at(options->command, i)); i++) {
         const char *written = writes->writes ? given_text(options, writes) : NULL;
-        for (int k = 0; written && (other = option_at(options->command, k)); k++)
+        if (!written || strcmp(written, "/dev/null") == 0)
+            continue;
+        if (written != options->output && !output_can_open(written, err))
+            return false;
+        for (int k = 0; (other = option_at(options->command, k)); k++)
             if (!spares_option(options, writes, other, err))
                 return false;
-        for (int k = 0; written && k < options->n_operands; k++)
+        for (int k = 0; k < options->n_operands; k++)
             if (!spares_operand(written, options->operands[k], err))
                 return false;
     }
@@ -324,18 +326,16 @@ bool options_read(const struct command *command, bool recorded, const char *cons
         }
     }
     out->operand = out->operands[0];
-    return check_needs(out, err) && check_outputs(out, err);
+    return check_needs(out, err) && options_check_outputs(out, err);
 }
 
 void options_free(struct options *options)
 {
     for (int i = 0; i < options->n_recorded; i++)
         free(options->recorded[i]);
-    options->n_recorded = 0;
     FREE_ALL(options->named_output, options->own);
-    options->named_output = NULL;
-    options->own = NULL;
     outputs_discard(&options->outputs);
+    *options = (struct options){.command = NULL};
 }
 
 bool options_name_output(struct options *options, const char *path, const char *ending,
@@ -345,7 +345,7 @@ bool options_name_output(struct options *options, const char *path, const char *
         return true;
     options->output = options->named_output =
         output_name(output_is_standard(path) ? "scene" : path, ending, err);
-    return options->output && check_outputs(options, err);
+    return options->output && options_check_outputs(options, err);
 }
 
 /* A tile, with the program's and OpenGL's own memory, takes at most 300 MiB: the tests measure it.
@@ -412,21 +412,16 @@ void help_words(struct printed *to, const char *text, int column)
     print_text(to, "\n");
 }
 
-/* Prints an option as the user types it, and its explanation beside it, or below if there is no
- * room. */
-static void help_explain(struct printed *to, const char *typed, const char *explanation)
-{
-    const int used = 2 + (int)strlen(typed);
-    print(to, "  %s", typed);
-    if (used + 2 > HELP_COLUMN)
-        print_text(to, "\n");
-    print(to, "%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
-    help_words(to, explanation, HELP_COLUMN);
-}
-
+/* An explanation stands beside its option, or below if there is no room. */
 void help_options(const struct command *command, struct printed *to)
 {
     const struct option *option;
-    for (int i = 0; (option = option_at(command, i)); i++)
-        help_explain(to, option->usage, option->help);
+    for (int i = 0; (option = option_at(command, i)); i++) {
+        const int used = 2 + (int)strlen(option->usage);
+        print(to, "  %s", option->usage);
+        if (used + 2 > HELP_COLUMN)
+            print_text(to, "\n");
+        print(to, "%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
+        help_words(to, option->help, HELP_COLUMN);
+    }
 }

@@ -3,25 +3,15 @@
  * its line and column. A word is a slice of the file, so that millions of numbers need no
  * allocation. The bytes end in a NUL past `length`, and there is none before it (file_read). So it
  * is safe to read one character past a word. */
+#include <ctype.h>
 #include <float.h>
 #include <limits.h>
-#include <sys/stat.h>
 
 #include "data/text/text.h"
 
-enum {
-    SHOWN_SIZE = 48,      /* of a word in a message: word_shown() bytes and "..." */
-    LONGEST_NUMBER = 1024 /* a double's exact decimal expansion has at most 767 digits */
-};
+enum { LONGEST_NUMBER = 1024 }; /* a double's exact decimal expansion has at most 767 digits */
 
 /* ---- lines ---- */
-
-static bool refuse_length(const char *path, size_t length, struct error *err)
-{
-    return error_at(err, (struct place){path, 0, 0},
-                    "the file has %zu MB; a text file has at most %d MB", (length >> 20) + 1,
-                    LONGEST_TEXT >> 20);
-}
 
 /* Refuses a text that is too long, or that has a line that is. */
 static bool check_lengths(const struct text *text, size_t longest, struct error *err)
@@ -29,7 +19,8 @@ static bool check_lengths(const struct text *text, size_t longest, struct error 
     const char *at = text->bytes, *end = at + text->length, *next;
     struct place place = {text->path, 1, 1};
     if (text->length > longest)
-        return refuse_length(text->path, text->length, err);
+        return error_at(err, text_whole(text), "the file has %zu MB; a text file has at most %d MB",
+                        (text->length >> 20) + 1, LONGEST_TEXT >> 20);
     for (; (size_t)(end - at) > LONGEST_LINE; at = next + 1, place.line++) {
         next = memchr(at, '\n', (size_t)(end - at));
         next = next != NULL ? next : end;
@@ -79,50 +70,22 @@ static bool start(struct text *text, const char *name, char *bytes, size_t longe
     return false;
 }
 
-/* Refuses a long regular file before it is read. */
 bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err)
 {
     const size_t longest = may & TEXT_LARGE ? SIZE_MAX : LONGEST_TEXT;
-    struct stat status;
-    *out = (struct text){0};
-    if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && (uint64_t)status.st_size > longest)
-        return refuse_length(path, (size_t)status.st_size, err);
     char *bytes = file_read(path, from, err);
-    if (!bytes)
-        return false;
-    if (!digest_note(path, bytes, strlen(bytes), err)) {
-        free(bytes);
-        return false;
-    }
+    const bool noted = bytes && digest_note(path, bytes, strlen(bytes), err);
     if (!start(out, path, bytes, longest, err))
         return false;
-    if (check_format(out, (may & TEXT_XML) != 0, err))
+    if (noted && check_format(out, (may & TEXT_XML) != 0, err))
         return true;
     text_free(out);
     return false;
-}
-
-bool text_open_input(struct text *out, const char *name, struct error *err)
-{
-    char *bytes = input_read(name, err);
-    *out = (struct text){0};
-    return bytes && start(out, name, bytes, LONGEST_TEXT, err);
 }
 
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
 {
     return start(out, name, strdup(string), LONGEST_TEXT, err);
-}
-
-bool text_open_line(struct text *out, const char *name, const char *line, struct error *err)
-{
-    if (!text_open_string(out, name, line, err))
-        return false;
-    if (text_next_line(out) && strchr(line, '\n') == NULL)
-        return true;
-    error_at(err, text_place(out), "expected one line, not '%s'", line);
-    text_free(out);
-    return false;
 }
 
 void text_free(struct text *text)
@@ -235,22 +198,12 @@ int word_shown(const struct word *word)
     return (int)length;
 }
 
-/* Writes the word as messages show it. */
-static const char *shown(const struct word *word, char out[SHOWN_SIZE])
-{
-    const int length = word_shown(word);
-    snprintf(out, SHOWN_SIZE, "%.*s%s", length, word->start,
-             (size_t)length < word->length ? "..." : "");
-    return out;
-}
-
 static bool word_check(const struct word *word, struct error *err)
 {
-    char buffer[SHOWN_SIZE];
     return !word->quoted || word->start[word->length] == '"' ||
            error_at(err, word->place,
-                    "the quote before '%s' must be closed on its line and a blank follow it",
-                    shown(word, buffer));
+                    "the quote before '%.*s' must be closed on its line and a blank follow it",
+                    word_shown(word), word->start);
 }
 
 bool text_expect(struct text *text, struct word *out, const char *what, struct error *err)
@@ -262,12 +215,12 @@ bool text_expect(struct text *text, struct word *out, const char *what, struct e
 
 bool text_end(struct text *text, const char *what, struct error *err)
 {
-    char buffer[SHOWN_SIZE];
     struct word word;
     if (!text_word(text, &word))
         return true;
-    return word_check(&word, err) && error_at(err, word.place, "'%s' is too much: %s takes no more",
-                                              shown(&word, buffer), what);
+    return word_check(&word, err) &&
+           error_at(err, word.place, "'%.*s' is too much: %s takes no more", word_shown(&word),
+                    word.start, what);
 }
 
 bool word_equals(const struct word *word, const char *string)
@@ -289,44 +242,18 @@ char *word_copy(const struct word *word, struct error *err)
 
 /* ---- numbers ---- */
 
-static const char *skip_sign(const char *at, const char *end)
+/* Reads a decimal number: digits with one point or none, and perhaps an exponent. strtod also takes
+ * blanks, hexadecimal digits, "nan" and "inf". A word is not terminated, and what follows could be
+ * read as a part of a number. */
+static bool read_number(const struct word *word, double *out)
 {
-    return at + (at < end && (*at == '-' || *at == '+'));
-}
-
-static const char *skip_digits(const char *at, const char *end)
-{
-    while (at < end && *at >= '0' && *at <= '9')
-        at++;
-    return at;
-}
-
-/* Returns whether the word is a decimal number: digits with one point or none, and perhaps an
- * exponent. */
-static bool is_number(const struct word *word)
-{
-    const char *end = word->start + word->length, *first = skip_sign(word->start, end);
-    const char *point = skip_digits(first, end), *at = point;
-    if (at < end && *at == '.')
-        at = skip_digits(at + 1, end);
-    if (at == first || (at == point + 1 && point == first))
+    char copy[LONGEST_NUMBER], *end;
+    if (word->quoted || word->length == 0 || word->length >= LONGEST_NUMBER)
         return false;
-    if (at < end && (*at == 'e' || *at == 'E')) {
-        const char *exponent = skip_sign(at + 1, end);
-        at = skip_digits(exponent, end);
-        if (at == exponent)
-            return false;
-    }
-    return at == end && !word->quoted && word->length < LONGEST_NUMBER;
-}
-
-/* A word is not terminated, and what follows could be read as a part of a number. */
-static double value_of(const struct word *word)
-{
-    char copy[LONGEST_NUMBER];
     memcpy(copy, word->start, word->length);
     copy[word->length] = '\0';
-    return strtod(copy, NULL);
+    *out = strtod(copy, &end);
+    return *end == '\0' && !isspace((unsigned char)copy[0]) && !strpbrk(copy, "xXnN");
 }
 
 /* Names the range that was expected. A caller asks for "above 0" by the smallest positive number as
@@ -337,33 +264,32 @@ static bool refuse_range(const struct word *word, const char *what, bool above, 
     const bool positive = lowest > 0 && lowest <= DBL_MIN;
     const double low = positive ? 0 : lowest;
     const char *side = above ? "above" : positive ? "not above" : "below";
-    char buffer[SHOWN_SIZE], asked[128];
+    char asked[128];
     if (positive && !above && highest == HUGE_VAL)
-        return error_at(err, word->place, "%s %s must be above 0", what, shown(word, buffer));
+        return error_at(err, word->place, "%s %.*s must be above 0", what, word_shown(word),
+                        word->start);
     if (lowest == -HUGE_VAL)
         snprintf(asked, sizeof asked, "is at most %.15g", highest);
     else if (highest == HUGE_VAL)
         snprintf(asked, sizeof asked, "is at least %.15g", low);
     else
         snprintf(asked, sizeof asked, "lies between %.15g and %.15g", low, highest);
-    return error_at(err, word->place, "%s %s is %s %.15g; it %s", what, shown(word, buffer), side,
-                    above ? highest : low, asked);
+    return error_at(err, word->place, "%s %.*s is %s %.15g; it %s", what, word_shown(word),
+                    word->start, side, above ? highest : low, asked);
 }
 
 bool word_number(const struct word *word, const char *what, double lowest, double highest,
                  double *out, struct error *err)
 {
-    char buffer[SHOWN_SIZE];
     double value;
     if (!word_check(word, err))
         return false;
-    if (!is_number(word))
-        return error_at(err, word->place, "%s must be a number such as 2.5 or 1e-3, not '%s'", what,
-                        shown(word, buffer));
-    value = value_of(word);
+    if (!read_number(word, &value))
+        return error_at(err, word->place, "%s must be a number such as 2.5 or 1e-3, not '%.*s'",
+                        what, word_shown(word), word->start);
     if (!isfinite(value))
-        return error_at(err, word->place, "%s %s is too large; numbers end at %.2g", what,
-                        shown(word, buffer), DBL_MAX);
+        return error_at(err, word->place, "%s %.*s is too large; numbers end at %.2g", what,
+                        word_shown(word), word->start, DBL_MAX);
     if (value < lowest || value > highest)
         return refuse_range(word, what, value > highest, lowest, highest, err);
     *out = value;
@@ -373,18 +299,18 @@ bool word_number(const struct word *word, const char *what, double lowest, doubl
 bool word_integer(const struct word *word, const char *what, long lowest, long highest, long *out,
                   struct error *err)
 {
-    char buffer[SHOWN_SIZE];
-    const char *end = word->start + word->length, *at = skip_sign(word->start, end);
+    char *end;
     if (!word_check(word, err))
         return false;
-    if (word->quoted || at == end || skip_digits(at, end) < end)
-        return error_at(err, word->place, "%s must be a whole number, not '%s'", what,
-                        shown(word, buffer));
     errno = 0;
-    *out = strtol(word->start, NULL, 10); /* which ends with the word's digits */
+    *out = strtol(word->start, &end, 10);
+    if (word->quoted || word->length == 0 || end != word->start + word->length ||
+        isspace((unsigned char)word->start[0]))
+        return error_at(err, word->place, "%s must be a whole number, not '%.*s'", what,
+                        word_shown(word), word->start);
     return (errno == 0 && *out >= lowest && *out <= highest) ||
-           error_at(err, word->place, "%s %s is out of range; it lies between %ld and %ld", what,
-                    shown(word, buffer), lowest, highest);
+           error_at(err, word->place, "%s %.*s is out of range; it lies between %ld and %ld", what,
+                    word_shown(word), word->start, lowest, highest);
 }
 
 static bool expect_number(struct text *text, struct word *out, const char *what, struct error *err)

@@ -39,15 +39,12 @@ struct word {
 
 /* Forms that a text may have beyond the usual: longer than 256 MiB, up to 2 GiB; XML. */
 enum { TEXT_LARGE = 1, TEXT_XML = 2 };
-/* Opens a file. `from` is the place that names it. No line is current yet. Refuses a line of more
- * than 64 MiB, UTF-16 and JSON; and what `may`, a sum of the words above, does not allow. */
+/* Opens a file, or standard_input. `from` is the place that names it. No line is current yet.
+ * Refuses a line of more than 64 MiB, UTF-16 and JSON; and what `may`, a sum of the words above,
+ * does not allow. */
 bool text_open(struct text *out, const char *path, struct place from, int may, struct error *err);
-/* Opens standard input, which is read to its end. `name` takes the place of the path. */
-bool text_open_input(struct text *out, const char *name, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err);
-/* Opens a string of one line, which becomes the current line. Refuses any other string. */
-bool text_open_line(struct text *out, const char *name, const char *line, struct error *err);
 void text_free(struct text *text);
 
 /* Goes to the next line, blank or not. Returns false at the end of the file. */
@@ -114,6 +111,9 @@ int word_choose(const struct word *word, const char *const *known, const char *w
 /* Finds the next word among the known ones. Without a word the error is "expected EXPECTED". */
 int text_choose(struct text *text, const char *expected, const char *const *known, const char *what,
                 struct error *err);
+/* Finds the ending of a path likewise, among words as ".png", ".tif", NULL. *out is its index; -1:
+ * the name has no ending, as "-" and /dev/stdout. */
+bool path_ending(const char *path, const char *const *known, int *out, struct error *err);
 /* Sets *first to `again` if it has no line yet. Otherwise refuses: "WHAT is given twice". */
 bool place_once(struct place *first, struct place again, const char *what, struct error *err);
 /* Like word_choose; then notes the place in given[index], and refuses a word that has one there. */
@@ -288,6 +288,10 @@ struct options {
 bool options_read(const struct command *command, bool recorded, const char *const *words,
                   int n_words, struct options *out, struct error *err);
 void options_free(struct options *options);
+/* Refuses outputs that would replace another file of the command line, or a file that was read
+ * until now, and those beside --output that cannot be opened. options_read has called it; a command
+ * that works long calls it again when its inputs are read. */
+bool options_check_outputs(const struct options *options, struct error *err);
 /* Adds "NAME=VALUE", or the name of a flag (value NULL), to the words that the stack records. */
 bool options_record(struct options *options, const char *name, const char *value,
                     struct error *err);

@@ -129,6 +129,17 @@ int text_choose(struct text *text, const char *expected, const char *const *know
     return text_expect(text, &word, expected, err) ? word_choose(&word, known, what, err) : -1;
 }
 
+bool path_ending(const char *path, const char *const *known, int *out, struct error *err)
+{
+    const char *name = path_name(path), *dot = strrchr(name, '.');
+    *out = -1;
+    if (!dot || dot == name || !dot[1])
+        return true;
+    const struct word word = {.start = dot, .length = strlen(dot), .place = {path, 0, 0}};
+    *out = word_choose(&word, known, "ending", err);
+    return *out >= 0;
+}
+
 bool place_once(struct place *first, struct place again, const char *what, struct error *err)
 {
     if (first->line > 0)

@@ -16,7 +16,7 @@ static bool check_stack_name(const char *path, struct error *err)
                                          ".gif", ".pfm", ".ppm", ".html", ".svg", NULL};
     struct error unknown = {0};
     int other;
-    return !path || !output_ending(path, others, &other, &unknown) || other < 0 ||
+    return !path || !path_ending(path, others, &other, &unknown) || other < 0 ||
            error_at(err, (struct place){path, 0, 0},
                     "render writes a stack, which is a TIFF; expected .tif (spectral view writes "
                     "pictures)");
@@ -71,7 +71,7 @@ static bool write_json(const struct rendered *of, struct error *err)
     struct outputs *outputs = of->output->outputs;
     char sha256[65];
     const char *stack = NULL;
-    if ((of->stored && !outputs_readable(outputs, of->stored, &stack, err)) ||
+    if ((of->stored && !outputs_readable(outputs, outputs->n, of->stored, &stack, err)) ||
         (stack && !digest_file(stack, sha256, err)))
         return false;
     struct json json;
@@ -199,8 +199,7 @@ bool render_with_options(const struct options *options, const struct render_outp
         job_read(options, output->foreign, &job, err) &&
         check_same_scene(options, &job.scene, output->again, made, err) &&
         (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err)) &&
-        job_plan(options, &job, err) && output_can_open(options->json, err) &&
-        output_can_open(own->check_map, err) &&
+        job_plan(options, &job, err) && options_check_outputs(options, err) &&
         (!map_maker || map_maker->check(options, &job.scene, err)) &&
         render_job(&job, &rendered, err);
     job_free(&job);

@@ -188,8 +188,8 @@ static bool run_compare(struct options *options, struct error *err)
     const bool done = (!own->tolerance ||
                        tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
                       (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
-                      scene_refuse(b, err) && output_can_open(options->json, err) &&
-                      compare(a, b, &comparison, err) && report(options, &comparison, err) &&
+                      scene_refuse(b, err) && compare(a, b, &comparison, err) &&
+                      report(options, &comparison, err) &&
                       (comparison_is_within(&comparison) ||
                        error_different(err, "%s and %s differ by more than the tolerance", a, b));
     comparison_free(&comparison);

@@ -146,8 +146,7 @@ static bool run_develop(struct options *options, struct error *err)
         return false;
     if (((const struct develop_own *)options->own)->raw)
         return run_raw(options, &settings, err);
-    const bool done = scene_refuse(stack, err) && output_can_open(options->json, err) &&
-                      develop(&of, stack, options->output, err) &&
+    const bool done = scene_refuse(stack, err) && develop(&of, stack, options->output, err) &&
                       (!options->json || write_json(options, &of, err));
     if (done && !options->quiet)
         print_development(&of, options->output, &printed);

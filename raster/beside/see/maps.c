@@ -316,9 +316,8 @@ static bool maps_check(const struct options *options, const struct scene *scene,
     const struct render_options *own = options->own;
     if (own->illumination && !own->maps)
         return error_usage(err, "--illumination adds pages to --maps FILE.tif; add it");
-    if (own->maps && scene->positions > 1)
-        return error_usage(err, "--maps shows the middle of each pixel; leave out --samples");
-    return output_can_open(own->maps, err);
+    return !own->maps || scene->positions <= 1 ||
+           error_usage(err, "--maps shows the middle of each pixel; leave out --samples");
 }
 
 static const struct option rows[] = {

@@ -276,8 +276,7 @@ static bool run_verify(struct options *options, struct error *err)
     if (own->render.renderer && strcmp(own->render.renderer, "raster") == 0)
         return error_usage(err,
                            "the reference needs no verification; --renderer is that of OpenGL");
-    const bool done = output_can_open(options->json, err) && output_can_open(own->junit, err) &&
-                      verification_open(options, &of, err) && run_all(options, &of, err) &&
+    const bool done = verification_open(options, &of, err) && run_all(options, &of, err) &&
                       report(&of, options, err);
     verification_free(&of);
     return done;

@@ -110,8 +110,8 @@ static bool view_scene(struct options *options, enum output_kind kind, struct te
                                          .threads = options->threads}};
     struct viewing view = {.options = options, .plan = &job.plan, .notes = &job.notes};
     const bool done = scene_read_options(options, &job.scene, err) &&
-                      output_can_open(options->json, err) && job_plan(options, &job, err) &&
-                      light_scene(&view, kind, err) && writers[kind](&view, err);
+                      job_plan(options, &job, err) && light_scene(&view, kind, err) &&
+                      writers[kind](&view, err);
     if (done)
         tell_scene(&view, kind, to);
     lit_free(&view.lit);
@@ -179,8 +179,7 @@ static bool view_stack(struct options *options, enum output_kind kind, struct te
         (own->budget && !option_number("--budget", own->budget, 1, 1e6, &budget_mb, err)))
         return false;
     struct stack_page page = {.detector = options->detector, .budget_bytes = 1e6 * budget_mb};
-    const bool done = output_can_open(options->json, err) &&
-                      stack_page_write(&page, options, kind == PLANES, err);
+    const bool done = stack_page_write(&page, options, kind == PLANES, err);
     if (done)
         tell_stack(options, &page, to);
     stack_page_free(&page);
@@ -212,7 +211,7 @@ static bool run_view(struct options *options, struct error *err)
     bool is_stack = false;
     int ending;
     if (!options_name_output(options, subject, ".html", err) ||
-        !output_ending(options->output, endings, &ending, err))
+        !path_ending(options->output, endings, &ending, err))
         return false;
     const enum output_kind kind = ending < 0 ? HTML_PAGE : (enum output_kind)ending;
     if (own->gallery && (operand || own->still))

@@ -215,7 +215,7 @@ bool weights_write(struct viewing *view, struct error *err)
     for (int i = 0; done && i < planes.n_weights + planes.n_pages; i++)
         planes.scale[i] = 1; /* floats are values */
     done = done && output_open(&out, view->options->output, err) &&
-           write_parts(&planes, view->plan->scene, &out, err) && output_sync(&out, err) &&
+           write_parts(&planes, view->plan->scene, &out, err) &&
            output_pass(&out, &view->options->outputs, err);
     planes_free(&planes);
     output_discard(&out);

@@ -95,9 +95,6 @@ static void programs(void)
     CHECK(!run_program("dies", &seconds, &err) && err.status == EXIT_SYSTEM,
           "a killed program is a failure of the system");
     CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal of the program");
-    CHECK_TEXT(program_file("/missing", "spectral"), "spectral",
-               "without a link to the running program, its name is looked for");
-    CHECK_TEXT(program_file("/bin/sh", "spectral"), "/bin/sh", "a link to a program is used");
 }
 
 /* ---- ends ---- */
