@@ -227,86 +227,63 @@ bool cgats_read(struct table *table, struct error *err)
 
 /* ---- IES TM-27 ---- */
 
-/* Goes behind the name of the next tag, outside of comments. The part of a name before a colon does
- * not count. */
-static bool next_tag(const char **at, struct word *name)
+/* Leaves blanks between the words of an XML file: "<NAME" of a tag, the names and the values of its
+ * attributes, text, and "/NAME". Comments become blanks, too. */
+static void spread_words(char *at)
 {
-    while ((*at = strchr(*at, '<'))) {
-        if (strncmp(*at, "<!--", 4) == 0) {
-            *at = strstr(*at, "-->");
-            if (!*at)
-                return false;
-            continue;
-        }
-        name->start = *at + 1;
-        const char *colon = name->start + strcspn(name->start, ":/ \t\r\n>");
-        name->start = *colon == ':' ? colon + 1 : name->start;
-        name->length = strcspn(name->start, " \t\r\n>");
-        *at = name->start + name->length;
-        return true;
+    for (bool comment = false; *at; at++) {
+        comment = comment ? strncmp(at - 2, "-->", 3) != 0 : strncmp(at, "<!--", 4) == 0;
+        if (comment ? !strchr("\r\n", *at) : strchr("=\"'#>", *at) || strncmp(at, "</", 2) == 0)
+            *at = ' ';
     }
-    return false;
 }
 
-/* Makes a word of the bytes up to one of the characters, without blanks. */
-static struct word slice(struct text *text, const char *at, const char *ends)
+/* Returns whether a word begins an element of this name, which may have a prefix. */
+static bool begins_element(const struct word *word, const char *name)
 {
-    at += strspn(at, " \t\r\n");
-    while (at > text->line_end && text_next_line(text))
-        ;
-    const int column = (int)(at - text->line_start) + 1;
-    return (struct word){
-        .start = at, .length = strcspn(at, ends), .place = {text->path, text->line, column}};
+    const char *colon = memchr(word->start, ':', word->length);
+    struct word own = *word;
+    own.start = (colon ? colon : word->start) + 1;
+    own.length -= (size_t)(own.start - word->start);
+    return *word->start == '<' && word_equals(&own, name);
 }
 
-/* The content of the element whose tag ends next. */
-static struct word content(struct text *text, const char *at, const char *ends)
+/* Reads the next word of an element. Returns false at its end. */
+static bool element_word(struct text *text, struct word *out)
 {
-    at += strcspn(at, ">");
-    return slice(text, at + (*at == '>'), ends);
+    return head_word(text, out) && *out->start != '/';
 }
 
-/* Finds the value of an attribute before the end of a tag. */
-static bool find_attribute(struct text *text, const char *at, const char *name, struct word *out)
+/* Reads an element such as <SpectralData wavelength="400">0.5</SpectralData>. */
+static bool read_datum(struct table *table, struct word value, struct error *err)
 {
-    const char *end = at + strcspn(at, ">");
-    while ((at = strstr(at, name)) && at < end) {
-        const bool begins = strchr(" \t\r\n", at[-1]) != NULL;
-        at += strlen(name);
-        at += strspn(at, " \t\r\n");
-        if (!begins || *at != '=')
-            continue;
-        at += 1 + strspn(at + 1, " \t\r\n");
-        const char quote[2] = {*at, '\0'};
-        if (*at != '"' && *at != '\'')
-            return false;
-        *out = slice(text, at + 1, quote);
-        return true;
-    }
-    return false;
+    const struct place place = value.place;
+    struct word nm = {.length = 0}, word;
+    struct reading at;
+    value.length = 0;
+    while (element_word(&table->text, &word))
+        if (!word_is(&word, "wavelength"))
+            value = word;
+        else if (!element_word(&table->text, &nm))
+            break;
+    at.nm_column = nm.place.column;
+    return (nm.length > 0 || error_at(err, place, "SpectralData needs a wavelength")) &&
+           word_number(&nm, "wavelength", DBL_MIN, HUGE_VAL, &at.nm, err) &&
+           table_add(table, 0, &at, &value, 1, err);
 }
 
-/* Reads elements such as <SpectralData wavelength="400">0.5</SpectralData>. */
 bool spdx_read(struct table *table, struct error *err)
 {
     struct text *text = &table->text;
-    struct word name, nm, value;
-    const char *at = text->at;
-    struct reading from = {.nm = 0};
-    bool done = table_add_sample(table, err) && text_next_line(text);
-    while (done && next_tag(&at, &name)) {
-        const bool is_data = word_equals(&name, "SpectralData");
-        if (is_data && find_attribute(text, at, "wavelength", &nm)) {
-            from.nm_column = nm.place.column;
-            value = content(text, at, " \t\r\n<");
-            done = word_number(&nm, "wavelength", DBL_MIN, HUGE_VAL, &from.nm, err) &&
-                   table_add(table, 0, &from, &value, 1, err);
-        } else if (is_data) {
-            done = error_at(err, slice(text, at, ">").place, "SpectralData needs a wavelength");
-        } else if (word_equals(&name, "SpectralQuantity")) {
-            table->above = content(text, at, "<");
-        }
-    }
+    struct word word, *above = &table->above;
+    bool done = table_add_sample(table, err);
+    spread_words(text->bytes);
+    while (done && head_word(text, &word))
+        if (begins_element(&word, "SpectralData"))
+            done = read_datum(table, word, err);
+        else if (begins_element(&word, "SpectralQuantity") && element_word(text, above))
+            while (element_word(text, &word))
+                above->length = (size_t)(word.start + word.length - above->start);
     return done && (table->sample[0].n > 0 ||
                     error_at(err, text_whole(text),
                              "the file is XML, but has no SpectralData of IES TM-27; "
