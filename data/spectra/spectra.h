@@ -49,7 +49,7 @@ void spectrum_free(struct spectrum *spectrum);
 /* The tables that words of a text have named: each is read once. Zero it before use. */
 struct tables {
     struct index paths;
-    struct table **list; /* owned */
+    struct table *list; /* owned */
     int n;
 };
 void tables_free(struct tables *tables);

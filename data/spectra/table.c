@@ -290,37 +290,30 @@ static bool take_wanted(const struct table *table, const struct wanted *wanted,
     return done;
 }
 
-/* Reads a table, or finds it among those of the word's text, which then own it. */
-static bool open_table(const char *path, const struct word *word, struct table **out,
-                       struct error *err)
+/* Finds a table among those that words of a text have named, or reads it. */
+static bool find_table(struct tables *tables, const char *path, struct place from,
+                       const struct table **out, struct error *err)
 {
-    struct tables *tables = word->tables;
-    const int known = tables ? index_find(&tables->paths, path, strlen(path)) : -1;
-    if (known >= 0) {
-        *out = tables->list[known];
-        return true;
+    int found = index_find(&tables->paths, path, strlen(path));
+    if (found < 0) {
+        const struct table table = {.to_nm = 1};
+        found = tables->n;
+        if (!array_add(&tables->list, &tables->n, &table, sizeof table, err) ||
+            !text_open(&tables->list[found].text, path, from, TEXT_XML, err) ||
+            !read_text(&tables->list[found], err) ||
+            !index_add(&tables->paths, path, strlen(path), found, err))
+            return false;
     }
-    if (!MAKE_ARRAY(*out, 1, err, "the table %s", path))
-        return false;
-    (*out)->to_nm = 1;
-    return text_open(&(*out)->text, path, word->place, TEXT_XML, err) && read_text(*out, err) &&
-           (!tables || (index_add(&tables->paths, path, strlen(path), tables->n, err) &&
-                        array_add(&tables->list, &tables->n, out, sizeof *out, err)));
-}
-
-static void close_table(struct table *table)
-{
-    if (table) {
-        table_free(table);
-        text_free(&table->text);
-    }
-    free(table);
+    *out = &tables->list[found];
+    return true;
 }
 
 void tables_free(struct tables *tables)
 {
-    for (int i = 0; i < tables->n; i++)
-        close_table(tables->list[i]);
+    for (int i = 0; i < tables->n; i++) {
+        table_free(&tables->list[i]);
+        text_free(&tables->list[i].text);
+    }
     free(tables->list);
     index_free(&tables->paths);
     *tables = (struct tables){.n = 0};
@@ -329,12 +322,12 @@ void tables_free(struct tables *tables)
 static bool read_file(const char *path, const struct wanted *wanted, struct spectrum *out,
                       struct detector *detector, struct error *err)
 {
-    struct table *table = NULL;
-    const bool open = open_table(path, &wanted->table, &table, err);
-    const bool done = open && (detector ? take_channels(table, wanted, detector, err)
-                                        : take_wanted(table, wanted, out, err));
-    if (!open || !wanted->table.tables)
-        close_table(table);
+    struct tables own = {.n = 0}, *tables = wanted->table.tables ? wanted->table.tables : &own;
+    const struct table *table;
+    const bool done = find_table(tables, path, wanted->table.place, &table, err) &&
+                      (detector ? take_channels(table, wanted, detector, err)
+                                : take_wanted(table, wanted, out, err));
+    tables_free(&own);
     return done;
 }
 
