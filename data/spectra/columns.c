@@ -91,7 +91,7 @@ static void note_said(const struct line *line, struct word *says)
     struct meaning meaning;
     while (line->n_cells > 0 && says->length == 0 && line_cell(&rest, &cell)) {
         heading_read(&cell, &meaning);
-        if (meaning.is_percent || meaning.quantity == QUANTITY_OTHER)
+        if ((meaning.says & SAYS_PERCENT) || meaning.quantity == QUANTITY_OTHER)
             *says = cell;
     }
 }
@@ -136,8 +136,8 @@ static bool find_order(const struct line *heading, bool *of_rows, struct error *
     rest = heading->at;
     line_cell(&rest, &cell);
     heading_read(&cell, &meaning);
-    *of_rows = !meaning.is_wavelength;
-    return meaning.is_wavelength || meaning.is_label || !(next.first >= 100) ||
+    *of_rows = !(meaning.says & SAYS_WAVELENGTH);
+    return meaning.says & (SAYS_WAVELENGTH | SAYS_LABEL) || !(next.first >= 100) ||
            error_at(err, text_place(&heading->at.text),
                     "the numbers of this heading may be wavelengths, if each row is a sample, or "
                     "names of columns; write 'name' before them, or 'wavelength'");
@@ -171,7 +171,8 @@ static bool check_names(const struct line *line, struct error *err)
     if (line->n_filled < 2 || line->n_numbers < line->n_filled - 1 || !line_cell(&rest, &cell))
         return true;
     heading_read(&cell, &meaning);
-    return cell.length == 0 || meaning.is_wavelength || meaning.is_label || refuse_row(line, err);
+    return cell.length == 0 || meaning.says & (SAYS_WAVELENGTH | SAYS_LABEL) ||
+           refuse_row(line, err);
 }
 
 /* Finds which line is what. A line above the first row is a heading, unless it begins with a number
@@ -244,12 +245,12 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
     for (int k = 0; line->n_cells > 0 && line_cell(&rest, &cell); k++) {
         first = k == 0 ? cell : first;
         heading_read(&cell, &meaning);
-        leads = leads || (k == 0 && meaning.is_wavelength);
+        leads = leads || (k == 0 && meaning.says & SAYS_WAVELENGTH);
         if ((fits ? k == 0 : leads) && !read_unit(&cell, &table->to_nm, err))
             return false;
         if (k == 0 || !fits)
             continue;
-        if (names && meaning.is_wavelength && rest.separator != ' ')
+        if (names && meaning.says & SAYS_WAVELENGTH && rest.separator != ' ')
             return leads
                        ? error_at(err, cell.place,
                                   "'%.*s' heads the wavelengths of another pair of columns; write "
@@ -260,7 +261,7 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
                                   "'%.*s'",
                                   word_shown(&first), first.start);
         struct sample *sample = &table->sample[k - 1];
-        if ((meaning.is_percent || meaning.quantity) && sample->says.length == 0)
+        if ((meaning.says & SAYS_PERCENT || meaning.quantity) && sample->says.length == 0)
             sample->says = cell;
         if (names && k < n_columns && !table_add_name(table, k - 1, &cell, err))
             return false;

@@ -30,13 +30,14 @@ enum quantity {
     QUANTITY_LIGHT,       /* radiance, counts */
     QUANTITY_OTHER        /* absorbance, a density, K/S: neither */
 };
+/* What a cell names, as bits: wavelengths; a unit; names of samples; those, or numbers or places of
+ * samples; values in percent. */
+enum { SAYS_WAVELENGTH = 1, SAYS_UNIT = 2, SAYS_NAME = 4, SAYS_LABEL = 8, SAYS_PERCENT = 16 };
 struct meaning {
-    bool is_wavelength; /* it names a column of wavelengths */
+    unsigned says;
     double to_nm;       /* its numbers times this are in nm; 1 where no unit stands */
     const char *advice; /* its unit is none of wavelengths, which follow so; NULL: it is one */
     bool is_unit;       /* it is nothing but a unit */
-    bool is_percent;
-    bool is_name, is_label; /* it names a column of names; or of numbers or places of samples */
     enum quantity quantity;
 };
 void heading_read(const struct word *cell, struct meaning *out);

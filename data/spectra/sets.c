@@ -32,10 +32,10 @@ static bool add_field(struct fields *fields, const struct word *heading, bool na
     struct field field = {.nm = heading_nm(heading, named)};
     struct meaning meaning;
     heading_read(heading, &meaning);
-    field.is_name = meaning.is_name;
-    field.is_label = fields->n == 0 || meaning.is_name || meaning.is_label;
+    field.is_name = meaning.says & SAYS_NAME;
+    field.is_label = fields->n == 0 || meaning.says & SAYS_LABEL;
     fields->n_bands += field.nm > 0;
-    if (fields->says.length == 0 && (meaning.is_percent || meaning.quantity))
+    if (fields->says.length == 0 && (meaning.says & SAYS_PERCENT || meaning.quantity))
         fields->says = *heading;
     return array_add(&fields->field, &fields->n, &field, sizeof field, err);
 }

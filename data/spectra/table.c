@@ -147,7 +147,7 @@ static bool check_quantity(const struct table *table, const struct sample *sampl
     char label[LABEL_SIZE];
     write_label(wanted, label);
     heading_read(says, &meaning);
-    if (reflectance && !wanted->scaled && meaning.is_percent)
+    if (reflectance && !wanted->scaled && meaning.says & SAYS_PERCENT)
         return error_at(err, says->place,
                         wanted->count > 0 ? "'%.*s' says percent; write '%s*0.01', or '%s*1' if "
                                             "the values are fractions of 1"
