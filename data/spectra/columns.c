@@ -263,7 +263,7 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
         struct sample *sample = &table->sample[k - 1];
         if ((meaning.says & SAYS_PERCENT || meaning.quantity) && sample->says.length == 0)
             sample->says = cell;
-        if (names && k < n_columns && !table_add_name(table, k - 1, &cell, err))
+        if (names && k < n_columns && !table_add_name(table, k - 1, &cell, false, err))
             return false;
     }
     return true;
@@ -304,7 +304,7 @@ static bool read_row(struct table *table, struct error *err)
         if (empty.line > 0)
             return error_at(err, empty, n == 0 ? "expected a wavelength" : "this cell is empty");
         if (n == 0 ? !read_wavelength(table, &cell, &at, err)
-                   : n <= table->n_samples && !table_add(table, n - 1, &at, &cell, 1, err))
+                   : n <= table->n_samples && !table_add(table, n - 1, &at, &cell, err))
             return false;
         n++;
     }
@@ -313,6 +313,20 @@ static bool read_row(struct table *table, struct error *err)
     return n == 0 || n == table->n_samples + 1 ||
            error_at(err, text_place(&table->text), "this row has %d values, the first row has %d",
                     n - 1, table->n_samples);
+}
+
+static bool read_rows(struct table *table, const struct layout *layout, struct error *err)
+{
+    const int n = layout->first.n_columns;
+    bool done = true;
+    while (done && table->n_samples < n - 1)
+        done = table_add_sample(table, err);
+    done = done && read_heading(table, &layout->names, n, true, err) &&
+           read_heading(table, &layout->units, n, false, err);
+    while (done && !is_mark(&table->text) && (done = read_row(table, err)) &&
+           text_next_line(&table->text))
+        ;
+    return done;
 }
 
 bool columns_read(struct table *table, struct error *err)
@@ -325,18 +339,10 @@ bool columns_read(struct table *table, struct error *err)
         return layout.broken.n_cells == 0 || refuse_row(&layout.broken, err);
     if (layout.names.n_columns > first->n_columns)
         note_said(&layout.names, &layout.above);
-    table->above = layout.above;
     table->text = first->at.text;
     table->separator = first->at.separator;
-    if (layout.of_rows)
-        return samples_read(table, err);
-    for (int k = 1; k < first->n_columns; k++)
-        if (!table_add_sample(table, err))
-            return false;
-    bool done = read_heading(table, &layout.names, first->n_columns, true, err) &&
-                read_heading(table, &layout.units, first->n_columns, false, err);
-    while (done && !is_mark(&table->text) && (done = read_row(table, err)) &&
-           text_next_line(&table->text))
-        ;
+    const bool done = layout.of_rows ? samples_read(table, err) : read_rows(table, &layout, err);
+    if (table->above.length == 0)
+        table->above = layout.above;
     return done;
 }

@@ -8,87 +8,65 @@
 
 /* ---- samples ---- */
 
-/* A field of each sample: a value at a wavelength, or, with 0 nm, something else. */
-struct field {
-    double nm;
-    bool is_name, is_label; /* its heading says so; is_label: of a name, a number or a place */
-};
-struct fields {
-    struct field *field; /* owned */
-    struct word *word;   /* of a sample that is read; owned */
-    int n, n_bands;      /* n_bands: fields with a wavelength */
-    double norm;         /* divides values */
-    struct word says;    /* see struct sample */
-};
-static void fields_free(struct fields *fields)
-{
-    FREE_ALL(fields->field, fields->word);
-}
-
-/* named: letters may stand before a wavelength. */
-static bool add_field(struct fields *fields, const struct word *heading, bool named,
+/* Takes the heading of the next field. named: letters may stand before a wavelength. The first
+ * field is a label, too. */
+static bool add_field(struct table *table, const struct word *heading, bool named,
                       struct error *err)
 {
-    struct field field = {.nm = heading_nm(heading, named)};
     struct meaning meaning;
     heading_read(heading, &meaning);
-    field.is_name = meaning.says & SAYS_NAME;
-    field.is_label = fields->n == 0 || meaning.says & SAYS_LABEL;
-    fields->n_bands += field.nm > 0;
-    if (fields->says.length == 0 && (meaning.says & SAYS_PERCENT || meaning.quantity))
-        fields->says = *heading;
-    return array_add(&fields->field, &fields->n, &field, sizeof field, err);
+    const struct field field = {heading_nm(heading, named),
+                                meaning.says | (table->n_fields == 0 ? SAYS_LABEL : 0U)};
+    if (field.says & SAYS_NAME &&
+        !(table->n_fields > 0 && table->field[table->name_field].says & SAYS_NAME))
+        table->name_field = table->n_fields;
+    if (table->above.length == 0 && (field.says & SAYS_PERCENT || meaning.quantity))
+        table->above = *heading;
+    return array_add(&table->field, &table->n_fields, &field, sizeof field, err);
 }
 
-/* Takes the next sample, with all of its names: one that the heading calls so comes first. */
-static bool add_sample(struct table *table, const struct fields *fields, struct error *err)
+/* Adds the word of field i to the latest sample, which the first field begins. */
+static bool add_word(struct table *table, int i, const struct word *word, struct error *err)
 {
-    const int index = table->n_samples;
-    bool done = table_add_sample(table, err);
-    for (int pass = 0; done && pass < 2; pass++)
-        for (int i = 0; done && i < fields->n; i++)
-            if (fields->field[i].nm == 0 && fields->field[i].is_label &&
-                fields->field[i].is_name == (pass == 0))
-                done = table_add_name(table, index, &fields->word[i], err);
-    for (int i = 0; done && i < fields->n; i++)
-        if (fields->field[i].nm > 0) {
-            const struct reading at = {.nm = fields->field[i].nm,
-                                       .nm_column = fields->word[i].place.column};
-            done = table_add(table, index, &at, &fields->word[i], fields->norm, err);
-        }
-    if (done)
-        table->sample[index].says = fields->says;
-    return done;
+    const struct field *field = &table->field[i];
+    const struct reading at = {.nm = field->nm, .nm_column = word->place.column};
+    if (i == 0 && !table_add_sample(table, err))
+        return false;
+    if (field->nm > 0)
+        return table_add(table, table->n_samples - 1, &at, word, err);
+    return !(field->says & SAYS_LABEL) ||
+           table_add_name(table, table->n_samples - 1, word, i == table->name_field, err);
 }
 
 /* ---- a sample a row ---- */
 
-/* Reads the fields of the current line; *n: how many there are. Returns false for a blank line. */
-static bool read_line(struct table *table, struct fields *fields, int *n)
+/* Reads the current line, unless it has nothing but one empty field. */
+static bool read_line(struct table *table, struct error *err)
 {
-    *n = 0;
-    for (struct word word; line_cell(table, &word); ++*n)
-        if (*n < fields->n)
-            fields->word[*n] = word;
-    return *n > 0 && !(*n == 1 && fields->word[0].length == 0);
+    struct table ahead = *table;
+    struct word word;
+    int n = 0;
+    bool done = true;
+    while (line_cell(&ahead, &word))
+        n++;
+    if (n == 0 || (n == 1 && word.length == 0))
+        return true;
+    if (n != table->n_fields)
+        return error_at(err, text_place(&ahead.text), "this row has %d fields, the heading has %d",
+                        n, table->n_fields);
+    for (int i = 0; done && line_cell(table, &word); i++)
+        done = add_word(table, i, &word, err);
+    return done;
 }
 
 bool samples_read(struct table *table, struct error *err)
 {
-    struct fields fields = {.norm = 1};
     struct word word;
-    int n;
     bool done = true;
     while (done && line_cell(table, &word))
-        done = add_field(&fields, &word, false, err);
-    done = done && MAKE_ARRAY(fields.word, fields.n, err, "the fields of %s", table->text.path);
+        done = add_field(table, &word, false, err);
     while (done && text_next_line(&table->text))
-        if (read_line(table, &fields, &n))
-            done = n == fields.n
-                       ? add_sample(table, &fields, err)
-                       : error_at(err, text_place(&table->text),
-                                  "this row has %d fields, the heading has %d", n, fields.n);
-    fields_free(&fields);
+        done = read_line(table, err);
     return done;
 }
 
@@ -142,52 +120,51 @@ static bool check_cgats(const double *head, struct place place, struct error *er
 
 /* Finds the wavelengths: without a format each value is one. The names of fields may be rounded, so
  * that the range of as many bands goes before them. */
-static bool find_bands(struct fields *fields, const double *head, struct place place,
+static bool find_bands(struct table *table, const double *head, struct place place,
                        struct error *err)
 {
     const struct word band = {.start = "nm100", .length = 5};
     const double span = head[END_NM] - head[START_NM], steps = fmax(head[BANDS] - 1, 1);
-    if (fields->n == 0 && !check_cgats(head, place, err))
+    int n_bands = 0;
+    if (table->n_fields == 0 && !check_cgats(head, place, err))
         return false;
-    for (int i = 0, n = fields->n == 0 ? (int)head[BANDS] : 0; i < n; i++)
-        if (!add_field(fields, &band, true, err))
+    for (int i = 0, n = table->n_fields == 0 ? (int)head[BANDS] : 0; i < n; i++)
+        if (!add_field(table, &band, true, err))
             return false;
-    if (fields->n_bands == 0)
+    for (int i = 0; i < table->n_fields; i++)
+        n_bands += table->field[i].nm > 0;
+    if (n_bands == 0)
         return error_at(err, place, "no field of the data is named as a wavelength, as SPEC_400");
-    const bool ranged = fields->n_bands == head[BANDS] && head[START_NM] > 0 && span >= 0;
-    for (int i = 0, k = 0; i < fields->n && ranged; i++)
-        if (fields->field[i].nm > 0)
-            fields->field[i].nm = head[START_NM] + span * k++ / steps;
-    fields->norm = head[NORM];
-    return MAKE_ARRAY(fields->word, fields->n, err, "the fields of a sample");
+    const bool ranged = n_bands == head[BANDS] && head[START_NM] > 0 && span >= 0;
+    for (int i = 0, k = 0; i < table->n_fields && ranged; i++)
+        if (table->field[i].nm > 0)
+            table->field[i].nm = head[START_NM] + span * k++ / steps;
+    table->norm = head[NORM];
+    return true;
 }
 
 /* Reads the samples up to END_DATA, on any number of lines. */
-static bool read_data(struct table *table, struct fields *fields, struct place begin,
-                      struct error *err)
+static bool read_data(struct table *table, struct place begin, struct error *err)
 {
     struct word word;
     int n = 0;
     cgats_line(table);
-    while (next_word(table, &word)) {
+    for (; next_word(table, &word); n = (n + 1) % table->n_fields)
         if (word_is(&word, "END_DATA"))
-            return n == 0 ||
-                   error_at(err, word.place, "%d values, but a sample has %d fields", n, fields->n);
-        fields->word[n++] = word;
-        if (n == fields->n && !add_sample(table, fields, err))
+            return n == 0 || error_at(err, word.place, "%d values, but a sample has %d fields", n,
+                                      table->n_fields);
+        else if (!add_word(table, n, &word, err))
             return false;
-        n %= fields->n;
-    }
     return error_at(err, begin, "BEGIN_DATA without END_DATA");
 }
 
-static bool read_format(struct table *table, struct fields *fields, struct error *err)
+static bool read_format(struct table *table, struct error *err)
 {
     struct word word;
-    fields->n = fields->n_bands = 0;
+    table->n_fields = table->name_field = 0;
     cgats_line(table);
     while (next_word(table, &word) && !word_is(&word, "END_DATA_FORMAT"))
-        if (!add_field(fields, &word, true, err))
+        if (!add_field(table, &word, true, err))
             return false;
     return true;
 }
@@ -211,17 +188,14 @@ static bool read_head(struct table *table, const struct word *name, double *head
 bool cgats_read(struct table *table, struct error *err)
 {
     double head[CGATS_WORDS] = {[NORM] = 1}; /* 0: missing */
-    struct fields fields = {.n = 0};
     struct word word;
-    bool done = text_next_line(&table->text), read = false;
-    while (done && !read && head_word(&table->text, &word)) {
-        read = word_is(&word, "BEGIN_DATA");
-        done = read ? find_bands(&fields, head, word.place, err) &&
-                          read_data(table, &fields, word.place, err)
-               : word_is(&word, "BEGIN_DATA_FORMAT") ? read_format(table, &fields, err)
-                                                     : read_head(table, &word, head, err);
+    bool done = true;
+    while (done && head_word(&table->text, &word)) {
+        if (word_is(&word, "BEGIN_DATA"))
+            return find_bands(table, head, word.place, err) && read_data(table, word.place, err);
+        done = word_is(&word, "BEGIN_DATA_FORMAT") ? read_format(table, err)
+                                                   : read_head(table, &word, head, err);
     }
-    fields_free(&fields);
     return done;
 }
 
@@ -269,7 +243,7 @@ static bool read_datum(struct table *table, struct word value, struct error *err
     at.nm_column = nm.place.column;
     return (nm.length > 0 || error_at(err, place, "SpectralData needs a wavelength")) &&
            word_number(&nm, "wavelength", DBL_MIN, HUGE_VAL, &at.nm, err) &&
-           table_add(table, 0, &at, &value, 1, err);
+           table_add(table, 0, &at, &value, err);
 }
 
 bool spdx_read(struct table *table, struct error *err)

@@ -12,18 +12,20 @@ bool table_add_sample(struct table *table, struct error *err)
     return array_add(&table->sample, &table->n_samples, &sample, sizeof sample, err);
 }
 
-bool table_add_name(struct table *table, int sample, const struct word *name, struct error *err)
+bool table_add_name(struct table *table, int sample, const struct word *name, bool own,
+                    struct error *err)
 {
     const struct label label = {*name, sample};
-    struct word *own = &table->sample[sample].name;
-    *own = own->length > 0 ? *own : *name;
+    struct word *first = &table->sample[sample].name;
+    if (first->length == 0 || (own && name->length > 0))
+        *first = *name;
     return name->length == 0 ||
            array_add(&table->label, &table->n_labels, &label, sizeof label, err);
 }
 
 /* The second wavelength decides on the order. */
 bool table_add(struct table *table, int sample, const struct reading *at, const struct word *value,
-               double norm, struct error *err)
+               struct error *err)
 {
     struct sample *to = &table->sample[sample];
     const double last_nm = to->n > 0 ? to->reading[to->n - 1].nm : 0;
@@ -35,7 +37,7 @@ bool table_add(struct table *table, int sample, const struct reading *at, const 
                         last_nm, falls ? "decrease, as in the first two rows" : "increase");
     if (!table_number(table, value, "value", &added.value, err))
         return false;
-    added.value /= norm;
+    added.value /= table->norm;
     return array_add(&to->reading, &to->n, &added, sizeof added, err);
 }
 
@@ -43,7 +45,7 @@ static void table_free(struct table *table)
 {
     for (int i = 0; i < table->n_samples; i++)
         free(table->sample[i].reading);
-    FREE_ALL(table->sample, table->label);
+    FREE_ALL(table->sample, table->label, table->field);
 }
 
 typedef bool table_reader(struct table *table, struct error *err);
@@ -296,7 +298,7 @@ static bool find_table(struct tables *tables, const char *path, struct place fro
 {
     int found = index_find(&tables->paths, path, strlen(path));
     if (found < 0) {
-        const struct table table = {.to_nm = 1};
+        const struct table table = {.to_nm = 1, .norm = 1};
         found = tables->n;
         if (!array_add(&tables->list, &tables->n, &table, sizeof table, err) ||
             !text_open(&tables->list[found].text, path, from, TEXT_XML, err) ||
@@ -346,7 +348,7 @@ bool set_read(struct text text, double highest, struct spectrum **out, int *n, s
         .lowest = highest < HUGE_VAL ? 0 : -HUGE_VAL,
         .highest = highest,
         .factor = 1};
-    struct table table = {.text = text, .to_nm = 1};
+    struct table table = {.text = text, .to_nm = 1, .norm = 1};
     *out = NULL;
     *n = 0;
     bool done = read_text(&table, err) &&
