@@ -52,14 +52,17 @@ static void line_add(struct line *line, const struct word *cell, double nm[2])
     nm[1] = found;
 }
 
-/* separator: 0: the line's own. */
+/* separator: of the other lines, if they are known. It goes before the line's own, where the line
+ * has it. */
 static struct line line_look(const struct table *table, char separator)
 {
+    const struct text *text = &table->text;
     struct line line = {.at = *table, .first = (double)NAN, .is_units = true};
     struct word cell;
     double last[2] = {0, 0};
     line_begin(&line.at);
-    if (separator)
+    if (separator != ' ' &&
+        memchr(text->line_start, separator, (size_t)(text->line_end - text->line_start)))
         line.at.separator = separator;
     struct table rest = line.at;
     for (bool more = wavelength_cell(&rest, &cell); more; more = line_cell(&rest, &cell))
@@ -94,15 +97,6 @@ static void note_said(const struct line *line, struct word *says)
         if ((meaning.says & SAYS_PERCENT) || meaning.quantity == QUANTITY_OTHER)
             *says = cell;
     }
-}
-
-/* Takes the separator of the rows, where the line has it. */
-static void split_again(struct line *line, char separator)
-{
-    const struct text *text = &line->at.text;
-    if (line->n_cells > 0 && separator != ' ' &&
-        memchr(text->line_start, separator, (size_t)(text->line_end - text->line_start)))
-        *line = line_look(&line->at, separator);
 }
 
 /* Marks of Ocean Optics' programs stand around the rows, and DOS ends files with Ctrl-Z. */
@@ -192,19 +186,21 @@ static bool find_layout(struct table table, struct layout *out, struct error *er
             return refuse_row(&line, err);
         if (!isnan(line.first) && out->broken.n_cells == 0)
             out->broken = line;
+        if (line.is_units && out->names.n_cells > 1) {
+            out->units = line;
+            continue;
+        }
         note_said(&out->names, &out->above);
-        out->names = out->units;
-        out->units = line;
-    }
-    split_again(&out->names, out->first.at.separator);
-    split_again(&out->units, out->first.at.separator);
-    if (!out->units.is_units || out->names.n_cells < 2) {
-        note_said(&out->names, &out->above);
-        out->names = out->units;
+        note_said(&out->units, &out->above);
+        out->names = line;
         out->units = (struct line){.n_cells = 0};
     }
-    if (out->first.n_cells > 0 && !out->of_rows && out->names.n_cells == 0 &&
-        out->first.n_cells > 3 && 2 * out->first.n_nm == out->first.n_cells)
+    if (out->names.n_cells > 0)
+        out->names = line_look(&out->names.at, out->first.at.separator);
+    if (out->units.n_cells > 0)
+        out->units = line_look(&out->units.at, out->first.at.separator);
+    if (!out->of_rows && out->names.n_cells == 0 && out->first.n_cells > 3 &&
+        2 * out->first.n_nm == out->first.n_cells)
         return error_at(err, text_place(&out->first.at.text),
                         "this line may be pairs of a wavelength and a value, or a wavelength and "
                         "%d values; write a pair a line, or names above the columns",
