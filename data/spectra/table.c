@@ -222,14 +222,20 @@ static bool take(const struct table *table, const struct sample *sample,
     return spectrum_is_in_nm(out, err);
 }
 
-static char *sample_name(const struct table *table, int i, struct error *err)
+/* Does the same for sample i, and names the spectrum: by its number, where it has no name. */
+static bool take_named(const struct table *table, int i, const struct wanted *wanted,
+                       struct spectrum *out, struct error *err)
 {
-    struct printed number = {.text = NULL};
     const struct word *name = &table->sample[i].name;
+    struct printed printed = {.text = NULL};
+    if (!take(table, &table->sample[i], wanted, out, err))
+        return false;
     if (name->length > 0)
-        return word_copy(name, err);
-    print(&number, "%d", i + 1);
-    return printed_take(&number, err);
+        print_bytes(&printed, name->start, name->length);
+    else
+        print(&printed, "%d", i + 1);
+    out->name = printed_take(&printed, err);
+    return out->name != NULL;
 }
 
 /* ---- detectors ---- */
@@ -271,11 +277,9 @@ static bool take_channels(const struct table *table, const struct wanted *wanted
     out->observer = n == 3 && find_channels(table, "xyz", order);
     out->named = out->observer || (n == 3 && find_channels(table, "rgb", order));
     for (int i = 0; i < n; i++) {
-        const int from = n == 3 ? order[i] : i;
-        out->channel[i] = sample_name(table, from, err);
-        if (!out->channel[i] ||
-            !take(table, &table->sample[from], wanted, &out->sensitivity[i], err))
+        if (!take_named(table, n == 3 ? order[i] : i, wanted, &out->sensitivity[i], err))
             return false;
+        out->channel[i] = out->sensitivity[i].name;
     }
     return true;
 }
@@ -353,11 +357,8 @@ bool set_read(struct text text, double highest, struct spectrum **out, int *n, s
     *n = 0;
     bool done = read_text(&table, err) &&
                 MAKE_ARRAY(*out, table.n_samples, err, "%d samples", table.n_samples);
-    while (done && *n < table.n_samples) {
-        struct spectrum *sample = &(*out)[*n];
-        done = take(&table, &table.sample[(*n)++], &wanted, sample, err) &&
-               (sample->name = sample_name(&table, *n - 1, err)) != NULL;
-    }
+    for (; done && *n < table.n_samples; ++*n)
+        done = take_named(&table, *n, &wanted, &(*out)[*n], err);
     table_free(&table);
     return done;
 }
