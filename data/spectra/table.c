@@ -127,16 +127,13 @@ static bool choose(const struct table *table, const struct wanted *wanted, int *
 
 /* ---- its values ---- */
 
-/* Writes the table and the sample as a scene names them, without a factor; a long name as FILE. */
-enum { LABEL_SIZE = 96 };
-static void write_label(const struct wanted *wanted, char out[LABEL_SIZE])
+/* Returns the table and the sample as a scene names them, without a factor. */
+static struct word label_of(const struct wanted *wanted)
 {
-    const struct word *table = &wanted->table, *sample = &wanted->sample;
-    const char *end =
-        sample->length > 0 ? sample->start + sample->length : table->start + table->length;
-    const int length = (int)(end - table->start);
-    snprintf(out, LABEL_SIZE, "%.*s", length < LABEL_SIZE ? length : 4,
-             length < LABEL_SIZE ? table->start : "FILE");
+    struct word label = wanted->table;
+    if (wanted->sample.length > 0)
+        label.length = (size_t)(wanted->sample.start + wanted->sample.length - label.start);
+    return label;
 }
 
 /* Refuses percent, and another quantity than is wanted. Lights are relative. */
@@ -145,16 +142,17 @@ static bool check_quantity(const struct table *table, const struct sample *sampl
 {
     const struct word *says = sample->says.length > 0 ? &sample->says : &table->above;
     const bool reflectance = wanted->highest < HUGE_VAL;
+    const struct word label = label_of(wanted);
     struct meaning meaning;
-    char label[LABEL_SIZE];
-    write_label(wanted, label);
     heading_read(says, &meaning);
     if (reflectance && !wanted->scaled && meaning.says & SAYS_PERCENT)
         return error_at(err, says->place,
-                        wanted->count > 0 ? "'%.*s' says percent; write '%s*0.01', or '%s*1' if "
-                                            "the values are fractions of 1"
-                                          : "'%.*s' says percent; divide the values of %s by 100",
-                        word_shown(says), says->start, label, label);
+                        wanted->count > 0
+                            ? "'%.*s' says percent; write '%.*s*0.01', or '%.*s*1' if "
+                              "the values are fractions of 1"
+                            : "'%.*s' says percent; divide the values of %.*s by 100",
+                        word_shown(says), says->start, (int)label.length, label.start,
+                        (int)label.length, label.start);
     if (reflectance && (meaning.quantity == QUANTITY_LIGHT || meaning.quantity == QUANTITY_OTHER))
         return error_at(err, says->place,
                         "'%.*s' is no reflectance; expected values from 0 to 1, or another word",
@@ -179,23 +177,22 @@ static bool take_value(const struct reading *reading, const struct wanted *wante
     const bool reflectance = wanted->highest < HUGE_VAL;
     const double value = reading->value, product = value * wanted->factor;
     double kept = fmax(value, wanted->lowest);
-    char label[LABEL_SIZE];
+    const struct word label = label_of(wanted);
     if (value < wanted->lowest &&
         !is_noise(reading->nm, (wanted->lowest - value) * (reflectance ? wanted->factor : 1),
                   largest, reflectance))
         return error_at(err, place,
                         "value %.15g is below %.15g; write %.15g in its place if it is noise",
                         value, wanted->lowest, wanted->lowest);
-    if (product > wanted->highest && !is_noise(reading->nm, product - wanted->highest, 0, true)) {
-        write_label(wanted, label);
+    if (product > wanted->highest && !is_noise(reading->nm, product - wanted->highest, 0, true))
         return wanted->scaled
                    ? error_at(err, place, "reflectance %.15g times %.15g is above %.15g", value,
                               wanted->factor, wanted->highest)
-                   : error_at(err, place,
-                              "reflectance %.15g is above %.15g; write '%s*0.01' if the values are "
-                              "in percent, or another factor",
-                              value, wanted->highest, label);
-    }
+                   : error_at(
+                         err, place,
+                         "reflectance %.15g is above %.15g; write '%.*s*0.01' if the values are "
+                         "in percent, or another factor",
+                         value, wanted->highest, (int)label.length, label.start);
     if (product > wanted->highest)
         for (kept = wanted->highest / wanted->factor; kept * wanted->factor > wanted->highest;)
             kept = nextafter(kept, 0);
