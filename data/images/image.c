@@ -281,7 +281,7 @@ static bool page_add(struct image *image, int band, const struct page_record *re
     struct sample_layout *pages = file->pages, *layout = &pages[page];
     if (band > 0) {
         *layout = pages[0];
-        layout->plane = (uint16_t)(layout->pixel_step == 1 ? band : 0);
+        *(layout->pixel_step == 1 ? &layout->plane : &layout->sample) = (uint16_t)band;
     } else if (!image_layout(image, page, layout, err)) {
         return false;
     }
@@ -502,7 +502,7 @@ void image_close(struct image *image)
             TIFFClose(image->tiff);
         if (file->client.descriptor >= 0)
             close(file->client.descriptor);
-        FREE_ALL(file->pixels, file->pages, file->kept.samples, file);
+        FREE_ALL(file->pixels, file->pages, file->kept.values, file);
     }
     FREE_ALL(image->path, image->description, image->verdict, image->wavelengths_nm);
     *image = (struct image){0};

@@ -14,6 +14,7 @@ struct sample_layout {
     uint16_t bits, n_samples, n_colours, n_planes;
     uint16_t n_bands; /* pages of its directory */
     uint16_t plane;   /* the first of n_planes */
+    uint16_t sample;  /* the first of a pixel there */
     uint16_t colour;  /* of RGB, the one that the page is: 1 red, 2 green, 3 blue; 0: their luma */
     uint64_t block_bytes;
     size_t pixel_step;    /* samples of a pixel in a plane */
@@ -25,12 +26,12 @@ struct sample_layout {
     bool has_nodata;
     double nodata; /* see struct page_record */
 };
-/* Rows of some bands as stored, but band after band. In the file the bands lie side by side. */
+/* The values of n rows from row y on of some pages, page after page. In the file they are bands,
+ * which lie side by side. */
 struct kept_bands {
-    uint32_t first_row, n_rows;
-    int first_page, end_page;
-    size_t band_bytes;
-    char *samples;
+    uint32_t y, n;
+    int page, end_page;
+    float *values; /* owned */
 };
 /* A file as libtiff reads or writes it. */
 struct client {
