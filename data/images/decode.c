@@ -210,7 +210,7 @@ static void values_place(const struct stored_rows *of, int page, uint32_t y, uin
     const size_t width = layout->width, before = (y - of->first) * width;
     const double scale = of->image->scale;
     if (layout->bits == 16 && layout->n_colours == 1 && layout->pixel_step == 1 &&
-        !layout->inverted && !layout->has_nodata && layout->gamma == 0 && scale <= (double)FLT_MAX)
+        !layout->inverted && !layout->has_nodata && layout->gamma == 0)
         counts_place((const uint16_t *)(const void *)of->samples + before, n * width, scale, out);
     else
         for (size_t i = 0; i < n * width; i++)
