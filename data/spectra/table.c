@@ -50,22 +50,21 @@ static void table_free(struct table *table)
 
 typedef bool table_reader(struct table *table, struct error *err);
 
-/* Returns the reader of a text's format, before its first line; NULL: columns, or no table. */
+/* Returns the reader of a text's format, before its first line. */
 static table_reader *reader_of(const struct text *text)
 {
     const char *mark = strstr(text->at, "BEGIN_DATA");
     if (strncmp(text->at, "<?xml", 5) == 0)
         return spdx_read;
-    return mark && (mark == text->at || mark[-1] == '\n') ? cgats_read : NULL;
+    return mark && (mark == text->at || mark[-1] == '\n') ? cgats_read : columns_read;
 }
 
 static bool read_text(struct table *table, struct error *err)
 {
     struct text *text = &table->text;
-    table_reader *reader = reader_of(text);
     for (char *at = text->bytes; (at = strstr(at, "\xC2\xA0"));) /* no-break spaces */
         at[0] = at[1] = ' ';
-    return (reader ? reader(table, err) : columns_read(table, err)) &&
+    return reader_of(text)(table, err) &&
            (table->n_samples > 0 ||
             error_at(err, text_whole(text),
                      "no line begins with a wavelength; expected rows such as 400,0.1, or a "
@@ -104,25 +103,24 @@ static bool choose(const struct table *table, const struct wanted *wanted, int *
 {
     const struct word *sample = &wanted->sample;
     int n = 0;
-    *out = -1;
-    for (int i = 0; i < table->n_labels && sample->length > 0; i++) {
+    for (int i = 0; i < table->n_labels; i++) {
         const struct label *label = &table->label[i];
-        if (label->word.length != sample->length ||
-            memcmp(label->word.start, sample->start, sample->length) != 0)
-            continue;
-        n += label->sample != *out;
-        *out = label->sample;
+        if (label->word.length == sample->length &&
+            memcmp(label->word.start, sample->start, sample->length) == 0) {
+            n += n == 0 || label->sample != *out;
+            *out = label->sample;
+        }
     }
     if (n > 1)
         return error_at(err, sample->place,
                         "%d samples are named '%.*s'; write the number of one, from 1 to %d", n,
                         word_shown(sample), sample->start, table->n_samples);
-    if (n == 0 && wanted->first > 0 && wanted->first <= table->n_samples)
-        *out = (int)wanted->first - 1;
-    else if (n == 0 && wanted->first == 0 && sample->length == 0 &&
-             (table->n_samples == 1 || wanted->count != 1))
-        *out = 0;
-    return *out >= 0 || refuse_choice(table, wanted, err);
+    if (n == 1)
+        return true;
+    *out = wanted->first > 0 ? (int)wanted->first - 1 : 0;
+    const bool only = sample->length == 0 && (table->n_samples == 1 || wanted->count > 1);
+    return (wanted->first > 0 ? *out < table->n_samples : only) ||
+           refuse_choice(table, wanted, err);
 }
 
 /* ---- its values ---- */
@@ -259,12 +257,10 @@ static bool take_channels(const struct table *table, const struct wanted *wanted
                           struct detector *out, struct error *err)
 {
     const int n = table->n_samples;
+    const struct sample *sample = table->sample;
     int order[3] = {0, 1, 2};
-    bool named = true;
-    for (int i = 0; i < n; i++)
-        named = named && table->sample[i].name.length > 0;
-    if (n == 3 && !named)
-        return error_at(err, (struct place){table->text.path, table->sample[0].reading->line, 1},
+    if (n == 3 && !(sample[0].name.length && sample[1].name.length && sample[2].name.length))
+        return error_at(err, (struct place){table->text.path, sample->reading->line, 1},
                         "the columns have no names; write a heading, 'wavelength,x,y,z' for an "
                         "observer or 'wavelength,r,g,b' for a camera");
     if (!MAKE_ARRAY(out->sensitivity, n, err, "%d channels", n) ||
@@ -338,7 +334,7 @@ static bool read_file(const char *path, const struct wanted *wanted, struct spec
 
 bool set_is(struct text text)
 {
-    return reader_of(&text) || columns_found(text);
+    return reader_of(&text) != columns_read || columns_found(text);
 }
 
 bool set_read(struct text text, double highest, struct spectrum **out, int *n, struct error *err)
