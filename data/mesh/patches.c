@@ -185,14 +185,9 @@ static bool read_teapot(struct text *text, struct teapot_patch *out, struct erro
 {
     struct word word;
     bool done = true;
-    for (int n = 0; done && n < TEAPOT_PATCHES * PATCH_POINTS;)
-        if (text_peek(*text, &word)) {
+    for (int n = 0; done && n < TEAPOT_PATCHES * PATCH_POINTS && text_next_line(text);)
+        for (; done && text_peek(*text, &word); n++)
             done = text_vector(text, "point", &out[n / PATCH_POINTS].point[n % PATCH_POINTS], err);
-            n++;
-        } else if (!text_next_line(text)) {
-            return error_at(err, text_whole(text), "expected %d patches of %d points",
-                            TEAPOT_PATCHES, PATCH_POINTS);
-        }
     return done;
 }
 
