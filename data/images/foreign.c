@@ -99,6 +99,16 @@ static bool png_join(struct foreign *of, size_t *packed)
     return false;
 }
 
+/* Returns the neighbour that is nearest to left + above - corner. */
+static int paeth(int left, int above, int corner)
+{
+    const int to_left = abs(above - corner), to_above = abs(left - corner);
+    const int to_corner = abs(left + above - 2 * corner);
+    return to_left <= to_above && to_left <= to_corner ? left
+           : to_above <= to_corner                     ? above
+                                                       : corner;
+}
+
 /* Writes the samples of filtered rows. Each byte is its difference plus what its filter predicts.
  */
 static bool png_unfilter(const struct foreign *of, const unsigned char *raw)
@@ -115,7 +125,7 @@ static bool png_unfilter(const struct foreign *of, const unsigned char *raw)
             const int predicted[FILTERS] = {[FILTER_SUB] = left,
                                             [FILTER_UP] = above,
                                             [FILTER_AVERAGE] = (left + above) / 2,
-                                            [FILTER_PAETH] = png_paeth(left, above, corner)};
+                                            [FILTER_PAETH] = paeth(left, above, corner)};
             to[i] = (unsigned char)(raw[i + 1] + predicted[raw[0]]);
         }
     }

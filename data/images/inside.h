@@ -96,10 +96,8 @@ bool png_open(struct png **out, struct output *output, const char *path,
 bool png_write(struct png *png, const void *samples, int rows, struct error *err);
 bool png_finish(struct png *png, struct error *err);
 void png_free(struct png *png); /* NULL is fine */
-/* The filters; each predicts a byte from its neighbours. The last one takes that of them which is
- * nearest to left + above - corner. */
+/* The filters; each predicts a byte from its neighbours. */
 enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
-int png_paeth(int left, int above, int corner);
 
 /* foreign.c: decodes an open file of such a format, and lets its client read the samples. */
 bool foreign_read(struct image *image, const char *format, struct error *err);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes PNG files: ISO/IEC 15948:2004, "the specification" below. zlib compresses the rows as they
- * come. Each row goes through the filter that makes its bytes smallest, as section 12.8 recommends.
- * zlib gets a row at a time, so that its output does not depend on how many rows come at once. */
+ * come, as differences between neighbours. Choosing one of the five filters for each row, as
+ * section 12.8 recommends, makes rendered pictures no smaller. zlib gets a row at a time, so that
+ * its output does not depend on how many rows come at once. */
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 
@@ -14,9 +15,7 @@ struct png {
     z_stream stream;
     bool deflating; /* the stream is open */
     size_t pixel_bytes, row_bytes;
-    unsigned char *rows;              /* the memory of all rows; owned */
-    unsigned char *row, *above;       /* samples as the file has them */
-    unsigned char *filtered[FILTERS]; /* the row, behind the number of the filter */
+    unsigned char *row; /* filtered, behind the number of the filter; owned */
     unsigned char packed[CHUNK_BYTES];
 };
 
@@ -127,43 +126,6 @@ static bool put_head(struct png *png, const struct picture_options *options, str
            put_text(png, "Description", options->description, err);
 }
 
-/* ---- filters ---- */
-
-int png_paeth(int left, int above, int corner)
-{
-    const int to_left = abs(above - corner), to_above = abs(left - corner);
-    const int to_corner = abs(left + above - 2 * corner);
-    return to_left <= to_above && to_left <= to_corner ? left
-           : to_above <= to_corner                     ? above
-                                                       : corner;
-}
-
-/* Filters the row: each byte minus what a filter predicts from the pixel to the left and from the
- * row above. Zeros stand before each row and above the first one. Returns the row whose bytes, as
- * numbers from -128 to 127, have the smallest sum of sizes. */
-static const unsigned char *filter_row(const struct png *png)
-{
-    const unsigned char *row = png->row, *above = png->above;
-    const unsigned char *left = row - png->pixel_bytes, *corner = above - png->pixel_bytes;
-    uint64_t size[FILTERS] = {0};
-    int best = 0;
-    for (size_t i = 0; i < png->row_bytes; i++) {
-        const int predicted[FILTERS] = {[FILTER_SUB] = left[i],
-                                        [FILTER_UP] = above[i],
-                                        [FILTER_AVERAGE] = (left[i] + above[i]) / 2,
-                                        [FILTER_PAETH] = png_paeth(left[i], above[i], corner[i])};
-        for (int filter = 0; filter < FILTERS; filter++) {
-            const unsigned char byte = (unsigned char)(row[i] - predicted[filter]);
-            png->filtered[filter][1 + i] = byte;
-            size[filter] += byte < 128 ? byte : 256U - byte;
-        }
-    }
-    for (int filter = 1; filter < FILTERS; filter++)
-        if (size[filter] < size[best])
-            best = filter;
-    return png->filtered[best];
-}
-
 /* ---- pixels ---- */
 
 /* Writes what zlib has packed since the last chunk. */
@@ -175,7 +137,7 @@ static bool put_packed(struct png *png, struct error *err)
     return length == 0 || put_chunk(png, "IDAT", png->packed, length, err);
 }
 
-/* Packs up to 1 GiB; `flush` is Z_FINISH after the last row, otherwise Z_NO_FLUSH. */
+/* Packs bytes; `flush` is Z_FINISH after the last row, otherwise Z_NO_FLUSH. */
 static bool pack(struct png *png, const unsigned char *bytes, size_t length, int flush,
                  struct error *err)
 {
@@ -192,52 +154,35 @@ static bool pack(struct png *png, const unsigned char *bytes, size_t length, int
     return flush != Z_FINISH || put_packed(png, err);
 }
 
-/* Turns the samples of a row into bytes: a PNG is big-endian. */
-static void store_row(const struct png *png, const void *samples)
+/* Turns the samples of a row into bytes, since a PNG is big-endian, and these into their
+ * differences from the pixel to the left. */
+static void filter_row(const struct png *png, const void *samples)
 {
     const uint16_t *wide = samples;
+    unsigned char *row = png->row + 1;
     if (png->pixel_bytes == CHANNELS)
-        memcpy(png->row, samples, png->row_bytes);
+        memcpy(row, samples, png->row_bytes);
     else
         for (size_t i = 0; i < png->row_bytes / 2; i++) {
-            png->row[2 * i] = (unsigned char)(wide[i] >> 8);
-            png->row[2 * i + 1] = (unsigned char)(wide[i] & 0xff);
+            row[2 * i] = (unsigned char)(wide[i] >> 8);
+            row[2 * i + 1] = (unsigned char)(wide[i] & 0xff);
         }
+    for (size_t i = png->row_bytes; i-- > png->pixel_bytes;)
+        row[i] = (unsigned char)(row[i] - row[i - png->pixel_bytes]);
 }
 
 bool png_write(struct png *png, const void *samples, int rows, struct error *err)
 {
-    const size_t most = 1 << 30;
     const unsigned char *from = samples;
     for (int y = 0; y < rows; y++, from += png->row_bytes) {
-        store_row(png, from);
-        const unsigned char *filtered = filter_row(png);
-        for (size_t at = 0, n = png->row_bytes + 1; at < n; at += most)
-            if (!pack(png, filtered + at, n - at < most ? n - at : most, Z_NO_FLUSH, err))
-                return false;
-        unsigned char *row = png->row;
-        png->row = png->above;
-        png->above = row;
+        filter_row(png, from);
+        if (!pack(png, png->row, png->row_bytes + 1, Z_NO_FLUSH, err))
+            return false;
     }
     return true;
 }
 
 /* ---- the file ---- */
-
-/* One allocation has all rows: two of samples with zeros before them, and the filtered ones. */
-static bool allocate_rows(struct png *png, struct error *err)
-{
-    const size_t n = png->row_bytes, pixel = png->pixel_bytes;
-    if (!MAKE_ARRAY(png->rows, 2 * (n + pixel) + FILTERS * (n + 1), err, "rows of a PNG file"))
-        return false;
-    png->row = png->rows + pixel;
-    png->above = png->row + n + pixel;
-    for (int filter = 0; filter < FILTERS; filter++) {
-        png->filtered[filter] = png->above + n + (size_t)filter * (n + 1);
-        png->filtered[filter][0] = (unsigned char)filter;
-    }
-    return true;
-}
 
 bool png_open(struct png **out, struct output *output, const char *path,
               const struct picture_options *options, struct error *err)
@@ -254,9 +199,11 @@ bool png_open(struct png **out, struct output *output, const char *path,
     png->stream.next_out = png->packed;
     png->stream.avail_out = sizeof png->packed;
     if ((png->deflating || memory_lacks(err, 0, "zlib, which writes %s", path)) &&
-        allocate_rows(png, err) && (options->memory || output_open(output, path, err)) &&
-        put_head(png, options, err))
+        MAKE_ARRAY(png->row, png->row_bytes + 1, err, "a row of a PNG file") &&
+        (options->memory || output_open(output, path, err)) && put_head(png, options, err)) {
+        png->row[0] = FILTER_SUB;
         return true;
+    }
     output_discard(output);
     png_free(png);
     *out = NULL;
@@ -274,5 +221,5 @@ void png_free(struct png *png)
         return;
     if (png->deflating)
         deflateEnd(&png->stream);
-    FREE_ALL(png->rows, png);
+    FREE_ALL(png->row, png);
 }

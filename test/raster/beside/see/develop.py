@@ -333,16 +333,10 @@ SRGB_CHROMATICITIES = 0.3127, 0.329, 0.64, 0.33, 0.3, 0.6, 0.15, 0.06  # ISO/IEC
 
 
 def pngcheck(path, words):
-    """The output of pngcheck; with -vv, it lists the chunks and the filter of each row."""
+    """The output of pngcheck, which lists the chunks with -v."""
     result = subprocess.run(["pngcheck", words, path], capture_output=True, text=True, check=False)
     check(result.returncode == 0, f"pngcheck finds no fault in {os.path.basename(path)}", result.stdout)
     return result.stdout
-
-
-def filters(path):
-    """The numbers of the filters of a PNG's rows."""
-    rows = re.findall(r"row filters .*\n((?: +[0-4][0-4 ]*.*\n)+)", pngcheck(path, "-vv"))
-    return set(map(int, re.findall(r"\b[0-4]\b", re.sub(r"\(.*", "", "".join(rows), flags=re.MULTILINE))))
 
 
 def png_pair(stack, *options):
@@ -383,8 +377,8 @@ def png_readers(stack):
 
 
 def png_sizes():
-    """Pictures of odd sizes, smooth and of noise, so that rows take each of the five filters."""
-    random, used = np.random.default_rng(15), set()
+    """Pictures of odd sizes, smooth and of noise."""
+    random = np.random.default_rng(15)
     nm = [450, 550, 610]
     for height, width in (1, 1), (5, 7), (1, 400), (400, 1), (3, 30000), (301, 300):
         y, x = np.mgrid[:height, :width] / max(height, width)
@@ -395,8 +389,7 @@ def png_sizes():
             png, tiff = png_pair(stack, "--bits", bits)
             check(np.array_equal(gdal.Open(png).ReadAsArray().transpose(1, 2, 0), gdal.Open(tiff).ReadAsArray()
                                  .transpose(1, 2, 0)), f"a PNG of {width}x{height} pixels and {bits} bits is exact")
-            used |= filters(png)
-    check(used == set(range(5)), "these rows take all five filters", used)
+            pngcheck(png, "-q")
 
 
 def endings(stack):
