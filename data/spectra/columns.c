@@ -7,13 +7,13 @@
 /* ---- what a line is ---- */
 
 struct line {
-    struct table at;                  /* with its own separator; line 0: there is none */
+    struct table at;                  /* with its own separator */
     int n_cells, n_filled, n_columns; /* n_columns: up to the last that is filled */
-    int n_numbers; /* as some country writes them; also a wavelength with a unit */
-    int n_nm;      /* wavelengths above 100 nm; they rise, or fall, or: */
-    bool falls_and_rises;
-    bool is_units; /* all cells name a unit, or wavelengths */
-    double first;  /* its first number in nm, 0: below 100 nm; NAN: it begins with none */
+    int n_numbers;   /* as some country writes them; also a wavelength with a unit */
+    int n_nm, steps; /* wavelengths above 100 nm; steps upwards minus steps downwards */
+    bool is_units;   /* all cells name a unit, or wavelengths */
+    double first;    /* its first number in nm, 0: below 100 nm; NAN: it begins with none */
+    double last_nm;
 };
 
 /* Reads the cell of a wavelength, whose unit may stand behind a blank. */
@@ -29,8 +29,7 @@ static bool wavelength_cell(struct table *table, struct word *out)
     return true;
 }
 
-/* Counts a cell. nm: the last two wavelengths. */
-static void line_add(struct line *line, const struct word *cell, double nm[2])
+static void line_add(struct line *line, const struct word *cell)
 {
     const double found = heading_nm(cell, false);
     const bool number = word_is_numeric(cell, "0123456789+-.,%eE"), first = line->n_cells == 0;
@@ -45,11 +44,9 @@ static void line_add(struct line *line, const struct word *cell, double nm[2])
         line->first = found;
     if (found == 0)
         return;
-    line->falls_and_rises = line->falls_and_rises || found == nm[1] ||
-                            (line->n_nm > 1 && (found > nm[1]) != (nm[1] > nm[0]));
-    line->n_nm++;
-    nm[0] = nm[1];
-    nm[1] = found;
+    if (line->n_nm++ > 0)
+        line->steps += (found > line->last_nm) - (found < line->last_nm);
+    line->last_nm = found;
 }
 
 /* separator: of the other lines, if they are known. It goes before the line's own, where the line
@@ -59,14 +56,13 @@ static struct line line_look(const struct table *table, char separator)
     const struct text *text = &table->text;
     struct line line = {.at = *table, .first = (double)NAN, .is_units = true};
     struct word cell;
-    double last[2] = {0, 0};
     line_begin(&line.at);
     if (separator != ' ' &&
         memchr(text->line_start, separator, (size_t)(text->line_end - text->line_start)))
         line.at.separator = separator;
     struct table rest = line.at;
     for (bool more = wavelength_cell(&rest, &cell); more; more = line_cell(&rest, &cell))
-        line_add(&line, &cell, last);
+        line_add(&line, &cell);
     return line;
 }
 
@@ -122,7 +118,7 @@ static bool find_order(const struct line *heading, bool *of_rows, struct error *
     struct line next;
     struct word cell = {.length = 0};
     struct meaning meaning;
-    *of_rows = heading->n_nm > 1 && !heading->falls_and_rises && !is_row(heading) &&
+    *of_rows = heading->n_nm > 1 && abs(heading->steps) == heading->n_nm - 1 && !is_row(heading) &&
                next_line(&rest, heading->at.separator, &next) && next.n_numbers > 0;
     if (!*of_rows || !is_row(&next))
         return true;
