@@ -66,21 +66,6 @@ static bool put_header(struct png *png, const struct picture_options *options, s
            put_chunk(png, "IHDR", header, sizeof header, err);
 }
 
-/* Says that samples are sRGB's, with the gamma and the chromaticities that section 11.3.3.5 lists
- * for programs that do not know the sRGB chunk. */
-static bool put_srgb(struct png *png, struct error *err)
-{
-    static const uint32_t chromaticities[8] = {31270, 32900, 64000, 33000,
-                                               30000, 60000, 15000, 6000};
-    unsigned char gamma[4], places[32];
-    put_number(45455, gamma);
-    for (int i = 0; i < 8; i++)
-        put_number(chromaticities[i], places + 4 * (size_t)i);
-    return put_chunk(png, "gAMA", gamma, sizeof gamma, err) &&
-           put_chunk(png, "cHRM", places, sizeof places, err) &&
-           put_chunk(png, "sRGB", "", 1, err); /* 0: the perceptual intent, for pictures */
-}
-
 /* Writes a chunk of what has been printed, and frees it. */
 static bool put_printed(struct png *png, const char *type, struct printed *printed,
                         struct error *err)
@@ -119,7 +104,7 @@ static bool put_text(struct png *png, const char *keyword, const char *text, str
 static bool put_head(struct png *png, const struct picture_options *options, struct error *err)
 {
     return put_header(png, options, err) &&
-           (options->srgb      ? put_srgb(png, err)
+           (options->srgb      ? put_chunk(png, "sRGB", "", 1, err) /* 0: the perceptual intent */
             : options->profile ? put_profile(png, options, err)
                                : true) &&
            put_text(png, "Software", PROGRAM, err) &&

@@ -329,9 +329,6 @@ def chunks_and_threads():
 
 # ---- PNG ----
 
-SRGB_CHROMATICITIES = 0.3127, 0.329, 0.64, 0.33, 0.3, 0.6, 0.15, 0.06  # ISO/IEC 15948:2004, 11.3.3.5
-
-
 def pngcheck(path, words):
     """The output of pngcheck, which lists the chunks with -v."""
     result = subprocess.run(["pngcheck", words, path], capture_output=True, text=True, check=False)
@@ -353,7 +350,7 @@ def png_readers(stack):
             png, tiff = png_pair(stack.path, "--bits", bits, "--display", display, "--exposure", "2")
             what, pixels = f"PNG, {bits} bits, {display}", tifffile.imread(tiff)
             kinds = re.findall(r"^  chunk (\w+) at offset", pngcheck(png, "-v"), re.MULTILINE)
-            expected = ["IHDR", *(["gAMA", "cHRM", "sRGB"] if display == "srgb" else ["iCCP"]), "tEXt", "tEXt"]
+            expected = ["IHDR", *(["sRGB"] if display == "srgb" else ["iCCP"]), "tEXt", "tEXt"]
             check(kinds[:len(expected)] == expected and set(kinds[len(expected):-1]) == {"IDAT"} and kinds[-1] == "IEND",
                   f"{what}: its chunks are whole and in order", kinds)
             seen = gdal.Open(png)
@@ -371,9 +368,7 @@ def png_readers(stack):
                 check(image.info["Software"] == other.tag_v2[305] and image.info["Description"] == other.tag_v2[270],
                       f"{what}: program and description are those of the TIFF", image.info)
                 if display == "srgb":
-                    check(image.info["srgb"] == 0 and image.info["gamma"] == 0.45455 and
-                          image.info["chromaticity"] == SRGB_CHROMATICITIES,
-                          f"{what}: it has the gamma and the chromaticities of the standard")
+                    check(image.info["srgb"] == 0, f"{what}: it says that it is sRGB", image.info)
 
 
 def png_sizes():
