@@ -89,7 +89,7 @@ static void note_said(const struct line *line, struct word *says)
     struct meaning meaning;
     while (line->n_cells > 0 && says->length == 0 && line_cell(&rest, &cell)) {
         heading_read(&cell, &meaning);
-        if ((meaning.says & SAYS_PERCENT) || meaning.quantity == QUANTITY_OTHER)
+        if (meaning.says & (SAYS_PERCENT | SAYS_OTHER))
             *says = cell;
     }
 }
@@ -250,7 +250,7 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
                                   "'%.*s'",
                                   word_shown(&first), first.start);
         struct sample *sample = &table->sample[k - 1];
-        if ((meaning.says & SAYS_PERCENT || meaning.quantity) && sample->says.length == 0)
+        if (meaning.says & (SAYS_PERCENT | SAYS_QUANTITY) && sample->says.length == 0)
             sample->says = cell;
         if (names && k < n_columns && !table_add_name(table, k - 1, &cell, false, err))
             return false;

@@ -29,29 +29,28 @@ static void spell(const struct word *word, const char *gap, char out[SPELLED])
 }
 
 /* Words of a heading, in the languages of instruments: parts of a spelled cell, which has a blank
- * at each end. Of units the first that fits counts. */
+ * at each end. Of units and quantities the first that fits counts. */
 static const struct {
     unsigned says;
-    const char *parts;      /* with a | between them */
-    double to_nm;           /* of a unit of length that spectra have; otherwise 1 */
-    const char *advice;     /* another unit is converted so */
-    enum quantity quantity; /* if it says one */
+    const char *parts;  /* with a | between them */
+    double to_nm;       /* of a unit of length that spectra have; otherwise 1 */
+    const char *advice; /* another unit is converted so */
 } words[] = {
-    {SAYS_UNIT, " nm | nanomet", 1, NULL, 0},
-    {SAYS_UNIT, " um |micromet| micron", 1000, NULL, 0},
-    {SAYS_UNIT, " ang |ngstr", 0.1, NULL, 0},
-    {SAYS_UNIT, "wavenumber|wave number| cm ", 1, "10000000 divided by those in 1/cm", 0},
-    {SAYS_UNIT, " ev |energ", 1, "1239.84198 divided by energies in eV", 0},
-    {SAYS_UNIT, "hz |frequen", 1, "299792.458 divided by frequencies in THz", 0},
-    {SAYS_UNIT, " mm ", 1, "1000000 times those in mm", 0},
-    {SAYS_UNIT, " m ", 1, "1e9 times those in m", 0},
-    {SAYS_WAVELENGTH, " wave| wl | lambda|wellenl| longueur| longitud| lunghezza", 1, NULL, 0},
-    {SAYS_NAME | SAYS_LABEL, "name", 1, NULL, 0},
-    {SAYS_LABEL, " id |sample| loc|patch| no ", 1, NULL, 0},
-    {SAYS_PERCENT, " percent| per cent | pct | prozent | procent | pourcent| porcent", 1, NULL, 0},
-    {0, " reflect| reflex| remission| transmi", 1, NULL, QUANTITY_REFLECTANCE},
-    {0, " counts |radian", 1, NULL, QUANTITY_LIGHT},
-    {0, " absorban| extin| optical density| od | log r | k s ", 1, NULL, QUANTITY_OTHER},
+    {SAYS_UNIT, " nm | nanomet", 1, NULL},
+    {SAYS_UNIT, " um |micromet| micron", 1000, NULL},
+    {SAYS_UNIT, " ang |ngstr", 0.1, NULL},
+    {SAYS_UNIT, "wavenumber|wave number| cm ", 1, "10000000 divided by those in 1/cm"},
+    {SAYS_UNIT, " ev |energ", 1, "1239.84198 divided by energies in eV"},
+    {SAYS_UNIT, "hz |frequen", 1, "299792.458 divided by frequencies in THz"},
+    {SAYS_UNIT, " mm ", 1, "1000000 times those in mm"},
+    {SAYS_UNIT, " m ", 1, "1e9 times those in m"},
+    {SAYS_WAVELENGTH, " wave| wl | lambda|wellenl| longueur| longitud| lunghezza", 1, NULL},
+    {SAYS_NAME | SAYS_LABEL, "name", 1, NULL},
+    {SAYS_LABEL, " id |sample| loc|patch| no ", 1, NULL},
+    {SAYS_PERCENT, " percent| per cent | pct | prozent | procent | pourcent| porcent", 1, NULL},
+    {SAYS_REFLECTANCE, " reflect| reflex| remission| transmi", 1, NULL},
+    {SAYS_LIGHT, " counts |radian", 1, NULL},
+    {SAYS_OTHER, " absorban| extin| optical density| od | log r | k s ", 1, NULL},
 };
 
 /* Returns whether a spelled cell has one of the parts; `whole`: is nothing but one. */
@@ -75,16 +74,16 @@ void heading_read(const struct word *cell, struct meaning *out)
     out->is_unit = cell->length > 0 && strchr("[(%", cell->start[0]);
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
         const unsigned says = words[i].says;
-        if (!fits(spelled, words[i].parts, false))
+        if (!fits(spelled, words[i].parts, false) || says & out->says & SAYS_UNIT ||
+            (says & SAYS_QUANTITY && out->says & SAYS_QUANTITY))
             continue;
         const bool whole = fits(spelled, words[i].parts, true);
-        if (says == SAYS_UNIT && !(out->says & SAYS_UNIT)) {
+        if (says == SAYS_UNIT) {
             out->to_nm = words[i].to_nm;
             out->advice = words[i].advice;
         }
         out->says |= says | (says == SAYS_UNIT && whole ? SAYS_WAVELENGTH : 0U);
         out->is_unit = out->is_unit || whole || says == SAYS_WAVELENGTH;
-        out->quantity = out->quantity ? out->quantity : words[i].quantity;
     }
 }
 

@@ -24,21 +24,16 @@ bool spectra_read(const char *name, int n, struct spectrum *out, struct detector
 
 /* ---- heading.c: what a cell of a heading says ---- */
 
-enum quantity {
-    QUANTITY_UNSAID,
-    QUANTITY_REFLECTANCE, /* or transmittance */
-    QUANTITY_LIGHT,       /* radiance, counts */
-    QUANTITY_OTHER        /* absorbance, a density, K/S: neither */
-};
 /* What a cell names, as bits: wavelengths; a unit; names of samples; those, or numbers or places of
- * samples; values in percent. */
+ * samples; values in percent. Then one quantity: reflectance or transmittance; radiance or counts;
+ * neither, as absorbance, a density, K/S. */
 enum { SAYS_WAVELENGTH = 1, SAYS_UNIT = 2, SAYS_NAME = 4, SAYS_LABEL = 8, SAYS_PERCENT = 16 };
+enum { SAYS_REFLECTANCE = 32, SAYS_LIGHT = 64, SAYS_OTHER = 128, SAYS_QUANTITY = 224 };
 struct meaning {
     unsigned says;
     double to_nm;       /* its numbers times this are in nm; 1 where no unit stands */
     const char *advice; /* its unit is none of wavelengths, which follow so; NULL: it is one */
     bool is_unit;       /* it is nothing but a unit */
-    enum quantity quantity;
 };
 void heading_read(const struct word *cell, struct meaning *out);
 /* Returns the wavelength in nm that a cell is: a number, with a unit or without, and nothing else;

@@ -20,7 +20,7 @@ static bool add_field(struct table *table, const struct word *heading, bool name
     if (field.says & SAYS_NAME &&
         !(table->n_fields > 0 && table->field[table->name_field].says & SAYS_NAME))
         table->name_field = table->n_fields;
-    if (table->above.length == 0 && (field.says & SAYS_PERCENT || meaning.quantity))
+    if (table->above.length == 0 && field.says & (SAYS_PERCENT | SAYS_QUANTITY))
         table->above = *heading;
     return array_add(&table->field, &table->n_fields, &field, sizeof field, err);
 }

@@ -151,11 +151,11 @@ static bool check_quantity(const struct table *table, const struct sample *sampl
                             : "'%.*s' says percent; divide the values of %.*s by 100",
                         word_shown(says), says->start, (int)label.length, label.start,
                         (int)label.length, label.start);
-    if (reflectance && (meaning.quantity == QUANTITY_LIGHT || meaning.quantity == QUANTITY_OTHER))
+    if (reflectance && meaning.says & (SAYS_LIGHT | SAYS_OTHER))
         return error_at(err, says->place,
                         "'%.*s' is no reflectance; expected values from 0 to 1, or another word",
                         word_shown(says), says->start);
-    return wanted->lowest < 0 || reflectance || meaning.quantity != QUANTITY_REFLECTANCE ||
+    return wanted->lowest < 0 || reflectance || !(meaning.says & SAYS_REFLECTANCE) ||
            error_at(err, says->place, "'%.*s' is no light; expected its spectrum, or another word",
                     word_shown(says), says->start);
 }
