@@ -217,19 +217,18 @@ static void values_place(const struct stored_rows *of, int page, uint32_t y, uin
             out[i] = (float)(pixel_value(of, layout, before + i) * scale);
 }
 
-static bool values_check(const struct image *image, int page, uint32_t y, uint32_t n,
-                         const float *values, struct error *err)
+static bool values_check(const struct image *image, const struct page_rows *of, struct error *err)
 {
     const size_t width = image->file->pages->width;
     if (image->file->pages->bits < 32 && image->scale <= (double)FLT_MAX)
         return true; /* whole numbers are neither negative nor too large */
-    for (size_t i = 0; i < n * width; i++)
-        if (!(values[i] >= 0 && values[i] <= FLT_MAX))
+    for (size_t i = 0; i < of->n * width; i++)
+        if (!(of->values[i] >= 0 && of->values[i] <= FLT_MAX))
             return image_refuse(
-                image, page, err,
+                image, of->page, err,
                 "the radiance at column %zu, row %zu is %g; expected a finite number that"
                 " is not negative",
-                i % width, y + i / width, (double)values[i]);
+                i % width, of->y + i / width, (double)of->values[i]);
     return true;
 }
 
@@ -249,61 +248,60 @@ static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
             MAKE_ARRAY(of->tile, layout->block_bytes, err, "a tile of %s", of->image->path));
 }
 
-/* Reads n rows from row y on of a page, and of the pages before `end_page`, which are bands of the
- * same rows. Writes page after page. */
-static bool values_read(const struct image *image, int page, int end_page, uint32_t y, uint32_t n,
-                        float *out, struct error *err)
+/* Reads rows of pages, which have the same samples: they are bands of the same rows, or one page.
+ */
+static bool values_read(const struct image *image, const struct page_rows *to, struct error *err)
 {
     struct image_file *file = image->file;
-    struct stored_rows of = {.image = image, .page = page, .layout = &file->pages[page]};
-    const size_t width = of.layout->width, page_size = n * width;
-    const uint32_t first = y, end = y + n;
+    struct stored_rows of = {.image = image, .page = to->page, .layout = &file->pages[to->page]};
+    const size_t width = of.layout->width;
+    const uint32_t end = to->y + to->n;
     errno = 0;
-    bool good = page_turn(image, page, err) && rows_allocate(&of, n, err);
+    bool good = page_turn(image, to->page, err) && rows_allocate(&of, to->n, err);
     file->client.message[0] = '\0';
     file->client.decoding = true;
-    for (; good && y < end; y += n) {
+    for (uint32_t y = to->y, n; good && y < end; y += n) {
+        float *out = to->values + (y - to->y) * width;
         good = rows_read(&of, y, end, err);
         n = (uint32_t)least(of.first + of.n, end) - y;
-        for (int i = page; good && i < end_page; i++)
-            values_place(&of, i, y, n, out + (size_t)(i - page) * page_size + (y - first) * width);
+        for (int page = to->page; good && page < to->end_page; page++, out += to->n * width)
+            values_place(&of, page, y, n, out);
     }
     file->client.decoding = false;
     FREE_ALL(of.samples, of.tile);
     return good;
 }
 
-/* Reads n rows from row y on of a band, and keeps those of as many bands behind it as there is room
- * for: in the file the bands lie side by side. */
-static bool band_read(const struct image *image, int page, uint32_t y, uint32_t n, float *out,
-                      struct error *err)
+/* Reads rows of a band, and keeps those of as many bands behind it as there is room for: in the
+ * file the bands lie side by side. */
+static bool band_read(const struct image *image, const struct page_rows *to, struct error *err)
 {
     const size_t room = (size_t)1 << 28; /* or one band, if that is larger */
-    struct kept_bands *kept = &image->file->kept;
-    const size_t size = (size_t)n * (size_t)image->width, bytes = size * sizeof *out;
-    if (page < kept->page || page >= kept->end_page || y != kept->y || n != kept->n) {
+    struct page_rows *kept = &image->file->kept;
+    const size_t size = to->n * (size_t)image->width, bytes = size * sizeof(float);
+    if (to->page < kept->page || to->page >= kept->end_page || to->y != kept->y ||
+        to->n != kept->n) {
         const size_t bands =
-            least(bytes < room ? room / bytes : 1, (size_t)(image->n_pages - page));
+            least(bytes < room ? room / bytes : 1, (size_t)(image->n_pages - to->page));
         free(kept->values);
-        *kept = (struct kept_bands){y, n, page, page + (int)bands, NULL};
+        *kept = (struct page_rows){to->y, to->n, to->page, to->page + (int)bands, NULL};
         if (!MAKE_ARRAY(kept->values, bands * size, err, "bands of %s", image->path) ||
-            !values_read(image, page, kept->end_page, y, n, kept->values, err)) {
-            kept->end_page = page;
+            !values_read(image, kept, err)) {
+            kept->end_page = to->page;
             return false;
         }
     }
-    memcpy(out, kept->values + (size_t)(page - kept->page) * size, bytes);
+    memcpy(to->values, kept->values + (size_t)(to->page - kept->page) * size, bytes);
     return true;
 }
 
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
 {
     const struct sample_layout *layout = &image->file->pages[page];
-    const uint32_t first = (uint32_t)y, n = (uint32_t)rows;
-    const bool good = layout->n_bands > 1 && layout->pixel_step > 1
-                          ? band_read(image, page, first, n, out, err)
-                          : values_read(image, page, page + 1, first, n, out, err);
-    return good && values_check(image, page, first, n, out, err);
+    const struct page_rows to = {(uint32_t)y, (uint32_t)rows, page, page + 1, out};
+    const bool side_by_side = layout->n_bands > 1 && layout->pixel_step > 1;
+    return (side_by_side ? band_read : values_read)(image, &to, err) &&
+           values_check(image, &to, err);
 }
 
 /* ---- raw samples ---- */

@@ -26,12 +26,11 @@ struct sample_layout {
     bool has_nodata;
     double nodata; /* see struct page_record */
 };
-/* The values of n rows from row y on of some pages, page after page. In the file they are bands,
- * which lie side by side. */
-struct kept_bands {
+/* The values of n rows from row y on of some pages, page after page. */
+struct page_rows {
     uint32_t y, n;
     int page, end_page;
-    float *values; /* owned */
+    float *values;
 };
 /* A file as libtiff reads or writes it. */
 struct client {
@@ -48,8 +47,8 @@ struct image_file {
     struct client client;
     double count_scale; /* radiance of a count, by the tags of page 0 */
     struct sample_layout *pages;
-    uint64_t directory; /* where libtiff is; 0: at none of the pages */
-    struct kept_bands kept;
+    uint64_t directory;            /* where libtiff is; 0: at none of the pages */
+    struct page_rows kept;         /* of bands, which lie side by side in the file; owned */
     struct builtin_file converted; /* what client reads of another format */
     unsigned char *pixels;         /* its bytes; owned */
     struct place from;
