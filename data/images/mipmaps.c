@@ -2,9 +2,6 @@
 /* Levels of a texture for views from afar (Williams 1983: Pyramidal Parametrics). Sides are halved,
  * rounded down; a texel of a level averages the part of level 0 that it covers, at odd sizes with
  * parts of texels at its ends. Both the reference and OpenGL get these numbers. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "data/images/inside.h"
 
 static int halved(int side)

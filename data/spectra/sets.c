@@ -2,7 +2,6 @@
 /* Reads tables of samples: a sample a row, with the wavelengths in the heading; CGATS files
  * (CGATS.5, ISO 28178), as instruments and ArgyllCMS write them; spectra of IES TM-27. */
 #include <float.h>
-#include <strings.h>
 
 #include "data/spectra/inside.h"
 

@@ -1,15 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads tables of wavelengths and values, of all forms, and takes samples of them. */
-#include <float.h>
-
 #include "data/spectra/inside.h"
 
 /* ---- samples ---- */
 
 bool table_add_sample(struct table *table, struct error *err)
 {
-    const struct sample sample = {.n = 0};
-    return array_add(&table->sample, &table->n_samples, &sample, sizeof sample, err);
+    return array_add(&table->sample, &table->n_samples, NULL, sizeof *table->sample, err);
 }
 
 bool table_add_name(struct table *table, int sample, const struct word *name, bool own,
