@@ -6,6 +6,7 @@
 
 /* ---- what a line is ---- */
 
+enum { SAYS_NOTHING = 256 }; /* the cell is empty */
 struct line {
     struct table at;                  /* with its own separator */
     int n_cells, n_filled, n_columns; /* n_columns: up to the last that is filled */
@@ -14,6 +15,7 @@ struct line {
     bool is_units;   /* all cells name a unit, or wavelengths */
     double first;    /* its first number in nm, 0: below 100 nm; NAN: it begins with none */
     double last_nm;
+    unsigned says; /* its first cell */
 };
 
 /* Reads the cell of a wavelength, whose unit may stand behind a blank. */
@@ -40,6 +42,8 @@ static void line_add(struct line *line, const struct word *cell)
     line->n_filled += cell->length > 0;
     line->n_columns = cell->length > 0 ? line->n_cells : line->n_columns;
     line->n_numbers += number || (first && found > 0);
+    if (first)
+        line->says = cell->length > 0 ? meaning.says : (unsigned)SAYS_NOTHING;
     if (first && (number || found > 0))
         line->first = found;
     if (found == 0)
@@ -116,17 +120,12 @@ static bool find_order(const struct line *heading, bool *of_rows, struct error *
 {
     struct table rest = heading->at;
     struct line next;
-    struct word cell = {.length = 0};
-    struct meaning meaning;
     *of_rows = heading->n_nm > 1 && abs(heading->steps) == heading->n_nm - 1 && !is_row(heading) &&
                next_line(&rest, heading->at.separator, &next) && next.n_numbers > 0;
     if (!*of_rows || !is_row(&next))
         return true;
-    rest = heading->at;
-    line_cell(&rest, &cell);
-    heading_read(&cell, &meaning);
-    *of_rows = !(meaning.says & SAYS_WAVELENGTH);
-    return meaning.says & (SAYS_WAVELENGTH | SAYS_LABEL) || !(next.first >= 100) ||
+    *of_rows = !(heading->says & SAYS_WAVELENGTH);
+    return heading->says & (SAYS_WAVELENGTH | SAYS_LABEL) || !(next.first >= 100) ||
            error_at(err, text_place(&heading->at.text),
                     "the numbers of this heading may be wavelengths, if each row is a sample, or "
                     "names of columns; write 'name' before them, or 'wavelength'");
@@ -150,18 +149,12 @@ static bool refuse_row(const struct line *line, struct error *err)
 /* Refuses what may be a row whose wavelength is no number: its values would become names. */
 static bool check_names(const struct line *line, struct error *err)
 {
-    struct table rest = line->at;
-    struct word cell = {.length = 0};
-    struct meaning meaning;
     const struct text *text = &line->at.text;
     if (line->n_filled > 0 && line->n_numbers == line->n_filled &&
         memchr(text->line_start, '.', (size_t)(text->line_end - text->line_start)))
         return error_at(err, text_place(text), "expected a wavelength");
-    if (line->n_filled < 2 || line->n_numbers < line->n_filled - 1 || !line_cell(&rest, &cell))
-        return true;
-    heading_read(&cell, &meaning);
-    return cell.length == 0 || meaning.says & (SAYS_WAVELENGTH | SAYS_LABEL) ||
-           refuse_row(line, err);
+    return line->n_filled < 2 || line->n_numbers < line->n_filled - 1 ||
+           line->says & (SAYS_WAVELENGTH | SAYS_LABEL | SAYS_NOTHING) || refuse_row(line, err);
 }
 
 /* Finds which line is what. A line above the first row is a heading, unless it begins with a number
@@ -229,12 +222,10 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
     struct table rest = line->at;
     struct word cell, first = {.length = 0};
     struct meaning meaning;
-    const bool fits = line->n_columns <= n_columns;
-    bool leads = false;
+    const bool fits = line->n_columns <= n_columns, leads = line->says & SAYS_WAVELENGTH;
     for (int k = 0; line->n_cells > 0 && line_cell(&rest, &cell); k++) {
         first = k == 0 ? cell : first;
         heading_read(&cell, &meaning);
-        leads = leads || (k == 0 && meaning.says & SAYS_WAVELENGTH);
         if ((fits ? k == 0 : leads) && !read_unit(&cell, &table->to_nm, err))
             return false;
         if (k == 0 || !fits)
