@@ -15,7 +15,8 @@ struct line {
     bool is_units;   /* all cells name a unit, or wavelengths */
     double first;    /* its first number in nm, 0: below 100 nm; NAN: it begins with none */
     double last_nm;
-    unsigned says; /* its first cell */
+    unsigned says;    /* its first cell */
+    struct word said; /* the first cell that says percent, or another quantity */
 };
 
 /* Reads the cell of a wavelength, whose unit may stand behind a blank. */
@@ -46,6 +47,8 @@ static void line_add(struct line *line, const struct word *cell)
         line->says = cell->length > 0 ? meaning.says : (unsigned)SAYS_NOTHING;
     if (first && (number || found > 0))
         line->first = found;
+    if (line->said.length == 0 && meaning.says & (SAYS_PERCENT | SAYS_OTHER))
+        line->said = *cell;
     if (found == 0)
         return;
     if (line->n_nm++ > 0)
@@ -84,18 +87,11 @@ struct layout {
     bool of_rows;
 };
 
-/* Finds the first cell of a line that says percent, or another quantity, unless an earlier
- * line has one. */
-static void note_said(const struct line *line, struct word *says)
+/* Keeps what a line says, unless an earlier one has said something. */
+static void note_said(const struct line *line, struct word *above)
 {
-    struct table rest = line->at;
-    struct word cell;
-    struct meaning meaning;
-    while (line->n_cells > 0 && says->length == 0 && line_cell(&rest, &cell)) {
-        heading_read(&cell, &meaning);
-        if (meaning.says & (SAYS_PERCENT | SAYS_OTHER))
-            *says = cell;
-    }
+    if (above->length == 0)
+        *above = line->said;
 }
 
 /* Marks of Ocean Optics' programs stand around the rows, and DOS ends files with Ctrl-Z. */
