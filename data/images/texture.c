@@ -63,9 +63,14 @@ static bool find_extremes(struct texture *texture, struct error *err)
 
 /* A spectral texture loads three planes, with room for one more page, for the reference and for
  * OpenGL; OpenGL gets a copy of four floats a texel. */
-static bool open_pages(const char *path, struct place from, image_tags *read_tags,
-                       struct texture *out, struct error *err)
+bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
+                  struct error *err)
 {
+    *out = (struct texture){.linear = out->linear,
+                            .mipmapped = out->mipmapped,
+                            .spectral = out->spectral,
+                            .rgb = out->rgb,
+                            .reading = PTHREAD_MUTEX_INITIALIZER};
     const double floats = (out->spectral ? 2 * (TEXTURE_PLANES + 1) : 1) + 4;
     if (!file_expected(path, from, FILE_TEXTURE, err) ||
         !image_open(path, from, read_tags, &out->image, err))
@@ -97,17 +102,6 @@ static bool open_pages(const char *path, struct place from, image_tags *read_tag
                find_extremes(out, err) &&
                digest_note_open(path, out->image.file->client.descriptor, err);
     return false;
-}
-
-bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
-                  struct error *err)
-{
-    *out = (struct texture){.linear = out->linear,
-                            .mipmapped = out->mipmapped,
-                            .spectral = out->spectral,
-                            .rgb = out->rgb,
-                            .reading = PTHREAD_MUTEX_INITIALIZER};
-    return open_pages(path, from, read_tags, out, err);
 }
 
 /* Reads the plane of a wavelength. `other` is room for one more page. */
