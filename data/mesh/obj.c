@@ -167,15 +167,6 @@ struct vector obj_point(const struct obj *obj, int corner)
     return obj->list[OBJ_POINT].at[obj->corners[corner].index[OBJ_POINT]];
 }
 
-static bool check_indices(const struct obj *obj, struct error *err)
-{
-    for (int i = OBJ_POINT; i <= OBJ_NORMAL; i++)
-        if (obj->latest[i].end > obj->list[i].n)
-            return error_at(err, obj->latest[i].place, "%s %d does not exist: the file has %d",
-                            forms[i].item, (int)obj->latest[i].end, obj->list[i].n);
-    return true;
-}
-
 /* Finds a usemtl among the names, or adds it. */
 static bool find_name(struct obj *obj, const struct word *material, int32_t *out, struct error *err)
 {
@@ -226,8 +217,10 @@ static bool settle_faces(struct obj *obj, struct error *err)
 {
     const int n_faces = obj->n_faces;
     int32_t use = -1, name = -1;
-    if (!check_indices(obj, err))
-        return false;
+    for (int i = OBJ_POINT; i <= OBJ_NORMAL; i++)
+        if (obj->latest[i].end > obj->list[i].n)
+            return error_at(err, obj->latest[i].place, "%s %d does not exist: the file has %d",
+                            forms[i].item, (int)obj->latest[i].end, obj->list[i].n);
     obj->n_corners = obj->n_faces = 0;
     for (int k = 0; k < n_faces; k++) {
         const struct obj_face face = obj->faces[k];

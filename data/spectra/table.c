@@ -276,16 +276,6 @@ static bool take_channels(const struct table *table, const struct wanted *wanted
 
 /* ---- files ---- */
 
-static bool take_wanted(const struct table *table, const struct wanted *wanted,
-                        struct spectrum *out, struct error *err)
-{
-    int first;
-    bool done = choose(table, wanted, &first, err);
-    for (int i = 0; done && i < wanted->count; i++)
-        done = take(table, &table->sample[first + i], wanted, &out[i], err);
-    return done;
-}
-
 /* Finds a table among those that words of a text have named, or reads it. */
 static bool find_table(struct tables *tables, const char *path, struct place from,
                        const struct table **out, struct error *err)
@@ -320,9 +310,12 @@ static bool read_file(const char *path, const struct wanted *wanted, struct spec
 {
     struct tables own = {.n = 0}, *tables = wanted->table.tables ? wanted->table.tables : &own;
     const struct table *table;
-    const bool done = find_table(tables, path, wanted->table.place, &table, err) &&
-                      (detector ? take_channels(table, wanted, detector, err)
-                                : take_wanted(table, wanted, out, err));
+    int first = 0;
+    bool done = find_table(tables, path, wanted->table.place, &table, err) &&
+                (detector ? take_channels(table, wanted, detector, err)
+                          : choose(table, wanted, &first, err));
+    for (int i = 0; done && i < wanted->count; i++)
+        done = take(table, &table->sample[first + i], wanted, &out[i], err);
     tables_free(&own);
     return done;
 }
