@@ -471,16 +471,14 @@ bool image_open(const char *path, struct place from, image_tags *read_tags, stru
 {
     const char *format;
     *out = (struct image){.scale = 1};
-    bool done = string_copy(path, &out->path, err) &&
-                MAKE_ARRAY(out->file, 1, err, "the pages of %s", path);
-    if (done) {
-        out->file->from = from;
-        out->file->client.descriptor = -1;
-        done = file_format(path, &format, err) && refuse_foreign(out, format, err) &&
-               open_source(out, format, err) &&
-               (image_converts(format) || pages_read(out, read_tags, err));
-    }
-    return done;
+    if (!string_copy(path, &out->path, err) ||
+        !MAKE_ARRAY(out->file, 1, err, "the pages of %s", path))
+        return false;
+    out->file->from = from;
+    out->file->client.descriptor = -1;
+    return file_format(path, &format, err) && refuse_foreign(out, format, err) &&
+           open_source(out, format, err) &&
+           (image_converts(format) || pages_read(out, read_tags, err));
 }
 
 bool image_has_alpha(const struct image *image)

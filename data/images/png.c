@@ -54,18 +54,6 @@ static bool put_chunk(struct png *png, const char *type, const void *bytes, size
 
 /* ---- before the pixels ---- */
 
-static bool put_header(struct png *png, const struct picture_options *options, struct error *err)
-{
-    static const unsigned char signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    unsigned char header[13] = {0};
-    put_number((uint32_t)options->width, header);
-    put_number((uint32_t)options->height, header + 4);
-    header[8] = (unsigned char)(8 * png->pixel_bytes / CHANNELS);
-    header[9] = 2; /* RGB; compression, filters and interlacing are 0, the usual ones */
-    return put_bytes(png, signature, sizeof signature, err) &&
-           put_chunk(png, "IHDR", header, sizeof header, err);
-}
-
 /* Writes a chunk of what has been printed, and frees it. */
 static bool put_printed(struct png *png, const char *type, struct printed *printed,
                         struct error *err)
@@ -103,7 +91,14 @@ static bool put_text(struct png *png, const char *keyword, const char *text, str
 
 static bool put_head(struct png *png, const struct picture_options *options, struct error *err)
 {
-    return put_header(png, options, err) &&
+    static const unsigned char signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    unsigned char header[13] = {0};
+    put_number((uint32_t)options->width, header);
+    put_number((uint32_t)options->height, header + 4);
+    header[8] = (unsigned char)(8 * png->pixel_bytes / CHANNELS);
+    header[9] = 2; /* RGB; compression, filters and interlacing are 0, the usual ones */
+    return put_bytes(png, signature, sizeof signature, err) &&
+           put_chunk(png, "IHDR", header, sizeof header, err) &&
            (options->srgb      ? put_chunk(png, "sRGB", "", 1, err) /* 0: the perceptual intent */
             : options->profile ? put_profile(png, options, err)
                                : true) &&

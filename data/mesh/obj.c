@@ -41,17 +41,8 @@ static bool is_no_number(const struct word *word)
                                  strncasecmp(at, "ind", 3) == 0 || strncasecmp(at, "qnan", 4) == 0);
 }
 
-/* Reads a number. Refuses one above the largest single-precision number, which OpenGL could not
- * draw. A word for no number becomes NaN, but not in a position. */
-static bool read_coordinate(const struct word *word, bool of_position, double *out,
-                            struct error *err)
-{
-    *out = (double)NAN;
-    return (!of_position && is_no_number(word)) ||
-           word_number(word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, out, err);
-}
-
-/* Reads the numbers of v, vt or vn. */
+/* Reads the numbers of v, vt or vn. Refuses one above the largest single-precision number, which
+ * OpenGL could not draw. A word for no number becomes NaN, but not in a position. */
 static bool read_item(struct text *text, const struct list_form *form, struct obj_list *list,
                       struct error *err)
 {
@@ -62,7 +53,9 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
         if (n == form->most)
             return error_at(err, word.place, "too many numbers: %s takes at most %d", form->name,
                             form->most);
-        if (!read_coordinate(&word, form == &forms[OBJ_POINT] && n < 3, &number[n], err))
+        number[n] = (double)NAN;
+        if (((form == &forms[OBJ_POINT] && n < 3) || !is_no_number(&word)) &&
+            !word_number(&word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, &number[n], err))
             return false;
     }
     if (n < form->least)
