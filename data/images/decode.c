@@ -154,18 +154,13 @@ static bool page_turn(const struct image *image, int page, struct error *err)
 
 /* ---- values ---- */
 
-static double stored_at(const struct sample_layout *layout, const void *samples, size_t at)
-{
-    if (layout->bits == 8)
-        return ((const uint8_t *)samples)[at];
-    return layout->bits == 16 ? ((const uint16_t *)samples)[at]
-                              : (double)((const float *)samples)[at];
-}
-
 /* Returns a linear sample. */
 static double sample_at(const struct sample_layout *layout, const void *samples, size_t at)
 {
-    const double stored = stored_at(layout, samples, at), largest = layout->largest;
+    const double stored = layout->bits == 8    ? ((const uint8_t *)samples)[at]
+                          : layout->bits == 16 ? ((const uint16_t *)samples)[at]
+                                               : (double)((const float *)samples)[at];
+    const double largest = layout->largest;
     return layout->gamma == 0 ? stored : largest * linear_value(layout->gamma, stored / largest);
 }
 

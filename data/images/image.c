@@ -390,17 +390,6 @@ bool image_is(const char *path, bool *out, struct error *err)
     return done;
 }
 
-/* Returns the names of the picture and of the TIFF file that it is to become, for a shell. */
-static char *names_of_conversion(const char *path, struct error *err)
-{
-    struct printed to = {.text = NULL};
-    char *name = output_name(path, ".tif", err);
-    print_shell(&to, path);
-    print_shell(&to, name ? name : "picture.tif");
-    free(name);
-    return printed_take(&to, err);
-}
-
 /* Refuses a picture of another format, with the command that converts it. GDAL's options write a
  * cube's samples of any type, times their gains, as floats. */
 static bool refuse_foreign(const struct image *image, const char *format, struct error *err)
@@ -414,8 +403,14 @@ static bool refuse_foreign(const struct image *image, const char *format, struct
     if (!format_is_picture(format))
         return error_at(err, from, "%s has the format %s; expected TIFF", path, format);
     const bool is_cube = strcmp(format, "ENVI") == 0;
-    char *data = is_cube ? envi_data(path) : strdup(path);
-    char *names = data ? names_of_conversion(data, err) : NULL;
+    char *data = is_cube ? envi_data(path) : strdup(path), *names = NULL;
+    char *converted = data ? output_name(data, ".tif", err) : NULL;
+    struct printed shell = {.text = NULL};
+    if (converted) {
+        print_shell(&shell, data);
+        print_shell(&shell, converted);
+        names = printed_take(&shell, err);
+    }
     if (!names)
         memory_lacks(err, (double)strlen(path), "the name of %s", path);
     else if (is_cube && !file_format(data, &format, err))
@@ -431,7 +426,7 @@ static bool refuse_foreign(const struct image *image, const char *format, struct
     else
         error_at(err, from, "%s is a %s file; expected TIFF, as 'convert%s' of ImageMagick writes",
                  path, format, names);
-    FREE_ALL(data, names);
+    FREE_ALL(data, converted, names);
     return false;
 }
 

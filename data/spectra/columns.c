@@ -199,17 +199,6 @@ bool columns_found(struct text text)
 
 /* ---- headings ---- */
 
-/* Takes what a cell above the wavelengths says: their unit. */
-static bool read_unit(const struct word *cell, double *to_nm, struct error *err)
-{
-    struct meaning meaning;
-    heading_read(cell, &meaning);
-    *to_nm *= meaning.to_nm;
-    return !meaning.advice ||
-           error_at(err, cell->place, "'%.*s' is no wavelength; wavelengths in nm are %s",
-                    word_shown(cell), cell->start, meaning.advice);
-}
-
 /* Takes what a heading says of each column. Where its cells do not fit the columns none is a name,
  * and one is the unit of the wavelengths, if the first speaks of these. */
 static bool read_heading(struct table *table, const struct line *line, int n_columns, bool names,
@@ -222,8 +211,11 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
     for (int k = 0; line->n_cells > 0 && line_cell(&rest, &cell); k++) {
         first = k == 0 ? cell : first;
         heading_read(&cell, &meaning);
-        if ((fits ? k == 0 : leads) && !read_unit(&cell, &table->to_nm, err))
-            return false;
+        const bool of_wavelengths = fits ? k == 0 : leads;
+        table->to_nm *= of_wavelengths ? meaning.to_nm : 1;
+        if (of_wavelengths && meaning.advice)
+            return error_at(err, cell.place, "'%.*s' is no wavelength; wavelengths in nm are %s",
+                            word_shown(&cell), cell.start, meaning.advice);
         if (k == 0 || !fits)
             continue;
         if (names && meaning.says & SAYS_WAVELENGTH && rest.separator != ' ')
