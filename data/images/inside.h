@@ -79,11 +79,12 @@ bool image_layout(const struct image *image, int page, struct sample_layout *out
 /* decode.c: returns whether a block, a tile or a strip, has neither bytes nor a place. */
 bool block_is_missing(struct tiff *tiff, uint32_t block);
 
-/* mipmaps.c: returns how many levels a texture of this size has, and counts their texels. */
-int mipmap_levels(int width, int height, size_t *texels);
-/* Makes all levels behind the first one: each texel is the average of the part of level 0 that it
- * covers, summed in double precision and rounded once. */
-void mipmaps_make(float *plane, int width, int height, int n_levels);
+/* mipmaps.c: sets the number of levels of a texture whose picture is open, and of the texels of a
+ * plane. */
+void mipmaps_count(struct texture *texture);
+/* Makes all levels of a plane behind the first one: each texel is the average of the part of level
+ * 0 that it covers, summed in double precision and rounded once. */
+void mipmaps_make(const struct texture *texture, float *plane);
 
 /* image.c: makes pages at rgb_knot_nm of a picture of one page. */
 bool image_spread(struct image *image, struct error *err);
