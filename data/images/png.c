@@ -13,7 +13,6 @@ struct png {
     struct output *output;  /* the picture writer's */
     struct printed *memory; /* takes the bytes in its place; NULL: none */
     z_stream stream;
-    bool deflating; /* the stream is open */
     size_t pixel_bytes, row_bytes;
     unsigned char *row; /* filtered, behind the number of the filter; owned */
     unsigned char packed[CHUNK_BYTES];
@@ -175,10 +174,10 @@ bool png_open(struct png **out, struct output *output, const char *path,
     png->memory = options->memory;
     png->pixel_bytes = (size_t)CHANNELS * ((size_t)options->bits / 8);
     png->row_bytes = png->pixel_bytes * (size_t)options->width;
-    png->deflating = deflateInit(&png->stream, LEVEL) == Z_OK;
     png->stream.next_out = png->packed;
     png->stream.avail_out = sizeof png->packed;
-    if ((png->deflating || memory_lacks(err, 0, "zlib, which writes %s", path)) &&
+    if ((deflateInit(&png->stream, LEVEL) == Z_OK ||
+         memory_lacks(err, 0, "zlib, which writes %s", path)) &&
         MAKE_ARRAY(png->row, png->row_bytes + 1, err, "a row of a PNG file") &&
         (options->memory || output_open(output, path, err)) && put_head(png, options, err)) {
         png->row[0] = FILTER_SUB;
@@ -199,7 +198,6 @@ void png_free(struct png *png)
 {
     if (!png)
         return;
-    if (png->deflating)
-        deflateEnd(&png->stream);
+    deflateEnd(&png->stream); /* does nothing to a stream that did not open */
     FREE_ALL(png->row, png);
 }
