@@ -83,6 +83,7 @@ static bool is_row(const struct line *line)
 struct layout {
     struct line first;        /* the first row, or, `of_rows`, the heading of its wavelengths */
     struct line names, units; /* the headings above it */
+    struct line broken;       /* the first that begins with a number and is no row */
     struct word above;        /* what lines above these say: see struct sample */
     bool of_rows;
 };
@@ -168,6 +169,8 @@ static bool find_layout(struct table table, struct layout *out, struct error *er
         }
         if (!isnan(line.first) && line.n_numbers > 1)
             return refuse_row(&line, err);
+        if (!isnan(line.first) && out->broken.n_cells == 0)
+            out->broken = line;
         if (line.is_units && out->names.n_cells > 1) {
             out->units = line;
             continue;
@@ -304,8 +307,7 @@ bool columns_read(struct table *table, struct error *err)
     if (!find_layout(*table, &layout, err))
         return false;
     if (first->n_cells == 0)
-        return layout.names.n_cells == 0 || isnan(layout.names.first) ||
-               refuse_row(&layout.names, err);
+        return layout.broken.n_cells == 0 || refuse_row(&layout.broken, err);
     if (layout.names.n_columns > first->n_columns)
         note_said(&layout.names, &layout.above);
     table->text = first->at.text;

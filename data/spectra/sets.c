@@ -205,7 +205,10 @@ bool cgats_read(struct table *table, struct error *err)
 static void spread_words(char *at)
 {
     for (bool comment = false; *at; at++) {
-        comment = comment ? strncmp(at - 2, "-->", 3) != 0 : strncmp(at, "<!--", 4) == 0;
+        if (strncmp(at, comment ? "-->" : "<!--", comment ? 3 : 4) == 0) {
+            comment = !comment;
+            memset(at, ' ', 3);
+        }
         if (comment ? !strchr("\r\n", *at) : strchr("=\"'#>", *at) || strncmp(at, "</", 2) == 0)
             *at = ' ';
     }
