@@ -255,7 +255,7 @@ static bool check_shares(const struct matrix_table *table, const struct spectrum
 bool donaldson_read(const char *path, struct place from, bool densities, struct spectrum *diffuse,
                     struct donaldson *out, struct error *err)
 {
-    struct matrix_table table = {.out = out, .densities = densities, .diagonal.place = from};
+    struct matrix_table table = {.out = out, .densities = densities};
     struct word word;
     *out = (struct donaldson){.share = NULL};
     if (!text_open(&table.text, path, from, TEXT_LARGE, err))
@@ -266,6 +266,7 @@ bool donaldson_read(const char *path, struct place from, bool densities, struct 
         done = !text_word(&table.text, &word) || read_row(&table, &word, err);
     if (done && densities)
         make_shares(out);
+    table.diagonal.place = from; /* its own ends with the text */
     done = done && take_diagonal(&table, diffuse, err) && check_shares(&table, diffuse, err);
     spectrum_free(&table.diagonal);
     text_free(&table.text);
