@@ -24,7 +24,7 @@ bool spectra_read(const char *name, int n, struct spectrum *out, struct detector
 
 /* ---- heading.c: what a cell of a heading says ---- */
 
-/* What a cell names, as bits: wavelengths; a unit; names of samples; those, or numbers or places of
+/* A cell names, as bits: wavelengths; a unit; names of samples; those, or numbers or places of
  * samples; values in percent. Then one quantity: reflectance or transmittance; radiance or counts;
  * neither, as absorbance, a density, K/S. */
 enum { SAYS_WAVELENGTH = 1, SAYS_UNIT = 2, SAYS_NAME = 4, SAYS_LABEL = 8, SAYS_PERCENT = 16 };
