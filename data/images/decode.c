@@ -12,7 +12,7 @@
 struct stored_rows {
     const struct image *image;
     int page;
-    struct sample_layout layout;
+    const struct sample_layout *layout; /* of this page */
     uint32_t first, n;
     char *samples, *tile;
 };
@@ -35,7 +35,7 @@ bool image_read_bytes(const struct image *image, uint64_t offset, size_t length,
 /* Reads rows that lie one after the other. */
 static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, struct error *err)
 {
-    const struct sample_layout *layout = &of->layout;
+    const struct sample_layout *layout = of->layout;
     TIFF *tiff = of->image->tiff; /* NULL: samples of another format are big-endian */
     const bool swapped = tiff ? TIFFIsByteSwapped(tiff) : !machine_is_big_endian();
     const size_t length = of->n * layout->row_bytes;
@@ -88,15 +88,15 @@ static bool block_decode(const struct stored_rows *of, uint32_t block, char *out
     memset(out, 0, bytes);
     return block_is_missing(tiff, block) ||
            is_decoded(of,
-                      (of->layout.tiled ? TIFFReadEncodedTile
-                                        : TIFFReadEncodedStrip)(tiff, block, out, (tmsize_t)bytes),
+                      (of->layout->tiled ? TIFFReadEncodedTile
+                                         : TIFFReadEncodedStrip)(tiff, block, out, (tmsize_t)bytes),
                       err);
 }
 
 /* Decodes the tiles that contain the rows, and joins them. */
 static bool tiles_decode(const struct stored_rows *of, uint16_t plane, char *out, struct error *err)
 {
-    const struct sample_layout *layout = &of->layout;
+    const struct sample_layout *layout = of->layout;
     const size_t pixel_bytes = layout->row_bytes / layout->width;
     for (uint32_t x = 0; x < layout->width; x += layout->block_width) {
         const size_t length = least(layout->width - x, layout->block_width) * pixel_bytes;
@@ -114,7 +114,7 @@ static bool tiles_decode(const struct stored_rows *of, uint16_t plane, char *out
  * or a tile as a whole. */
 static bool rows_read(struct stored_rows *of, uint32_t y, uint32_t end, struct error *err)
 {
-    const struct sample_layout *layout = &of->layout;
+    const struct sample_layout *layout = of->layout;
     const bool plain = layout->rows_offset > 0;
     bool good = true;
     of->first = plain ? y : y - y % layout->block_height;
@@ -154,24 +154,20 @@ static bool page_turn(const struct image *image, int page, struct error *err)
 
 /* ---- values ---- */
 
-static double stored_at(const struct sample_layout *layout, const void *samples, size_t at)
-{
-    if (layout->bits == 8)
-        return ((const uint8_t *)samples)[at];
-    return layout->bits == 16 ? ((const uint16_t *)samples)[at]
-                              : (double)((const float *)samples)[at];
-}
-
 /* Returns a linear sample. */
 static double sample_at(const struct sample_layout *layout, const void *samples, size_t at)
 {
-    const double stored = stored_at(layout, samples, at), largest = layout->largest;
+    const double stored = layout->bits == 8    ? ((const uint8_t *)samples)[at]
+                          : layout->bits == 16 ? ((const uint16_t *)samples)[at]
+                                               : (double)((const float *)samples)[at];
+    const double largest = layout->largest;
     return layout->gamma == 0 ? stored : largest * linear_value(layout->gamma, stored / largest);
 }
 
 /* Returns a value from 0 to 1, or a float sample. The sum of RGB is a whole number, so that three
  * equal samples give exactly the value of one. */
-static double pixel_value(const struct stored_rows *of, size_t pixel)
+static double pixel_value(const struct stored_rows *of, const struct sample_layout *layout,
+                          size_t pixel)
 {
     static const int grey[] = {1};
     static const int colours[][3] = {/* ITU-R BT.709-6, item 3.2, in 1/10000; one colour alone */
@@ -179,16 +175,15 @@ static double pixel_value(const struct stored_rows *of, size_t pixel)
                                      {1, 0, 0},
                                      {0, 1, 0},
                                      {0, 0, 1}};
-    const struct sample_layout *layout = &of->layout;
-    const double first = sample_at(layout, of->samples, pixel * layout->pixel_step);
+    const size_t at = pixel * layout->pixel_step + layout->sample;
+    const double first = sample_at(layout, of->samples, at);
     if (layout->has_nodata && (first == layout->nodata || (isnan(first) && isnan(layout->nodata))))
         return 0;
     const int *parts = layout->n_colours == 1 ? grey : colours[layout->colour];
     const size_t colour_step = layout->n_planes > 1 ? (size_t)of->n * layout->width : 1;
     double sum = 0, white = 0;
     for (size_t i = 0; i < layout->n_colours; i++) {
-        sum +=
-            parts[i] * sample_at(layout, of->samples, i * colour_step + pixel * layout->pixel_step);
+        sum += parts[i] * sample_at(layout, of->samples, at + i * colour_step);
         white += parts[i] * layout->largest;
     }
     return (layout->inverted ? white - sum : sum) / white;
@@ -202,53 +197,34 @@ static void counts_place(const uint16_t *counts, size_t n, double scale, float *
         out[i] = (float)(counts[i] / 65535.0 * scale);
 }
 
-/* Writes the values of n rows from row y on. These rows have been read. */
-static bool values_place(const struct stored_rows *of, uint32_t y, uint32_t n, float *out,
-                         struct error *err)
+/* Writes the values of n rows from row y on, which have been read. The page may be another band of
+ * these rows. */
+static void values_place(const struct stored_rows *of, int page, uint32_t y, uint32_t n, float *out)
 {
-    const struct sample_layout *layout = &of->layout;
+    const struct sample_layout *layout = &of->image->file->pages[page];
     const size_t width = layout->width, before = (y - of->first) * width;
     const double scale = of->image->scale;
     if (layout->bits == 16 && layout->n_colours == 1 && layout->pixel_step == 1 &&
-        !layout->inverted && !layout->has_nodata && layout->gamma == 0 &&
-        scale <= (double)FLT_MAX) {
+        !layout->inverted && !layout->has_nodata && layout->gamma == 0)
         counts_place((const uint16_t *)(const void *)of->samples + before, n * width, scale, out);
-        return true;
-    }
-    for (size_t i = 0; i < n * width; i++) {
-        const double value = pixel_value(of, before + i) * scale;
-        if (!(value >= 0 && value <= (double)FLT_MAX))
+    else
+        for (size_t i = 0; i < n * width; i++)
+            out[i] = (float)(pixel_value(of, layout, before + i) * scale);
+}
+
+static bool values_check(const struct image *image, const struct page_rows *of, struct error *err)
+{
+    const size_t width = image->file->pages->width;
+    if (image->file->pages->bits < 32 && image->scale <= (double)FLT_MAX)
+        return true; /* whole numbers are neither negative nor too large */
+    for (size_t i = 0; i < of->n * width; i++)
+        if (!(of->values[i] >= 0 && of->values[i] <= FLT_MAX))
             return image_refuse(
-                of->image, of->page, err,
+                image, of->page, err,
                 "the radiance at column %zu, row %zu is %g; expected a finite number that"
                 " is not negative",
-                i % width, y + i / width, value);
-        out[i] = (float)value;
-    }
+                i % width, of->y + i / width, (double)of->values[i]);
     return true;
-}
-
-/* ---- bands side by side ---- */
-
-static char *band_at(const struct kept_bands *kept, int band)
-{
-    return kept->samples + (size_t)(band - kept->first_page) * kept->band_bytes;
-}
-
-/* Copies n rows from row y on, which have been read, into each band that is kept. */
-static void bands_place(const struct stored_rows *of, uint32_t y, uint32_t n)
-{
-    const struct kept_bands *kept = &of->image->file->kept;
-    const size_t width = of->layout.width, step = of->layout.pixel_step;
-    const size_t bytes = of->layout.bits / 8u;
-    for (uint32_t row = y; row < y + n; row++)
-        for (int band = kept->first_page; band < kept->end_page; band++) {
-            const char *in =
-                of->samples + ((row - of->first) * width * step + (size_t)band) * bytes;
-            char *out = band_at(kept, band) + (row - kept->first_row) * width * bytes;
-            for (size_t i = 0; i < width; i++)
-                memcpy(out + i * bytes, in + i * step * bytes, bytes);
-        }
 }
 
 /* ---- reading ---- */
@@ -256,7 +232,7 @@ static void bands_place(const struct stored_rows *of, uint32_t y, uint32_t n)
 /* Allocates room for stored rows, if n are wanted, and for a tile. */
 static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
 {
-    const struct sample_layout *layout = &of->layout;
+    const struct sample_layout *layout = of->layout;
     const size_t rows = least(layout->block_height, layout->rows_offset > 0 ? n : layout->height);
     const double bytes = (double)layout->row_bytes * (double)rows * layout->n_planes;
     return memory_suffices(bytes + (layout->tiled ? (double)layout->block_bytes : 0),
@@ -267,64 +243,60 @@ static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
             MAKE_ARRAY(of->tile, layout->block_bytes, err, "a tile of %s", of->image->path));
 }
 
-/* Reads n rows of a page from row y on into `out`, or, if that is NULL, into the kept bands. */
-static bool page_read(struct stored_rows *of, uint32_t y, uint32_t n, float *out, struct error *err)
+/* Reads rows of pages, which have the same samples: they are bands of the same rows, or one page.
+ */
+static bool values_read(const struct image *image, const struct page_rows *to, struct error *err)
 {
-    const struct sample_layout *layout = &of->layout;
-    struct image_file *file = of->image->file;
-    const uint32_t first = y, end = y + n;
+    struct image_file *file = image->file;
+    struct stored_rows of = {.image = image, .page = to->page, .layout = &file->pages[to->page]};
+    const size_t width = of.layout->width;
+    const uint32_t end = to->y + to->n;
     errno = 0;
-    bool good = page_turn(of->image, of->page, err) && rows_allocate(of, n, err);
+    bool good = page_turn(image, to->page, err) && rows_allocate(&of, to->n, err);
     file->client.message[0] = '\0';
     file->client.decoding = true;
-    for (; good && y < end; y += n) {
-        good = rows_read(of, y, end, err);
-        n = (uint32_t)least(of->first + of->n, end) - y;
-        if (good && out == NULL)
-            bands_place(of, y, n);
-        else if (good)
-            good = values_place(of, y, n, out + (y - first) * (size_t)layout->width, err);
+    for (uint32_t y = to->y, n; good && y < end; y += n) {
+        float *out = to->values + (y - to->y) * width;
+        good = rows_read(&of, y, end, err);
+        n = (uint32_t)least(of.first + of.n, end) - y;
+        for (int page = to->page; good && page < to->end_page; page++, out += to->n * width)
+            values_place(&of, page, y, n, out);
     }
     file->client.decoding = false;
-    FREE_ALL(of->samples, of->tile);
+    FREE_ALL(of.samples, of.tile);
     return good;
 }
 
-/* Keeps n rows from row y on of a band, and of as many bands behind it as there is room for. */
-static bool bands_keep(struct stored_rows of, uint32_t y, uint32_t n, struct error *err)
+/* Reads rows of a band, and keeps those of as many bands behind it as there is room for: in the
+ * file the bands lie side by side. */
+static bool band_read(const struct image *image, const struct page_rows *to, struct error *err)
 {
     const size_t room = (size_t)1 << 28; /* or one band, if that is larger */
-    struct kept_bands *kept = &of.image->file->kept;
-    const size_t bytes = (size_t)n * of.layout.width * (of.layout.bits / 8);
-    const size_t bands =
-        least(bytes < room ? room / bytes : 1, (size_t)(of.image->n_pages - of.page));
-    if (of.page >= kept->first_page && of.page < kept->end_page && y >= kept->first_row &&
-        y + n <= kept->first_row + kept->n_rows)
-        return true;
-    free(kept->samples);
-    *kept = (struct kept_bands){y, n, of.page, of.page + (int)bands, bytes, NULL};
-    if (MAKE_ARRAY(kept->samples, (uint64_t)bands * bytes, err, "bands of %s", of.image->path) &&
-        page_read(&of, y, n, NULL, err))
-        return true;
-    free(kept->samples);
-    *kept = (struct kept_bands){.samples = NULL};
-    return false;
+    struct page_rows *kept = &image->file->kept;
+    const size_t size = to->n * (size_t)image->width, bytes = size * sizeof(float);
+    if (to->page < kept->page || to->page >= kept->end_page || to->y != kept->y ||
+        to->n != kept->n) {
+        const size_t bands =
+            least(bytes < room ? room / bytes : 1, (size_t)(image->n_pages - to->page));
+        free(kept->values);
+        *kept = (struct page_rows){to->y, to->n, to->page, to->page + (int)bands, NULL};
+        if (!MAKE_ARRAY(kept->values, bands * size, err, "bands of %s", image->path) ||
+            !values_read(image, kept, err)) {
+            kept->end_page = to->page;
+            return false;
+        }
+    }
+    memcpy(to->values, kept->values + (size_t)(to->page - kept->page) * size, bytes);
+    return true;
 }
 
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
 {
-    const struct kept_bands *kept = &image->file->kept;
-    const uint32_t first = (uint32_t)y, n = (uint32_t)rows;
-    struct stored_rows of = {.image = image, .page = page, .layout = image->file->pages[page]};
-    if (of.layout.n_bands == 1 || of.layout.pixel_step == 1)
-        return page_read(&of, first, n, out, err);
-    if (!bands_keep(of, first, n, err))
-        return false;
-    of.layout.pixel_step = 1;
-    of.first = kept->first_row;
-    of.n = kept->n_rows;
-    of.samples = band_at(kept, page);
-    return values_place(&of, first, n, out, err);
+    const struct sample_layout *layout = &image->file->pages[page];
+    const struct page_rows to = {(uint32_t)y, (uint32_t)rows, page, page + 1, out};
+    const bool side_by_side = layout->n_bands > 1 && layout->pixel_step > 1;
+    return (side_by_side ? band_read : values_read)(image, &to, err) &&
+           values_check(image, &to, err);
 }
 
 /* ---- raw samples ---- */

@@ -281,7 +281,7 @@ static bool page_add(struct image *image, int band, const struct page_record *re
     struct sample_layout *pages = file->pages, *layout = &pages[page];
     if (band > 0) {
         *layout = pages[0];
-        layout->plane = (uint16_t)(layout->pixel_step == 1 ? band : 0);
+        *(layout->pixel_step == 1 ? &layout->plane : &layout->sample) = (uint16_t)band;
     } else if (!image_layout(image, page, layout, err)) {
         return false;
     }
@@ -390,17 +390,6 @@ bool image_is(const char *path, bool *out, struct error *err)
     return done;
 }
 
-/* Returns the names of the picture and of the TIFF file that it is to become, for a shell. */
-static char *names_of_conversion(const char *path, struct error *err)
-{
-    struct printed to = {.text = NULL};
-    char *name = output_name(path, ".tif", err);
-    print_shell(&to, path);
-    print_shell(&to, name ? name : "picture.tif");
-    free(name);
-    return printed_take(&to, err);
-}
-
 /* Refuses a picture of another format, with the command that converts it. GDAL's options write a
  * cube's samples of any type, times their gains, as floats. */
 static bool refuse_foreign(const struct image *image, const char *format, struct error *err)
@@ -414,7 +403,13 @@ static bool refuse_foreign(const struct image *image, const char *format, struct
     const bool is_cube = strcmp(format, "ENVI") == 0;
     if (!is_cube && !format_is_picture(format))
         return error_at(err, from, "%s has the format %s; expected TIFF", path, format);
-    char *names = names_of_conversion(path, err);
+    char *converted = output_name(path, ".tif", err), *names = NULL;
+    struct printed shell = {.text = NULL};
+    if (converted) {
+        print_shell(&shell, path);
+        print_shell(&shell, converted);
+        names = printed_take(&shell, err);
+    }
     if (names && is_cube)
         error_at(err, from,
                  "%s is an ENVI cube; expected TIFF, as GDAL writes by: gdal_translate -unscale"
@@ -423,7 +418,7 @@ static bool refuse_foreign(const struct image *image, const char *format, struct
     else if (names)
         error_at(err, from, "%s is a %s file; expected TIFF, as 'convert%s' of ImageMagick writes",
                  path, format, names);
-    free(names);
+    FREE_ALL(converted, names);
     return false;
 }
 
@@ -463,16 +458,14 @@ bool image_open(const char *path, struct place from, image_tags *read_tags, stru
 {
     const char *format;
     *out = (struct image){.scale = 1};
-    bool done = string_copy(path, &out->path, err) &&
-                MAKE_ARRAY(out->file, 1, err, "the pages of %s", path);
-    if (done) {
-        out->file->from = from;
-        out->file->client.descriptor = -1;
-        done = file_format(path, &format, err) && refuse_foreign(out, format, err) &&
-               open_source(out, format, err) &&
-               (image_converts(format) || pages_read(out, read_tags, err));
-    }
-    return done;
+    if (!string_copy(path, &out->path, err) ||
+        !MAKE_ARRAY(out->file, 1, err, "the pages of %s", path))
+        return false;
+    out->file->from = from;
+    out->file->client.descriptor = -1;
+    return file_format(path, &format, err) && refuse_foreign(out, format, err) &&
+           open_source(out, format, err) &&
+           (image_converts(format) || pages_read(out, read_tags, err));
 }
 
 bool image_has_alpha(const struct image *image)
@@ -494,7 +487,7 @@ void image_close(struct image *image)
             TIFFClose(image->tiff);
         if (file->client.descriptor >= 0)
             close(file->client.descriptor);
-        FREE_ALL(file->pixels, file->pages, file->kept.samples, file);
+        FREE_ALL(file->pixels, file->pages, file->kept.values, file);
     }
     FREE_ALL(image->path, image->description, image->verdict, image->wavelengths_nm);
     *image = (struct image){0};

@@ -14,6 +14,7 @@ struct sample_layout {
     uint16_t bits, n_samples, n_colours, n_planes;
     uint16_t n_bands; /* pages of its directory */
     uint16_t plane;   /* the first of n_planes */
+    uint16_t sample;  /* the first of a pixel there */
     uint16_t colour;  /* of RGB, the one that the page is: 1 red, 2 green, 3 blue; 0: their luma */
     uint64_t block_bytes;
     size_t pixel_step;    /* samples of a pixel in a plane */
@@ -25,12 +26,11 @@ struct sample_layout {
     bool has_nodata;
     double nodata; /* see struct page_record */
 };
-/* Rows of some bands as stored, but band after band. In the file the bands lie side by side. */
-struct kept_bands {
-    uint32_t first_row, n_rows;
-    int first_page, end_page;
-    size_t band_bytes;
-    char *samples;
+/* The values of n rows from row y on of some pages, page after page. */
+struct page_rows {
+    uint32_t y, n;
+    int page, end_page;
+    float *values;
 };
 /* A file as libtiff reads or writes it. */
 struct client {
@@ -47,8 +47,8 @@ struct image_file {
     struct client client;
     double count_scale; /* radiance of a count, by the tags of page 0 */
     struct sample_layout *pages;
-    uint64_t directory; /* where libtiff is; 0: at none of the pages */
-    struct kept_bands kept;
+    uint64_t directory;            /* where libtiff is; 0: at none of the pages */
+    struct page_rows kept;         /* of bands, which lie side by side in the file; owned */
     struct builtin_file converted; /* what client reads of another format */
     unsigned char *pixels;         /* its bytes; owned */
     struct place from;
@@ -79,11 +79,12 @@ bool image_layout(const struct image *image, int page, struct sample_layout *out
 /* decode.c: returns whether a block, a tile or a strip, has neither bytes nor a place. */
 bool block_is_missing(struct tiff *tiff, uint32_t block);
 
-/* mipmaps.c: returns how many levels a texture of this size has, and counts their texels. */
-int mipmap_levels(int width, int height, size_t *texels);
-/* Makes all levels behind the first one: each texel is the average of the part of level 0 that it
- * covers, summed in double precision and rounded once. */
-void mipmaps_make(float *plane, int width, int height, int n_levels);
+/* mipmaps.c: sets the number of levels of a texture whose picture is open, and of the texels of a
+ * plane. */
+void mipmaps_count(struct texture *texture);
+/* Makes all levels of a plane behind the first one: each texel is the average of the part of level
+ * 0 that it covers, summed in double precision and rounded once. */
+void mipmaps_make(const struct texture *texture, float *plane);
 
 /* image.c: makes pages at rgb_knot_nm of a picture of one page. */
 bool image_spread(struct image *image, struct error *err);
@@ -95,10 +96,8 @@ bool png_open(struct png **out, struct output *output, const char *path,
 bool png_write(struct png *png, const void *samples, int rows, struct error *err);
 bool png_finish(struct png *png, struct error *err);
 void png_free(struct png *png); /* NULL is fine */
-/* The filters; each predicts a byte from its neighbours. The last one takes that of them which is
- * nearest to left + above - corner. */
+/* The filters; each predicts a byte from its neighbours. */
 enum { FILTER_NONE, FILTER_SUB, FILTER_UP, FILTER_AVERAGE, FILTER_PAETH, FILTERS };
-int png_paeth(int left, int above, int corner);
 
 /* foreign.c: decodes an open file of such a format, and lets its client read the samples. */
 bool foreign_read(struct image *image, const char *format, struct error *err);

@@ -2,9 +2,6 @@
 /* Levels of a texture for views from afar (Williams 1983: Pyramidal Parametrics). Sides are halved,
  * rounded down; a texel of a level averages the part of level 0 that it covers, at odd sizes with
  * parts of texels at its ends. Both the reference and OpenGL get these numbers. */
-#include <math.h>
-#include <stdlib.h>
-
 #include "data/images/inside.h"
 
 static int halved(int side)
@@ -12,16 +9,16 @@ static int halved(int side)
     return side > 1 ? side / 2 : 1;
 }
 
-int mipmap_levels(int width, int height, size_t *texels)
+void mipmaps_count(struct texture *texture)
 {
-    int n = 1;
-    *texels = (size_t)width * (size_t)height;
-    for (; width > 1 || height > 1; n++) {
+    int width = texture->image.width, height = texture->image.height;
+    texture->n_levels = 1;
+    texture->plane_size = (size_t)width * (size_t)height;
+    for (; texture->mipmapped && (width > 1 || height > 1); texture->n_levels++) {
         width = halved(width);
         height = halved(height);
-        *texels += (size_t)width * (size_t)height;
+        texture->plane_size += (size_t)width * (size_t)height;
     }
-    return n;
 }
 
 /* The part of texel i of level 0 that lies between two places. */
@@ -49,11 +46,12 @@ static void make_row(const float *base, int base_width, double low, double high,
     }
 }
 
-void mipmaps_make(float *plane, int width, int height, int n_levels)
+void mipmaps_make(const struct texture *texture, float *plane)
 {
+    const int width = texture->image.width, height = texture->image.height;
     float *level = plane + (size_t)width * (size_t)height;
     int level_width = width, level_height = height;
-    for (int k = 1; k < n_levels; k++) {
+    for (int k = 1; k < texture->n_levels; k++) {
         level_width = halved(level_width);
         level_height = halved(level_height);
         for (int j = 0; j < level_height; j++, level += level_width)

@@ -104,8 +104,6 @@ bool picture_put(struct picture_writer *writer, const struct page_rectangle *at,
     const size_t row_bytes = pixel * (size_t)writer->options.width, n = pixel * (size_t)at->width;
     const int end = at->y + at->height;
     assert(at->y >= writer->row);
-    if (n == row_bytes)
-        return picture_write(writer, samples, at->height, err);
     if (!extend_strip(writer, end, row_bytes, err))
         return false;
     const int first = writer->strip.first;

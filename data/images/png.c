@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes PNG files: ISO/IEC 15948:2004, "the specification" below. zlib compresses the rows as they
- * come. Each row goes through the filter that makes its bytes smallest, as section 12.8 recommends.
- * zlib gets a row at a time, so that its output does not depend on how many rows come at once. */
+ * come, as differences between neighbours. Choosing one of the five filters for each row, as
+ * section 12.8 recommends, makes rendered pictures no smaller. zlib gets a row at a time, so that
+ * its output does not depend on how many rows come at once. */
 #define ZLIB_CONST /* zlib then reads constant bytes */
 #include <zlib.h>
 
@@ -12,11 +13,8 @@ struct png {
     struct output *output;  /* the picture writer's */
     struct printed *memory; /* takes the bytes in its place; NULL: none */
     z_stream stream;
-    bool deflating; /* the stream is open */
     size_t pixel_bytes, row_bytes;
-    unsigned char *rows;              /* the memory of all rows; owned */
-    unsigned char *row, *above;       /* samples as the file has them */
-    unsigned char *filtered[FILTERS]; /* the row, behind the number of the filter */
+    unsigned char *row; /* filtered, behind the number of the filter; owned */
     unsigned char packed[CHUNK_BYTES];
 };
 
@@ -55,33 +53,6 @@ static bool put_chunk(struct png *png, const char *type, const void *bytes, size
 
 /* ---- before the pixels ---- */
 
-static bool put_header(struct png *png, const struct picture_options *options, struct error *err)
-{
-    static const unsigned char signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-    unsigned char header[13] = {0};
-    put_number((uint32_t)options->width, header);
-    put_number((uint32_t)options->height, header + 4);
-    header[8] = (unsigned char)(8 * png->pixel_bytes / CHANNELS);
-    header[9] = 2; /* RGB; compression, filters and interlacing are 0, the usual ones */
-    return put_bytes(png, signature, sizeof signature, err) &&
-           put_chunk(png, "IHDR", header, sizeof header, err);
-}
-
-/* Says that samples are sRGB's, with the gamma and the chromaticities that section 11.3.3.5 lists
- * for programs that do not know the sRGB chunk. */
-static bool put_srgb(struct png *png, struct error *err)
-{
-    static const uint32_t chromaticities[8] = {31270, 32900, 64000, 33000,
-                                               30000, 60000, 15000, 6000};
-    unsigned char gamma[4], places[32];
-    put_number(45455, gamma);
-    for (int i = 0; i < 8; i++)
-        put_number(chromaticities[i], places + 4 * (size_t)i);
-    return put_chunk(png, "gAMA", gamma, sizeof gamma, err) &&
-           put_chunk(png, "cHRM", places, sizeof places, err) &&
-           put_chunk(png, "sRGB", "", 1, err); /* 0: the perceptual intent, for pictures */
-}
-
 /* Writes a chunk of what has been printed, and frees it. */
 static bool put_printed(struct png *png, const char *type, struct printed *printed,
                         struct error *err)
@@ -119,49 +90,19 @@ static bool put_text(struct png *png, const char *keyword, const char *text, str
 
 static bool put_head(struct png *png, const struct picture_options *options, struct error *err)
 {
-    return put_header(png, options, err) &&
-           (options->srgb      ? put_srgb(png, err)
+    static const unsigned char signature[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    unsigned char header[13] = {0};
+    put_number((uint32_t)options->width, header);
+    put_number((uint32_t)options->height, header + 4);
+    header[8] = (unsigned char)(8 * png->pixel_bytes / CHANNELS);
+    header[9] = 2; /* RGB; compression, filters and interlacing are 0, the usual ones */
+    return put_bytes(png, signature, sizeof signature, err) &&
+           put_chunk(png, "IHDR", header, sizeof header, err) &&
+           (options->srgb      ? put_chunk(png, "sRGB", "", 1, err) /* 0: the perceptual intent */
             : options->profile ? put_profile(png, options, err)
                                : true) &&
            put_text(png, "Software", PROGRAM, err) &&
            put_text(png, "Description", options->description, err);
-}
-
-/* ---- filters ---- */
-
-int png_paeth(int left, int above, int corner)
-{
-    const int to_left = abs(above - corner), to_above = abs(left - corner);
-    const int to_corner = abs(left + above - 2 * corner);
-    return to_left <= to_above && to_left <= to_corner ? left
-           : to_above <= to_corner                     ? above
-                                                       : corner;
-}
-
-/* Filters the row: each byte minus what a filter predicts from the pixel to the left and from the
- * row above. Zeros stand before each row and above the first one. Returns the row whose bytes, as
- * numbers from -128 to 127, have the smallest sum of sizes. */
-static const unsigned char *filter_row(const struct png *png)
-{
-    const unsigned char *row = png->row, *above = png->above;
-    const unsigned char *left = row - png->pixel_bytes, *corner = above - png->pixel_bytes;
-    uint64_t size[FILTERS] = {0};
-    int best = 0;
-    for (size_t i = 0; i < png->row_bytes; i++) {
-        const int predicted[FILTERS] = {[FILTER_SUB] = left[i],
-                                        [FILTER_UP] = above[i],
-                                        [FILTER_AVERAGE] = (left[i] + above[i]) / 2,
-                                        [FILTER_PAETH] = png_paeth(left[i], above[i], corner[i])};
-        for (int filter = 0; filter < FILTERS; filter++) {
-            const unsigned char byte = (unsigned char)(row[i] - predicted[filter]);
-            png->filtered[filter][1 + i] = byte;
-            size[filter] += byte < 128 ? byte : 256U - byte;
-        }
-    }
-    for (int filter = 1; filter < FILTERS; filter++)
-        if (size[filter] < size[best])
-            best = filter;
-    return png->filtered[best];
 }
 
 /* ---- pixels ---- */
@@ -175,7 +116,7 @@ static bool put_packed(struct png *png, struct error *err)
     return length == 0 || put_chunk(png, "IDAT", png->packed, length, err);
 }
 
-/* Packs up to 1 GiB; `flush` is Z_FINISH after the last row, otherwise Z_NO_FLUSH. */
+/* Packs bytes; `flush` is Z_FINISH after the last row, otherwise Z_NO_FLUSH. */
 static bool pack(struct png *png, const unsigned char *bytes, size_t length, int flush,
                  struct error *err)
 {
@@ -192,52 +133,35 @@ static bool pack(struct png *png, const unsigned char *bytes, size_t length, int
     return flush != Z_FINISH || put_packed(png, err);
 }
 
-/* Turns the samples of a row into bytes: a PNG is big-endian. */
-static void store_row(const struct png *png, const void *samples)
+/* Turns the samples of a row into bytes, since a PNG is big-endian, and these into their
+ * differences from the pixel to the left. */
+static void filter_row(const struct png *png, const void *samples)
 {
     const uint16_t *wide = samples;
+    unsigned char *row = png->row + 1;
     if (png->pixel_bytes == CHANNELS)
-        memcpy(png->row, samples, png->row_bytes);
+        memcpy(row, samples, png->row_bytes);
     else
         for (size_t i = 0; i < png->row_bytes / 2; i++) {
-            png->row[2 * i] = (unsigned char)(wide[i] >> 8);
-            png->row[2 * i + 1] = (unsigned char)(wide[i] & 0xff);
+            row[2 * i] = (unsigned char)(wide[i] >> 8);
+            row[2 * i + 1] = (unsigned char)(wide[i] & 0xff);
         }
+    for (size_t i = png->row_bytes; i-- > png->pixel_bytes;)
+        row[i] = (unsigned char)(row[i] - row[i - png->pixel_bytes]);
 }
 
 bool png_write(struct png *png, const void *samples, int rows, struct error *err)
 {
-    const size_t most = 1 << 30;
     const unsigned char *from = samples;
     for (int y = 0; y < rows; y++, from += png->row_bytes) {
-        store_row(png, from);
-        const unsigned char *filtered = filter_row(png);
-        for (size_t at = 0, n = png->row_bytes + 1; at < n; at += most)
-            if (!pack(png, filtered + at, n - at < most ? n - at : most, Z_NO_FLUSH, err))
-                return false;
-        unsigned char *row = png->row;
-        png->row = png->above;
-        png->above = row;
+        filter_row(png, from);
+        if (!pack(png, png->row, png->row_bytes + 1, Z_NO_FLUSH, err))
+            return false;
     }
     return true;
 }
 
 /* ---- the file ---- */
-
-/* One allocation has all rows: two of samples with zeros before them, and the filtered ones. */
-static bool allocate_rows(struct png *png, struct error *err)
-{
-    const size_t n = png->row_bytes, pixel = png->pixel_bytes;
-    if (!MAKE_ARRAY(png->rows, 2 * (n + pixel) + FILTERS * (n + 1), err, "rows of a PNG file"))
-        return false;
-    png->row = png->rows + pixel;
-    png->above = png->row + n + pixel;
-    for (int filter = 0; filter < FILTERS; filter++) {
-        png->filtered[filter] = png->above + n + (size_t)filter * (n + 1);
-        png->filtered[filter][0] = (unsigned char)filter;
-    }
-    return true;
-}
 
 bool png_open(struct png **out, struct output *output, const char *path,
               const struct picture_options *options, struct error *err)
@@ -250,13 +174,15 @@ bool png_open(struct png **out, struct output *output, const char *path,
     png->memory = options->memory;
     png->pixel_bytes = (size_t)CHANNELS * ((size_t)options->bits / 8);
     png->row_bytes = png->pixel_bytes * (size_t)options->width;
-    png->deflating = deflateInit(&png->stream, LEVEL) == Z_OK;
     png->stream.next_out = png->packed;
     png->stream.avail_out = sizeof png->packed;
-    if ((png->deflating || memory_lacks(err, 0, "zlib, which writes %s", path)) &&
-        allocate_rows(png, err) && (options->memory || output_open(output, path, err)) &&
-        put_head(png, options, err))
+    if ((deflateInit(&png->stream, LEVEL) == Z_OK ||
+         memory_lacks(err, 0, "zlib, which writes %s", path)) &&
+        MAKE_ARRAY(png->row, png->row_bytes + 1, err, "a row of a PNG file") &&
+        (options->memory || output_open(output, path, err)) && put_head(png, options, err)) {
+        png->row[0] = FILTER_SUB;
         return true;
+    }
     output_discard(output);
     png_free(png);
     *out = NULL;
@@ -272,7 +198,6 @@ void png_free(struct png *png)
 {
     if (!png)
         return;
-    if (png->deflating)
-        deflateEnd(&png->stream);
-    FREE_ALL(png->rows, png);
+    deflateEnd(&png->stream); /* does nothing to a stream that did not open */
+    FREE_ALL(png->row, png);
 }

@@ -34,11 +34,6 @@ static bool plane_allocate(struct texture *texture, int i, struct error *err)
                                                    "the texels of %s", texture->image.path);
 }
 
-static void add_levels(const struct texture *texture, float *plane)
-{
-    mipmaps_make(plane, texture->image.width, texture->image.height, texture->n_levels);
-}
-
 /* Reads all pages, one after the other, into the first plane, to find the extreme values, which
  * averages do not exceed. The last one stays there. */
 static bool find_extremes(struct texture *texture, struct error *err)
@@ -57,24 +52,25 @@ static bool find_extremes(struct texture *texture, struct error *err)
                 texture->smallest = value;
         }
     }
-    add_levels(texture, texture->plane[0]);
+    mipmaps_make(texture, texture->plane[0]);
     return true;
 }
 
 /* A spectral texture loads three planes, with room for one more page, for the reference and for
  * OpenGL; OpenGL gets a copy of four floats a texel. */
-static bool open_pages(const char *path, struct place from, image_tags *read_tags,
-                       struct texture *out, struct error *err)
+bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
+                  struct error *err)
 {
+    *out = (struct texture){.linear = out->linear,
+                            .mipmapped = out->mipmapped,
+                            .spectral = out->spectral,
+                            .rgb = out->rgb,
+                            .reading = PTHREAD_MUTEX_INITIALIZER};
     const double floats = (out->spectral ? 2 * (TEXTURE_PLANES + 1) : 1) + 4;
     if (!file_expected(path, from, FILE_TEXTURE, err) ||
         !image_open(path, from, read_tags, &out->image, err))
         return false;
-    out->n_levels = mipmap_levels(out->image.width, out->image.height, &out->plane_size);
-    if (!out->mipmapped) {
-        out->n_levels = 1;
-        out->plane_size = page_size(out);
-    }
+    mipmaps_count(out);
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
         error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
                  out->image.width, out->image.height, LONGEST_TEXTURE);
@@ -96,17 +92,6 @@ static bool open_pages(const char *path, struct place from, image_tags *read_tag
                                out->image.height) &&
                find_extremes(out, err);
     return false;
-}
-
-bool texture_read(const char *path, struct place from, image_tags *read_tags, struct texture *out,
-                  struct error *err)
-{
-    *out = (struct texture){.linear = out->linear,
-                            .mipmapped = out->mipmapped,
-                            .spectral = out->spectral,
-                            .rgb = out->rgb,
-                            .reading = PTHREAD_MUTEX_INITIALIZER};
-    return open_pages(path, from, read_tags, out, err);
 }
 
 /* Reads the plane of a wavelength. `other` is room for one more page. */
@@ -140,7 +125,7 @@ bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
     for (int i = 0; good && i < n; i++) {
         good = plane_load(texture, wavelengths_nm[i], planes[i], other, err);
         if (good)
-            add_levels(texture, planes[i]);
+            mipmaps_make(texture, planes[i]);
     }
     pthread_mutex_unlock(&texture->reading);
     free(other);

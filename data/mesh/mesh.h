@@ -52,8 +52,8 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
 /* Halves all edges of a mesh, so that each triangle becomes four. The middle of an edge
  * depends on its ends alone: no crack opens. Keeps parts. */
 bool mesh_halve(struct mesh *mesh, struct error *err);
-/* Makes a mesh of the triangles of one part, with the vertices that they use, in their order. It
- * may be empty: n_triangles 0. -1, or a mesh without parts: copies all. */
+/* Makes a mesh of the triangles of one part, with their vertices in the order of first use. It may
+ * be empty: n_triangles 0. -1, or a mesh without parts: copies all. */
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);
 
 /* ---- shape.c: the words of the scene language ---- */

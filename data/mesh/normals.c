@@ -12,8 +12,6 @@ struct meeting {
     int n;
     double cosine;      /* two faces are smooth neighbours if that of their angle exceeds it */
     double half_cosine; /* of half that angle */
-    struct vector average;
-    bool smooth;               /* any two faces are neighbours: all normals are the average */
     const struct crowd *crowd; /* of many faces that are not smooth; NULL: none */
 };
 
@@ -158,8 +156,8 @@ static struct vector whole_average(const struct meeting *meeting, bool *smooth)
     return sum;
 }
 
-/* Returns the mean normal of the faces that are smooth neighbours of the face of corner i: the
- * first corner of this face. */
+/* Returns the mean normal of the faces that are smooth neighbours of the face of corner i. The
+ * corners of a face follow each other. */
 static struct vector crease_average(const struct meeting *meeting, int i)
 {
     const struct obj_corner *own = corner_at(meeting, i);
@@ -167,11 +165,11 @@ static struct vector crease_average(const struct meeting *meeting, int i)
     struct vector sum = {0, 0, 0};
     if (meeting->crowd)
         add_neighbours(meeting, own->normal, 1, &sum);
-    for (int k = i; meeting->crowd && alone && k < meeting->n; k++)
-        if (corner_at(meeting, k)->face == own->face)
-            sum = vector_add(sum, weighted_normal(corner_at(meeting, k)));
-        else
-            break;
+    while (meeting->crowd && alone && i > 0 && corner_at(meeting, i - 1)->face == own->face)
+        i--;
+    for (; meeting->crowd && alone && i < meeting->n && corner_at(meeting, i)->face == own->face;
+         i++)
+        sum = vector_add(sum, weighted_normal(corner_at(meeting, i)));
     for (int k = 0; !meeting->crowd && k < meeting->n; k++) {
         const struct obj_corner *other = corner_at(meeting, k);
         if (other->face == own->face || vector_dot(other->normal, own->normal) > meeting->cosine)
@@ -207,43 +205,25 @@ static bool store_normal(struct point_normals *normals, struct vector normal, in
            array_add(&list->at, &list->n, &normal, sizeof normal, err);
 }
 
-/* Sets the normals that corners lack. The corners of a face follow each other, and share a mean. */
-static bool set_normals(const struct meeting *meeting, struct point_normals *normals,
-                        struct obj_corner *corners, struct error *err)
-{
-    struct vector creased = meeting->average;
-    bool known = meeting->smooth;
-    for (int i = 0, first = 0; i < meeting->n; i++) {
-        struct obj_corner *corner = &corners[meeting->at[i]];
-        if (corner->face != corner_at(meeting, first)->face) {
-            first = i;
-            known = meeting->smooth;
-        }
-        if (corner->index[OBJ_NORMAL] >= 0)
-            continue;
-        if (!known && corner->angle > 0) {
-            creased = crease_average(meeting, first);
-            known = true;
-        }
-        if (!store_normal(normals, corner->angle > 0 ? creased : meeting->average,
-                          &corner->index[OBJ_NORMAL], err))
-            return false;
-    }
-    return true;
-}
-
+/* Sets the normals that corners of the point lack. */
 static bool fill_point(struct obj *obj, struct meeting *meeting, struct error *err)
 {
-    struct point_normals normals = {.list = &obj->list[OBJ_NORMAL],
-                                    .first = obj->list[OBJ_NORMAL].n,
-                                    .many = meeting->n >= CROWD};
+    struct obj_list *list = &obj->list[OBJ_NORMAL];
+    struct point_normals normals = {.list = list, .first = list->n, .many = meeting->n >= CROWD};
     struct crowd crowd = {.sorted = NULL};
-    meeting->average = whole_average(meeting, &meeting->smooth);
-    if (vector_dot(meeting->average, meeting->average) == 0)
-        meeting->average.z = 1;
-    meeting->crowd = !meeting->smooth && normals.many ? &crowd : NULL;
-    const bool done = (!meeting->crowd || crowd_make(meeting, &crowd, err)) &&
-                      set_normals(meeting, &normals, obj->corners, err);
+    bool smooth;
+    struct vector average = whole_average(meeting, &smooth);
+    if (vector_dot(average, average) == 0)
+        average.z = 1;
+    meeting->crowd = !smooth && normals.many ? &crowd : NULL;
+    bool done = !meeting->crowd || crowd_make(meeting, &crowd, err);
+    for (int i = 0; done && i < meeting->n; i++) {
+        struct obj_corner *corner = &obj->corners[meeting->at[i]];
+        if (corner->index[OBJ_NORMAL] < 0)
+            done = store_normal(&normals,
+                                smooth || corner->angle == 0 ? average : crease_average(meeting, i),
+                                &corner->index[OBJ_NORMAL], err);
+    }
     FREE_ALL(crowd.sorted, crowd.nodes);
     index_free(&normals.places);
     return done;

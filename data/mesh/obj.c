@@ -41,17 +41,8 @@ static bool is_no_number(const struct word *word)
                                  strncasecmp(at, "ind", 3) == 0 || strncasecmp(at, "qnan", 4) == 0);
 }
 
-/* Reads a number. Refuses one above the largest single-precision number, which OpenGL could not
- * draw. A word for no number becomes NaN, but not in a position. */
-static bool read_coordinate(const struct word *word, bool of_position, double *out,
-                            struct error *err)
-{
-    *out = (double)NAN;
-    return (!of_position && is_no_number(word)) ||
-           word_number(word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, out, err);
-}
-
-/* Reads the numbers of v, vt or vn. */
+/* Reads the numbers of v, vt or vn. Refuses one above the largest single-precision number, which
+ * OpenGL could not draw. A word for no number becomes NaN, but not in a position. */
 static bool read_item(struct text *text, const struct list_form *form, struct obj_list *list,
                       struct error *err)
 {
@@ -62,7 +53,9 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
         if (n == form->most)
             return error_at(err, word.place, "too many numbers: %s takes at most %d", form->name,
                             form->most);
-        if (!read_coordinate(&word, form == &forms[OBJ_POINT] && n < 3, &number[n], err))
+        number[n] = (double)NAN;
+        if (((form == &forms[OBJ_POINT] && n < 3) || !is_no_number(&word)) &&
+            !word_number(&word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, &number[n], err))
             return false;
     }
     if (n < form->least)
@@ -167,15 +160,6 @@ struct vector obj_point(const struct obj *obj, int corner)
     return obj->list[OBJ_POINT].at[obj->corners[corner].index[OBJ_POINT]];
 }
 
-static bool check_indices(const struct obj *obj, struct error *err)
-{
-    for (int i = OBJ_POINT; i <= OBJ_NORMAL; i++)
-        if (obj->latest[i].end > obj->list[i].n)
-            return error_at(err, obj->latest[i].place, "%s %d does not exist: the file has %d",
-                            forms[i].item, (int)obj->latest[i].end, obj->list[i].n);
-    return true;
-}
-
 /* Finds a usemtl among the names, or adds it. */
 static bool find_name(struct obj *obj, const struct word *material, int32_t *out, struct error *err)
 {
@@ -226,8 +210,10 @@ static bool settle_faces(struct obj *obj, struct error *err)
 {
     const int n_faces = obj->n_faces;
     int32_t use = -1, name = -1;
-    if (!check_indices(obj, err))
-        return false;
+    for (int i = OBJ_POINT; i <= OBJ_NORMAL; i++)
+        if (obj->latest[i].end > obj->list[i].n)
+            return error_at(err, obj->latest[i].place, "%s %d does not exist: the file has %d",
+                            forms[i].item, (int)obj->latest[i].end, obj->list[i].n);
     obj->n_corners = obj->n_faces = 0;
     for (int k = 0; k < n_faces; k++) {
         const struct obj_face face = obj->faces[k];

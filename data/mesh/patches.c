@@ -181,33 +181,23 @@ static struct vertex teapot_vertex(const struct teapot_patch *patch, double size
                            vector_normalise(upright(normal)), 1 - column / count, 1 - row / count};
 }
 
-static bool read_teapot(struct text *text, struct teapot_patch *out, struct error *err)
-{
-    struct word word;
-    bool done = true;
-    for (int n = 0; done && n < TEAPOT_PATCHES * PATCH_POINTS;)
-        if (text_peek(*text, &word)) {
-            done = text_vector(text, "point", &out[n / PATCH_POINTS].point[n % PATCH_POINTS], err);
-            n++;
-        } else if (!text_next_line(text)) {
-            return error_at(err, text_whole(text), "expected %d patches of %d points",
-                            TEAPOT_PATCHES, PATCH_POINTS);
-        }
-    return done;
-}
-
 /* ---- any patch ---- */
 
 bool patches_open(const struct shape *shape, struct patches *out, struct error *err)
 {
     struct text text;
+    struct word word;
+    bool done = true;
     *out = (struct patches){.shape = shape};
     if (shape->kind != SHAPE_TEAPOT)
         return true;
     if (!MAKE_ARRAY(out->teapot, TEAPOT_PATCHES, err, "the teapot") ||
         !text_open(&text, "builtin:models/teapot.txt", shape->place, 0, err))
         return false;
-    const bool done = read_teapot(&text, out->teapot, err);
+    for (int n = 0; done && n < TEAPOT_PATCHES * PATCH_POINTS && text_next_line(&text);)
+        for (; done && text_peek(text, &word); n++)
+            done = text_vector(&text, "point",
+                               &out->teapot[n / PATCH_POINTS].point[n % PATCH_POINTS], err);
     text_free(&text);
     return done;
 }

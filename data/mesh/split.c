@@ -240,39 +240,23 @@ static bool divide(struct mesh *mesh, struct error *err)
     return true;
 }
 
-/* Finds the vertices that n triangles use, in their order; returns their number. Numbers them from
- * 0. */
-static int number_vertices(const struct mesh *from, const int32_t *triangles, int n, int64_t *used)
-{
-    int32_t *number = from->division.number;
-    int n_used = 0;
-    for (int i = 0; i < 3 * n; i++) {
-        const int32_t vertex = from->triangles[triangles[i / 3]][i % 3];
-        if (number[vertex] < 0)
-            used[n_used++] = vertex;
-        number[vertex] = 0;
-    }
-    qsort(used, (size_t)n_used, sizeof *used, compare_numbers);
-    for (int i = 0; i < n_used; i++)
-        number[used[i]] = i;
-    return n_used;
-}
-
-/* Copies n triangles, whose vertices have numbers, and takes the numbers away. */
-static void take(const struct mesh *from, const int32_t *triangles, int n, const int64_t *used,
-                 int n_used, struct mesh *out)
+/* Copies n triangles with their vertices. While it runs, vertices that are copied have numbers. */
+static void take(const struct mesh *from, const int32_t *triangles, int n, struct mesh *out)
 {
     int32_t *number = from->division.number;
     out->n_triangles = n;
-    for (int i = 0; i < 3 * n; i++)
-        out->triangles[i / 3][i % 3] = number[from->triangles[triangles[i / 3]][i % 3]];
-    out->n_vertices = n_used;
-    for (int i = 0; i < n_used; i++) {
-        out->vertices[i] = from->vertices[used[i]];
-        if (from->parametric)
-            out->parameters[i] = from->parameters[used[i]];
-        number[used[i]] = -1;
+    for (int i = 0; i < 3 * n; i++) {
+        const int32_t vertex = from->triangles[triangles[i / 3]][i % 3];
+        if (number[vertex] < 0) {
+            number[vertex] = out->n_vertices;
+            if (from->parametric)
+                out->parameters[out->n_vertices] = from->parameters[vertex];
+            out->vertices[out->n_vertices++] = from->vertices[vertex];
+        }
+        out->triangles[i / 3][i % 3] = number[vertex];
     }
+    for (int i = 0; i < 3 * n; i++)
+        number[from->triangles[triangles[i / 3]][i % 3]] = -1;
 }
 
 static bool copy_mesh(const struct mesh *from, struct mesh *out, struct error *err)
@@ -289,7 +273,6 @@ static bool copy_mesh(const struct mesh *from, struct mesh *out, struct error *e
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err)
 {
     const struct division *division = &from->division;
-    int64_t *used;
     *out = (struct mesh){.parametric = from->parametric};
     if (part < 0 || !from->part)
         return copy_mesh(from, out, err);
@@ -297,12 +280,9 @@ bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err)
         return false;
     const int32_t *triangles = division->triangles + division->first[part];
     const int n = division->first[part + 1] - division->first[part];
-    if (!MAKE_ARRAY(used, 3 * (size_t)n, err, "the vertices of a part of a mesh"))
+    const int most = n < from->n_vertices / 3 ? 3 * n : from->n_vertices;
+    if (!mesh_reserve(out, (size_t)most, (size_t)n, err))
         return false;
-    const int n_used = number_vertices(from, triangles, n, used);
-    const bool good = mesh_reserve(out, (size_t)n_used, (size_t)n, err);
-    if (good)
-        take(from, triangles, n, used, n_used, out);
-    free(used);
-    return good;
+    take(from, triangles, n, out);
+    return mesh_reserve(out, 0, 0, err); /* gives back what was not needed */
 }

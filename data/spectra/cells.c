@@ -51,15 +51,12 @@ static const char *cell_end(const struct text *text, const char *at, char separa
  * quotes. Returns false behind the last cell. */
 static bool read_cell(struct text *text, char separator, struct word *out)
 {
-    const char *at = text->at, *end = text->line_end;
     if (separator == ' ')
         return text_word(text, out);
-    while (at < end && (*at == ' ' || *at == '\t'))
-        at++;
-    text->at = at;
-    if (at == end || *at == '#')
+    text->at += strspn(text->at, " \t");
+    const char *at = text->at, *end = cell_end(text, at, separator);
+    if (at == text->line_end || *at == '#')
         return false;
-    end = cell_end(text, at, separator);
     *out = (struct word){.start = at, .length = (size_t)(end - at), .place = text_place(text)};
     if (out->length > 1 && *at == '"') {
         out->quoted = true;

@@ -6,14 +6,17 @@
 
 /* ---- what a line is ---- */
 
+enum { SAYS_NOTHING = 256 }; /* the cell is empty */
 struct line {
-    struct table at;                  /* with its own separator; line 0: there is none */
+    struct table at;                  /* with its own separator */
     int n_cells, n_filled, n_columns; /* n_columns: up to the last that is filled */
-    int n_numbers; /* as some country writes them; also a wavelength with a unit */
-    int n_nm;      /* wavelengths above 100 nm; they rise, or fall, or: */
-    bool falls_and_rises;
-    bool is_units; /* all cells name a unit, or wavelengths */
-    double first;  /* its first number in nm, 0: below 100 nm; NAN: it begins with none */
+    int n_numbers;   /* as some country writes them; also a wavelength with a unit */
+    int n_nm, steps; /* wavelengths above 100 nm; steps upwards minus steps downwards */
+    bool is_units;   /* all cells name a unit, or wavelengths */
+    double first;    /* its first number in nm, 0: below 100 nm; NAN: it begins with none */
+    double last_nm;
+    unsigned says;    /* its first cell */
+    struct word said; /* the first cell that says percent, or another quantity */
 };
 
 /* Reads the cell of a wavelength, whose unit may stand behind a blank. */
@@ -29,8 +32,7 @@ static bool wavelength_cell(struct table *table, struct word *out)
     return true;
 }
 
-/* Counts a cell. nm: the last two wavelengths. */
-static void line_add(struct line *line, const struct word *cell, double nm[2])
+static void line_add(struct line *line, const struct word *cell)
 {
     const double found = heading_nm(cell, false);
     const bool number = word_is_numeric(cell, "0123456789+-.,%eE"), first = line->n_cells == 0;
@@ -41,29 +43,33 @@ static void line_add(struct line *line, const struct word *cell, double nm[2])
     line->n_filled += cell->length > 0;
     line->n_columns = cell->length > 0 ? line->n_cells : line->n_columns;
     line->n_numbers += number || (first && found > 0);
+    if (first)
+        line->says = cell->length > 0 ? meaning.says : (unsigned)SAYS_NOTHING;
     if (first && (number || found > 0))
         line->first = found;
+    if (line->said.length == 0 && meaning.says & (SAYS_PERCENT | SAYS_OTHER))
+        line->said = *cell;
     if (found == 0)
         return;
-    line->falls_and_rises = line->falls_and_rises || found == nm[1] ||
-                            (line->n_nm > 1 && (found > nm[1]) != (nm[1] > nm[0]));
-    line->n_nm++;
-    nm[0] = nm[1];
-    nm[1] = found;
+    if (line->n_nm++ > 0)
+        line->steps += (found > line->last_nm) - (found < line->last_nm);
+    line->last_nm = found;
 }
 
-/* separator: 0: the line's own. */
+/* separator: of the other lines, if they are known. It goes before the line's own, where the line
+ * has it. */
 static struct line line_look(const struct table *table, char separator)
 {
+    const struct text *text = &table->text;
     struct line line = {.at = *table, .first = (double)NAN, .is_units = true};
     struct word cell;
-    double last[2] = {0, 0};
     line_begin(&line.at);
-    if (separator)
+    if (separator != ' ' &&
+        memchr(text->line_start, separator, (size_t)(text->line_end - text->line_start)))
         line.at.separator = separator;
     struct table rest = line.at;
     for (bool more = wavelength_cell(&rest, &cell); more; more = line_cell(&rest, &cell))
-        line_add(&line, &cell, last);
+        line_add(&line, &cell);
     return line;
 }
 
@@ -82,27 +88,11 @@ struct layout {
     bool of_rows;
 };
 
-/* Finds the first cell of a line that says percent, or another quantity, unless an earlier
- * line has one. */
-static void note_said(const struct line *line, struct word *says)
+/* Keeps what a line says, unless an earlier one has said something. */
+static void note_said(const struct line *line, struct word *above)
 {
-    struct table rest = line->at;
-    struct word cell;
-    struct meaning meaning;
-    while (line->n_cells > 0 && says->length == 0 && line_cell(&rest, &cell)) {
-        heading_read(&cell, &meaning);
-        if (meaning.is_percent || meaning.quantity == QUANTITY_OTHER)
-            *says = cell;
-    }
-}
-
-/* Takes the separator of the rows, where the line has it. */
-static void split_again(struct line *line, char separator)
-{
-    const struct text *text = &line->at.text;
-    if (line->n_cells > 0 && separator != ' ' &&
-        memchr(text->line_start, separator, (size_t)(text->line_end - text->line_start)))
-        *line = line_look(&line->at, separator);
+    if (above->length == 0)
+        *above = line->said;
 }
 
 /* Marks of Ocean Optics' programs stand around the rows, and DOS ends files with Ctrl-Z. */
@@ -127,17 +117,12 @@ static bool find_order(const struct line *heading, bool *of_rows, struct error *
 {
     struct table rest = heading->at;
     struct line next;
-    struct word cell = {.length = 0};
-    struct meaning meaning;
-    *of_rows = heading->n_nm > 1 && !heading->falls_and_rises && !is_row(heading) &&
+    *of_rows = heading->n_nm > 1 && abs(heading->steps) == heading->n_nm - 1 && !is_row(heading) &&
                next_line(&rest, heading->at.separator, &next) && next.n_numbers > 0;
     if (!*of_rows || !is_row(&next))
         return true;
-    rest = heading->at;
-    line_cell(&rest, &cell);
-    heading_read(&cell, &meaning);
-    *of_rows = !meaning.is_wavelength;
-    return meaning.is_wavelength || meaning.is_label || !(next.first >= 100) ||
+    *of_rows = !(heading->says & SAYS_WAVELENGTH);
+    return heading->says & (SAYS_WAVELENGTH | SAYS_LABEL) || !(next.first >= 100) ||
            error_at(err, text_place(&heading->at.text),
                     "the numbers of this heading may be wavelengths, if each row is a sample, or "
                     "names of columns; write 'name' before them, or 'wavelength'");
@@ -161,17 +146,12 @@ static bool refuse_row(const struct line *line, struct error *err)
 /* Refuses what may be a row whose wavelength is no number: its values would become names. */
 static bool check_names(const struct line *line, struct error *err)
 {
-    struct table rest = line->at;
-    struct word cell = {.length = 0};
-    struct meaning meaning;
     const struct text *text = &line->at.text;
     if (line->n_filled > 0 && line->n_numbers == line->n_filled &&
         memchr(text->line_start, '.', (size_t)(text->line_end - text->line_start)))
         return error_at(err, text_place(text), "expected a wavelength");
-    if (line->n_filled < 2 || line->n_numbers < line->n_filled - 1 || !line_cell(&rest, &cell))
-        return true;
-    heading_read(&cell, &meaning);
-    return cell.length == 0 || meaning.is_wavelength || meaning.is_label || refuse_row(line, err);
+    return line->n_filled < 2 || line->n_numbers < line->n_filled - 1 ||
+           line->says & (SAYS_WAVELENGTH | SAYS_LABEL | SAYS_NOTHING) || refuse_row(line, err);
 }
 
 /* Finds which line is what. A line above the first row is a heading, unless it begins with a number
@@ -191,19 +171,21 @@ static bool find_layout(struct table table, struct layout *out, struct error *er
             return refuse_row(&line, err);
         if (!isnan(line.first) && out->broken.n_cells == 0)
             out->broken = line;
+        if (line.is_units && out->names.n_cells > 1) {
+            out->units = line;
+            continue;
+        }
         note_said(&out->names, &out->above);
-        out->names = out->units;
-        out->units = line;
-    }
-    split_again(&out->names, out->first.at.separator);
-    split_again(&out->units, out->first.at.separator);
-    if (!out->units.is_units || out->names.n_cells < 2) {
-        note_said(&out->names, &out->above);
-        out->names = out->units;
+        note_said(&out->units, &out->above);
+        out->names = line;
         out->units = (struct line){.n_cells = 0};
     }
-    if (out->first.n_cells > 0 && !out->of_rows && out->names.n_cells == 0 &&
-        out->first.n_cells > 3 && 2 * out->first.n_nm == out->first.n_cells)
+    if (out->names.n_cells > 0)
+        out->names = line_look(&out->names.at, out->first.at.separator);
+    if (out->units.n_cells > 0)
+        out->units = line_look(&out->units.at, out->first.at.separator);
+    if (!out->of_rows && out->names.n_cells == 0 && out->first.n_cells > 3 &&
+        2 * out->first.n_nm == out->first.n_cells)
         return error_at(err, text_place(&out->first.at.text),
                         "this line may be pairs of a wavelength and a value, or a wavelength and "
                         "%d values; write a pair a line, or names above the columns",
@@ -220,17 +202,6 @@ bool columns_found(struct text text)
 
 /* ---- headings ---- */
 
-/* Takes what a cell above the wavelengths says: their unit. */
-static bool read_unit(const struct word *cell, double *to_nm, struct error *err)
-{
-    struct meaning meaning;
-    heading_read(cell, &meaning);
-    *to_nm *= meaning.to_nm;
-    return !meaning.advice ||
-           error_at(err, cell->place, "'%.*s' is no wavelength; wavelengths in nm are %s",
-                    word_shown(cell), cell->start, meaning.advice);
-}
-
 /* Takes what a heading says of each column. Where its cells do not fit the columns none is a name,
  * and one is the unit of the wavelengths, if the first speaks of these. */
 static bool read_heading(struct table *table, const struct line *line, int n_columns, bool names,
@@ -239,17 +210,18 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
     struct table rest = line->at;
     struct word cell, first = {.length = 0};
     struct meaning meaning;
-    const bool fits = line->n_columns <= n_columns;
-    bool leads = false;
+    const bool fits = line->n_columns <= n_columns, leads = line->says & SAYS_WAVELENGTH;
     for (int k = 0; line->n_cells > 0 && line_cell(&rest, &cell); k++) {
         first = k == 0 ? cell : first;
         heading_read(&cell, &meaning);
-        leads = leads || (k == 0 && meaning.is_wavelength);
-        if ((fits ? k == 0 : leads) && !read_unit(&cell, &table->to_nm, err))
-            return false;
+        const bool of_wavelengths = fits ? k == 0 : leads;
+        table->to_nm *= of_wavelengths ? meaning.to_nm : 1;
+        if (of_wavelengths && meaning.advice)
+            return error_at(err, cell.place, "'%.*s' is no wavelength; wavelengths in nm are %s",
+                            word_shown(&cell), cell.start, meaning.advice);
         if (k == 0 || !fits)
             continue;
-        if (names && meaning.is_wavelength && rest.separator != ' ')
+        if (names && meaning.says & SAYS_WAVELENGTH && rest.separator != ' ')
             return leads
                        ? error_at(err, cell.place,
                                   "'%.*s' heads the wavelengths of another pair of columns; write "
@@ -260,9 +232,9 @@ static bool read_heading(struct table *table, const struct line *line, int n_col
                                   "'%.*s'",
                                   word_shown(&first), first.start);
         struct sample *sample = &table->sample[k - 1];
-        if ((meaning.is_percent || meaning.quantity) && sample->says.length == 0)
+        if (meaning.says & (SAYS_PERCENT | SAYS_QUANTITY) && sample->says.length == 0)
             sample->says = cell;
-        if (names && k < n_columns && !table_add_name(table, k - 1, &cell, err))
+        if (names && k < n_columns && !table_add_name(table, k - 1, &cell, false, err))
             return false;
     }
     return true;
@@ -303,7 +275,7 @@ static bool read_row(struct table *table, struct error *err)
         if (empty.line > 0)
             return error_at(err, empty, n == 0 ? "expected a wavelength" : "this cell is empty");
         if (n == 0 ? !read_wavelength(table, &cell, &at, err)
-                   : n <= table->n_samples && !table_add(table, n - 1, &at, &cell, 1, err))
+                   : n <= table->n_samples && !table_add(table, n - 1, &at, &cell, err))
             return false;
         n++;
     }
@@ -312,6 +284,20 @@ static bool read_row(struct table *table, struct error *err)
     return n == 0 || n == table->n_samples + 1 ||
            error_at(err, text_place(&table->text), "this row has %d values, the first row has %d",
                     n - 1, table->n_samples);
+}
+
+static bool read_rows(struct table *table, const struct layout *layout, struct error *err)
+{
+    const int n = layout->first.n_columns;
+    bool done = true;
+    while (done && table->n_samples < n - 1)
+        done = table_add_sample(table, err);
+    done = done && read_heading(table, &layout->names, n, true, err) &&
+           read_heading(table, &layout->units, n, false, err);
+    while (done && !is_mark(&table->text) && (done = read_row(table, err)) &&
+           text_next_line(&table->text))
+        ;
+    return done;
 }
 
 bool columns_read(struct table *table, struct error *err)
@@ -324,18 +310,10 @@ bool columns_read(struct table *table, struct error *err)
         return layout.broken.n_cells == 0 || refuse_row(&layout.broken, err);
     if (layout.names.n_columns > first->n_columns)
         note_said(&layout.names, &layout.above);
-    table->above = layout.above;
     table->text = first->at.text;
     table->separator = first->at.separator;
-    if (layout.of_rows)
-        return samples_read(table, err);
-    for (int k = 1; k < first->n_columns; k++)
-        if (!table_add_sample(table, err))
-            return false;
-    bool done = read_heading(table, &layout.names, first->n_columns, true, err) &&
-                read_heading(table, &layout.units, first->n_columns, false, err);
-    while (done && !is_mark(&table->text) && (done = read_row(table, err)) &&
-           text_next_line(&table->text))
-        ;
+    const bool done = layout.of_rows ? samples_read(table, err) : read_rows(table, &layout, err);
+    if (table->above.length == 0)
+        table->above = layout.above;
     return done;
 }

@@ -73,11 +73,8 @@ bool detector_read(const char *name, struct detector *out, struct error *err)
 
 void detector_free(struct detector *detector)
 {
-    for (int channel = 0; channel < detector->n; channel++) {
-        spectrum_free(&detector->sensitivity[channel]);
-        free(detector->channel[channel]);
-    }
-    FREE_ALL(detector->sensitivity, detector->channel, detector->name);
+    set_free(detector->sensitivity, detector->n);
+    FREE_ALL(detector->channel, detector->name);
     *detector = (struct detector){0};
 }
 

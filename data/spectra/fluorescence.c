@@ -186,15 +186,6 @@ static bool read_row(struct matrix_table *table, const struct word *first, struc
     return text_end(&table->text, "this row", err);
 }
 
-static bool read_rows(struct matrix_table *table, struct error *err)
-{
-    struct word word;
-    while (text_next_line(&table->text))
-        if (text_word(&table->text, &word) && !read_row(table, &word, err))
-            return false;
-    return true;
-}
-
 /* Turns densities, per nm of emission, into shares of bands. */
 static void make_shares(struct donaldson *matrix)
 {
@@ -264,14 +255,18 @@ static bool check_shares(const struct matrix_table *table, const struct spectrum
 bool donaldson_read(const char *path, struct place from, bool densities, struct spectrum *diffuse,
                     struct donaldson *out, struct error *err)
 {
-    struct matrix_table table = {.out = out, .densities = densities, .diagonal.place = from};
+    struct matrix_table table = {.out = out, .densities = densities};
+    struct word word;
     *out = (struct donaldson){.share = NULL};
     if (!text_open(&table.text, path, from, TEXT_LARGE, err))
         return false;
     table.text.separators = ",;";
-    bool done = read_header(&table, err) && read_rows(&table, err);
+    bool done = read_header(&table, err);
+    while (done && text_next_line(&table.text))
+        done = !text_word(&table.text, &word) || read_row(&table, &word, err);
     if (done && densities)
         make_shares(out);
+    table.diagonal.place = from; /* its own ends with the text */
     done = done && take_diagonal(&table, diffuse, err) && check_shares(&table, diffuse, err);
     spectrum_free(&table.diagonal);
     text_free(&table.text);

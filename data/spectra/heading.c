@@ -29,31 +29,28 @@ static void spell(const struct word *word, const char *gap, char out[SPELLED])
 }
 
 /* Words of a heading, in the languages of instruments: parts of a spelled cell, which has a blank
- * at each end. Of units the first that fits counts. */
-enum said { SAYS_WAVELENGTH, SAYS_UNIT, SAYS_NAME, SAYS_LABEL, SAYS_PERCENT, SAYS_QUANTITY };
+ * at each end. Of units and quantities the first that fits counts. */
 static const struct {
-    enum said says;
-    const char *parts;      /* with a | between them */
-    double to_nm;           /* of a unit of length that spectra have; 0: of another unit ... */
-    const char *advice;     /* ... which is converted so */
-    enum quantity quantity; /* if it says one */
+    unsigned says;
+    const char *parts;  /* with a | between them */
+    double to_nm;       /* of a unit of length that spectra have; otherwise 1 */
+    const char *advice; /* another unit is converted so */
 } words[] = {
-    {SAYS_UNIT, " nm | nanomet", 1, NULL, 0},
-    {SAYS_UNIT, " um |micromet| micron", 1000, NULL, 0},
-    {SAYS_UNIT, " ang |ngstr", 0.1, NULL, 0},
-    {SAYS_UNIT, "wavenumber|wave number| cm ", 0, "10000000 divided by those in 1/cm", 0},
-    {SAYS_UNIT, " ev |energ", 0, "1239.84198 divided by energies in eV", 0},
-    {SAYS_UNIT, "hz |frequen", 0, "299792.458 divided by frequencies in THz", 0},
-    {SAYS_UNIT, " mm ", 0, "1000000 times those in mm", 0},
-    {SAYS_UNIT, " m ", 0, "1e9 times those in m", 0},
-    {SAYS_WAVELENGTH, " wave| wl | lambda|wellenl| longueur| longitud| lunghezza", 0, NULL, 0},
-    {SAYS_NAME, "name", 0, NULL, 0},
-    {SAYS_LABEL, " id |sample| loc|patch| no ", 0, NULL, 0},
-    {SAYS_PERCENT, " percent| per cent | pct | prozent | procent | pourcent| porcent", 0, NULL, 0},
-    {SAYS_QUANTITY, " reflect| reflex| remission| transmi", 0, NULL, QUANTITY_REFLECTANCE},
-    {SAYS_QUANTITY, " counts |radian", 0, NULL, QUANTITY_LIGHT},
-    {SAYS_QUANTITY, " absorban| extin| optical density| od | log r | k s ", 0, NULL,
-     QUANTITY_OTHER},
+    {SAYS_UNIT, " nm | nanomet", 1, NULL},
+    {SAYS_UNIT, " um |micromet| micron", 1000, NULL},
+    {SAYS_UNIT, " ang |ngstr", 0.1, NULL},
+    {SAYS_UNIT, "wavenumber|wave number| cm ", 1, "10000000 divided by those in 1/cm"},
+    {SAYS_UNIT, " ev |energ", 1, "1239.84198 divided by energies in eV"},
+    {SAYS_UNIT, "hz |frequen", 1, "299792.458 divided by frequencies in THz"},
+    {SAYS_UNIT, " mm ", 1, "1000000 times those in mm"},
+    {SAYS_UNIT, " m ", 1, "1e9 times those in m"},
+    {SAYS_WAVELENGTH, " wave| wl | lambda|wellenl| longueur| longitud| lunghezza", 1, NULL},
+    {SAYS_NAME | SAYS_LABEL, "name", 1, NULL},
+    {SAYS_LABEL, " id |sample| loc|patch| no ", 1, NULL},
+    {SAYS_PERCENT, " percent| per cent | pct | prozent | procent | pourcent| porcent", 1, NULL},
+    {SAYS_REFLECTANCE, " reflect| reflex| remission| transmi", 1, NULL},
+    {SAYS_LIGHT, " counts |radian", 1, NULL},
+    {SAYS_OTHER, " absorban| extin| optical density| od | log r | k s ", 1, NULL},
 };
 
 /* Returns whether a spelled cell has one of the parts; `whole`: is nothing but one. */
@@ -72,27 +69,21 @@ static bool fits(const char *spelled, const char *parts, bool whole)
 void heading_read(const struct word *cell, struct meaning *out)
 {
     char spelled[SPELLED];
-    bool unit = false;
     *out = (struct meaning){.to_nm = 1};
     spell(cell, " ", spelled);
     out->is_unit = cell->length > 0 && strchr("[(%", cell->start[0]);
     for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
-        const enum said says = words[i].says;
-        if (!fits(spelled, words[i].parts, false))
+        const unsigned says = words[i].says;
+        if (!fits(spelled, words[i].parts, false) || says & out->says & SAYS_UNIT ||
+            (says & SAYS_QUANTITY && out->says & SAYS_QUANTITY))
             continue;
-        out->is_unit =
-            out->is_unit || says == SAYS_WAVELENGTH || fits(spelled, words[i].parts, true);
-        out->is_wavelength = out->is_wavelength || says == SAYS_WAVELENGTH ||
-                             (says == SAYS_UNIT && fits(spelled, words[i].parts, true));
-        out->is_name = out->is_name || says == SAYS_NAME;
-        out->is_label = out->is_label || says == SAYS_NAME || says == SAYS_LABEL;
-        out->is_percent = out->is_percent || says == SAYS_PERCENT;
-        out->quantity = out->quantity ? out->quantity : words[i].quantity;
-        if (says == SAYS_UNIT && !unit) {
-            out->to_nm = words[i].advice ? 1 : words[i].to_nm;
+        const bool whole = fits(spelled, words[i].parts, true);
+        if (says == SAYS_UNIT) {
+            out->to_nm = words[i].to_nm;
             out->advice = words[i].advice;
-            unit = true;
         }
+        out->says |= says | (says == SAYS_UNIT && whole ? SAYS_WAVELENGTH : 0U);
+        out->is_unit = out->is_unit || whole || says == SAYS_WAVELENGTH;
     }
 }
 

@@ -24,20 +24,16 @@ bool spectra_read(const char *name, int n, struct spectrum *out, struct detector
 
 /* ---- heading.c: what a cell of a heading says ---- */
 
-enum quantity {
-    QUANTITY_UNSAID,
-    QUANTITY_REFLECTANCE, /* or transmittance */
-    QUANTITY_LIGHT,       /* radiance, counts */
-    QUANTITY_OTHER        /* absorbance, a density, K/S: neither */
-};
+/* A cell names, as bits: wavelengths; a unit; names of samples; those, or numbers or places of
+ * samples; values in percent. Then one quantity: reflectance or transmittance; radiance or counts;
+ * neither, as absorbance, a density, K/S. */
+enum { SAYS_WAVELENGTH = 1, SAYS_UNIT = 2, SAYS_NAME = 4, SAYS_LABEL = 8, SAYS_PERCENT = 16 };
+enum { SAYS_REFLECTANCE = 32, SAYS_LIGHT = 64, SAYS_OTHER = 128, SAYS_QUANTITY = 224 };
 struct meaning {
-    bool is_wavelength; /* it names a column of wavelengths */
+    unsigned says;
     double to_nm;       /* its numbers times this are in nm; 1 where no unit stands */
     const char *advice; /* its unit is none of wavelengths, which follow so; NULL: it is one */
     bool is_unit;       /* it is nothing but a unit */
-    bool is_percent;
-    bool is_name, is_label; /* it names a column of names; or of numbers or places of samples */
-    enum quantity quantity;
 };
 void heading_read(const struct word *cell, struct meaning *out);
 /* Returns the wavelength in nm that a cell is: a number, with a unit or without, and nothing else;
@@ -64,6 +60,11 @@ struct label {
     struct word word; /* a name of a sample */
     int sample;
 };
+/* A field of each sample that is a row: a value at a wavelength, or, with 0 nm, something else. */
+struct field {
+    double nm;
+    unsigned says; /* as struct meaning has it */
+};
 struct table {
     struct text text;
     char separator; /* of cells: a semicolon, a comma, a tab or a blank */
@@ -72,16 +73,21 @@ struct table {
     struct sample *sample;
     struct label *label;
     int n_samples, n_labels;
-    double to_nm;      /* wavelengths of columns times this are in nm */
+    struct field *field;      /* of rows; owned */
+    int n_fields, name_field; /* name_field: names a sample best */
+    double to_nm;             /* wavelengths of columns times this are in nm */
+    double norm;              /* divides values */
     struct word above; /* a cell of a heading that says percent or a quantity of all samples */
 };
-/* Adds a sample; and a name to one: the first is its own. An empty name is none. */
+/* Adds a sample; and a name to one: the first, or that with `own`, is its own. An empty name is
+ * none. */
 bool table_add_sample(struct table *table, struct error *err);
-bool table_add_name(struct table *table, int sample, const struct word *name, struct error *err);
-/* Adds a value, divided by norm, to a sample, at the wavelength of `at`. Refuses wavelengths that
- * neither rise nor fall. */
+bool table_add_name(struct table *table, int sample, const struct word *name, bool own,
+                    struct error *err);
+/* Adds a value to a sample, at the wavelength of `at`. Refuses wavelengths that neither rise nor
+ * fall. */
 bool table_add(struct table *table, int sample, const struct reading *at, const struct word *value,
-               double norm, struct error *err);
+               struct error *err);
 /* Reads a number, whose decimal comma becomes a point in the text. Refuses a comma where commas
  * separate, and two marks in one file: one of them may separate thousands. */
 bool table_number(struct table *table, const struct word *word, const char *what, double *out,

@@ -2,93 +2,70 @@
 /* Reads tables of samples: a sample a row, with the wavelengths in the heading; CGATS files
  * (CGATS.5, ISO 28178), as instruments and ArgyllCMS write them; spectra of IES TM-27. */
 #include <float.h>
-#include <strings.h>
 
 #include "data/spectra/inside.h"
 
 /* ---- samples ---- */
 
-/* A field of each sample: a value at a wavelength, or, with 0 nm, something else. */
-struct field {
-    double nm;
-    bool is_name, is_label; /* its heading says so; is_label: of a name, a number or a place */
-};
-struct fields {
-    struct field *field; /* owned */
-    struct word *word;   /* of a sample that is read; owned */
-    int n, n_bands;      /* n_bands: fields with a wavelength */
-    double norm;         /* divides values */
-    struct word says;    /* see struct sample */
-};
-static void fields_free(struct fields *fields)
-{
-    FREE_ALL(fields->field, fields->word);
-}
-
-/* named: letters may stand before a wavelength. */
-static bool add_field(struct fields *fields, const struct word *heading, bool named,
+/* Takes the heading of the next field. named: letters may stand before a wavelength. The first
+ * field is a label, too. */
+static bool add_field(struct table *table, const struct word *heading, bool named,
                       struct error *err)
 {
-    struct field field = {.nm = heading_nm(heading, named)};
     struct meaning meaning;
     heading_read(heading, &meaning);
-    field.is_name = meaning.is_name;
-    field.is_label = fields->n == 0 || meaning.is_name || meaning.is_label;
-    fields->n_bands += field.nm > 0;
-    if (fields->says.length == 0 && (meaning.is_percent || meaning.quantity))
-        fields->says = *heading;
-    return array_add(&fields->field, &fields->n, &field, sizeof field, err);
+    const struct field field = {heading_nm(heading, named),
+                                meaning.says | (table->n_fields == 0 ? SAYS_LABEL : 0U)};
+    if (field.says & SAYS_NAME &&
+        !(table->n_fields > 0 && table->field[table->name_field].says & SAYS_NAME))
+        table->name_field = table->n_fields;
+    if (table->above.length == 0 && field.says & (SAYS_PERCENT | SAYS_QUANTITY))
+        table->above = *heading;
+    return array_add(&table->field, &table->n_fields, &field, sizeof field, err);
 }
 
-/* Takes the next sample, with all of its names: one that the heading calls so comes first. */
-static bool add_sample(struct table *table, const struct fields *fields, struct error *err)
+/* Adds the word of field i to the latest sample, which the first field begins. */
+static bool add_word(struct table *table, int i, const struct word *word, struct error *err)
 {
-    const int index = table->n_samples;
-    bool done = table_add_sample(table, err);
-    for (int pass = 0; done && pass < 2; pass++)
-        for (int i = 0; done && i < fields->n; i++)
-            if (fields->field[i].nm == 0 && fields->field[i].is_label &&
-                fields->field[i].is_name == (pass == 0))
-                done = table_add_name(table, index, &fields->word[i], err);
-    for (int i = 0; done && i < fields->n; i++)
-        if (fields->field[i].nm > 0) {
-            const struct reading at = {.nm = fields->field[i].nm,
-                                       .nm_column = fields->word[i].place.column};
-            done = table_add(table, index, &at, &fields->word[i], fields->norm, err);
-        }
-    if (done)
-        table->sample[index].says = fields->says;
-    return done;
+    const struct field *field = &table->field[i];
+    const struct reading at = {.nm = field->nm, .nm_column = word->place.column};
+    if (i == 0 && !table_add_sample(table, err))
+        return false;
+    if (field->nm > 0)
+        return table_add(table, table->n_samples - 1, &at, word, err);
+    return !(field->says & SAYS_LABEL) ||
+           table_add_name(table, table->n_samples - 1, word, i == table->name_field, err);
 }
 
 /* ---- a sample a row ---- */
 
-/* Reads the fields of the current line; *n: how many there are. Returns false for a blank line. */
-static bool read_line(struct table *table, struct fields *fields, int *n)
+/* Reads the current line, unless it has nothing but one empty field. */
+static bool read_line(struct table *table, struct error *err)
 {
-    *n = 0;
-    for (struct word word; line_cell(table, &word); ++*n)
-        if (*n < fields->n)
-            fields->word[*n] = word;
-    return *n > 0 && !(*n == 1 && fields->word[0].length == 0);
+    struct table ahead = *table;
+    struct word word;
+    int n = 0;
+    bool done = true;
+    while (line_cell(&ahead, &word))
+        n++;
+    if (n == 0 || (n == 1 && word.length == 0))
+        return true;
+    if (n != table->n_fields)
+        return error_at(err, text_place(&ahead.text), "this row has %d fields, the heading has %d",
+                        n, table->n_fields);
+    for (int i = 0; done && line_cell(table, &word); i++)
+        done = add_word(table, i, &word, err);
+    return done;
 }
 
 bool samples_read(struct table *table, struct error *err)
 {
-    struct fields fields = {.norm = 1};
     struct word word;
-    int n;
     bool done = true;
     while (done && line_cell(table, &word))
-        done = add_field(&fields, &word, false, err);
-    done = done && MAKE_ARRAY(fields.word, fields.n, err, "the fields of %s", table->text.path);
+        done = add_field(table, &word, false, err);
     while (done && text_next_line(&table->text))
-        if (read_line(table, &fields, &n))
-            done = n == fields.n
-                       ? add_sample(table, &fields, err)
-                       : error_at(err, text_place(&table->text),
-                                  "this row has %d fields, the heading has %d", n, fields.n);
-    fields_free(&fields);
+        done = read_line(table, err);
     return done;
 }
 
@@ -142,52 +119,51 @@ static bool check_cgats(const double *head, struct place place, struct error *er
 
 /* Finds the wavelengths: without a format each value is one. The names of fields may be rounded, so
  * that the range of as many bands goes before them. */
-static bool find_bands(struct fields *fields, const double *head, struct place place,
+static bool find_bands(struct table *table, const double *head, struct place place,
                        struct error *err)
 {
     const struct word band = {.start = "nm100", .length = 5};
     const double span = head[END_NM] - head[START_NM], steps = fmax(head[BANDS] - 1, 1);
-    if (fields->n == 0 && !check_cgats(head, place, err))
+    int n_bands = 0;
+    if (table->n_fields == 0 && !check_cgats(head, place, err))
         return false;
-    for (int i = 0, n = fields->n == 0 ? (int)head[BANDS] : 0; i < n; i++)
-        if (!add_field(fields, &band, true, err))
+    for (int i = 0, n = table->n_fields == 0 ? (int)head[BANDS] : 0; i < n; i++)
+        if (!add_field(table, &band, true, err))
             return false;
-    if (fields->n_bands == 0)
+    for (int i = 0; i < table->n_fields; i++)
+        n_bands += table->field[i].nm > 0;
+    if (n_bands == 0)
         return error_at(err, place, "no field of the data is named as a wavelength, as SPEC_400");
-    const bool ranged = fields->n_bands == head[BANDS] && head[START_NM] > 0 && span >= 0;
-    for (int i = 0, k = 0; i < fields->n && ranged; i++)
-        if (fields->field[i].nm > 0)
-            fields->field[i].nm = head[START_NM] + span * k++ / steps;
-    fields->norm = head[NORM];
-    return MAKE_ARRAY(fields->word, fields->n, err, "the fields of a sample");
+    const bool ranged = n_bands == head[BANDS] && head[START_NM] > 0 && span >= 0;
+    for (int i = 0, k = 0; i < table->n_fields && ranged; i++)
+        if (table->field[i].nm > 0)
+            table->field[i].nm = head[START_NM] + span * k++ / steps;
+    table->norm = head[NORM];
+    return true;
 }
 
 /* Reads the samples up to END_DATA, on any number of lines. */
-static bool read_data(struct table *table, struct fields *fields, struct place begin,
-                      struct error *err)
+static bool read_data(struct table *table, struct place begin, struct error *err)
 {
     struct word word;
     int n = 0;
     cgats_line(table);
-    while (next_word(table, &word)) {
+    for (; next_word(table, &word); n = (n + 1) % table->n_fields)
         if (word_is(&word, "END_DATA"))
-            return n == 0 ||
-                   error_at(err, word.place, "%d values, but a sample has %d fields", n, fields->n);
-        fields->word[n++] = word;
-        if (n == fields->n && !add_sample(table, fields, err))
+            return n == 0 || error_at(err, word.place, "%d values, but a sample has %d fields", n,
+                                      table->n_fields);
+        else if (!add_word(table, n, &word, err))
             return false;
-        n %= fields->n;
-    }
     return error_at(err, begin, "BEGIN_DATA without END_DATA");
 }
 
-static bool read_format(struct table *table, struct fields *fields, struct error *err)
+static bool read_format(struct table *table, struct error *err)
 {
     struct word word;
-    fields->n = fields->n_bands = 0;
+    table->n_fields = table->name_field = 0;
     cgats_line(table);
     while (next_word(table, &word) && !word_is(&word, "END_DATA_FORMAT"))
-        if (!add_field(fields, &word, true, err))
+        if (!add_field(table, &word, true, err))
             return false;
     return true;
 }
@@ -211,102 +187,79 @@ static bool read_head(struct table *table, const struct word *name, double *head
 bool cgats_read(struct table *table, struct error *err)
 {
     double head[CGATS_WORDS] = {[NORM] = 1}; /* 0: missing */
-    struct fields fields = {.n = 0};
     struct word word;
-    bool done = text_next_line(&table->text), read = false;
-    while (done && !read && head_word(&table->text, &word)) {
-        read = word_is(&word, "BEGIN_DATA");
-        done = read ? find_bands(&fields, head, word.place, err) &&
-                          read_data(table, &fields, word.place, err)
-               : word_is(&word, "BEGIN_DATA_FORMAT") ? read_format(table, &fields, err)
-                                                     : read_head(table, &word, head, err);
+    bool done = true;
+    while (done && head_word(&table->text, &word)) {
+        if (word_is(&word, "BEGIN_DATA"))
+            return find_bands(table, head, word.place, err) && read_data(table, word.place, err);
+        done = word_is(&word, "BEGIN_DATA_FORMAT") ? read_format(table, err)
+                                                   : read_head(table, &word, head, err);
     }
-    fields_free(&fields);
     return done;
 }
 
 /* ---- IES TM-27 ---- */
 
-/* Goes behind the name of the next tag, outside of comments. The part of a name before a colon does
- * not count. */
-static bool next_tag(const char **at, struct word *name)
+/* Leaves blanks between the words of an XML file: "<NAME" of a tag, the names and the values of its
+ * attributes, text, and "/NAME". Comments become blanks, too. */
+static void spread_words(char *at)
 {
-    while ((*at = strchr(*at, '<'))) {
-        if (strncmp(*at, "<!--", 4) == 0) {
-            *at = strstr(*at, "-->");
-            if (!*at)
-                return false;
-            continue;
+    for (bool comment = false; *at; at++) {
+        if (strncmp(at, comment ? "-->" : "<!--", comment ? 3 : 4) == 0) {
+            comment = !comment;
+            memset(at, ' ', 3);
         }
-        name->start = *at + 1;
-        const char *colon = name->start + strcspn(name->start, ":/ \t\r\n>");
-        name->start = *colon == ':' ? colon + 1 : name->start;
-        name->length = strcspn(name->start, " \t\r\n>");
-        *at = name->start + name->length;
-        return true;
+        if (comment ? !strchr("\r\n", *at) : strchr("=\"'#>", *at) || strncmp(at, "</", 2) == 0)
+            *at = ' ';
     }
-    return false;
 }
 
-/* Makes a word of the bytes up to one of the characters, without blanks. */
-static struct word slice(struct text *text, const char *at, const char *ends)
+/* Returns whether a word begins an element of this name, which may have a prefix. */
+static bool begins_element(const struct word *word, const char *name)
 {
-    at += strspn(at, " \t\r\n");
-    while (at > text->line_end && text_next_line(text))
-        ;
-    const int column = (int)(at - text->line_start) + 1;
-    return (struct word){
-        .start = at, .length = strcspn(at, ends), .place = {text->path, text->line, column}};
+    const char *colon = memchr(word->start, ':', word->length);
+    struct word own = *word;
+    own.start = (colon ? colon : word->start) + 1;
+    own.length -= (size_t)(own.start - word->start);
+    return *word->start == '<' && word_equals(&own, name);
 }
 
-/* The content of the element whose tag ends next. */
-static struct word content(struct text *text, const char *at, const char *ends)
+/* Reads the next word of an element. Returns false at its end. */
+static bool element_word(struct text *text, struct word *out)
 {
-    at += strcspn(at, ">");
-    return slice(text, at + (*at == '>'), ends);
+    return head_word(text, out) && *out->start != '/';
 }
 
-/* Finds the value of an attribute before the end of a tag. */
-static bool find_attribute(struct text *text, const char *at, const char *name, struct word *out)
+/* Reads an element such as <SpectralData wavelength="400">0.5</SpectralData>. */
+static bool read_datum(struct table *table, struct word value, struct error *err)
 {
-    const char *end = at + strcspn(at, ">");
-    while ((at = strstr(at, name)) && at < end) {
-        const bool begins = strchr(" \t\r\n", at[-1]) != NULL;
-        at += strlen(name);
-        at += strspn(at, " \t\r\n");
-        if (!begins || *at != '=')
-            continue;
-        at += 1 + strspn(at + 1, " \t\r\n");
-        const char quote[2] = {*at, '\0'};
-        if (*at != '"' && *at != '\'')
-            return false;
-        *out = slice(text, at + 1, quote);
-        return true;
-    }
-    return false;
+    const struct place place = value.place;
+    struct word nm = {.length = 0}, word;
+    struct reading at;
+    value.length = 0;
+    while (element_word(&table->text, &word))
+        if (!word_is(&word, "wavelength"))
+            value = word;
+        else if (!element_word(&table->text, &nm))
+            break;
+    at.nm_column = nm.place.column;
+    return (nm.length > 0 || error_at(err, place, "SpectralData needs a wavelength")) &&
+           word_number(&nm, "wavelength", DBL_MIN, HUGE_VAL, &at.nm, err) &&
+           table_add(table, 0, &at, &value, err);
 }
 
-/* Reads elements such as <SpectralData wavelength="400">0.5</SpectralData>. */
 bool spdx_read(struct table *table, struct error *err)
 {
     struct text *text = &table->text;
-    struct word name, nm, value;
-    const char *at = text->at;
-    struct reading from = {.nm = 0};
-    bool done = table_add_sample(table, err) && text_next_line(text);
-    while (done && next_tag(&at, &name)) {
-        const bool is_data = word_equals(&name, "SpectralData");
-        if (is_data && find_attribute(text, at, "wavelength", &nm)) {
-            from.nm_column = nm.place.column;
-            value = content(text, at, " \t\r\n<");
-            done = word_number(&nm, "wavelength", DBL_MIN, HUGE_VAL, &from.nm, err) &&
-                   table_add(table, 0, &from, &value, 1, err);
-        } else if (is_data) {
-            done = error_at(err, slice(text, at, ">").place, "SpectralData needs a wavelength");
-        } else if (word_equals(&name, "SpectralQuantity")) {
-            table->above = content(text, at, "<");
-        }
-    }
+    struct word word, *above = &table->above;
+    bool done = table_add_sample(table, err);
+    spread_words(text->bytes);
+    while (done && head_word(text, &word))
+        if (begins_element(&word, "SpectralData"))
+            done = read_datum(table, word, err);
+        else if (begins_element(&word, "SpectralQuantity") && element_word(text, above))
+            while (element_word(text, &word))
+                above->length = (size_t)(word.start + word.length - above->start);
     return done && (table->sample[0].n > 0 ||
                     error_at(err, text_whole(text),
                              "the file is XML, but has no SpectralData of IES TM-27; "

@@ -49,7 +49,7 @@ void spectrum_free(struct spectrum *spectrum);
 /* The tables that words of a text have named: each is read once. Zero it before use. */
 struct tables {
     struct index paths;
-    struct table **list; /* owned */
+    struct table *list; /* owned */
     int n;
 };
 void tables_free(struct tables *tables);
@@ -71,7 +71,7 @@ struct detector {
     bool observer;  /* colour matching functions: its channels are tristimulus values X, Y and Z */
     bool named;     /* so that their names say which of X, Y, Z or R, G, B they are */
     int n;          /* channels */
-    char **channel; /* their names; owned */
+    char **channel; /* their names, which belong to the sensitivities; owned */
     struct spectrum *sensitivity; /* owned */
 };
 /* Reads a built-in detector (spectral list detectors), or a table of a wavelength and a value for

@@ -172,17 +172,14 @@ static bool read_temperature(const struct word *word, double *out, struct error 
         return error_at(err, word->place,
                         "expected a temperature from %g to %g K, as daylight:6504", coldest,
                         hottest);
-    if (!word_number(word, "temperature", -HUGE_VAL, HUGE_VAL, out, err))
-        return false;
-    if (*out >= coldest && *out <= hottest)
-        return true;
-    if (*out > 0 && *out < coldest)
-        return error_at(err, word->place,
-                        "daylight has a temperature from %g to %g K; for %.15g K write "
-                        "blackbody:%.15g",
-                        coldest, hottest, *out, *out);
-    return error_at(err, word->place, "daylight has a temperature from %g to %g K, not %.15g",
-                    coldest, hottest, *out);
+    return word_number(word, "temperature", -HUGE_VAL, HUGE_VAL, out, err) &&
+           ((*out >= coldest && *out <= hottest) ||
+            error_at(err, word->place,
+                     *out > 0 && *out < coldest
+                         ? "daylight has a temperature from %g to %g K; for %.15g K write "
+                           "blackbody:%.15g"
+                         : "daylight has a temperature from %g to %g K, not %.15g",
+                     coldest, hottest, *out, *out));
 }
 
 /* Computes CIE daylight of a correlated colour temperature from 4000 to 25000 K.

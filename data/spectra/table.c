@@ -1,29 +1,28 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads tables of wavelengths and values, of all forms, and takes samples of them. */
-#include <float.h>
-
 #include "data/spectra/inside.h"
 
 /* ---- samples ---- */
 
 bool table_add_sample(struct table *table, struct error *err)
 {
-    const struct sample sample = {.n = 0};
-    return array_add(&table->sample, &table->n_samples, &sample, sizeof sample, err);
+    return array_add(&table->sample, &table->n_samples, NULL, sizeof *table->sample, err);
 }
 
-bool table_add_name(struct table *table, int sample, const struct word *name, struct error *err)
+bool table_add_name(struct table *table, int sample, const struct word *name, bool own,
+                    struct error *err)
 {
     const struct label label = {*name, sample};
-    struct word *own = &table->sample[sample].name;
-    *own = own->length > 0 ? *own : *name;
+    struct word *first = &table->sample[sample].name;
+    if (first->length == 0 || (own && name->length > 0))
+        *first = *name;
     return name->length == 0 ||
            array_add(&table->label, &table->n_labels, &label, sizeof label, err);
 }
 
 /* The second wavelength decides on the order. */
 bool table_add(struct table *table, int sample, const struct reading *at, const struct word *value,
-               double norm, struct error *err)
+               struct error *err)
 {
     struct sample *to = &table->sample[sample];
     const double last_nm = to->n > 0 ? to->reading[to->n - 1].nm : 0;
@@ -35,7 +34,7 @@ bool table_add(struct table *table, int sample, const struct reading *at, const 
                         last_nm, falls ? "decrease, as in the first two rows" : "increase");
     if (!table_number(table, value, "value", &added.value, err))
         return false;
-    added.value /= norm;
+    added.value /= table->norm;
     return array_add(&to->reading, &to->n, &added, sizeof added, err);
 }
 
@@ -43,27 +42,26 @@ static void table_free(struct table *table)
 {
     for (int i = 0; i < table->n_samples; i++)
         free(table->sample[i].reading);
-    FREE_ALL(table->sample, table->label);
+    FREE_ALL(table->sample, table->label, table->field);
 }
 
 typedef bool table_reader(struct table *table, struct error *err);
 
-/* Returns the reader of a text's format, before its first line; NULL: columns, or no table. */
+/* Returns the reader of a text's format, before its first line. */
 static table_reader *reader_of(const struct text *text)
 {
     const char *mark = strstr(text->at, "BEGIN_DATA");
     if (strncmp(text->at, "<?xml", 5) == 0)
         return spdx_read;
-    return mark && (mark == text->at || mark[-1] == '\n') ? cgats_read : NULL;
+    return mark && (mark == text->at || mark[-1] == '\n') ? cgats_read : columns_read;
 }
 
 static bool read_text(struct table *table, struct error *err)
 {
     struct text *text = &table->text;
-    table_reader *reader = reader_of(text);
     for (char *at = text->bytes; (at = strstr(at, "\xC2\xA0"));) /* no-break spaces */
         at[0] = at[1] = ' ';
-    return (reader ? reader(table, err) : columns_read(table, err)) &&
+    return reader_of(text)(table, err) &&
            (table->n_samples > 0 ||
             error_at(err, text_whole(text),
                      "no line begins with a wavelength; expected rows such as 400,0.1, or a "
@@ -102,39 +100,35 @@ static bool choose(const struct table *table, const struct wanted *wanted, int *
 {
     const struct word *sample = &wanted->sample;
     int n = 0;
-    *out = -1;
-    for (int i = 0; i < table->n_labels && sample->length > 0; i++) {
+    for (int i = 0; i < table->n_labels; i++) {
         const struct label *label = &table->label[i];
-        if (label->word.length != sample->length ||
-            memcmp(label->word.start, sample->start, sample->length) != 0)
-            continue;
-        n += label->sample != *out;
-        *out = label->sample;
+        if (label->word.length == sample->length &&
+            memcmp(label->word.start, sample->start, sample->length) == 0) {
+            n += n == 0 || label->sample != *out;
+            *out = label->sample;
+        }
     }
     if (n > 1)
         return error_at(err, sample->place,
                         "%d samples are named '%.*s'; write the number of one, from 1 to %d", n,
                         word_shown(sample), sample->start, table->n_samples);
-    if (n == 0 && wanted->first > 0 && wanted->first <= table->n_samples)
-        *out = (int)wanted->first - 1;
-    else if (n == 0 && wanted->first == 0 && sample->length == 0 &&
-             (table->n_samples == 1 || wanted->count != 1))
-        *out = 0;
-    return *out >= 0 || refuse_choice(table, wanted, err);
+    if (n == 1)
+        return true;
+    *out = wanted->first > 0 ? (int)wanted->first - 1 : 0;
+    const bool only = sample->length == 0 && (table->n_samples == 1 || wanted->count > 1);
+    return (wanted->first > 0 ? *out < table->n_samples : only) ||
+           refuse_choice(table, wanted, err);
 }
 
 /* ---- its values ---- */
 
-/* Writes the table and the sample as a scene names them, without a factor; a long name as FILE. */
-enum { LABEL_SIZE = 96 };
-static void write_label(const struct wanted *wanted, char out[LABEL_SIZE])
+/* Returns the table and the sample as a scene names them, without a factor. */
+static struct word label_of(const struct wanted *wanted)
 {
-    const struct word *table = &wanted->table, *sample = &wanted->sample;
-    const char *end =
-        sample->length > 0 ? sample->start + sample->length : table->start + table->length;
-    const int length = (int)(end - table->start);
-    snprintf(out, LABEL_SIZE, "%.*s", length < LABEL_SIZE ? length : 4,
-             length < LABEL_SIZE ? table->start : "FILE");
+    struct word label = wanted->table;
+    if (wanted->sample.length > 0)
+        label.length = (size_t)(wanted->sample.start + wanted->sample.length - label.start);
+    return label;
 }
 
 /* Refuses percent, and another quantity than is wanted. Lights are relative. */
@@ -143,21 +137,22 @@ static bool check_quantity(const struct table *table, const struct sample *sampl
 {
     const struct word *says = sample->says.length > 0 ? &sample->says : &table->above;
     const bool reflectance = wanted->highest < HUGE_VAL;
+    const struct word label = label_of(wanted);
     struct meaning meaning;
-    char label[LABEL_SIZE];
-    write_label(wanted, label);
     heading_read(says, &meaning);
-    if (reflectance && !wanted->scaled && meaning.is_percent)
+    if (reflectance && !wanted->scaled && meaning.says & SAYS_PERCENT)
         return error_at(err, says->place,
-                        wanted->count > 0 ? "'%.*s' says percent; write '%s*0.01', or '%s*1' if "
-                                            "the values are fractions of 1"
-                                          : "'%.*s' says percent; divide the values of %s by 100",
-                        word_shown(says), says->start, label, label);
-    if (reflectance && (meaning.quantity == QUANTITY_LIGHT || meaning.quantity == QUANTITY_OTHER))
+                        wanted->count > 0
+                            ? "'%.*s' says percent; write '%.*s*0.01', or '%.*s*1' if "
+                              "the values are fractions of 1"
+                            : "'%.*s' says percent; divide the values of %.*s by 100",
+                        word_shown(says), says->start, (int)label.length, label.start,
+                        (int)label.length, label.start);
+    if (reflectance && meaning.says & (SAYS_LIGHT | SAYS_OTHER))
         return error_at(err, says->place,
                         "'%.*s' is no reflectance; expected values from 0 to 1, or another word",
                         word_shown(says), says->start);
-    return wanted->lowest < 0 || reflectance || meaning.quantity != QUANTITY_REFLECTANCE ||
+    return wanted->lowest < 0 || reflectance || !(meaning.says & SAYS_REFLECTANCE) ||
            error_at(err, says->place, "'%.*s' is no light; expected its spectrum, or another word",
                     word_shown(says), says->start);
 }
@@ -177,23 +172,22 @@ static bool take_value(const struct reading *reading, const struct wanted *wante
     const bool reflectance = wanted->highest < HUGE_VAL;
     const double value = reading->value, product = value * wanted->factor;
     double kept = fmax(value, wanted->lowest);
-    char label[LABEL_SIZE];
+    const struct word label = label_of(wanted);
     if (value < wanted->lowest &&
         !is_noise(reading->nm, (wanted->lowest - value) * (reflectance ? wanted->factor : 1),
                   largest, reflectance))
         return error_at(err, place,
                         "value %.15g is below %.15g; write %.15g in its place if it is noise",
                         value, wanted->lowest, wanted->lowest);
-    if (product > wanted->highest && !is_noise(reading->nm, product - wanted->highest, 0, true)) {
-        write_label(wanted, label);
+    if (product > wanted->highest && !is_noise(reading->nm, product - wanted->highest, 0, true))
         return wanted->scaled
                    ? error_at(err, place, "reflectance %.15g times %.15g is above %.15g", value,
                               wanted->factor, wanted->highest)
-                   : error_at(err, place,
-                              "reflectance %.15g is above %.15g; write '%s*0.01' if the values are "
-                              "in percent, or another factor",
-                              value, wanted->highest, label);
-    }
+                   : error_at(
+                         err, place,
+                         "reflectance %.15g is above %.15g; write '%.*s*0.01' if the values are "
+                         "in percent, or another factor",
+                         value, wanted->highest, (int)label.length, label.start);
     if (product > wanted->highest)
         for (kept = wanted->highest / wanted->factor; kept * wanted->factor > wanted->highest;)
             kept = nextafter(kept, 0);
@@ -220,14 +214,20 @@ static bool take(const struct table *table, const struct sample *sample,
     return spectrum_is_in_nm(out, err);
 }
 
-static char *sample_name(const struct table *table, int i, struct error *err)
+/* Does the same for sample i, and names the spectrum: by its number, where it has no name. */
+static bool take_named(const struct table *table, int i, const struct wanted *wanted,
+                       struct spectrum *out, struct error *err)
 {
-    struct printed number = {.text = NULL};
     const struct word *name = &table->sample[i].name;
+    struct printed printed = {.text = NULL};
+    if (!take(table, &table->sample[i], wanted, out, err))
+        return false;
     if (name->length > 0)
-        return word_copy(name, err);
-    print(&number, "%d", i + 1);
-    return printed_take(&number, err);
+        print_bytes(&printed, name->start, name->length);
+    else
+        print(&printed, "%d", i + 1);
+    out->name = printed_take(&printed, err);
+    return out->name != NULL;
 }
 
 /* ---- detectors ---- */
@@ -254,12 +254,10 @@ static bool take_channels(const struct table *table, const struct wanted *wanted
                           struct detector *out, struct error *err)
 {
     const int n = table->n_samples;
+    const struct sample *sample = table->sample;
     int order[3] = {0, 1, 2};
-    bool named = true;
-    for (int i = 0; i < n; i++)
-        named = named && table->sample[i].name.length > 0;
-    if (n == 3 && !named)
-        return error_at(err, (struct place){table->text.path, table->sample[0].reading->line, 1},
+    if (n == 3 && !(sample[0].name.length && sample[1].name.length && sample[2].name.length))
+        return error_at(err, (struct place){table->text.path, sample->reading->line, 1},
                         "the columns have no names; write a heading, 'wavelength,x,y,z' for an "
                         "observer or 'wavelength,r,g,b' for a camera");
     if (!MAKE_ARRAY(out->sensitivity, n, err, "%d channels", n) ||
@@ -269,58 +267,39 @@ static bool take_channels(const struct table *table, const struct wanted *wanted
     out->observer = n == 3 && find_channels(table, "xyz", order);
     out->named = out->observer || (n == 3 && find_channels(table, "rgb", order));
     for (int i = 0; i < n; i++) {
-        const int from = n == 3 ? order[i] : i;
-        out->channel[i] = sample_name(table, from, err);
-        if (!out->channel[i] ||
-            !take(table, &table->sample[from], wanted, &out->sensitivity[i], err))
+        if (!take_named(table, n == 3 ? order[i] : i, wanted, &out->sensitivity[i], err))
             return false;
+        out->channel[i] = out->sensitivity[i].name;
     }
     return true;
 }
 
 /* ---- files ---- */
 
-static bool take_wanted(const struct table *table, const struct wanted *wanted,
-                        struct spectrum *out, struct error *err)
+/* Finds a table among those that words of a text have named, or reads it. */
+static bool find_table(struct tables *tables, const char *path, struct place from,
+                       const struct table **out, struct error *err)
 {
-    int first;
-    bool done = choose(table, wanted, &first, err);
-    for (int i = 0; done && i < wanted->count; i++)
-        done = take(table, &table->sample[first + i], wanted, &out[i], err);
-    return done;
-}
-
-/* Reads a table, or finds it among those of the word's text, which then own it. */
-static bool open_table(const char *path, const struct word *word, struct table **out,
-                       struct error *err)
-{
-    struct tables *tables = word->tables;
-    const int known = tables ? index_find(&tables->paths, path, strlen(path)) : -1;
-    if (known >= 0) {
-        *out = tables->list[known];
-        return true;
+    int found = index_find(&tables->paths, path, strlen(path));
+    if (found < 0) {
+        const struct table table = {.to_nm = 1, .norm = 1};
+        found = tables->n;
+        if (!array_add(&tables->list, &tables->n, &table, sizeof table, err) ||
+            !text_open(&tables->list[found].text, path, from, TEXT_XML, err) ||
+            !read_text(&tables->list[found], err) ||
+            !index_add(&tables->paths, path, strlen(path), found, err))
+            return false;
     }
-    if (!MAKE_ARRAY(*out, 1, err, "the table %s", path))
-        return false;
-    (*out)->to_nm = 1;
-    return text_open(&(*out)->text, path, word->place, TEXT_XML, err) && read_text(*out, err) &&
-           (!tables || (index_add(&tables->paths, path, strlen(path), tables->n, err) &&
-                        array_add(&tables->list, &tables->n, out, sizeof *out, err)));
-}
-
-static void close_table(struct table *table)
-{
-    if (table) {
-        table_free(table);
-        text_free(&table->text);
-    }
-    free(table);
+    *out = &tables->list[found];
+    return true;
 }
 
 void tables_free(struct tables *tables)
 {
-    for (int i = 0; i < tables->n; i++)
-        close_table(tables->list[i]);
+    for (int i = 0; i < tables->n; i++) {
+        table_free(&tables->list[i]);
+        text_free(&tables->list[i].text);
+    }
     free(tables->list);
     index_free(&tables->paths);
     *tables = (struct tables){.n = 0};
@@ -329,12 +308,15 @@ void tables_free(struct tables *tables)
 static bool read_file(const char *path, const struct wanted *wanted, struct spectrum *out,
                       struct detector *detector, struct error *err)
 {
-    struct table *table = NULL;
-    const bool open = open_table(path, &wanted->table, &table, err);
-    const bool done = open && (detector ? take_channels(table, wanted, detector, err)
-                                        : take_wanted(table, wanted, out, err));
-    if (!open || !wanted->table.tables)
-        close_table(table);
+    struct tables own = {.n = 0}, *tables = wanted->table.tables ? wanted->table.tables : &own;
+    const struct table *table;
+    int first = 0;
+    bool done = find_table(tables, path, wanted->table.place, &table, err) &&
+                (detector ? take_channels(table, wanted, detector, err)
+                          : choose(table, wanted, &first, err));
+    for (int i = 0; done && i < wanted->count; i++)
+        done = take(table, &table->sample[first + i], wanted, &out[i], err);
+    tables_free(&own);
     return done;
 }
 
@@ -342,7 +324,7 @@ static bool read_file(const char *path, const struct wanted *wanted, struct spec
 
 bool set_is(struct text text)
 {
-    return reader_of(&text) || columns_found(text);
+    return reader_of(&text) != columns_read || columns_found(text);
 }
 
 bool set_read(struct text text, double highest, struct spectrum **out, int *n, struct error *err)
@@ -353,16 +335,13 @@ bool set_read(struct text text, double highest, struct spectrum **out, int *n, s
         .lowest = highest < HUGE_VAL ? 0 : -HUGE_VAL,
         .highest = highest,
         .factor = 1};
-    struct table table = {.text = text, .to_nm = 1};
+    struct table table = {.text = text, .to_nm = 1, .norm = 1};
     *out = NULL;
     *n = 0;
     bool done = read_text(&table, err) &&
                 MAKE_ARRAY(*out, table.n_samples, err, "%d samples", table.n_samples);
-    while (done && *n < table.n_samples) {
-        struct spectrum *sample = &(*out)[*n];
-        done = take(&table, &table.sample[(*n)++], &wanted, sample, err) &&
-               (sample->name = sample_name(&table, *n - 1, err)) != NULL;
-    }
+    for (; done && *n < table.n_samples; ++*n)
+        done = take_named(&table, *n, &wanted, &(*out)[*n], err);
     table_free(&table);
     return done;
 }

@@ -329,20 +329,11 @@ def chunks_and_threads():
 
 # ---- PNG ----
 
-SRGB_CHROMATICITIES = 0.3127, 0.329, 0.64, 0.33, 0.3, 0.6, 0.15, 0.06  # ISO/IEC 15948:2004, 11.3.3.5
-
-
 def pngcheck(path, words):
-    """The output of pngcheck; with -vv, it lists the chunks and the filter of each row."""
+    """The output of pngcheck, which lists the chunks with -v."""
     result = subprocess.run(["pngcheck", words, path], capture_output=True, text=True, check=False)
     check(result.returncode == 0, f"pngcheck finds no fault in {os.path.basename(path)}", result.stdout)
     return result.stdout
-
-
-def filters(path):
-    """The numbers of the filters of a PNG's rows."""
-    rows = re.findall(r"row filters .*\n((?: +[0-4][0-4 ]*.*\n)+)", pngcheck(path, "-vv"))
-    return set(map(int, re.findall(r"\b[0-4]\b", re.sub(r"\(.*", "", "".join(rows), flags=re.MULTILINE))))
 
 
 def png_pair(stack, *options):
@@ -359,7 +350,7 @@ def png_readers(stack):
             png, tiff = png_pair(stack.path, "--bits", bits, "--display", display, "--exposure", "2")
             what, pixels = f"PNG, {bits} bits, {display}", tifffile.imread(tiff)
             kinds = re.findall(r"^  chunk (\w+) at offset", pngcheck(png, "-v"), re.MULTILINE)
-            expected = ["IHDR", *(["gAMA", "cHRM", "sRGB"] if display == "srgb" else ["iCCP"]), "tEXt", "tEXt"]
+            expected = ["IHDR", *(["sRGB"] if display == "srgb" else ["iCCP"]), "tEXt", "tEXt"]
             check(kinds[:len(expected)] == expected and set(kinds[len(expected):-1]) == {"IDAT"} and kinds[-1] == "IEND",
                   f"{what}: its chunks are whole and in order", kinds)
             seen = gdal.Open(png)
@@ -377,14 +368,12 @@ def png_readers(stack):
                 check(image.info["Software"] == other.tag_v2[305] and image.info["Description"] == other.tag_v2[270],
                       f"{what}: program and description are those of the TIFF", image.info)
                 if display == "srgb":
-                    check(image.info["srgb"] == 0 and image.info["gamma"] == 0.45455 and
-                          image.info["chromaticity"] == SRGB_CHROMATICITIES,
-                          f"{what}: it has the gamma and the chromaticities of the standard")
+                    check(image.info["srgb"] == 0, f"{what}: it says that it is sRGB", image.info)
 
 
 def png_sizes():
-    """Pictures of odd sizes, smooth and of noise, so that rows take each of the five filters."""
-    random, used = np.random.default_rng(15), set()
+    """Pictures of odd sizes, smooth and of noise."""
+    random = np.random.default_rng(15)
     nm = [450, 550, 610]
     for height, width in (1, 1), (5, 7), (1, 400), (400, 1), (3, 30000), (301, 300):
         y, x = np.mgrid[:height, :width] / max(height, width)
@@ -395,8 +384,7 @@ def png_sizes():
             png, tiff = png_pair(stack, "--bits", bits)
             check(np.array_equal(gdal.Open(png).ReadAsArray().transpose(1, 2, 0), gdal.Open(tiff).ReadAsArray()
                                  .transpose(1, 2, 0)), f"a PNG of {width}x{height} pixels and {bits} bits is exact")
-            used |= filters(png)
-    check(used == set(range(5)), "these rows take all five filters", used)
+            pngcheck(png, "-q")
 
 
 def endings(stack):
