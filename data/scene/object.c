@@ -200,12 +200,9 @@ bool background_read(struct scene_reader *reader, struct error *err)
                                                  .place = reader->place}};
     struct material material;
     description.object.material = scene->n_materials;
-    if (material_read_emission(reader->text, &material, err) &&
-        text_end(reader->text, "background", err) &&
-        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
-        return add_object(reader, &description, err);
-    material_free(&material);
-    return false;
+    const bool good = material_read_emission(reader->text, &material, err) &&
+                      text_end(reader->text, "background", err);
+    return material_keep(scene, &material, good, err) && add_object(reader, &description, err);
 }
 
 /* ---- the thesis's grid ---- */
@@ -245,13 +242,16 @@ static bool add_listed(struct scene_reader *reader, struct text *list, struct de
 static bool add_samples(struct scene_reader *reader, const struct text *set,
                         struct description *pattern, struct error *err)
 {
+    struct scene *scene = reader->scene;
     struct spectrum *samples;
     int n;
     bool done = set_read(*set, 1, &samples, &n, err);
     for (int i = 0; done && i < n; i++) {
-        pattern->object.material = reader->scene->n_materials;
-        done = sample_add(reader, text_whole(set), &samples[i], err) &&
-               add_object(reader, pattern, err);
+        struct material material = {.place = text_whole(set), .diffuse = samples[i]};
+        samples[i] = (struct spectrum){.kind = SPECTRUM_NONE}; /* taken over */
+        done = string_copy(material.diffuse.name, &material.name, err);
+        pattern->object.material = scene->n_materials;
+        done = material_keep(scene, &material, done, err) && add_object(reader, pattern, err);
     }
     set_free(samples, n);
     return done;
