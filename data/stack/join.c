@@ -7,7 +7,7 @@
 enum { COPIED_BYTES = 1 << 22 };
 
 struct join_options {
-    bool keep, envi;
+    bool keep;
 };
 struct joined {
     struct cube first; /* part; it stays open */
@@ -269,8 +269,7 @@ static bool finish(struct joined *joined, struct options *options, struct error 
     const bool agreed = !joined->has_sums || strcmp(joined->sums.word, "agreed") == 0;
     bool done = stack_finish(&joined->writer, line, err);
     if (done && (agreed || own->keep))
-        done = stack_commit(&joined->writer, own->envi ? options->output : NULL, &options->outputs,
-                            err);
+        done = output_pass(&joined->writer.pages.output, &options->outputs, err);
     return done && (agreed ||
                     error_different(err, "the joined picture: %s; %s", line,
                                     own->keep ? "the stack was kept"
@@ -310,7 +309,6 @@ static const struct option join_rows[] = {
     {"-o, --output STACK.tif", "writes there; - is standard output", SHARED(TEXT, output),
      .writes = true},
     {"--keep", "stores the stack even if the check fails", OWN(FLAG, join_options, keep)},
-    {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, join_options, envi)},
 };
 const struct command join_command = {
     .name = "join",

@@ -141,7 +141,7 @@ struct stack_difference {
 /* Compares a finished stack, not committed yet, with a file. Refuses a file that cannot be read. */
 bool stack_compare(const struct stack_writer *writer, const char *path,
                    struct stack_difference *out, struct error *err);
-void stack_discard(struct stack_writer *writer); /* safe after commit */
+void stack_discard(struct stack_writer *writer); /* safe after output_pass */
 const char *stack_library(void);                 /* name and version of the libtiff in use */
 
 /* ---- stack.c: the verdict on a stack, in numbers ---- */
@@ -197,14 +197,6 @@ extern const struct command join_command;
 
 /* Writes the header of a stack. */
 extern const struct command envi_command;
-/* Refuses a stack that will be no file (/dev/null, a pipe), and a header that cannot be written.
- * Leaves no file. */
-bool sidecar_can_open(const char *stack, struct error *err);
-/* Lets a finished stack appear under its name (see output_pass), and then its header beside
- * `beside`, the name as the user wrote it; NULL: without a header. The header is complete before
- * the stack appears: if it fails by then, neither appears. */
-bool stack_commit(struct stack_writer *writer, const char *beside, struct outputs *outputs,
-                  struct error *err);
 /* Returns the name of a stack's header, allocated; NULL: no memory. */
 char *sidecar_name(const char *stack, struct error *err);
 
