@@ -55,10 +55,8 @@ struct scene_reader {
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
     int n_open, n_included;            /* n_included: all files included, each as often as it is */
     struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
-    /* Indices of materials: by name; by file, of those in lists. The last one has the indices of
-     * the MTL files in `mtl`. */
-    struct index named, listed, mtl_paths;
-    struct mtl *mtl; /* the MTL files that were read */
+    struct index named, listed; /* indices of materials: by name; by file, of those in lists */
+    struct mtl *mtl;            /* the MTL files that were read */
     int n_mtl;
 };
 /* Gives the text to the scene, which owns it; a failure frees it. *text stays valid as a cursor. */

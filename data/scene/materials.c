@@ -170,13 +170,11 @@ const struct material *scene_partner(const struct scene *scene, const struct mat
 static int find_mtl(struct scene_reader *reader, const char *path, struct place from,
                     struct error *err)
 {
-    const size_t length = strlen(path);
-    const int known = index_find(&reader->mtl_paths, path, length);
     struct mtl mtl;
-    if (known >= 0)
-        return known;
+    for (int i = 0; i < reader->n_mtl; i++)
+        if (strcmp(reader->mtl[i].text.path, path) == 0)
+            return i;
     if (mtl_open(path, from, &mtl, err) &&
-        index_add(&reader->mtl_paths, path, length, reader->n_mtl, err) &&
         array_add(&reader->mtl, &reader->n_mtl, &mtl, sizeof mtl, err))
         return reader->n_mtl - 1;
     mtl_free(&mtl);
@@ -358,7 +356,6 @@ void materials_forget(struct scene_reader *reader)
 {
     index_free(&reader->named);
     index_free(&reader->listed);
-    index_free(&reader->mtl_paths);
     for (int i = 0; i < reader->n_mtl; i++)
         mtl_free(&reader->mtl[i]);
     free(reader->mtl);

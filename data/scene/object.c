@@ -90,21 +90,10 @@ static bool read_material(struct text *text, struct place place, bool map, struc
            (!map || word_file(&out->material, FILE_MAP, &out->object.material_map, err));
 }
 
-/* Reads "no": an object casts shadows unless it says so. */
-static bool read_casts(struct text *text, bool *casts_none, struct error *err)
-{
-    struct word word;
-    if (!text_expect(text, &word, "'no' behind casts", err))
-        return false;
-    *casts_none = word_is(&word, "no");
-    return *casts_none ||
-           error_at(err, word.place,
-                    "expected 'no' behind casts; an object casts shadows unless it says so");
-}
-
 static bool read_option(struct text *text, const struct word *word, struct description *out,
                         struct error *err)
 {
+    static const char *const casts[] = {"no", NULL};
     struct shape *shape = &out->object.shape;
     int option = word_choose(word, option_words, "word for an object", err);
     if (option < 0)
@@ -118,8 +107,9 @@ static bool read_option(struct text *text, const struct word *word, struct descr
                         shape_name(shape->kind));
     if (!place_once(&out->given[option], word->place, option_words[option], err))
         return false;
+    out->object.casts_none = out->object.casts_none || option == OBJECT_CASTS;
     if (option == OBJECT_CASTS)
-        return read_casts(text, &out->object.casts_none, err);
+        return text_choose(text, "'no' behind casts", casts, "word behind casts", err) == 0;
     if (option == OBJECT_REPEAT)
         return text_number(text, "repeat along s", DBL_MIN, HUGE_VAL, &shape->repeat[0], err) &&
                text_number(text, "repeat along t", DBL_MIN, HUGE_VAL, &shape->repeat[1], err);
