@@ -101,13 +101,6 @@ bool checker_read(struct scene_reader *reader, struct error *err);
 bool background_read(struct scene_reader *reader, struct error *err);
 void object_free(struct object *object);
 
-/* Gives all objects of lists this shape, as large as the thesis's sphere. Objects that have it keep
- * their sizes. Refuses a scene without a list. */
-bool scene_set_shape(struct scene *scene, const char *text, struct error *err);
-bool scene_set_samples(struct scene *scene, const char *text, struct error *err);
-/* Gives all lights shadows; the text is of no matter. */
-bool scene_set_shadows(struct scene *scene, const char *text, struct error *err);
-
 bool scene_set_ambient(struct scene *scene, const char *text, struct error *err);
 bool scene_set_shading(struct scene *scene, const char *text, struct error *err);
 bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);

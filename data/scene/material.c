@@ -54,16 +54,6 @@ static bool read_fluorescence(struct text *text, struct material *out, struct er
            spectrum_append(&out->emission, nm, emission, word.place, err);
 }
 
-/* Returns the partner, and makes it if there is none yet; NULL: no memory. */
-static struct material *partner_of(struct material *material, struct place place, struct error *err)
-{
-    if (material->partner)
-        return material->partner;
-    if (MAKE_ARRAY(material->partner, 1, err, "a metameric partner"))
-        material->partner->place = material->partner_place = place;
-    return material->partner;
-}
-
 /* Returns the kind of a line: the first letter of its first word, in lower case, as the program of
  * the thesis read it; behind an m the second. 0: unknown word. */
 static char line_kind(const struct word *word)
@@ -82,9 +72,12 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     if (number)
         text->at = first->start;
     if (kind != 0 && tolower((unsigned char)first->start[0]) == 'm') {
-        out = partner_of(out, first->place, err);
-        if (!out)
-            return false;
+        if (!out->partner) {
+            if (!MAKE_ARRAY(out->partner, 1, err, "a metameric partner"))
+                return false;
+            out->partner->place = out->partner_place = first->place;
+        }
+        out = out->partner;
     }
     switch (kind) {
     case 'r':

@@ -276,31 +276,3 @@ bool checker_read(struct scene_reader *reader, struct error *err)
     object_free(&description.object);
     return done;
 }
-
-/* ---- an option of the command line ---- */
-
-bool scene_set_shape(struct scene *scene, const char *value, struct error *err)
-{
-    struct text text;
-    struct shape shape = {.path = NULL};
-    bool done = option_open(scene, "--shape", value, &text, err) &&
-                shape_read(&text, &shape, err) && text_end(&text, "a shape", err),
-         listed = false;
-    shape.unitize = true;
-    shape.parameter[0] *= shape.kind == SHAPE_TEAPOT ? 0.58 : 1; /* its spout reaches to 1.72 */
-    for (int i = 0; done && i < scene->n_objects; i++) {
-        struct object *object = &scene->objects[i];
-        const struct vector fit = {object->fit, object->fit, object->fit};
-        listed = listed || object->fit > 0;
-        if (object->fit == 0 || (shape.kind != SHAPE_MESH && shape.kind == object->shape.kind))
-            continue;
-        object->transform = matrix_product(object->transform, matrix_scaling(fit));
-        object->fit = 1;
-        shape_free(&object->shape);
-        object->shape = shape;
-        done = string_copy(shape.path, &object->shape.path, err);
-    }
-    shape_free(&shape);
-    return done && (listed || error_usage(err, "--shape is for a list of materials, or a scene "
-                                               "with a checker; this scene has none"));
-}
