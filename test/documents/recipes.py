@@ -1,6 +1,6 @@
 #!/usr/bin/env -S PYTHONPATH=test/shared /usr/bin/python3 -B
 # SPDX-License-Identifier: MIT
-# level: release; packages: python3-numpy python3-tifffile python3-scipy python3-gdal gdal-bin octave python3-spectral python3-h5py python3-hdf4 python3-xarray python3-netcdf4 openexr imagemagick
+# level: release; packages: python3-numpy python3-tifffile python3-scipy python3-gdal gdal-bin octave python3-h5py python3-hdf4 python3-xarray python3-netcdf4 openexr imagemagick
 """Runs each block of data/doc/recipes.md as it stands, in the order of the page, and reads each result with a program
 that did not write it. Radiance and wavelengths must be those that GDAL reads in the stack: to the last bit where a
 format keeps doubles, else within the roundings that a comment derives. All is done twice: for the stack of the page,
