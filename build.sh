@@ -14,8 +14,8 @@
 #   bench effects          measures the seconds of each effect
 #   live                   makes build/spectral-live, whose pages hold the program, so that they draw a changed scene
 #   live install PREFIX    installs that one
-#   minimal                makes build/spectral-minimal, for small systems: render with its check, plan, info, list, show
-#                          and join, by OSMesa, with -Os and packed built-in files
+#   minimal                makes build/spectral-minimal, for small systems: render with its check, plan, info, list, show,
+#                          join and envi, by OSMesa, with -Os and packed built-in files
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program
 #   install PREFIX         copies program, manual, samples, ... below PREFIX (below DESTDIR, where that is set)

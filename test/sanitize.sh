@@ -25,6 +25,7 @@ sanitize_scene() {
         clean $program render $1 $sanitize_size $changes -v --json "$out/report.json" -o "$out/stack.tif"
         clean $program info "$out/stack.tif" --json "$out/info.json"
         clean $program info "$out/stack.tif"
+        clean $program envi "$out/stack.tif" -o "$out/header.hdr"
         clean $program render --again "$out/stack.tif" -q -o "$out/again.tif"
         clean $program develop "$out/stack.tif" --exposure auto --adaptation cat16 --white a -o "$out/picture.png"
         clean $program compare "$out/stack.tif" "$out/again.tif" --map "$out/map.png" --json "$out/compare.json"

@@ -3,6 +3,7 @@
  * these rows. Rows that lie one after the other, as in stacks of this program, are read straight
  * from the file. libtiff decodes all other rows, strip by strip or tile by tile. */
 #include <float.h>
+#include <inttypes.h>
 #include <tiffio.h>
 
 #include "data/images/inside.h"
@@ -328,17 +329,38 @@ bool image_read(struct image *image, int page, int y, int rows, float *out, stru
 
 /* ---- raw samples ---- */
 
-bool image_is_raw(const struct image *image, uint64_t *first, int *bits)
+/* Refuses a page whose samples cannot be described by themselves. */
+static bool page_is_raw(const struct image *image, int page, struct error *err)
 {
-    const struct sample_layout *layout = image->file->pages;
-    uint64_t expected = layout->rows_offset;
-    bool raw = expected > 0 && !TIFFIsBigEndian(image->tiff);
-    *first = expected;
-    *bits = layout->bits;
-    for (int page = 0; page < image->n_pages; page++, layout++) {
-        raw = raw && layout->n_colours == 1 && layout->n_bands == 1 && layout->pixel_step == 1 &&
-              !layout->inverted && layout->rows_offset == expected;
+    const struct sample_layout *layout = &image->file->pages[page];
+    const char *why = layout->n_colours > 1      ? "is coloured"
+                      : layout->inverted         ? "stores white as 0"
+                      : layout->rows_offset == 0 ? "is compressed, in tiles, or in strips with gaps"
+                      : layout->pixel_step > layout->n_bands ? "has an alpha"
+                                                             : NULL;
+    return !why || error_usage(err,
+                               "%s: page %d %s; an ENVI header describes raw grey samples without"
+                               " gaps, as spectral render writes them",
+                               image->path, page + 1, why);
+}
+
+bool image_describe(const struct image *image, struct raw_samples *out, struct error *err)
+{
+    const struct sample_layout *first = image->file->pages;
+    const bool by_pages = first->n_bands == 1;
+    uint64_t expected = first->rows_offset;
+    for (int page = 0; page < image->n_pages; page++) {
+        const struct sample_layout *layout = &image->file->pages[page];
+        if (!page_is_raw(image, page, err))
+            return false;
+        if (by_pages && layout->rows_offset != expected)
+            return error_usage(err,
+                               "%s: page %d begins at byte %" PRIu64 "; an ENVI header needs pages"
+                               " without gaps, and so expects it at byte %" PRIu64,
+                               image->path, page + 1, layout->rows_offset, expected);
         expected += (uint64_t)layout->row_bytes * layout->height;
     }
-    return raw;
+    *out = (struct raw_samples){first->rows_offset, first->bits, first->pixel_step > 1,
+                                TIFFIsBigEndian(image->tiff) != 0};
+    return true;
 }

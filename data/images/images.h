@@ -81,10 +81,15 @@ void image_close(struct image *image);
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err);
 
-/* Returns whether a TIFF file has its samples as pages_open and pages_write lay them out: grey,
- * page after page, without compression and gaps, the lowest byte first. Finds the place of the
- * first sample, and the bits of each. */
-bool image_is_raw(const struct image *image, uint64_t *first, int *bits);
+/* Finds how the samples of all pages lie, for a program that knows no TIFF. Refuses
+ * colours, grey whose 0 is white, compressed samples, and gaps between pages. */
+struct raw_samples {
+    uint64_t offset; /* of the first sample in the file */
+    int bits;        /* 8 or 16: unsigned; 32: float */
+    bool by_pixels;  /* the bands of a pixel lie side by side */
+    bool big_endian;
+};
+bool image_describe(const struct image *image, struct raw_samples *out, struct error *err);
 
 enum { TEXTURE_PLANES = 3 };
 /* Planes have rows from t = 0 (the picture's bottom row) upwards, width values each; behind them

@@ -22,7 +22,11 @@ bool stack_verdict_read(const char *line, struct stack_verdict *out);
 
 enum { TAG_VERDICT = 65111 };           /* the verdict of the check */
 #define STACK_UNFINISHED "not finished" /* the verdict of a stack that is not whole yet */
-/* tags.c: sets all tags of the current directory but those of its format. It is the page_tags of a
+#define PAGE_LABEL "%.10g nm"
+/* tags.c: returns the width of a page: the mean distance to its neighbours; 0: it is the only one.
+ */
+double page_width_nm(const double *wavelengths_nm, int n, int page);
+/* Sets all tags of the current directory but those of its format. It is the page_tags of a
  * stack_writer, to which `stack` points. */
 bool tags_set(struct tiff *tiff, const void *stack, int page, struct error *err);
 

@@ -44,18 +44,16 @@ static char *common_lines(const struct cube *part, struct error *err)
     return printed_take(&lines, err);
 }
 
-/* Refuses a part whose samples or object map do not lie where render puts them. *from: the place of
- * the first sample. */
-static bool check_layout(const struct joined *joined, const struct cube *part, uint64_t *from,
-                         struct error *err)
+/* Refuses a part whose samples or object map do not lie where render puts them. */
+static bool check_layout(const struct joined *joined, const struct cube *part,
+                         const struct raw_samples *layout, struct error *err)
 {
-    int bits;
     const struct cube *first = &joined->first;
     const struct record *record = &part->record;
     const struct numbers *nm = &record->wavelengths; /* one a page, or none */
-    return (image_is_raw(&part->image, from, &bits) && bits == joined->bits &&
-            part->image.width == first->image.width &&
-            part->image.n_pages == first->image.n_pages &&
+    return (part->image.width == first->image.width &&
+            part->image.n_pages == first->image.n_pages && layout->bits == joined->bits &&
+            !layout->by_pixels && !layout->big_endian &&
             record->rows.value[2] == first->record.rows.value[2] &&
             strcmp(record->full_scale, first->record.full_scale) == 0 &&
             (nm->n == 0 || memcmp(nm->value, first->record.wavelengths.value,
@@ -223,19 +221,20 @@ static bool open_part(const char *path, struct cube *out, struct error *err)
 
 static bool add_part(struct joined *joined, const struct cube *part, struct error *err)
 {
-    uint64_t from;
-    return check_common(joined, part, err) && check_layout(joined, part, &from, err) &&
-           mark_rows(joined, part, err) && add_verdict(joined, part, err) &&
-           copy_rows(joined, part, from, err);
+    struct raw_samples layout;
+    return image_describe(&part->image, &layout, err) && check_common(joined, part, err) &&
+           check_layout(joined, part, &layout, err) && mark_rows(joined, part, err) &&
+           add_verdict(joined, part, err) && copy_rows(joined, part, layout.offset, err);
 }
 
 /* Lays out the whole stack, which the first part describes. */
 static bool begin(struct joined *joined, const struct options *options, struct error *err)
 {
     struct cube *first = &joined->first;
-    uint64_t from;
-    if (!image_is_raw(&first->image, &from, &joined->bits))
-        return refuse_changed(first, err);
+    struct raw_samples layout;
+    if (!image_describe(&first->image, &layout, err))
+        return false;
+    joined->bits = layout.bits;
     joined->record = common_lines(first, err);
     joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
     joined->sums = (struct stack_verdict){.samples = 0};

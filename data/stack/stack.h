@@ -193,6 +193,13 @@ extern const struct command join_command;
 /* The share of object pixels that may stay unchecked, unless --unchecked says otherwise. */
 #define USUAL_UNCHECKED 0.01
 
+/* ---- sidecar.c: the ENVI header of a stack, STACK.tif.hdr; spectral envi ---- */
+
+/* Writes the header of a stack. */
+extern const struct command envi_command;
+/* Returns the name of a stack's header, allocated; NULL: no memory. */
+char *sidecar_name(const char *stack, struct error *err);
+
 /* ---- command.c: spectral info ---- */
 
 /* Prints how a stack was made. */

@@ -76,7 +76,7 @@ static void page_label(const struct stack_options *options, int page, char out[T
     else if (options->names)
         name_label(options->names[page], out);
     else
-        snprintf(out, TEXT_SIZE, "%.10g nm", options->wavelengths_nm[page]);
+        snprintf(out, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
 }
 
 static void put_channel(struct printed *stream, const struct stack_options *options, int page)
@@ -133,20 +133,24 @@ static void put_description(struct printed *stream, const struct stack_writer *w
     print_text(stream, "</Pixels></Image></OME>");
 }
 
-/* The width of a page is the mean distance to its neighbours. */
+double page_width_nm(const double *wavelengths_nm, int n, int page)
+{
+    const int before = page > 0 ? page - 1 : page, after = page + 1 < n ? page + 1 : page;
+    return after > before ? (wavelengths_nm[after] - wavelengths_nm[before]) / (after - before) : 0;
+}
+
 static void put_gdal_wavelength(struct printed *stream, const struct stack_options *options,
                                 int page)
 {
     const double *nm = options->wavelengths_nm;
-    const int before = page > 0 ? page - 1 : page,
-              after = page + 1 < options->n_wavelengths ? page + 1 : page;
+    const double width_nm = page_width_nm(nm, options->n_wavelengths, page);
     print(stream,
           "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
           " domain=\"IMAGERY\">%.10g</Item>\n",
           nm[page] / 1000);
-    if (after > before)
+    if (width_nm > 0)
         print(stream, "<Item name=\"FWHM_UM\" sample=\"0\" domain=\"IMAGERY\">%.10g</Item>\n",
-              (nm[after] - nm[before]) / (after - before) / 1000);
+              width_nm / 1000);
     print(stream,
           "<Item name=\"wavelength\" sample=\"0\">%.10g</Item>\n"
           "<Item name=\"wavelength_units\" sample=\"0\">Nanometers</Item>\n",

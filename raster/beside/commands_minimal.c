@@ -5,9 +5,9 @@
 #include "raster/render/render.h"
 #include "spectral.h"
 
-const struct command *const commands[] = {
-    &render_command, &plan_command, &info_command, &list_command,
-    &show_command,   &join_command, NULL};
+const struct command *const commands[] = {&render_command, &plan_command, &info_command,
+                                          &list_command,   &show_command, &join_command,
+                                          &envi_command,   NULL};
 
 const struct shading_judge *const shading_judge = NULL;
 const struct map_maker *const map_maker = NULL;

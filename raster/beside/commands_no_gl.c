@@ -10,13 +10,10 @@
 #include "raster/render/render.h"
 #include "spectral.h"
 
-const struct command *const commands[] = {&render_command, &develop_command,
-                                          &probe_command,  &compare_command,
-                                          &view_command,   &plan_command,
-                                          &cost_command,   &info_command,
-                                          &list_command,   &curves_command,
-                                          &join_command,   &export_command,
-                                          &judge_command,  NULL};
+const struct command *const commands[] = {
+    &render_command, &develop_command, &probe_command,  &compare_command, &view_command,
+    &plan_command,   &cost_command,    &info_command,   &list_command,    &curves_command,
+    &join_command,   &envi_command,    &export_command, &judge_command,   NULL};
 
 const struct shading_judge *const shading_judge = &accuracy_judge;
 const struct map_maker *const map_maker = &reference_maps;

@@ -83,6 +83,22 @@ static bool write_json(const struct rendered *of, struct error *err)
     return json_write(&json, of->options->json, outputs, err);
 }
 
+/* Prints the name of a header of an older stack, which stays where it is: it may give wrong places
+ * of samples. */
+static bool print_header(const char *stack, struct printed *to, struct error *err)
+{
+    char *header = sidecar_name(stack, err);
+    bool older = false;
+    const bool done = header && file_is_regular(header, &older, err);
+    if (older) {
+        print(to, "header            %s is of an older stack; spectral envi", header);
+        print_shell(to, stack);
+        print_text(to, " renews it\n");
+    }
+    free(header);
+    return done;
+}
+
 /* Puts what -v asks for: the plan, and all figures. */
 static bool put_verbose(const struct rendered *of, struct json *words, struct error *err)
 {
@@ -93,7 +109,7 @@ static bool put_verbose(const struct rendered *of, struct json *words, struct er
     return true;
 }
 
-static void print_report(const struct rendered *of, struct printed *to)
+static bool print_report(const struct rendered *of, struct printed *to, struct error *err)
 {
     const struct render_output *output = of->output;
     const struct render_options *own = of->options->own;
@@ -111,6 +127,7 @@ static void print_report(const struct rendered *of, struct printed *to)
         print(to, "stack             %s\n", of->stored);
     if (own->maps)
         print(to, "maps              %s\n", own->maps);
+    return !of->stored || print_header(of->stored, to, err);
 }
 
 /* Shows the table. JSON, the stack itself (-o -) or the map may use standard output. */
@@ -121,9 +138,8 @@ static bool show_report(const struct rendered *of, struct error *err)
     const int to = options_table(options, map && output_is_stream(map) ? map : of->stored);
     struct json words;
     words_begin(&words);
-    const bool done = options->quiet || !options->verbose || put_verbose(of, &words, err);
-    if (!options->quiet)
-        print_report(of, &words.printed);
+    const bool done = options->quiet || ((!options->verbose || put_verbose(of, &words, err)) &&
+                                         print_report(of, &words.printed, err));
     return done && printed_show(&words.printed, to, err);
 }
 

@@ -145,6 +145,7 @@ FORMS = [
     form("info", "info in/stack.tif"),
     form("info --json", "info in/basis.tif --json out/a.json", "a.json"),
     form("info, foreign", "info in/foreign.tif"),
+    form("envi", "envi in/stack.tif -o out/a.hdr", "a.hdr"),
     form("list", "list"),
     form("show", "show room -o out/room.scene", "room.scene"),
     form("show to standard output", "show d65"),
@@ -152,7 +153,7 @@ FORMS = [
     form("--version", "--version"),
 ]
 FORMS += [on_old_file_systems(a_form) for a_form in FORMS
-          if a_form.name in ("render, all outputs", "compare", "probe, CSV", "cost")]
+          if a_form.name in ("render, all outputs", "compare", "probe, CSV", "envi", "cost")]
 
 
 # ---- runs ----

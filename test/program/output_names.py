@@ -19,7 +19,7 @@ WORDS = {"render": [["patches", *SMALL]], "develop": [["stack.tif"], ["stack.tif
          "view": [["patches", *SMALL], ["stack.tif"]], "plan": [["patches", *SMALL]],
          "cost": [["patches", "--size", "8x6", "--wavelengths", "500:600:50"]], "verify": [["patches"]],
          "info": [["stack.tif"], ["picture.tif"]], "list": [["scenes"]], "show": [["patches"], ["d65"], ["d65", "--svg"]],
-         "join": [["part.tif"]], "drivers": [[]], "export": [["patches", *SMALL]],
+         "join": [["part.tif"]], "envi": [["stack.tif"]], "drivers": [[]], "export": [["patches", *SMALL]],
          "judge": [["exported", "patches", *SMALL]]}
 SLOW = "cost", "verify", "drivers"  # some names are enough
 NAMES = ["page", "-", "page.xyz", "PAGE.PNG", "PAGE.HTML", "PAGE.TIF", "page.", ".png", ".", "folder", "folder/", "missing/page.tif",

@@ -22,10 +22,10 @@ WORDS = {"render": [["patches", *SMALL, "-q"]],
                    ["STACK", "1", "1", "--against", "3", "3"]],
          "compare": [["STACK", "OTHER", "--tolerance", "100%"]], "view": [["patches", *SMALL], ["STACK"]], "plan": [["patches", *SMALL]],
          "cost": [["tiny.scene", "--size", "4x3", "--wavelengths", "500", "-q"]], "verify": [["tiny.scene", "-q"]],
-         "info": [["STACK"]], "list": [["scenes"]], "show": [["patches"], ["d65", "--csv"]], "join": [["PART"]],
+         "info": [["STACK"]], "list": [["scenes"]], "show": [["patches"], ["d65", "--csv"]], "join": [["PART"]], "envi": [["STACK"]],
          "drivers": [[]], "export": [["patches", *SMALL]], "judge": [["FOLDER", "-q"]]}
 SLOW = "cost", "verify", "drivers"  # files alone, in level full
-ENDINGS = {"STACK.tif": ".tif", "PICTURE.png": ".png", "PAGE.html": ".html", "--check-map": ".png", "--map": ".tif",
+ENDINGS = {"STACK.tif": ".tif", "PICTURE.png": ".png", "PAGE.html": ".html", "FILE.hdr": ".hdr", "--check-map": ".png", "--map": ".tif",
            "--maps": ".tif"}
 FORMS = "file", "-", "/dev/stdout", "folder", "fifo"
 STANDARD = FORMS[1:3]
@@ -52,7 +52,7 @@ def is_whole(option, content):
             return isinstance(json.loads(content), dict)
         except ValueError:
             return False
-    heads = {".tif": (b"II*\0",), ".png": (b"\x89PNG", b"II*\0"), ".html": (b"<!DOCTYPE html>",)}
+    heads = {".tif": (b"II*\0",), ".png": (b"\x89PNG", b"II*\0"), ".html": (b"<!DOCTYPE html>",), ".hdr": (b"ENVI",)}
     ending = ENDINGS.get(option["value"], ENDINGS.get(option["names"][-1]))
     return len(content) > 0 and content.startswith(heads.get(ending, (b"",))) and not content.startswith(b'{"') and b'\n{"' not in content
 

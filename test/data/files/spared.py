@@ -39,7 +39,7 @@ COMMANDS = {
     "probe": (["stack.tif", "1", "1", "--white", "white.csv", "--detector", "eye.csv"], ("stack.tif", "white.csv", "eye.csv")),
     "develop": (["stack.tif", "--white", "white.csv", "--detector", "eye.csv"], ("stack.tif", "white.csv", "eye.csv")),
     "compare": (["stack.tif", "other.tif", "--white", "white.csv"], ("stack.tif", "other.tif", "white.csv")),
-    "info": (["stack.tif"], ("stack.tif",)),
+    "info": (["stack.tif"], ("stack.tif",)), "envi": (["stack.tif"], ("stack.tif",)),
     "join": (["part.tif", "-o", "joined.tif"], ("part.tif",)),
     "drivers": ([], ()), "list": ([], ()), "show": (["d65"], ()),
 }
