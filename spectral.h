@@ -53,7 +53,7 @@ enum {
     LONGEST_TEXTURE = 16384,    /* texels a side: OpenGL has a limit, too */
     LARGEST_PAGE = 1 << 24,     /* pixels of a page: browsers refuse larger canvases */
     MOST_PAGE_OBJECTS = 65535,  /* of a page, whose maps of objects have 16 bits */
-    MOST_POSITIONS = 16,        /* a side of each pixel: see scene_set_samples */
+    MOST_POSITIONS = 16,        /* a side of each pixel: see --samples */
     MOST_WAVELENGTHS = 65535,   /* of a scene: a TIFF file counts its pages in 16 bits */
     LARGEST_QUADRATURE = 64,    /* nodes: rules of more are not found in double precision */
     MOST_SHADOWED = 32,         /* lights that throw shadows: a pixel has a bit for each */

@@ -22,7 +22,7 @@ sanitize_scene() {
     checked="--unchecked 1 --keep --check-map $out/map.tif"
     for changes in "$checked" "$checked --shading flat --renderer softpipe --depth 32f --buffer 16" \
         '--shading phong --renderer raster --depth 8 --tessellation 0.5 --sampling gauss:3'; do
-        clean $program render $1 $sanitize_size $changes -v --envi --json "$out/report.json" -o "$out/stack.tif"
+        clean $program render $1 $sanitize_size $changes -v --json "$out/report.json" -o "$out/stack.tif"
         clean $program info "$out/stack.tif" --json "$out/info.json"
         clean $program info "$out/stack.tif"
         clean $program envi "$out/stack.tif" -o "$out/header.hdr"

@@ -121,13 +121,11 @@ static void find_scales(struct adaptive *a)
 {
     const int lights = a->spectra->n_lights, n_nm = a->spectra->n_nm;
     for (int i = 0; i < a->n_spectra; i++) {
-        bool found = i < lights;
-        a->scale[i] = largest_response(a, i);
+        double dimmest = HUGE_VAL;
         for (int light = 0; light < lights && i >= lights; light++)
-            if (is_below(spectrum_row(a, i), spectrum_row(a, light), n_nm)) {
-                a->scale[i] = found ? fmin(a->scale[i], a->scale[light]) : a->scale[light];
-                found = true;
-            }
+            if (is_below(spectrum_row(a, i), spectrum_row(a, light), n_nm))
+                dimmest = fmin(dimmest, a->scale[light]);
+        a->scale[i] = dimmest < HUGE_VAL ? dimmest : largest_response(a, i);
     }
     for (int j = 0; j < n_nm; j++)
         a->seen[j + 1] = a->seen[j] + sampling_seen(a->sampling, j);

@@ -38,14 +38,6 @@ bool sampling_makes_components(const struct sampling_method *method)
     return sampling_kinds[method->kind].flags & COMPONENTS;
 }
 
-static bool refuse_name(const char *option, const char *text, struct error *err)
-{
-    return error_usage(err,
-                       "%s is box:N, riemann:STEP, gauss:N, gauss:N,open, gauss:N,xyz, gauss:N,lms,"
-                       " gauss:N,acc, adaptive:TOLERANCE, basis:K, rgb or xyz, not '%.100s'",
-                       option, text);
-}
-
 static bool read_number(const struct word *number, struct sampling_method *out, struct error *err)
 {
     const bool gauss = out->kind >= SAMPLING_GAUSS && out->kind <= SAMPLING_GAUSS_ACC;
@@ -77,7 +69,11 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
     *out = (struct sampling_method){.kind = (enum sampling_kind)kind};
     const bool bare = kind == SAMPLING_RGB || kind == SAMPLING_XYZ;
     if (kind == KINDS || (bare ? text[length] != '\0' : word.length == 0))
-        return refuse_name(option, text, err);
+        return error_usage(
+            err,
+            "%s is box:N, riemann:STEP, gauss:N, gauss:N,open, gauss:N,xyz, gauss:N,lms,"
+            " gauss:N,acc, adaptive:TOLERANCE, basis:K, rgb or xyz, not '%.100s'",
+            option, text);
     return bare || read_number(&word, out, err);
 }
 

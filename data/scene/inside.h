@@ -55,10 +55,8 @@ struct scene_reader {
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
     int n_open, n_included;            /* n_included: all files included, each as often as it is */
     struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
-    /* Indices of materials: by name; by file, of those in lists. The last one has the indices of
-     * the MTL files in `mtl`. */
-    struct index named, listed, mtl_paths;
-    struct mtl *mtl; /* the MTL files that were read */
+    struct index named, listed; /* indices of materials: by name; by file, of those in lists */
+    struct mtl *mtl;            /* the MTL files that were read */
     int n_mtl;
 };
 /* Gives the text to the scene, which owns it; a failure frees it. *text stays valid as a cursor. */
@@ -87,12 +85,11 @@ bool ambient_read(struct scene_reader *reader, struct error *err); /* in lights.
 bool light_read(struct scene_reader *reader, struct error *err);
 
 /* materials.c: finds materials by name, and reads those that are used. */
+/* Adds a material to the scene, or frees it where that fails, or where it is not good. */
+bool material_keep(struct scene *scene, struct material *material, bool good, struct error *err);
 bool definition_read(struct scene_reader *reader, struct error *err);
 /* Adds the material of a file that a list names, unless it is there already; *out is its index. */
 bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err);
-/* Adds a material whose reflectance is a sample of a table, with its name, and takes that over. */
-bool sample_add(struct scene_reader *reader, struct place place, struct spectrum *sample,
-                struct error *err);
 /* Finds the materials of all objects and reads those that are used. */
 bool materials_resolve(struct scene_reader *reader, struct error *err);
 void materials_forget(struct scene_reader *reader); /* frees what finds materials by name */
@@ -103,13 +100,6 @@ bool checker_read(struct scene_reader *reader, struct error *err);
 /* Adds a plane that emits, behind all else. */
 bool background_read(struct scene_reader *reader, struct error *err);
 void object_free(struct object *object);
-
-/* Gives all objects of lists this shape, as large as the thesis's sphere. Objects that have it keep
- * their sizes. Refuses a scene without a list. */
-bool scene_set_shape(struct scene *scene, const char *text, struct error *err);
-bool scene_set_samples(struct scene *scene, const char *text, struct error *err);
-/* Gives all lights shadows; the text is of no matter. */
-bool scene_set_shadows(struct scene *scene, const char *text, struct error *err);
 
 bool scene_set_ambient(struct scene *scene, const char *text, struct error *err);
 bool scene_set_shading(struct scene *scene, const char *text, struct error *err);

@@ -176,14 +176,6 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
     return read_light_option(&text, equals + 1, light, err);
 }
 
-bool scene_set_shadows(struct scene *scene, const char *value, struct error *err)
-{
-    (void)value, (void)err;
-    for (int i = 0; i < scene->n_lights; i++)
-        scene->lights[i].shadows = true;
-    return true;
-}
-
 bool scene_set_ambient(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;

@@ -54,16 +54,6 @@ static bool read_fluorescence(struct text *text, struct material *out, struct er
            spectrum_append(&out->emission, nm, emission, word.place, err);
 }
 
-/* Returns the partner, and makes it if there is none yet; NULL: no memory. */
-static struct material *partner_of(struct material *material, struct place place, struct error *err)
-{
-    if (material->partner)
-        return material->partner;
-    if (MAKE_ARRAY(material->partner, 1, err, "a metameric partner"))
-        material->partner->place = material->partner_place = place;
-    return material->partner;
-}
-
 /* Returns the kind of a line: the first letter of its first word, in lower case, as the program of
  * the thesis read it; behind an m the second. 0: unknown word. */
 static char line_kind(const struct word *word)
@@ -82,9 +72,12 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     if (number)
         text->at = first->start;
     if (kind != 0 && tolower((unsigned char)first->start[0]) == 'm') {
-        out = partner_of(out, first->place, err);
-        if (!out)
-            return false;
+        if (!out->partner) {
+            if (!MAKE_ARRAY(out->partner, 1, err, "a metameric partner"))
+                return false;
+            out->partner->place = out->partner_place = first->place;
+        }
+        out = out->partner;
     }
     switch (kind) {
     case 'r':
@@ -208,14 +201,6 @@ static bool read_choice(struct text *text, const char *const words[], const char
     return true;
 }
 
-static bool read_emission(struct text *text, struct material *out, struct error *err)
-{
-    struct word word;
-    return check_excitation(&out->excitation, err) &&
-           block_value(text, &word, "a spectrum", out->place, err) &&
-           spectrum_read(&word, 0, HUGE_VAL, &out->emission, err);
-}
-
 enum block_kind {
     BLOCK_DIFFUSE,
     BLOCK_SPECULAR,
@@ -253,7 +238,9 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         return word_number(&word, "gloss", 0, HIGHEST_GLOSS, &out->gloss, err);
     case BLOCK_FLUORESCENCE:
         return spectrum_read(&word, 0, HUGE_VAL, &out->excitation, err) &&
-               read_emission(text, out, err);
+               check_excitation(&out->excitation, err) &&
+               block_value(text, &word, "a spectrum", out->place, err) &&
+               spectrum_read(&word, 0, HUGE_VAL, &out->emission, err);
     case BLOCK_DONALDSON:
         if (!word_file(&word, FILE_KINDS, &out->donaldson, err) ||
             !read_choice(text, sorts, "sort of matrix", &chosen, out->place, err))
@@ -261,7 +248,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         out->densities = chosen == 1;
         return true;
     case BLOCK_TEXTURE:
-    case BLOCK_SPECTRAL_TEXTURE: /* one of both: see read_block */
+    case BLOCK_SPECTRAL_TEXTURE: /* one of both: see material_read_words */
         free(out->texture);
         out->spectral_texture = kind == BLOCK_SPECTRAL_TEXTURE;
         if (!word_file(&word, FILE_TEXTURE, &out->texture, err) ||
@@ -326,10 +313,12 @@ static bool check_closed(const struct text *text, const struct word *word, struc
                     word_shown(word), word->start, open.line, open.column);
 }
 
-static bool read_block(struct text *text, struct material *out, struct error *err)
+bool material_read_words(struct text *text, struct material *out, struct error *err)
 {
     struct place given[BLOCK_END + 1] = {{0}};
     struct word word;
+    *out = (struct material){.place = text_place(text)};
+    out->place.column--; /* the cursor stands behind the { */
     for (int kind = 0; kind != BLOCK_END;) {
         if (!block_word(text, &word, out->place, err) ||
             !check_closed(text, &word, out->place, err))
@@ -338,7 +327,6 @@ static bool read_block(struct text *text, struct material *out, struct error *er
         if (kind < 0 || !block_entry(text, kind, out, err))
             return false;
     }
-    out->gloss_place = given[BLOCK_GLOSS];
     out->donaldson_place = given[BLOCK_DONALDSON];
     out->texture_place = given[out->spectral_texture ? BLOCK_SPECTRAL_TEXTURE : BLOCK_TEXTURE];
     out->partner_place = given[BLOCK_METAMER];
@@ -347,13 +335,6 @@ static bool read_block(struct text *text, struct material *out, struct error *er
            exclude(given[BLOCK_TEXTURE], given[BLOCK_SPECTRAL_TEXTURE],
                    "texture or spectral-texture", err) &&
            complete_diffuse(out, err);
-}
-
-bool material_read_words(struct text *text, struct material *out, struct error *err)
-{
-    *out = (struct material){.place = text_place(text)};
-    out->place.column--; /* the cursor stands behind the { */
-    return read_block(text, out, err);
 }
 
 bool material_read_emission(struct text *text, struct material *out, struct error *err)

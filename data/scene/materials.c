@@ -41,21 +41,25 @@ static bool read_content(struct text *text, struct material *out, struct error *
            text_end(text, "a material", err);
 }
 
+bool material_keep(struct scene *scene, struct material *material, bool good, struct error *err)
+{
+    if (good && array_add(&scene->materials, &scene->n_materials, material, sizeof *material, err))
+        return true;
+    material_free(material);
+    return false;
+}
+
 bool definition_read(struct scene_reader *reader, struct error *err)
 {
     struct scene *scene = reader->scene;
     struct material material = {0};
     struct word word;
-    if (text_expect(reader->text, &word, "a name for the material", err) &&
-        check_name(reader, &word, err) && read_content(reader->text, &material, err)) {
-        material.name = word_copy(&word, err);
-        if (material.name &&
-            index_add(&reader->named, word.start, word.length, scene->n_materials, err) &&
-            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
-            return true;
-    }
-    material_free(&material);
-    return false;
+    const bool good = text_expect(reader->text, &word, "a name for the material", err) &&
+                      check_name(reader, &word, err) &&
+                      read_content(reader->text, &material, err) &&
+                      (material.name = word_copy(&word, err)) &&
+                      index_add(&reader->named, word.start, word.length, scene->n_materials, err);
+    return material_keep(scene, &material, good, err);
 }
 
 /* ---- files in a list ---- */
@@ -69,29 +73,13 @@ bool listed_add(struct scene_reader *reader, const struct word *word, int *out, 
         return false;
     const size_t length = strlen(material.path);
     *out = index_find(&reader->listed, material.path, length);
-    const bool known = *out >= 0;
-    if (!known) {
-        *out = scene->n_materials;
-        if (index_add(&reader->listed, material.path, length, *out, err) &&
-            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
-            return true;
-    }
-    material_free(&material);
-    return known;
-}
-
-bool sample_add(struct scene_reader *reader, struct place place, struct spectrum *sample,
-                struct error *err)
-{
-    struct scene *scene = reader->scene;
-    struct material material = {.place = place, .diffuse = *sample};
-    *sample = (struct spectrum){.kind = SPECTRUM_NONE};
-    const bool done =
-        string_copy(material.diffuse.name, &material.name, err) &&
-        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err);
-    if (!done)
+    if (*out >= 0) {
         material_free(&material);
-    return done;
+        return true;
+    }
+    *out = scene->n_materials;
+    return material_keep(scene, &material,
+                         index_add(&reader->listed, material.path, length, *out, err), err);
 }
 
 /* ---- materials that are used ---- */
@@ -182,13 +170,11 @@ const struct material *scene_partner(const struct scene *scene, const struct mat
 static int find_mtl(struct scene_reader *reader, const char *path, struct place from,
                     struct error *err)
 {
-    const size_t length = strlen(path);
-    const int known = index_find(&reader->mtl_paths, path, length);
     struct mtl mtl;
-    if (known >= 0)
-        return known;
+    for (int i = 0; i < reader->n_mtl; i++)
+        if (strcmp(reader->mtl[i].text.path, path) == 0)
+            return i;
     if (mtl_open(path, from, &mtl, err) &&
-        index_add(&reader->mtl_paths, path, length, reader->n_mtl, err) &&
         array_add(&reader->mtl, &reader->n_mtl, &mtl, sizeof mtl, err))
         return reader->n_mtl - 1;
     mtl_free(&mtl);
@@ -198,14 +184,10 @@ static int find_mtl(struct scene_reader *reader, const char *path, struct place 
 /* Finds the material of an entry, or reads the entry; -1 after an error. */
 static int entry_material(struct scene *scene, struct mtl_entry *entry, struct error *err)
 {
-    struct material material = {0};
-    if (entry->material == 0) {
-        if (mtl_read(entry, &material, err) &&
-            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
-            entry->material = scene->n_materials;
-        else
-            material_free(&material);
-    }
+    struct material material;
+    if (entry->material == 0 &&
+        material_keep(scene, &material, mtl_read(entry, &material, err), err))
+        entry->material = scene->n_materials;
     return entry->material - 1;
 }
 
@@ -374,7 +356,6 @@ void materials_forget(struct scene_reader *reader)
 {
     index_free(&reader->named);
     index_free(&reader->listed);
-    index_free(&reader->mtl_paths);
     for (int i = 0; i < reader->n_mtl; i++)
         mtl_free(&reader->mtl[i]);
     free(reader->mtl);

@@ -181,22 +181,17 @@ static bool add_entry(struct mtl *mtl, const struct word *name, struct error *er
            array_add(&mtl->entries, &mtl->n_entries, &entry, sizeof entry, err);
 }
 
-static bool find_entries(struct mtl *mtl, struct error *err)
-{
-    struct word word;
-    while (text_next_line(&mtl->text))
-        if (text_word(&mtl->text, &word) && word_is(&word, "newmtl") &&
-            (!text_rest(&mtl->text, &word)
-                 ? !error_at(err, text_place(&mtl->text), "expected a name")
-                 : !add_entry(mtl, &word, err)))
-            return false;
-    return true;
-}
-
 bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err)
 {
+    struct word word;
     *out = (struct mtl){.n_entries = 0};
-    return text_open(&out->text, path, from, 0, err) && find_entries(out, err);
+    bool done = text_open(&out->text, path, from, 0, err);
+    while (done && text_next_line(&out->text))
+        if (text_word(&out->text, &word) && word_is(&word, "newmtl"))
+            done = text_rest(&out->text, &word)
+                       ? add_entry(out, &word, err)
+                       : error_at(err, text_place(&out->text), "expected a name");
+    return done;
 }
 
 void mtl_free(struct mtl *mtl)
@@ -257,7 +252,6 @@ static bool complete(const struct place given[STATEMENTS], struct material *out,
     out->from_rgb = true;
     out->lost |= out->specular.kind != SPECTRUM_NONE && out->gloss > HIGHEST_GLOSS ? LOST_GLOSS : 0;
     out->gloss = out->specular.kind != SPECTRUM_NONE ? fmin(out->gloss, HIGHEST_GLOSS) : 0;
-    out->gloss_place = given[NS];
     if (out->gloss == 0) {
         out->lost |= out->specular.kind != SPECTRUM_NONE ? LOST_HIGHLIGHT : 0;
         spectrum_free(&out->specular);

@@ -90,21 +90,10 @@ static bool read_material(struct text *text, struct place place, bool map, struc
            (!map || word_file(&out->material, FILE_MAP, &out->object.material_map, err));
 }
 
-/* Reads "no": an object casts shadows unless it says so. */
-static bool read_casts(struct text *text, bool *casts_none, struct error *err)
-{
-    struct word word;
-    if (!text_expect(text, &word, "'no' behind casts", err))
-        return false;
-    *casts_none = word_is(&word, "no");
-    return *casts_none ||
-           error_at(err, word.place,
-                    "expected 'no' behind casts; an object casts shadows unless it says so");
-}
-
 static bool read_option(struct text *text, const struct word *word, struct description *out,
                         struct error *err)
 {
+    static const char *const casts[] = {"no", NULL};
     struct shape *shape = &out->object.shape;
     int option = word_choose(word, option_words, "word for an object", err);
     if (option < 0)
@@ -118,8 +107,9 @@ static bool read_option(struct text *text, const struct word *word, struct descr
                         shape_name(shape->kind));
     if (!place_once(&out->given[option], word->place, option_words[option], err))
         return false;
+    out->object.casts_none = out->object.casts_none || option == OBJECT_CASTS;
     if (option == OBJECT_CASTS)
-        return read_casts(text, &out->object.casts_none, err);
+        return text_choose(text, "'no' behind casts", casts, "word behind casts", err) == 0;
     if (option == OBJECT_REPEAT)
         return text_number(text, "repeat along s", DBL_MIN, HUGE_VAL, &shape->repeat[0], err) &&
                text_number(text, "repeat along t", DBL_MIN, HUGE_VAL, &shape->repeat[1], err);
@@ -200,12 +190,9 @@ bool background_read(struct scene_reader *reader, struct error *err)
                                                  .place = reader->place}};
     struct material material;
     description.object.material = scene->n_materials;
-    if (material_read_emission(reader->text, &material, err) &&
-        text_end(reader->text, "background", err) &&
-        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
-        return add_object(reader, &description, err);
-    material_free(&material);
-    return false;
+    const bool good = material_read_emission(reader->text, &material, err) &&
+                      text_end(reader->text, "background", err);
+    return material_keep(scene, &material, good, err) && add_object(reader, &description, err);
 }
 
 /* ---- the thesis's grid ---- */
@@ -245,13 +232,16 @@ static bool add_listed(struct scene_reader *reader, struct text *list, struct de
 static bool add_samples(struct scene_reader *reader, const struct text *set,
                         struct description *pattern, struct error *err)
 {
+    struct scene *scene = reader->scene;
     struct spectrum *samples;
     int n;
     bool done = set_read(*set, 1, &samples, &n, err);
     for (int i = 0; done && i < n; i++) {
-        pattern->object.material = reader->scene->n_materials;
-        done = sample_add(reader, text_whole(set), &samples[i], err) &&
-               add_object(reader, pattern, err);
+        struct material material = {.place = text_whole(set), .diffuse = samples[i]};
+        samples[i] = (struct spectrum){.kind = SPECTRUM_NONE}; /* taken over */
+        done = string_copy(material.diffuse.name, &material.name, err);
+        pattern->object.material = scene->n_materials;
+        done = material_keep(scene, &material, done, err) && add_object(reader, pattern, err);
     }
     set_free(samples, n);
     return done;
@@ -285,32 +275,4 @@ bool checker_read(struct scene_reader *reader, struct error *err)
                 add_grid(reader, &list, &description, err);
     object_free(&description.object);
     return done;
-}
-
-/* ---- an option of the command line ---- */
-
-bool scene_set_shape(struct scene *scene, const char *value, struct error *err)
-{
-    struct text text;
-    struct shape shape = {.path = NULL};
-    bool done = option_open(scene, "--shape", value, &text, err) &&
-                shape_read(&text, &shape, err) && text_end(&text, "a shape", err),
-         listed = false;
-    shape.unitize = true;
-    shape.parameter[0] *= shape.kind == SHAPE_TEAPOT ? 0.58 : 1; /* its spout reaches to 1.72 */
-    for (int i = 0; done && i < scene->n_objects; i++) {
-        struct object *object = &scene->objects[i];
-        const struct vector fit = {object->fit, object->fit, object->fit};
-        listed = listed || object->fit > 0;
-        if (object->fit == 0 || (shape.kind != SHAPE_MESH && shape.kind == object->shape.kind))
-            continue;
-        object->transform = matrix_product(object->transform, matrix_scaling(fit));
-        object->fit = 1;
-        shape_free(&object->shape);
-        object->shape = shape;
-        done = string_copy(shape.path, &object->shape.path, err);
-    }
-    shape_free(&shape);
-    return done && (listed || error_usage(err, "--shape is for a list of materials, or a scene "
-                                               "with a checker; this scene has none"));
 }

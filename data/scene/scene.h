@@ -27,10 +27,10 @@ struct material {
     char *name; /* file name without folder and ending, or the scene's name; owned */
     char *path; /* owned; NULL for a material written in the scene */
     struct place place;
-    struct spectrum diffuse;  /* always present */
-    struct spectrum specular; /* absent with gloss > 0: 1 at every wavelength */
-    double gloss;             /* 0..128; 0: no highlight */
-    struct place gloss_place;
+    struct spectrum diffuse;              /* always present */
+    struct spectrum specular;             /* absent with gloss > 0: 1 at every wavelength */
+    double gloss;                         /* 0..128; 0: no highlight */
+    struct place gloss_place;             /* in a material file */
     struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
     char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
     bool densities;                       /* in that file, not shares */

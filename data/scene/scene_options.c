@@ -2,6 +2,63 @@
 /* A scene as the command line names and changes it. */
 #include "data/scene/inside.h"
 
+/* ---- changes that only options make ---- */
+
+/* Gives all lights shadows; the text is of no matter. */
+static bool set_shadows(struct scene *scene, const char *value, struct error *err)
+{
+    (void)value, (void)err;
+    for (int i = 0; i < scene->n_lights; i++)
+        scene->lights[i].shadows = true;
+    return true;
+}
+
+/* Gives all objects of lists this shape, as large as the thesis's sphere. Objects that have it keep
+ * their sizes. Refuses a scene without a list. */
+static bool set_shape(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    struct shape shape = {.path = NULL};
+    bool done = option_open(scene, "--shape", value, &text, err) &&
+                shape_read(&text, &shape, err) && text_end(&text, "a shape", err),
+         listed = false;
+    shape.unitize = true;
+    shape.parameter[0] *= shape.kind == SHAPE_TEAPOT ? 0.58 : 1; /* its spout reaches to 1.72 */
+    for (int i = 0; done && i < scene->n_objects; i++) {
+        struct object *object = &scene->objects[i];
+        const struct vector fit = {object->fit, object->fit, object->fit};
+        listed = listed || object->fit > 0;
+        if (object->fit == 0 || (shape.kind != SHAPE_MESH && shape.kind == object->shape.kind))
+            continue;
+        object->transform = matrix_product(object->transform, matrix_scaling(fit));
+        object->fit = 1;
+        shape_free(&object->shape);
+        object->shape = shape;
+        done = string_copy(shape.path, &object->shape.path, err);
+    }
+    shape_free(&shape);
+    return done && (listed || error_usage(err, "--shape is for a list of materials, or a scene "
+                                               "with a checker; this scene has none"));
+}
+
+static bool set_samples(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    long positions;
+    if (!option_open(scene, "--samples", value, &text, err) ||
+        !text_integer(&text, "number of positions", 1, MOST_POSITIONS, &positions, err))
+        return false;
+    if ((positions & (positions - 1)) != 0)
+        return error_usage(err,
+                           "--samples takes 1, 2, 4, 8 or 16 positions a side of each pixel, "
+                           "not %ld",
+                           positions);
+    scene->positions = (int)positions;
+    return text_end(&text, "samples", err);
+}
+
+/* ---- the options ---- */
+
 static const struct option changes[] = {
     {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",
      CHANGES(scene_set_wavelengths), .recorded = true},
@@ -10,12 +67,12 @@ static const struct option changes[] = {
      CHANGES(scene_set_light), .recorded = true},
     {"--ambient SPECTRUM[*INTENSITY]", "replaces the ambient light", CHANGES(scene_set_ambient),
      .recorded = true},
-    {"--shadows", "objects throw shadows in the light of all lights", CHANGES(scene_set_shadows),
+    {"--shadows", "objects throw shadows in the light of all lights", CHANGES(set_shadows),
      .recorded = true},
     {"--shape SHAPE", "the shape of all objects of a list: sphere, teapot, 'mesh chair', ...",
-     CHANGES(scene_set_shape), .recorded = true},
+     CHANGES(set_shape), .recorded = true},
     {"--samples K", "stores the mean of K x K positions of each pixel: 1 (default), 2, 4, 8 or 16",
-     CHANGES(scene_set_samples), .recorded = true},
+     CHANGES(set_samples), .recorded = true},
 };
 static const struct option shading[] = {
     {"--shading smooth|flat|phong", "replaces the scene's; phong lights each pixel",
@@ -25,6 +82,8 @@ static const struct option shading[] = {
 };
 const struct option_list scene_options = OPTION_LIST(changes),
                          shading_options = OPTION_LIST(shading);
+
+/* ---- SCENE ---- */
 
 /* Refuses a stack or a picture where a scene is expected. */
 static bool refuse_picture(const char *scene, struct error *err)

@@ -302,22 +302,6 @@ bool scene_set_shading(struct scene *scene, const char *value, struct error *err
     return option_open(scene, "--shading", value, &text, err) && shading_read(&reader, err);
 }
 
-bool scene_set_samples(struct scene *scene, const char *value, struct error *err)
-{
-    struct text text;
-    long positions;
-    if (!option_open(scene, "--samples", value, &text, err) ||
-        !text_integer(&text, "number of positions", 1, MOST_POSITIONS, &positions, err))
-        return false;
-    if ((positions & (positions - 1)) != 0)
-        return error_usage(err,
-                           "--samples takes 1, 2, 4, 8 or 16 positions a side of each pixel, "
-                           "not %ld",
-                           positions);
-    scene->positions = (int)positions;
-    return text_end(&text, "samples", err);
-}
-
 bool scene_set_tessellation(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;

@@ -49,15 +49,6 @@ static bool add_material(struct inputs *to, const struct material *material, str
     return done;
 }
 
-static bool add_detector(struct inputs *to, const char *name, struct error *err)
-{
-    const struct word word = {.start = name, .length = name ? strlen(name) : 0};
-    char *path = NULL;
-    const bool done = !name || (word_file(&word, FILE_TABLE, &path, err) && add(to, path, err));
-    free(path);
-    return done;
-}
-
 static bool add_all(struct inputs *to, const struct scene *scene, struct error *err)
 {
     bool done = true;
@@ -80,8 +71,13 @@ static int compare_paths(const void *a, const void *b)
 bool inputs_list(const struct scene *scene, const char *detector, bool texts, struct inputs *out,
                  struct error *err)
 {
+    const struct word word = {.start = detector, .length = detector ? strlen(detector) : 0};
+    char *path = NULL;
     *out = (struct inputs){.file = NULL};
-    bool done = add_all(out, scene, err) && add_detector(out, detector, err), regular;
+    bool done = add_all(out, scene, err) &&
+                (!detector || word_file(&word, FILE_TABLE, &path, err)) && add(out, path, err),
+         regular;
+    free(path);
     for (int i = 0; texts && done && i < scene->n_texts; i++)
         done = file_is_regular(scene->files[i].path, &regular, err) &&
                (!regular || add(out, scene->files[i].path, err));

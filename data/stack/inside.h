@@ -30,8 +30,4 @@ double page_width_nm(const double *wavelengths_nm, int n, int page);
  * stack_writer, to which `stack` points. */
 bool tags_set(struct tiff *tiff, const void *stack, int page, struct error *err);
 
-/* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
- * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
-char *record_text(const struct record *record, struct error *err);
-
 #endif

@@ -7,11 +7,11 @@
 enum { COPIED_BYTES = 1 << 22 };
 
 struct join_options {
-    bool keep, envi;
+    bool keep;
 };
 struct joined {
     struct cube first; /* part; it stays open */
-    char *record;      /* of all parts, as make_common makes it; owned */
+    char *record;      /* as common_lines returns it; owned */
     struct stack_verdict sums;
     bool has_sums; /* the parts' lines have numbers */
     struct stack_writer writer;
@@ -22,13 +22,26 @@ struct joined {
 
 /* ---- records ---- */
 
-/* Returns a part's record without what is its own, allocated; NULL: no memory. */
-static char *make_common(const struct record *record, struct error *err)
+static bool refuse_changed(const struct cube *part, struct error *err)
 {
-    struct record common = *record;
-    common.rows.n = 0;
-    common.object_map = NULL;
-    return record_text(&common, err);
+    return error_usage(err, "%s was cut or changed after it was rendered; render this part again",
+                       part->image.path);
+}
+
+/* Returns the lines that all parts record alike, allocated; NULL: there are none, or no memory.
+ * They lie between those of the scale and those of the part. */
+static char *common_lines(const struct cube *part, struct error *err)
+{
+    struct printed lines = {.text = NULL};
+    char *record = description_text(part->image.description, err);
+    const char *from = record ? strstr(record, "program: ") : NULL,
+               *end = from ? strstr(from, "\nrows: ") : NULL;
+    if (end)
+        print_bytes(&lines, from, (size_t)(end + 1 - from));
+    else
+        refuse_changed(part, err);
+    free(record);
+    return printed_take(&lines, err);
 }
 
 /* Refuses a part whose samples or object map do not lie where render puts them. */
@@ -37,20 +50,23 @@ static bool check_layout(const struct joined *joined, const struct cube *part,
 {
     const struct cube *first = &joined->first;
     const struct record *record = &part->record;
+    const struct numbers *nm = &record->wavelengths; /* one a page, or none */
     return (part->image.width == first->image.width &&
             part->image.n_pages == first->image.n_pages && layout->bits == joined->bits &&
             !layout->by_pixels && !layout->big_endian &&
             record->rows.value[2] == first->record.rows.value[2] &&
+            strcmp(record->full_scale, first->record.full_scale) == 0 &&
+            (nm->n == 0 || memcmp(nm->value, first->record.wavelengths.value,
+                                  (size_t)nm->n * sizeof *nm->value) == 0) &&
             record->map_bytes == first->record.map_bytes &&
             (record->map_bytes > 0) == (record->object_map != NULL)) ||
-           error_usage(err, "%s was cut or changed after it was rendered; render this part again",
-                       part->image.path);
+           refuse_changed(part, err);
 }
 
 /* Refuses a record that differs from that of the first part. Names the first line that does. */
 static bool check_common(const struct joined *joined, const struct cube *part, struct error *err)
 {
-    char *common = make_common(&part->record, err);
+    char *common = common_lines(part, err);
     const char *a = joined->record, *b = common;
     if (!common)
         return false;
@@ -132,12 +148,7 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
 {
     const struct cube *part = &joined->first;
     struct sampling_method method;
-    struct record whole = part->record;
-    whole.rows.n = whole.wavelengths.n = 0;
-    whole.full_scale = whole.scale = whole.object_map = NULL;
-    char *provenance = record_text(&whole, err);
-    bool done = provenance &&
-                MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows of %s", path) &&
+    bool done = MAKE_ARRAY(joined->has, part->record.rows.value[2], err, "rows of %s", path) &&
                 MAKE_ARRAY(joined->bytes, COPIED_BYTES, err, "rows of %s", path);
     if (done && part->components)
         done = sampling_read(part->image.path, part->record.sampling, &method, err);
@@ -148,13 +159,12 @@ static bool open_whole(struct joined *joined, const char *path, struct error *er
                                           .full_scale = strtod(part->record.full_scale, NULL),
                                           .bits = joined->bits,
                                           .scene = part->record.scene,
-                                          .provenance = provenance,
+                                          .provenance = joined->record,
                                           .map_bytes = part->record.map_bytes,
                                           .unit = part->record.unit,
                                           .components = part->components ? &method : NULL};
     done = done && stack_open(&joined->writer, path, &options, err);
     joined->writer.pages.as_stored = true; /* copied from another stack */
-    free(provenance);
     return done;
 }
 
@@ -225,7 +235,7 @@ static bool begin(struct joined *joined, const struct options *options, struct e
     if (!image_describe(&first->image, &layout, err))
         return false;
     joined->bits = layout.bits;
-    joined->record = make_common(&first->record, err);
+    joined->record = common_lines(first, err);
     joined->has_sums = stack_verdict_read(first->image.verdict, &joined->sums);
     joined->sums = (struct stack_verdict){.samples = 0};
     return joined->record && open_whole(joined, options->output, err);
@@ -259,8 +269,7 @@ static bool finish(struct joined *joined, struct options *options, struct error 
     const bool agreed = !joined->has_sums || strcmp(joined->sums.word, "agreed") == 0;
     bool done = stack_finish(&joined->writer, line, err);
     if (done && (agreed || own->keep))
-        done = stack_commit(&joined->writer, own->envi ? options->output : NULL, &options->outputs,
-                            err);
+        done = output_pass(&joined->writer.pages.output, &options->outputs, err);
     return done && (agreed ||
                     error_different(err, "the joined picture: %s; %s", line,
                                     own->keep ? "the stack was kept"
@@ -300,7 +309,6 @@ static const struct option join_rows[] = {
     {"-o, --output STACK.tif", "writes there; - is standard output", SHARED(TEXT, output),
      .writes = true},
     {"--keep", "stores the stack even if the check fails", OWN(FLAG, join_options, keep)},
-    {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, join_options, envi)},
 };
 const struct command join_command = {
     .name = "join",

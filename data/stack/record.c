@@ -299,31 +299,6 @@ bool record_has_files(const struct record *record, const struct scene *scene, co
     return same;
 }
 
-/* ---- writing ---- */
-
-static void put_field(struct printed *stream, const struct record *record,
-                      const struct field *field)
-{
-    const void *member = (const char *)record + field->offset;
-    const char *const *text = member;
-    const struct texts *texts = member;
-    const struct numbers *numbers = member;
-    if (field->kind == FIELD_TEXT && *text)
-        put_line(stream, field->key, *text);
-    for (int i = 0; field->kind == FIELD_TEXTS && i < texts->n; i++)
-        put_line(stream, field->key, texts->text[i]);
-    if (field->kind == FIELD_NUMBERS)
-        put_numbers(stream, field->key, numbers->value, numbers->n);
-}
-
-char *record_text(const struct record *record, struct error *err)
-{
-    struct printed printed = {.text = NULL};
-    for (int i = 0; i < FIELDS; i++)
-        put_field(&printed, record, &fields[i]);
-    return printed_take(&printed, err);
-}
-
 /* ---- reading ---- */
 
 /* Replaces, in place, the entities of XML that data/stack/tags.c writes. */

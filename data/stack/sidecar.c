@@ -129,31 +129,6 @@ char *sidecar_name(const char *stack, struct error *err)
     return printed_take(&printed, err);
 }
 
-bool sidecar_can_open(const char *stack, struct error *err)
-{
-    if (!stack || output_is_stream(stack))
-        return error_usage(err,
-                           "--envi writes a header beside the stack; expected -o with the name of a"
-                           " file, not %s",
-                           stack ? stack : "/dev/null");
-    char *name = sidecar_name(stack, err);
-    const bool can = name && output_can_open(name, err);
-    free(name);
-    return can;
-}
-
-bool stack_commit(struct stack_writer *writer, const char *beside, struct outputs *outputs,
-                  struct error *err)
-{
-    char *name = beside ? sidecar_name(beside, err) : NULL;
-    char *header = name ? header_make(writer->pages.output.temporary, err) : NULL;
-    const bool done = (header || !beside) && output_pass(&writer->pages.output, outputs, err) &&
-                      (!header || file_write(name, header, strlen(header), outputs, err));
-    stack_discard(writer);
-    FREE_ALL(header, name);
-    return done;
-}
-
 /* ---- the command ---- */
 
 static bool run_envi(struct options *options, struct error *err)

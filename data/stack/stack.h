@@ -42,7 +42,7 @@ struct part_rows {
     int first, count;
 };
 /* Everything that decides the bytes of a stack, except OpenGL. A member is a row in `fields` of
- * record.c, by which it is written, read and freed. */
+ * record.c, by which it is read and freed. */
 struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
@@ -88,8 +88,9 @@ struct recorded {
     char *const *options;            /* n_options, each one word */
     int n_options;
 };
-/* Print lines of a record: first the scene with its files, lights, white and sampling; then the
- * objects; last, of a part, its rows of the picture, which has `height`, and n wavelengths
+/* Print lines "KEY: VALUE" of a record; in values, control characters, bytes that are no UTF-8, and
+ * '%' become %XX, as in a URL. First comes the scene with its files, lights, white and sampling;
+ * then the objects; last, of a part, its rows of the picture, which has `height`, and n wavelengths
  * (components: 0). */
 bool record_put_scene(struct printed *to, const struct recorded *made, struct error *err);
 void record_put_object(struct printed *to, const char *name);
@@ -111,7 +112,7 @@ struct stack_options {
     double full_scale;      /* radiance of the largest count: 65535, of 8 bits 255 */
     int bits;               /* of a sample: 8 or 16 of counts, 32 of float radiances; 0: 16 */
     const char *scene;      /* for the description */
-    const char *provenance; /* lines of text for the description: record_text */
+    const char *provenance; /* lines of text for the description: a record */
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
     /* names the pages, which then have no wavelengths; NULL: they have */
     const struct sampling_method *components;
@@ -140,7 +141,7 @@ struct stack_difference {
 /* Compares a finished stack, not committed yet, with a file. Refuses a file that cannot be read. */
 bool stack_compare(const struct stack_writer *writer, const char *path,
                    struct stack_difference *out, struct error *err);
-void stack_discard(struct stack_writer *writer); /* safe after commit */
+void stack_discard(struct stack_writer *writer); /* safe after output_pass */
 const char *stack_library(void);                 /* name and version of the libtiff in use */
 
 /* ---- stack.c: the verdict on a stack, in numbers ---- */
@@ -196,14 +197,6 @@ extern const struct command join_command;
 
 /* Writes the header of a stack. */
 extern const struct command envi_command;
-/* Refuses a stack that will be no file (/dev/null, a pipe), and a header that cannot be written.
- * Leaves no file. */
-bool sidecar_can_open(const char *stack, struct error *err);
-/* Lets a finished stack appear under its name (see output_pass), and then its header beside
- * `beside`, the name as the user wrote it; NULL: without a header. The header is complete before
- * the stack appears: if it fails by then, neither appears. */
-bool stack_commit(struct stack_writer *writer, const char *beside, struct outputs *outputs,
-                  struct error *err);
 /* Returns the name of a stack's header, allocated; NULL: no memory. */
 char *sidecar_name(const char *stack, struct error *err);
 

@@ -198,7 +198,6 @@ bool render_again(struct options *options, struct error *err)
                                          .again = own->again,
                                          .keep = own->keep,
                                          .discard = discard,
-                                         .envi = own->envi,
                                          .outputs = &options->outputs};
     return render_recorded(options, &output, err);
 }

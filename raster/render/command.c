@@ -83,16 +83,14 @@ static bool write_json(const struct rendered *of, struct error *err)
     return json_write(&json, of->options->json, outputs, err);
 }
 
-/* Prints the name of the stack's header. A header of an older stack stays where it is: it may give
- * wrong places of samples. */
-static bool print_header(const char *stack, bool written, struct printed *to, struct error *err)
+/* Prints the name of a header of an older stack, which stays where it is: it may give wrong places
+ * of samples. */
+static bool print_header(const char *stack, struct printed *to, struct error *err)
 {
     char *header = sidecar_name(stack, err);
     bool older = false;
-    const bool done = header && (written || file_is_regular(header, &older, err));
-    if (done && written)
-        print(to, "header            %s\n", header);
-    else if (older) {
+    const bool done = header && file_is_regular(header, &older, err);
+    if (older) {
         print(to, "header            %s is of an older stack; spectral envi", header);
         print_shell(to, stack);
         print_text(to, " renews it\n");
@@ -129,7 +127,7 @@ static bool print_report(const struct rendered *of, struct printed *to, struct e
         print(to, "stack             %s\n", of->stored);
     if (own->maps)
         print(to, "maps              %s\n", own->maps);
-    return !of->stored || print_header(of->stored, output->envi, to, err);
+    return !of->stored || print_header(of->stored, to, err);
 }
 
 /* Shows the table. JSON, the stack itself (-o -) or the map may use standard output. */
@@ -194,14 +192,12 @@ bool render_with_options(const struct options *options, const struct render_outp
     complete.notes = !options->quiet || options->json ? &job.notes : NULL;
     struct rendered rendered = {
         .options = options, .plan = &job.plan, .output = &complete, .made = made};
-    const bool done =
-        check_asked(options, output, err) && check_again(own, output, err) &&
-        job_read(options, output->foreign, &job, err) &&
-        check_same_scene(options, &job.scene, output->again, made, err) &&
-        (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err)) &&
-        job_plan(options, &job, err) && options_check_outputs(options, err) &&
-        (!map_maker || map_maker->check(options, &job.scene, err)) &&
-        render_job(&job, &rendered, err);
+    const bool done = check_asked(options, output, err) && check_again(own, output, err) &&
+                      job_read(options, output->foreign, &job, err) &&
+                      check_same_scene(options, &job.scene, output->again, made, err) &&
+                      job_plan(options, &job, err) && options_check_outputs(options, err) &&
+                      (!map_maker || map_maker->check(options, &job.scene, err)) &&
+                      render_job(&job, &rendered, err);
     job_free(&job);
     return done;
 }
@@ -270,7 +266,6 @@ static bool render_scene(struct options *options, struct error *err)
     const struct render_output wanted = {.path = discard ? NULL : options->output,
                                          .check_map = own->check_map,
                                          .keep = own->keep,
-                                         .envi = own->envi,
                                          .outputs = &options->outputs,
                                          .part = part};
     return render_with_options(options, &wanted, NULL, err);
@@ -328,7 +323,6 @@ static const struct option render_rows[] = {
      .needs = "--again"},
     {"--no-check", "does not cross-check", OWN(FLAG, render_options, no_check), .recorded = true},
     {"--keep", "stores the stack even if the check fails", OWN(FLAG, render_options, keep)},
-    {"--envi", "also writes STACK.tif.hdr, as envi does", OWN(FLAG, render_options, envi)},
     {"--part I/N", "draws part I of N as a stack of some rows of the picture; see join",
      OWN(TEXT, render_options, part)},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",

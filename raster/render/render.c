@@ -231,7 +231,7 @@ static bool finish_stack(struct rendering *of, struct error *err)
         return false;
     if (output->discard || !(output->keep || render_agreed(plan, result)))
         return true;
-    return stack_commit(&of->stack, output->envi ? output->path : NULL, output->outputs, err);
+    return output_pass(&of->stack.pages.output, output->outputs, err);
 }
 
 /* Both files are complete before the first of them appears. */
@@ -265,7 +265,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     bool done = render_all(&of, err);
     if (output->notes && plan->options.check && output->part.count == 0 && out->check.objects == 0)
         notes_of_nothing(output->notes);
-    stack_discard(&of.stack); /* keeps a committed stack */
+    stack_discard(&of.stack); /* keeps a stack that has been passed on */
     fit_free(&of.check_scene.fit);
     check_map_discard(&of.map);
     totals_free(&of.totals);

@@ -99,7 +99,6 @@ struct render_output {
     const char *again; /* the stack to compare the new one with, byte by byte; NULL: none */
     bool keep;         /* store the stack even if it fails its check or differs from `again` */
     bool discard;      /* compare the stack with `again`, and store none */
-    bool envi;         /* write the stack's ENVI header beside it */
     struct outputs *outputs; /* get all files; NULL: they appear at once */
     struct notes *notes;     /* as notes_make takes them; NULL: none are wanted */
     char *const *recorded;   /* n_recorded options for the record of the stack */
@@ -164,7 +163,7 @@ extern const struct command render_command;
 struct render_options {
     const char *again, *check_map, *renderer, *gl, *buffer, *depth, *unchecked, *part, *maps;
     double full_scale;
-    bool trust, no_check, strict, keep, envi, illumination;
+    bool trust, no_check, strict, keep, illumination;
 };
 /* Options of these, which other commands take, too. `judged`: what may stay unchecked. */
 extern const struct option_list renderer_options, library_option, judged_options, map_option,

@@ -45,7 +45,8 @@ files() (
     done
     for depth in 8 16 32f; do
         "$@" render spheres --size 90x60 --depth $depth --renderer raster --no-check --part 1/1 -q -o part.tif &&
-            "$@" join part.tif -q -o "whole-$depth.tif" --envi &&
+            "$@" join part.tif -q -o "whole-$depth.tif" &&
+            "$@" envi "whole-$depth.tif" &&
             "$@" info "whole-$depth.tif" --json "info-$depth.json" &&
             "$@" probe "whole-$depth.tif" 45 30 --csv -o "pixel-$depth.csv" &&
             "$@" probe "whole-$depth.tif" --objects --csv -o "objects-$depth.csv" &&

@@ -16,7 +16,7 @@ from sanitized import tables
 
 SMALL = "--size", "6x4", "--wavelengths", "500:600:50"
 # The words that let a command come to its outputs quickly. A command may write in several forms.
-WORDS = {"render": [["patches", *SMALL, "-q"], ["patches", *SMALL, "-q", "--envi"]],
+WORDS = {"render": [["patches", *SMALL, "-q"]],
          "develop": [["STACK"], ["STACK", "--raw", "--detector", "cie1931"]],
          "probe": [["STACK", "3", "3"], ["patches", "3", "3", *SMALL], ["STACK", "--objects", "--csv"], ["STACK", "3", "3", "--svg"],
                    ["STACK", "1", "1", "--against", "3", "3"]],

@@ -54,8 +54,7 @@ DESTROYED = ["verify a.scene --json a.scene", "verify a.scene --junit a.scene", 
              "join part.tif -o part.tif", "info stack.tif --json ../in/stack.tif",
              "info stack.tif --json hard"]
 # Two outputs of one file. `soft` is another name of this folder, `hard` one of a stack.
-ONE_FILE = ["verify a.scene --json both --junit both", "render a.scene --envi -o both.tif --json both.tif.hdr",
-            "render a.scene -o both.tif --json soft/both.tif", "render a.scene -o both.tif --json ../in/both.tif",
+ONE_FILE = ["verify a.scene --json both --junit both", "render a.scene -o both.tif --json soft/both.tif", "render a.scene -o both.tif --json ../in/both.tif",
             "view a.scene -o both.html --json both.html", "develop stack.tif -o both.png --json ./both.png",
             "cost a.scene --csv both.csv --svg ./both.csv", "compare stack.tif other.tif --map both.png --json both.png"]
 REFUSED = "(would replace an input.*|name the same file; expected two files|would be written twice; expected two files)"

@@ -62,7 +62,7 @@ static bool write_map(struct stack_writer *writer, int x, int y, int width, int 
 
 static bool finish(struct stack_writer *writer, const char *verdict, struct error *err)
 {
-    return stack_finish(writer, verdict, err) && stack_commit(writer, NULL, NULL, err);
+    return stack_finish(writer, verdict, err) && output_pass(&writer->pages.output, NULL, err);
 }
 
 /* Writes every page in rectangles of at most tile x tile pixels, the map, the last page and the
