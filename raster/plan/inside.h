@@ -18,10 +18,8 @@ bool casters_find(struct plan *plan, struct error *err);
 bool reach_find(struct plan *plan, struct error *err);  /* reach.c: fills what it says in */
 bool passes_make(struct plan *plan, struct error *err); /* passes.c: all else is made */
 void plan_effects(struct plan *plan);                   /* effects.c: fills plan->effects */
-/* plan_lights.c. Lists the lights that shine; forgets those that light nothing, when all is made.
- */
+/* plan_lights.c. Lists the lights that shine and that a material of the plan reflects. */
 bool lights_list(struct plan *plan, struct error *err);
-bool lights_drop_idle(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err);

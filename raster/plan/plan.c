@@ -245,7 +245,7 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     if (!check_size(scene, err) || !MAKE_ARRAY(out->materials, most, err, "%zu materials", most) ||
         !MAKE_ARRAY(out->textures, most, err, "%zu textures", most) ||
         !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
-        !lights_list(out, err) || !instances_make(out, err) || !lights_drop_idle(out, err))
+        !instances_make(out, err) || !lights_list(out, err))
         return false;
     out->view = view_of(out, &camera);
     if (!reach_find(out, err))
