@@ -12,11 +12,6 @@
  * bounds/vertex.c); a vertex in the window that lies so many pixels off may not come back. */
 enum { PLACE_ROUNDINGS = 128, MARGIN_PX = 8 };
 
-/* A vertex in clip space, and the magnitudes that its coordinates are made of. */
-struct clip_vertex {
-    double clip[4], magnitude[4];
-};
-
 void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4])
 {
     for (int i = 0; i < 4; i++) {
@@ -26,27 +21,17 @@ void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4])
     }
 }
 
-static struct clip_vertex clip_vertex(const struct plan *plan, const struct instance *instance,
-                                      int index)
-{
-    const struct vector p = instance->vertices[index].position,
-                        eye = matrix_point(&instance->model_view, p);
-    const double at[4] = {eye.x, eye.y, eye.z, 1}, from[4] = {p.x, p.y, p.z, 1};
-    struct clip_vertex out = {{0}, {0}};
-    double magnitude[4];
-    matrix_magnitudes(&instance->model_view, from, magnitude);
-    matrix_magnitudes(&plan->view.projection, magnitude, out.magnitude);
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++)
-            out.clip[i] += plan->view.projection.row[i][j] * at[j];
-    return out;
-}
-
 unsigned planes_outside(const struct plan *plan, const struct instance *instance, int vertex)
 {
-    const struct clip_vertex placed = clip_vertex(plan, instance, vertex);
-    const double *clip = placed.clip, *m = placed.magnitude, w = clip[3],
-                 size[2] = {plan->view.width, plan->view.height},
+    const struct vector p = instance->vertices[vertex].position,
+                        eye = matrix_point(&instance->model_view, p);
+    const double at[4] = {eye.x, eye.y, eye.z, 1}, from[4] = {p.x, p.y, p.z, 1};
+    double clip[4] = {0}, magnitude[4], m[4]; /* m: the magnitudes of the clip coordinates */
+    matrix_magnitudes(&instance->model_view, from, magnitude);
+    matrix_magnitudes(&plan->view.projection, magnitude, m);
+    for (int i = 0; i < 16; i++)
+        clip[i / 4] += plan->view.projection.row[i / 4][i % 4] * at[i % 4];
+    const double w = clip[3], size[2] = {plan->view.width, plan->view.height},
                  error = roundings(PLACE_ROUNDINGS), depth_error = error * (m[2] + m[3]);
     unsigned planes = (unsigned)(clip[2] < -w - depth_error) << VIEW_NEAR |
                       (unsigned)(clip[2] > w + depth_error) << VIEW_FAR;
