@@ -48,21 +48,15 @@ static void put_instances(struct json *json, const struct plan *plan)
 static void put_left_out(const struct plan *plan, struct json *json)
 {
     int idle_groups = 0;
-    long unseen = 0, alike = 0;
     for (int group = 0; group < plan->n_light_groups; group++)
         idle_groups += !group_is_drawn(plan, group);
-    for (int i = 0; i < plan->n_textures; i++) {
-        unseen += !plan->shows_texture[i];
-        alike += plan->shows_texture[i] && !texture_is_drawn(plan, &plan->textures[i]);
-    }
     json_open(json, "left_out", '[');
     put_instances(json, plan);
     put(json, "lights", plan->work.idle_lights, plan->n_lights, "they reach no object in view");
     put(json, "groups of lights", idle_groups, plan->n_light_groups,
         "no light of theirs reaches an object in view");
-    put(json, "textures", unseen, plan->n_textures, "only objects out of view have them");
-    put(json, "textures", alike, plan->n_textures,
-        "all of their texels have one value, which multiplies colours without rounding");
+    put(json, "textures", plan->work.undrawn_textures, plan->n_textures,
+        "only objects out of view have them");
     put(json, "passes", plan->passes.n_dark, plan->n_passes,
         "nothing in view has light in their bands");
     put(json, "passes", plan->n_passes - plan->passes.n_dark - plan->passes.n_frames,

@@ -7,9 +7,6 @@
 
 /* ---- reach.c: what reaches the picture ---- */
 
-/* The value of all texels, where a product with it is exact in single precision; otherwise -1. */
-double texture_factor(const struct plan *plan, const struct texture *texture);
-
 /* Returns the planes that a vertex of an instance lies outside of for sure: a set of 1 << plane. */
 unsigned planes_outside(const struct plan *plan, const struct instance *instance, int vertex);
 /* casters.c: counts the lights that throw shadows into view, and their groups. Refuses too many. */

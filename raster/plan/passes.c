@@ -107,9 +107,6 @@ void pass_colours(const struct plan *plan, const struct shaded_material *shaded,
     const double *constant = group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
     const struct light_group lights = light_group(plan, group);
     const int first = lights.first;
-    const double factor = shaded->texture ? texture_factor(plan, shaded->texture) : 1;
-    if (factor >= 0)
-        full_scale /= factor; /* infinite, and colours 0, where all texels are 0 */
     *out = (struct pass_colours){.n_lights = lights.n};
     band_colour(plan, constant, first_band, full_scale, out->constant);
     for (int i = 0; i < out->n_lights; i++) {

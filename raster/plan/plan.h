@@ -172,7 +172,7 @@ bool group_is_drawn(const struct plan *plan, int group);
 bool plan_has_mipmaps(const struct plan *plan); /* of some texture in view */
 /* The pixels that are stored have other levels of detail than those that are checked. */
 bool checks_other_rows(const struct plan *plan);
-/* OpenGL needs the texture (NULL: none): it is in view, and is no such factor. */
+/* OpenGL needs the texture (NULL: none): it is in view. */
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
 /* ---- passes.c ---- */

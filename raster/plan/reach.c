@@ -166,7 +166,7 @@ bool reach_find(struct plan *plan, struct error *err)
             plan->shows_texture[shaded->texture - plan->textures] = true;
     }
     for (int i = 0; i < plan->n_textures; i++)
-        plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);
+        plan->work.undrawn_textures += !plan->shows_texture[i];
     if (!casters_find(plan, err))
         return false;
     for (int i = 0; i < plan->n_lights; i++) {
@@ -191,17 +191,6 @@ bool group_is_drawn(const struct plan *plan, int group)
     return group == 0;
 }
 
-double texture_factor(const struct plan *plan, const struct texture *texture)
-{
-    int exponent;
-    const double value = texture->largest;
-    const bool is_power = frexp(value, &exponent) == 0.5 && exponent >= -15 && exponent <= 1;
-    return texture->smallest == value &&
-                   (value == 0 || value == 1 || (is_power && plan->options.bits != 32))
-               ? value
-               : -1;
-}
-
 bool plan_has_mipmaps(const struct plan *plan)
 {
     bool has = false;
@@ -217,6 +206,5 @@ bool checks_other_rows(const struct plan *plan)
 
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture)
 {
-    return texture && plan->shows_texture[texture - plan->textures] &&
-           texture_factor(plan, texture) < 0;
+    return texture && plan->shows_texture[texture - plan->textures];
 }
