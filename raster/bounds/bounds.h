@@ -35,7 +35,7 @@ struct surface_bounds {
     double e_rigid;             /* distance_from_rigid of model_view */
     struct vertex_bounds *vertices;
     float *errors;        /* of surface.weights, in the same order */
-    float *jumps;         /* at gated sides: the other outcome minus surface.weights; or NULL */
+    float *jumps;         /* at gated sides: the other outcome minus surface.weights */
     float *group_weights; /* [light group][weight]: what each adds to them; NULL: there is one */
     double left, top, right, bottom; /* in the window; everything where a vertex is not in front */
     bool *hidden; /* of each triangle: OpenGL need not draw it; NULL: all are drawn; owned */

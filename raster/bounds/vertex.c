@@ -247,16 +247,6 @@ bool surface_reaches(const struct surface_bounds *surface, const struct rectangl
            surface->bottom >= at->y && surface->top <= at->y + at->height;
 }
 
-/* Highlights and spots have gates. */
-static bool may_be_gated(const struct plan *plan, const struct shaded_material *shaded,
-                         const struct instance *instance)
-{
-    for (int i = 0; i < plan->n_lights; i++)
-        if (plan->lights[i].spot && reflects(instance, &plan->lights[i]))
-            return true;
-    return has_term(shaded, TERM_SPECULAR);
-}
-
 static bool allocate(const struct bounding *of, const struct placed_instance *placed,
                      struct error *err)
 {
@@ -270,13 +260,11 @@ static bool allocate(const struct bounding *of, const struct placed_instance *pl
     const bool opened = surface_open(&placed->instance, of->surface);
     const int n = placed->instance.n_vertices;
     const size_t n_weights = surface_attributes(of->surface, n, 0);
-    const bool checked = plan->options.check && placed->in_view,
-               gated = checked && may_be_gated(plan, bounds->shaded, &placed->instance),
-               grouped = checked && plan->n_light_groups > 1;
+    const bool grouped = plan->options.check && placed->in_view && plan->n_light_groups > 1;
     return (opened || memory_lacks(err, (double)n_weights * sizeof(double), "%s", name)) &&
            MAKE_ARRAY(bounds->vertices, n, err, "the vertices of %s", name) &&
            MAKE_ARRAY(bounds->errors, n_weights, err, "the bounds of %s", name) &&
-           (!gated || MAKE_ARRAY(bounds->jumps, n_weights, err, "the bounds of %s", name)) &&
+           MAKE_ARRAY(bounds->jumps, n_weights, err, "the bounds of %s", name) &&
            (!grouped || MAKE_ARRAY(bounds->group_weights, n_weights * (size_t)plan->n_light_groups,
                                    err, "the bounds of %s", name));
 }
