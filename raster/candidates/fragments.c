@@ -43,14 +43,6 @@ static void edge_slack(const struct edge_functions *edges, const double errors[3
     }
 }
 
-/* Does the same at a point of a triangle in the tile, whose corners are off in x and y alike. */
-static void own_edge_slack(const struct bounded_triangle *triangle,
-                           const struct edge_functions *edges, double slack[3])
-{
-    const double *e = triangle->edge_px, errors[3][2] = {{e[0], e[0]}, {e[1], e[1]}, {e[2], e[2]}};
-    edge_slack(edges, errors, slack);
-}
-
 /* True if a point lies beside the box around a triangle whose corners are off by up to `most`:
  * edges no longer than that may run in any direction, and do not exclude it. */
 static bool is_beside_box(const struct screen_triangle *screen, const double most[2], double px,
@@ -60,46 +52,34 @@ static bool is_beside_box(const struct screen_triangle *screen, const double mos
            least_of(screen->y) - most[1] > py || py > most_of(screen->y) + most[1];
 }
 
-static enum presence triangle_presence(const struct visit *visit)
+/* Finds the edge functions at a point, unless it lies beside the box, and the presence there.
+ * turned: the corners are, so that edge functions are positive inside. A triangle without area
+ * touches its longest edge only. */
+static enum presence presence_at(const struct screen_triangle *screen,
+                                 const struct edge_errors *errors, bool turned, double px,
+                                 double py, struct edge_functions *edges)
 {
-    const struct bounded_triangle *triangle = visited(visit);
-    const struct edge_functions *edges = &visit->edges;
-    const double *errors = triangle->edge_px, most = most_of(errors);
-    enum presence presence = triangle->screen.twice_area > 0 ? DEFINITE : POSSIBLE;
+    enum presence presence = DEFINITE;
     double slack[3];
-    if (is_beside_box(&triangle->screen, (const double[2]){most, most}, visit->x, visit->y))
+    if (is_beside_box(screen, errors->most, px, py))
         return IMPOSSIBLE;
-    own_edge_slack(triangle, edges, slack);
+    edges_at(screen->x, screen->y, px, py, edges);
+    edge_slack(edges, errors->px, slack);
+    const double turn = turned || edges->e[0] + edges->e[1] + edges->e[2] >= 0 ? 1 : -1;
     for (int i = 0; i < 3; i++) {
-        bool exact = errors[(i + 1) % 3] <= 0 && errors[(i + 2) % 3] <= 0,
-             on_edge = exact && edges->e[i] == 0;
-        if (edges->e[i] < -slack[i] || (on_edge && !owns_edge(&triangle->screen, i, 1)))
+        const bool on_edge = slack[i] <= 0 && edges->e[i] == 0; /* without any error */
+        if (turn * edges->e[i] < -slack[i] || (on_edge && !owns_edge(screen, i, 1)))
             return IMPOSSIBLE;
-        if (!(edges->e[i] > slack[i]) && !on_edge)
+        if (!(turn * edges->e[i] > slack[i]) && !on_edge)
             presence = POSSIBLE;
     }
     return presence;
 }
 
-/* A triangle without area touches its longest edge only. */
 static enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py)
 {
-    const double *x = triangle->screen.x, *y = triangle->screen.y;
     struct edge_functions edges;
-    double slack[3];
-    if (is_beside_box(&triangle->screen, triangle->most_px, px, py))
-        return IMPOSSIBLE;
-    edges_at(x, y, px, py, &edges);
-    edge_slack(&edges, triangle->edge_px, slack);
-    double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
-    enum presence presence = DEFINITE;
-    for (int i = 0; i < 3; i++) {
-        if (turn * edges.e[i] < -slack[i])
-            return IMPOSSIBLE;
-        if (!(turn * edges.e[i] > slack[i]))
-            presence = POSSIBLE;
-    }
-    return presence;
+    return presence_at(&triangle->screen, &triangle->edges, false, px, py, &edges);
 }
 
 /* The room is a power of two. It suffices if the last element that is there and the last one that
@@ -185,7 +165,7 @@ static void add_edges(const struct visit *visit)
     uint64_t object =
         (uint64_t)(bounds_of(lit, screen)->placed->object - lit->plan->scene->objects);
     double slack[3];
-    own_edge_slack(visited(visit), &visit->edges, slack);
+    edge_slack(&visit->edges, visited(visit)->edges.px, slack);
     for (int i = 0; i < 3; i++) {
         if (visit->edges.e[i] > slack[i])
             continue;
@@ -357,8 +337,8 @@ static unsigned go_to(struct visit *visit, int x, int y, enum presence *presence
     visit->y = y + 0.5;
     visit->pixel =
         &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
-    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
-    *presence = triangle_presence(visit);
+    *presence =
+        presence_at(&triangle->screen, &triangle->edges, true, visit->x, visit->y, &visit->edges);
     return *presence == IMPOSSIBLE ? 0 : clipped_at(visit);
 }
 
@@ -378,9 +358,8 @@ static bool visit_triangle(struct fragments *of, int surface, int triangle)
     for (int i = 0; i < n; i++) {
         const struct bounded_triangle *bounded = &parts[i].bounded;
         struct visit visit = {.of = of, .triangle = (int32_t)of->n_triangles};
-        if (!add_part(of, &parts[i]) ||
-            !scan_triangle(&bounded->screen, &of->rows, most_of(bounded->edge_px), visit_pixel,
-                           &visit))
+        if (!add_part(of, &parts[i]) || !scan_triangle(&bounded->screen, &of->rows,
+                                                       bounded->edges.most[0], visit_pixel, &visit))
             return false;
         of->n_triangles += visit.any;
         of->n_clipped += visit.any ? (size_t)(bounded->n_clipped + bounded->n_slivers) : 0;
@@ -514,8 +493,8 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
             if (watertight && is_behind_all(volume, t, &parts[i].bounded))
                 continue;
             if (!add_part(of, &parts[i]) ||
-                !scan_triangle(&parts[i].bounded.screen, &of->rows,
-                               most_of(parts[i].bounded.edge_px), visit_facet, &facet))
+                !scan_triangle(&parts[i].bounded.screen, &of->rows, parts[i].bounded.edges.most[0],
+                               visit_facet, &facet))
                 return false;
         }
     }

@@ -355,6 +355,12 @@ static double tile_edge_error(const struct tile *tile)
     return edge_error(tile->lit->driver, tile->at.width, tile->at.height);
 }
 
+static void set_edge_error(struct edge_errors *out, int corner, int axis, double px)
+{
+    out->px[corner][axis] = px;
+    out->most[axis] = fmax(out->most[axis], px);
+}
+
 static struct clipped_triangle clipped(const struct tile *tile, const struct bounded_triangle *from,
                                        const double slack_px[3], double moved[3][2],
                                        double least_part)
@@ -369,8 +375,7 @@ static struct clipped_triangle clipped(const struct tile *tile, const struct bou
         out.slack_px[i] = slack_px[i] + driver->corner_px;
         for (int axis = 0; axis < 2; axis++) {
             out.moved_px[i][axis] = moved[i][axis] + driver->corner_px;
-            out.edge_px[i][axis] = out.moved_px[i][axis] + out.grid_px;
-            out.most_px[axis] = fmax(out.most_px[axis], out.edge_px[i][axis]);
+            set_edge_error(&out.edges, i, axis, out.moved_px[i][axis] + out.grid_px);
         }
     }
     set_reach(tile, &out);
@@ -460,11 +465,15 @@ static void set_edge_errors(const struct tile *tile, struct bounded_triangle *tr
     const struct lit_scene *lit = tile->lit;
     /* all corners lie on the driver's grid, without any error; those of cuts do not */
     bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
+    double e[3];
     for (int i = 0; i < 3; i++)
         exact = exact && vertex_bounds(lit, &triangle->screen, i)->exact;
-    for (int i = 0; i < 3; i++)
-        triangle->edge_px[i] =
-            exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
+    for (int i = 0; i < 3; i++) {
+        e[i] = exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
+        set_edge_error(&triangle->edges, i, 0, e[i]);
+        set_edge_error(&triangle->edges, i, 1, e[i]);
+    }
+    triangle->edge_on = may_turn(&triangle->screen, e);
 }
 
 /* Sets up a part's triangles, and finds the bounds that hold for all of them but those too thin for
@@ -489,7 +498,6 @@ static void complete(const struct tile *tile, const struct clip_plane planes[CLI
     triangle->depth_error =
         error < 0 ? HUGE_VAL : error + roundings(tile->lit->driver->depth_roundings);
     set_edge_errors(tile, triangle);
-    triangle->edge_on = may_turn(&triangle->screen, triangle->edge_px);
 }
 
 /* ---- the parts of a triangle ---- */
