@@ -206,14 +206,13 @@ static float *estimates_of(const struct check *check, const struct candidate *ca
 static void try_candidate(struct check *check, const struct candidate *candidate,
                           struct hypothesis *hypothesis, int band, float seen)
 {
-    float samples[LANES] = {seen};
     struct block single;
     struct run run = {.n = 1};
     const float *estimates = NULL;
     if (!hypothesis->alive)
         return;
     single.n = 1;
-    single.seen = samples;
+    single.seen = &seen;
     if (candidate) {
         run = candidate_run(check, candidate, &single);
         estimates = estimates_of(check, candidate);
