@@ -31,7 +31,7 @@ static bool is_between_planes(const struct driver *driver, const struct surface 
     *error = 0;
     for (int i = 0; i < surface->instance->n_vertices; i++) {
         const struct window_vertex *vertex = &surface->vertices[i];
-        const double slack = (double)bounds->vertices[i].slack_depth +
+        const double slack = bounds->vertices[i].slack.depth +
                              roundings(driver->depth_roundings); /* as it is stored */
         if (!(vertex->clip[3] > 0 && vertex->z > slack && vertex->z < 1 - slack))
             return false;
@@ -49,7 +49,7 @@ static bool shows_back(const struct lit_scene *lit, int surface, int triangle)
     if (screen_triangles(&lit->plan->view, of, triangle, NULL, 0, screen) == 0)
         return false;
     for (int i = 0; i < 3; i++)
-        e[i] = (double)lit->bounds[surface].vertices[screen->vertex[i]].slack_px +
+        e[i] = lit->bounds[surface].vertices[screen->vertex[i]].slack.px +
                edge_error(lit->driver, lit->plan->tile_width, lit->plan->tile_height);
     return screen->clockwise != of->instance->mirrored && !may_turn(screen, e);
 }

@@ -22,48 +22,46 @@ const struct surface_bounds *bounds_of(const struct lit_scene *lit,
 /* ---- position ---- */
 
 /* (a + e) / (b + f) - q = (e - q f) / (b + f), where q = a / b; to first order; b is not 0 */
-static struct bounded bounded_quotient(struct bounded a, struct bounded b)
+static double quotient_error(struct bounded a, struct bounded b)
 {
-    double quotient = a.value / b.value;
-    return (struct bounded){quotient, (a.error + fabs(quotient) * b.error) / fabs(b.value)};
+    return (a.error + fabs(a.value / b.value) * b.error) / fabs(b.value);
 }
 
 /* Division, scale and offset of the viewport are 4 roundings of a coordinate as large as the
- * picture; w comes in after 2 roundings. */
-struct slack window_slack(const struct bounded clip[4], double half_width, double half_height)
+ * picture; w comes in after 2 roundings. Where OpenGL draws a picture in tiles, each with a
+ * projection that scales and shifts clip space, the shift adds w's error to those of x and y, at
+ * most once. */
+struct slack clip_slack(const struct plan *plan, const double clip[4], const double e_clip[4])
 {
-    const struct bounded w = clip[3], x = bounded_quotient(clip[0], w),
-                         y = bounded_quotient(clip[1], w), z = bounded_quotient(clip[2], w);
-    return (struct slack){
-        .px = fmax(half_width * (x.error + roundings(8)), half_height * (y.error + roundings(8))),
-        .depth = 0.5 * z.error + roundings(4),
-        .w = w.error / w.value + roundings(2)};
+    const struct bounded w = {clip[CLIP_W], e_clip[CLIP_W]};
+    const double shifted = plan->tiled ? w.error : 0;
+    double e[3]; /* of the quotients */
+    for (int i = 0; i < 3; i++) {
+        const struct bounded of = {clip[i], e_clip[i] + (i < CLIP_Z ? shifted : 0)};
+        e[i] = quotient_error(of, w);
+    }
+    return (struct slack){.px = fmax(0.5 * plan->view.width * (e[CLIP_X] + roundings(8)),
+                                     0.5 * plan->view.height * (e[CLIP_Y] + roundings(8))),
+                          .depth = 0.5 * e[CLIP_Z] + roundings(4),
+                          .w = w.error / w.value + roundings(2)};
 }
 
-/* Where OpenGL draws a picture in tiles, each with a projection that scales and shifts clip space,
- * the shift adds w's roundings and error to those of x and y, at most once. */
+/* In tiles w's roundings add to those of x and y, too. */
 static void bound_place(const struct plan *plan, const double magnitude[4],
                         const struct window_vertex *vertex, struct vertex_bounds *out)
 {
-    const struct scene *scene = plan->scene;
-    const bool perspective = scene->camera.perspective;
-    const double *clip = vertex->clip, shift = plan->tiled, unit = roundings(TRANSFORM_ROUNDINGS),
-                 e_x = unit * (magnitude[0] + shift * magnitude[3]),
-                 e_y = unit * (magnitude[1] + shift * magnitude[3]), e_z = unit * magnitude[2],
-                 e_w = perspective ? roundings(EYE_ROUNDINGS) * magnitude[3] : 0;
-    out->e_clip[CLIP_X] = (float)e_x;
-    out->e_clip[CLIP_Y] = (float)e_y;
-    out->e_clip[CLIP_Z] = (float)e_z;
-    out->e_clip[CLIP_W] = (float)e_w;
-    if (!(clip[3] > 0))
+    const bool perspective = plan->scene->camera.perspective;
+    const double shift = plan->tiled, unit = roundings(TRANSFORM_ROUNDINGS),
+                 e_clip[4] = {unit * (magnitude[CLIP_X] + shift * magnitude[CLIP_W]),
+                              unit * (magnitude[CLIP_Y] + shift * magnitude[CLIP_W]),
+                              unit * magnitude[CLIP_Z],
+                              perspective ? roundings(EYE_ROUNDINGS) * magnitude[CLIP_W] : 0};
+    for (int i = 0; i < 4; i++)
+        out->e_clip[i] = (float)e_clip[i];
+    if (!(vertex->clip[CLIP_W] > 0))
         return;
-    const struct bounded bounded[4] = {
-        {clip[0], e_x + shift * e_w}, {clip[1], e_y + shift * e_w}, {clip[2], e_z}, {clip[3], e_w}};
-    const struct slack slack =
-        window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
-    out->slack_px = (float)slack.px;
-    out->slack_depth = (float)slack.depth;
-    out->slack_w = perspective ? (float)slack.w : 0;
+    out->slack = clip_slack(plan, vertex->clip, e_clip);
+    out->slack.w = perspective ? out->slack.w : 0;
 }
 
 /* ---- exact vertices ---- */
@@ -129,7 +127,7 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     out->exact =
         of->may_be_exact && is_exact(plan, &of->product, object, &of->surface->vertices[index]);
     if (out->exact)
-        out->slack_px = 0;
+        out->slack.px = 0;
     double e_eye =
         roundings(EYE_ROUNDINGS) * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
     if (!of->lit->are_volumes)
@@ -159,8 +157,7 @@ static bool check_vertex(const struct surface *surface, const struct surface_bou
     const struct window_vertex *vertex = &surface->vertices[index];
     size_t first = surface_attributes(surface, index, 0),
            last = surface_attributes(surface, index + 1, 0);
-    double sum = vertex->x + vertex->y + vertex->z + (double)bounds->vertices[index].slack_px,
-           weights = 0;
+    double sum = vertex->x + vertex->y + vertex->z + bounds->vertices[index].slack.px, weights = 0;
     for (int i = 0; i < 4; i++)
         sum += vertex->clip[i];
     for (size_t i = first; i < last; i++)
@@ -233,7 +230,7 @@ static void find_extent(const struct surface *surface, struct surface_bounds *bo
     for (int i = 0; i < surface->instance->n_vertices && bounds->placed->in_view; i++) {
         const struct window_vertex *vertex = &surface->vertices[i];
         bool in_front = vertex->clip[3] > 0;
-        double slack = 1 + (double)bounds->vertices[i].slack_px; /* a pixel more costs nothing */
+        double slack = 1 + bounds->vertices[i].slack.px; /* a pixel more costs nothing */
         bounds->left = fmin(bounds->left, in_front ? vertex->x - slack : -HUGE_VAL);
         bounds->top = fmin(bounds->top, in_front ? vertex->y - slack : -HUGE_VAL);
         bounds->right = fmax(bounds->right, in_front ? vertex->x + slack : HUGE_VAL);

@@ -15,15 +15,6 @@ static const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
     return &bounds_of(lit, screen)->vertices[screen->vertex[corner]];
 }
 
-/* The bounds of a corner that is not cut. */
-static struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
-                                int corner)
-{
-    const struct vertex_bounds *vertex = vertex_bounds(lit, screen, corner);
-    return (struct slack){(double)vertex->slack_px, (double)vertex->slack_depth,
-                          (double)vertex->slack_w};
-}
-
 /* ---- cuts ---- */
 
 /* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
@@ -116,23 +107,13 @@ static struct cut_corner cut_edge(const struct clip_plane *plane, const struct p
 
 /* ---- bounds of corners ---- */
 
-/* The slack of a corner whose clip coordinates have these errors. A tile's clip space is shifted
- * against the picture's by at most w. */
-static struct slack corner_slack(const struct plan *plan, const double clip[4], const double e[4])
-{
-    struct bounded bounded[4];
-    for (int i = 0; i < 4; i++)
-        bounded[i] = (struct bounded){clip[i], e[i] + (i < CLIP_Z && plan->tiled ? e[CLIP_W] : 0)};
-    return window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
-}
-
 /* The bounds of any corner, off the plane of its triangle. */
 static struct slack polygon_slack(const struct polygon *polygon, int i)
 {
     const struct cut_corner *cut = &polygon->cut[i];
     const struct lit_scene *lit = polygon->tile->lit;
-    return cut->whole >= 0 ? whole_slack(lit, polygon->screen, cut->whole)
-                           : corner_slack(lit->plan, polygon->corner[i].clip, cut->e);
+    return cut->whole >= 0 ? vertex_bounds(lit, polygon->screen, cut->whole)->slack
+                           : clip_slack(lit->plan, polygon->corner[i].clip, cut->e);
 }
 
 /* Bounds how far a corner slides in the window, in x and in y; HUGE_VAL: anywhere. */
@@ -323,8 +304,8 @@ static bool is_beside(const struct surface *surface, const struct surface_bounds
 {
     int beside = ~0;
     for (int i = 0; i < 3; i++)
-        beside &= outcode(&surface->vertices[vertex[i]], rows,
-                          (double)bounds->vertices[vertex[i]].slack_px);
+        beside &=
+            outcode(&surface->vertices[vertex[i]], rows, bounds->vertices[vertex[i]].slack.px);
     return beside != 0;
 }
 
@@ -439,7 +420,7 @@ static double corner_slack_px(const struct tile *tile, const struct bounded_tria
                               int i)
 {
     return triangle->straddles ? triangle->slack.px
-                               : whole_slack(tile->lit, &triangle->screen, i).px;
+                               : vertex_bounds(tile->lit, &triangle->screen, i)->slack.px;
 }
 
 /* Sets up the triangles of a part; returns how many. Where hardly anything of a clipped triangle is
@@ -506,7 +487,8 @@ static bool crosses_depth(const struct lit_scene *lit, const struct screen_trian
 {
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *vertex = &screen->surface->vertices[screen->vertex[i]];
-        double slack = whole_slack(lit, screen, i).depth + roundings(lit->driver->depth_roundings);
+        double slack =
+            vertex_bounds(lit, screen, i)->slack.depth + roundings(lit->driver->depth_roundings);
         if (!(vertex->clip[3] > 0) || vertex->z < slack || vertex->z > 1 - slack)
             return true;
     }
@@ -518,7 +500,7 @@ static bool crosses_border(const struct tile *tile, const struct screen_triangle
     const struct rectangle *at = &tile->at;
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *v = &screen->surface->vertices[screen->vertex[i]];
-        double slack = whole_slack(tile->lit, screen, i).px;
+        double slack = vertex_bounds(tile->lit, screen, i)->slack.px;
         if (v->x - slack < at->x || v->x + slack > at->x + at->width || v->y - slack < at->y ||
             v->y + slack > at->y + at->height)
             return true;
@@ -546,7 +528,7 @@ static int place_parts(const struct tile *tile, const struct screen_triangle *wh
             (struct bounded_triangle){.screen = parts[i], .cut = cut && !tile->lit->are_volumes};
         triangle->straddles = cut || crosses_border(tile, whole);
         for (int v = 0; v < 3 && !cut; v++)
-            widen(&triangle->slack, whole_slack(tile->lit, whole, v));
+            widen(&triangle->slack, vertex_bounds(tile->lit, whole, v)->slack);
         complete(tile, planes, &out[i]);
     }
     return n;
