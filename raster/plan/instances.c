@@ -16,6 +16,10 @@ struct whole {
     double unit;        /* as in plan_mesh */
     struct index parts; /* the parts of the mesh by name, once a material map has asked */
 };
+/* The part of a whole that is shown, -1: all; on which side of x = 0, -1: both. */
+struct cutting {
+    int whole, part, side;
+};
 struct instance_maker {
     struct plan *plan;
     struct whole *wholes;
@@ -131,7 +135,6 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
     struct plan *plan = maker->plan;
     const struct whole *whole = &maker->wholes[cutting.whole];
     struct plan_mesh added = {.mesh = *mesh,
-                              .cutting = cutting,
                               .solid = cutting.side < 0 && shape_is_solid(whole->shape.kind),
                               .shape = whole->shape,
                               .centre = whole->centre,

@@ -25,9 +25,6 @@ struct shaded_material {
 /* A mesh or a part, re-centred and scaled, so that single precision spends its digits on shape. */
 struct plan_mesh {
     struct mesh mesh;
-    struct cutting { /* the part that is shown, -1: all; on which side of x = 0, -1: both */
-        int whole, part, side;
-    } cutting;
     struct shape shape;   /* of the whole mesh, tessellated; its names are the scene's */
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
