@@ -91,7 +91,8 @@ static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3]
 static uint32_t find_dark(const struct bounded_pixel *pixel, const struct fragment *fragment,
                           uint32_t *in_doubt)
 {
-    const uint32_t shadowed = pixel_shadowed(pixel, pixel->attributes, 1),
+    const uint32_t shadowed = lights_weighed(&pixel->lit->plan->view, pixel->surface->instance,
+                                             pixel->attributes, 1),
                    asked = shadowed & ~fragment->in_doubt;
     double share[3];
     *in_doubt = shadowed & fragment->in_doubt;
@@ -332,7 +333,9 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     if (bounding->pixel.surface->instance->texels.n_levels > 1)
         pixel_put(&bounding->pixel, out->rows + index, n_pixels);
     const uint32_t in_doubt =
-        only->in_doubt & (dark | pixel_shadowed(&bounding->pixel, out->rows + index, n_pixels));
+        only->in_doubt &
+        (dark | lights_weighed(&bounding->pixel.lit->plan->view, bounding->pixel.surface->instance,
+                               out->rows + index, n_pixels));
     if (bounding->pixel.n_gated > 0 || in_doubt != 0 ||
         pixel_choices(&bounding->pixel, choices) > 1)
         return true;

@@ -172,9 +172,6 @@ void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *pla
 /* Turns to one of the 1 << n_gated outcomes of unclear gates at the triangle's vertices, the
  * reference's first, after pixel_bound. */
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
-/* Returns a bit for each light with shadows that has a weight among those of the pixel's terms,
- * `stride` apart, after pixel_bound. */
-uint32_t pixel_shadowed(const struct bounded_pixel *pixel, const double *weights, size_t stride);
 /* Writes the pixel_rows numbers that the pixel keeps, by the lights that reach it, `stride` apart.
  */
 void pixel_put(const struct bounded_pixel *pixel, double *rows, size_t stride);
