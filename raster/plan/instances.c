@@ -67,22 +67,18 @@ static char *shape_key(const struct shape *shape, bool repeated, size_t *length,
     return printed_take(&key, err);
 }
 
-static struct vector centre_of(const struct mesh *mesh)
+/* Fills in the centre of the mesh's box, and the power of two next to the largest distance from it
+ * along an axis. */
+static void find_centre(struct whole *whole)
 {
     struct vector low, high;
-    mesh_box(mesh, &low, &high);
-    return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
-}
-
-/* The power of two next to the largest distance from the centre along an axis. */
-static double mesh_unit(const struct mesh *mesh, struct vector centre)
-{
-    double largest = 0;
     int exponent;
-    for (int i = 0; i < mesh->n_vertices; i++)
-        largest = fmax(largest, vector_reach(vector_subtract(mesh->vertices[i].position, centre)));
+    mesh_box(&whole->mesh, &low, &high);
+    whole->centre = vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
+    const double largest = fmax(vector_reach(vector_subtract(low, whole->centre)),
+                                vector_reach(vector_subtract(high, whole->centre)));
     frexp(largest, &exponent);
-    return largest > 0 ? ldexp(1, exponent) : 1;
+    whole->unit = largest > 0 ? ldexp(1, exponent) : 1;
 }
 
 static bool add_whole(struct instance_maker *maker, const struct shape *shape, bool repeated,
@@ -96,8 +92,7 @@ static bool add_whole(struct instance_maker *maker, const struct shape *shape, b
         mesh_planar(&whole.mesh);
     done = done && (!repeated || mesh_repeat_texture(&whole.mesh, shape->repeat, err));
     if (done) {
-        whole.centre = centre_of(&whole.mesh);
-        whole.unit = mesh_unit(&whole.mesh, whole.centre);
+        find_centre(&whole);
         done = array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err);
     }
     if (!done)

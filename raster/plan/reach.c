@@ -78,44 +78,28 @@ static bool is_well_turned(const struct instance *instance, const struct cofacto
     return roundings(32) * sum < cosine_error / 8 * length && 12e-6 < cosine_error / 8 * columns;
 }
 
-/* A vertex of an instance in eye space. */
-struct lit_vertex {
-    struct vector eye, normal; /* normal: of unit length */
-    double e_eye;              /* far above the error of eye */
-    bool may_be_any;           /* single precision may turn the normal anyhow */
-};
-
-static struct lit_vertex lit_vertex(const struct instance *instance,
-                                    const struct cofactors *cofactors, int index)
+/* Returns whether OpenGL may add anything but exactly 0 of the light to a vertex. The factor that
+ * distance leaves must be a number, and not 1 / 0. */
+static bool reaches_vertex(const struct eye_light *light, const struct instance *instance,
+                           const struct cofactors *cofactors, int index)
 {
     const struct vector p = instance->vertices[index].position,
                         normal = instance->vertices[index].normal,
                         turned = matrix_direction(&instance->normal_matrix, normal);
-    const double from[4] = {p.x, p.y, p.z, 1};
-    struct lit_vertex out = {
-        .eye = matrix_point(&instance->model_view, p),
-        .normal = vector_normalise(turned),
-        .may_be_any = !is_well_turned(instance, cofactors, normal, vector_length(turned))};
+    const struct incidence incidence = incidence_at(light, matrix_point(&instance->model_view, p));
+    const double from[4] = {p.x, p.y, p.z, 1},
+                 cosine = vector_dot(vector_normalise(turned), incidence.towards),
+                 in_spot = -vector_dot(light->axis, incidence.towards);
+    double e_path = roundings(32) * vector_length(light->position); /* far above its error */
     for (int i = 0; i < 12; i++)
-        out.e_eye += roundings(32) * fabs(instance->model_view.row[i / 4][i % 4] * from[i % 4]);
-    return out;
-}
-
-/* Returns whether OpenGL may add anything but exactly 0 of the light to a vertex. The factor that
- * distance leaves must be a number, and not 1 / 0. */
-static bool reaches_vertex(const struct eye_light *light, const struct lit_vertex *vertex,
-                           bool two_sided)
-{
-    const struct incidence incidence = incidence_at(light, vertex->eye);
-    const double cosine = vector_dot(vertex->normal, incidence.towards),
-                 in_spot = -vector_dot(light->axis, incidence.towards),
-                 e_path = vertex->e_eye + roundings(32) * vector_length(light->position);
+        e_path += roundings(32) * fabs(instance->model_view.row[i / 4][i % 4] * from[i % 4]);
     if (!light->directional && !(e_path < cosine_error / 4 * incidence.distance))
         return true;
     if (light->attenuated && !(incidence.divisor > 1e-18 && incidence.divisor < 1e18))
         return true;
     return !(light->spot && in_spot < light->cutoff_cosine - cosine_error) &&
-           (two_sided || vertex->may_be_any || !(cosine < -cosine_error));
+           (instance->two_sided || !(cosine < -cosine_error) ||
+            !is_well_turned(instance, cofactors, normal, vector_length(turned)));
 }
 
 bool reflects(const struct instance *instance, const struct eye_light *light)
@@ -132,11 +116,9 @@ static bool reaches_instance(const struct eye_light *light, const struct instanc
     if (!reflects(instance, light))
         return false;
     matrix_cofactors(&instance->model_view, &cofactors);
-    for (int i = 0; i < instance->n_vertices; i++) {
-        const struct lit_vertex vertex = lit_vertex(instance, &cofactors, i);
-        if (reaches_vertex(light, &vertex, instance->two_sided))
+    for (int i = 0; i < instance->n_vertices; i++)
+        if (reaches_vertex(light, instance, &cofactors, i))
             return true;
-    }
     return false;
 }
 
