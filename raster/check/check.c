@@ -441,19 +441,14 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
     const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan),
                  n_candidates = chunk->n_candidates,
                  n_hypotheses = n_candidates + chunk->n_ambiguous;
-    char object[256] = "background";
-    if (n_candidates > 0)
-        object_text(out->scene->lit->plan, chunk->candidates[n_candidates / 2].surface, object,
-                    sizeof object);
     const int n_bands = out->scene->lit->plan->n_bands;
     return MAKE_ARRAY(out->failed, n, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->floor, n, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->band_floor, n, err, "the check of %zu pixels", n) &&
-           MAKE_ARRAY(out->hypotheses, n_hypotheses, err, "%zu candidates, such as triangles of %s",
-                      n_hypotheses, object) &&
+           MAKE_ARRAY(out->hypotheses, n_hypotheses, err, "%zu candidates", n_hypotheses) &&
            MAKE_ARRAY(out->estimates, n * n_rows, err, "the check of %zu pixels", n) &&
-           MAKE_ARRAY(out->candidate_estimates, n_candidates * n_rows, err,
-                      "%zu candidates, such as triangles of %s", n_candidates, object) &&
+           MAKE_ARRAY(out->candidate_estimates, n_candidates * n_rows, err, "%zu candidates",
+                      n_candidates) &&
            MAKE_ARRAY(out->rests, n_bands, err, "the check of %d bands", n_bands) &&
            MAKE_ARRAY(out->limits, n_bands, err, "the check of %d bands", n_bands) &&
            (!out->scene->mapped || MAKE_ARRAY(out->ratio, n, err, "a map of %zu pixels", n));
