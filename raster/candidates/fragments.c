@@ -109,7 +109,6 @@ static void drop_hidden(struct fragments *of, struct fragment_list *pixel)
             continue;
         }
         int32_t dropped = *link;
-        pixel->n_candidates--;
         *link = fragment->next;
         fragment->next = of->unused;
         of->unused = dropped;
@@ -123,11 +122,9 @@ static bool add_fragment(struct visit *visit, const struct fragment *fragment, b
     struct fragment_list *pixel = visit->pixel;
     if (fragment->depth - fragment->depth_error > pixel->limit)
         return true;
-    if (definite)
-        pixel->limit = fmin(pixel->limit, fragment->depth + fragment->depth_error);
-    if (pixel->n_candidates >= 2 * pixel->n_pruned) { /* seldom enough that time stays linear */
+    if (definite && fragment->depth + fragment->depth_error < pixel->limit) {
+        pixel->limit = fragment->depth + fragment->depth_error;
         drop_hidden(of, pixel);
-        pixel->n_pruned = pixel->n_candidates + 1;
     }
     int32_t place = of->unused;
     if (place >= 0) {
@@ -141,7 +138,6 @@ static bool add_fragment(struct visit *visit, const struct fragment *fragment, b
     of->fragments[place].is_definite = definite;
     of->fragments[place].next = pixel->head;
     pixel->head = place;
-    pixel->n_candidates++;
     visit->any = true;
     return true;
 }
@@ -537,8 +533,6 @@ bool fragments_find(struct fragments *out)
             if (!(hidden && hidden[t]) && !visit_triangle(out, s, t))
                 return false;
     }
-    for (size_t i = 0; i < n_pixels; i++)
-        drop_hidden(out, &out->pixels[i]);
     return !out->tile->lit->volumes || doubt_shadows(out);
 }
 

@@ -99,7 +99,6 @@ struct seam {
 };
 struct fragment_list {               /* of a pixel */
     int32_t head;                    /* first possible fragment; -1: none */
-    int32_t n_candidates, n_pruned;  /* in the list; when it was last rid of hidden ones */
     uint32_t n_definite, n_possible; /* fragments, hidden ones too */
     double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
     struct seam seam;
