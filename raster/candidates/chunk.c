@@ -425,7 +425,7 @@ static bool draw_rows(const struct lit_scene *lit, struct chunk *out)
     return true;
 }
 
-/* Draws chunk `index` of a tile: chunk_rows of the plan, fewer in the last chunk. Finds its
+/* Draws chunk `index` of a tile: CHUNK_ROWS, fewer in the last chunk. Finds its
  * candidates if the plan asks for a check. A plan that neither checks nor stores the reference's
  * pixels gets no picture: only picture.at is set. Results do not depend on how a picture is cut
  * into chunks. False: no memory. chunk_free accepts what a failure left. */
@@ -433,9 +433,9 @@ static bool chunk_draw(const struct tile *tile, int index)
 {
     const struct lit_scene *lit = tile->lit;
     const struct plan *plan = lit->plan;
-    const int n = plan->chunk_rows, above = index * n, left = tile->at.height - above;
+    const int above = index * CHUNK_ROWS, left = tile->at.height - above;
     const struct rectangle rows = {tile->at.x, tile->at.y + above, tile->at.width,
-                                   left < n ? left : n};
+                                   left < CHUNK_ROWS ? left : CHUNK_ROWS};
     struct chunk *out = &tile->chunks[index];
     *out = (struct chunk){.picture = {.at = rows}};
     if (!plan->options.check && !plan->options.store_raster)
@@ -491,7 +491,7 @@ static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct 
 {
     const struct plan *plan = tile->lit->plan;
     struct drawn_tile drawn = {tile, COUNTER};
-    tile->n_chunks = (tile->at.height + plan->chunk_rows - 1) / plan->chunk_rows;
+    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
     if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
         return false;
     threads_each(plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
