@@ -99,7 +99,6 @@ static bool is_exact(const struct plan *plan, const struct matrix *product, cons
 /* A surface whose vertices are being lit and bounded. */
 struct bounding {
     const struct lit_scene *lit;
-    const struct view *view; /* the plan's, or one without lights */
     int surface_index;
     struct surface *surface;
     struct surface_bounds *bounds;
@@ -118,7 +117,7 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     const double object[4] = {position.x, position.y, position.z, 1};
     double eye_magnitude[4], clip_magnitude[4];
     const struct plan *plan = of->lit->plan;
-    surface_light(of->view, of->surface, index, work);
+    surface_light(&plan->view, of->surface, index, work);
     if (!of->bounds->placed->in_view)
         return;
     matrix_magnitudes(&instance->model_view, object, eye_magnitude);
@@ -291,12 +290,8 @@ static void make_vertices(void *context, size_t first, size_t end)
 static bool make_surface(struct lit_scene *lit, int index, struct error *err)
 {
     const struct placed_instance *placed = &lit->instances[index];
-    const bool is_lit = !lit->are_volumes && instance_is_lit(lit->plan, placed);
     const bool checks_near = lit->plan->scene->camera.perspective && !lit->are_volumes;
-    struct view unlit = lit->plan->view;
-    unlit.n_lights = 0;
     struct bounding of = {.lit = lit,
-                          .view = is_lit ? &lit->plan->view : &unlit,
                           .surface_index = index,
                           .surface = &lit->surfaces[index],
                           .bounds = &lit->bounds[index],
@@ -306,8 +301,7 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
     of.may_be_exact = may_be_exact(lit, &placed->instance, &of.product);
     threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
                    make_vertices, &of);
-    if (is_lit)
-        light_work_add(&lit->work, &of.work);
+    light_work_add(&lit->work, &of.work);
     for (int i = 0; i < placed->instance.n_vertices; i++)
         if (!check_vertex(of.surface, of.bounds, i, err))
             return false;

@@ -22,7 +22,6 @@ static void put(struct json *json, const char *what, long n, long of, const char
     json_close(json, '}');
 }
 
-/* Instances whose vertices may decide the full scale are lit; those of others are only placed. */
 static void put_instances(struct json *json, const struct plan *plan)
 {
     static const char *const where[VIEW_PLANES] = {
@@ -30,18 +29,11 @@ static void put_instances(struct json *json, const struct plan *plan)
         [VIEW_BELOW] = "below the view",       [VIEW_ABOVE] = "above the view",
         [VIEW_NEAR] = "before the near plane", [VIEW_FAR] = "beyond the far plane"};
     long n[VIEW_PLANES] = {0};
-    bool is_lit = false;
-    char reason[128];
     for (int i = 0; i < plan->n_instances; i++)
-        if (!plan->instances[i].in_view) {
+        if (!plan->instances[i].in_view)
             n[plan->instances[i].outside]++;
-            is_lit = instance_is_lit(plan, &plan->instances[i]);
-        }
-    for (int plane = 0; plane < VIEW_PLANES; plane++) {
-        snprintf(reason, sizeof reason, "%s; %s", where[plane],
-                 is_lit ? "lit all the same, since a vertex may decide the full scale" : "not lit");
-        put(json, "instances", n[plane], plan->n_instances, reason);
-    }
+    for (int plane = 0; plane < VIEW_PLANES; plane++)
+        put(json, "instances", n[plane], plan->n_instances, where[plane]);
 }
 
 /* Puts the work that the scene does not call for, as the list "left_out". */

@@ -151,8 +151,6 @@ void plan_free(struct plan *plan);
 
 /* sum_j |m_ij| |v_j|: the rounding errors of row i are relative to it. */
 void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4]);
-/* The reference lights its vertices: it is in view, or one may be brighter than full scale. */
-bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed);
 bool reflects(const struct instance *instance, const struct eye_light *light); /* by some term */
 /* Lights that OpenGL draws at a time: up to LIGHTS_PER_PASS, or one that throws shadows. */
 struct light_group {

@@ -159,11 +159,6 @@ bool reach_find(struct plan *plan, struct error *err)
     return true;
 }
 
-bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed)
-{
-    return placed->in_view || plan->options.full_scale == 0 || buffer_steps(plan) > 0;
-}
-
 bool group_is_drawn(const struct plan *plan, int group)
 {
     const struct light_group lights = light_group(plan, group);

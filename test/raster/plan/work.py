@@ -174,7 +174,7 @@ def left_out():
                      "material n { diffuse 0.5 texture grey.tif }",
                      f"{PLANE}\nobject plane 3 3 material n translate 30 0 0\n{PLANE} translate 0 0 -5000")
     work = report(scene)["work"]
-    found = {(entry["what"], entry["reason"].split(";")[0]): (entry["count"], entry["of"])
+    found = {(entry["what"], entry["reason"]): (entry["count"], entry["of"])
              for entry in json.loads(run("plan", scene, "--json", "-").stdout)["left_out"]}
     passes_drawn = json.loads(run("plan", scene, "--json", "-").stdout)["work"]["passes"]
     check(work["unseen_instances"] == 2 and found.get(("instances", "right of the view")) == (1, 3) and
@@ -191,10 +191,8 @@ def left_out():
     plan = json.loads(run("plan", even, "--json", "-").stdout)
     check(work["repeated_passes"] == plan["left_out"][0]["count"] == PASSES - 2 and plan["work"]["passes"] == 2,
           "passes that show the same are drawn once", work, plan["left_out"])
-    for options, lit in ((), "lit all the same"), (("--full-scale", "1"), "not lit"):
-        words = run("render", scene, "-o", "/dev/null", "--verbose", *options).stdout
-        check("left out instances: count 1, of 3, reason right of the view; " + lit in " ".join(words.split()),
-              f"an object out of view is {lit} {' '.join(options)}", words)
+    words = run("render", scene, "-o", "/dev/null", "--verbose").stdout
+    check("left out instances: count 1, of 3, reason right of the view" in " ".join(words.split()), "an object out of view is said to be", words)
 
 
 def sharing():
