@@ -96,8 +96,6 @@ static uint32_t find_dark(const struct bounded_pixel *pixel, const struct fragme
                    asked = shadowed & ~fragment->in_doubt;
     double share[3];
     *in_doubt = shadowed & fragment->in_doubt;
-    if (asked == 0)
-        return 0;
     nearest_share(pixel->share, share);
     const uint32_t near = dark_at(pixel, share, asked),
                    centre = least_of(pixel->share) < 0 ? dark_at(pixel, pixel->share, asked) : near;
