@@ -20,7 +20,6 @@ bool lights_list(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err);
-bool keeps_place(const struct plan *plan, const struct texture *texture); /* NULL: none */
 bool instances_make(struct plan *plan, struct error *err); /* instances.c: their meshes, too */
 
 #endif

@@ -344,7 +344,7 @@ static bool add_object(struct instance_maker *maker, const struct object *object
 }
 
 /* Fills in the reference's view of an instance; to be called when no array moves any more. */
-static void fill_instance(const struct plan *plan, struct placed_instance *placed)
+static void fill_instance(struct plan *plan, struct placed_instance *placed)
 {
     const struct mesh *mesh = &plan->meshes[placed->mesh].mesh;
     const struct shaded_material *shaded = &plan->materials[placed->shaded];
@@ -358,9 +358,12 @@ static void fill_instance(const struct plan *plan, struct placed_instance *place
     out->n_terms = shaded->n_terms;
     out->gloss = shaded->material->gloss;
     out->textured = shaded->texture != NULL;
-    out->varied = keeps_place(plan, shaded->texture);
-    if (shaded->texture)
+    if (shaded->texture) {
         out->texels = plan_texels(shaded->texture, 0);
+        out->varied = shaded->texture->spectral || plan->options.untextured;
+    }
+    if (pixel_rows(out) > plan->max_rows)
+        plan->max_rows = pixel_rows(out);
 }
 
 bool instances_make(struct plan *plan, struct error *err)

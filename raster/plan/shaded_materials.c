@@ -45,12 +45,6 @@ void plan_place(const struct texels *texels, const double *rows, size_t stride,
         out[i] = i < n ? rows[(size_t)i * stride] : 0;
 }
 
-/* Returns whether pixels keep their places in a texture, which is no part of their weights. */
-bool keeps_place(const struct plan *plan, const struct texture *texture)
-{
-    return texture && (texture->spectral || plan->options.untextured);
-}
-
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err)
 {
     for (int i = 0; i < plan->n_textures; i++)
@@ -135,11 +129,5 @@ bool shaded_material_find(struct plan *plan, const struct material *material, in
         if (!shaded->texture)
             return false;
     }
-    int n_rows = shaded->n_terms;
-    if (keeps_place(plan, shaded->texture)) {
-        const struct texels texels = plan_texels(shaded->texture, 0);
-        n_rows += place_rows(&texels);
-    }
-    plan->max_rows = n_rows > plan->max_rows ? n_rows : plan->max_rows;
     return true;
 }
