@@ -17,6 +17,7 @@ struct visit {
     struct fragment_list *pixel;
     double x, y;
     struct edge_functions edges;
+    bool on_seam; /* OpenGL may set two clipped triangles side by side there */
 };
 
 static const struct bounded_triangle *visited(const struct visit *visit)
@@ -53,8 +54,8 @@ static bool is_beside_box(const struct screen_triangle *screen, const double mos
 }
 
 /* Finds the edge functions at a point, unless it lies beside the box, and the presence there.
- * turned: the corners are, so that edge functions are positive inside. A triangle without area
- * touches its longest edge only. */
+ * turned: the corners are turned so that edge functions are positive inside. A triangle without
+ * area touches its longest edge only. */
 static enum presence presence_at(const struct screen_triangle *screen,
                                  const struct edge_errors *errors, bool turned, double px,
                                  double py, struct edge_functions *edges)
@@ -74,12 +75,6 @@ static enum presence presence_at(const struct screen_triangle *screen,
             presence = POSSIBLE;
     }
     return presence;
-}
-
-static enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py)
-{
-    struct edge_functions edges;
-    return presence_at(&triangle->screen, &triangle->edges, false, px, py, &edges);
 }
 
 /* The room is a power of two. It suffices if the last element that is there and the last one that
@@ -209,18 +204,6 @@ static bool add_part(struct fragments *of, const struct triangle_part *part)
     return true;
 }
 
-/* True if the point lies where OpenGL sets two clipped triangles side by side. Where it may cut an
- * edge anywhere, these meet anywhere. */
-static bool is_on_seam(const struct visit *visit)
-{
-    const struct bounded_triangle *triangle = visited(visit);
-    const struct clipped_triangle *clipped = &visit->of->clipped[triangle->first_clipped];
-    for (int32_t i = 0; i < triangle->n_clipped && triangle->n_clipped > 1; i++)
-        if (clipped_presence(&clipped[i], visit->x, visit->y) == POSSIBLE)
-            return true;
-    return triangle->slides;
-}
-
 /* True if OpenGL may set up one of these clipped triangles turned around: it then lies upon its
  * neighbours, and both have a fragment. */
 static bool may_fold(const struct visit *visit, unsigned clipped)
@@ -240,25 +223,33 @@ unsigned count_bits(unsigned bits)
     return n;
 }
 
-/* Finds which of n clipped triangles OpenGL may have at a point: bit i stands for number i. */
-static unsigned possible_at(const struct clipped_triangle *clipped, int n, double px, double py)
+/* Finds which of n clipped triangles OpenGL may have at a point: bit i stands for number i.
+ * *on_seam: it has one of them only perhaps. */
+static unsigned possible_at(const struct clipped_triangle *clipped, int n, double px, double py,
+                            bool *on_seam)
 {
     unsigned some = 0;
-    for (int i = 0; i < n; i++)
-        if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
-            some |= 1u << i;
+    *on_seam = false;
+    for (int i = 0; i < n; i++) {
+        struct edge_functions edges;
+        const enum presence presence =
+            presence_at(&clipped[i].screen, &clipped[i].edges, false, px, py, &edges);
+        some |= (unsigned)(presence != IMPOSSIBLE) << i;
+        *on_seam = *on_seam || presence == POSSIBLE;
+    }
     return some;
 }
 
 /* Finds the clipped triangles that OpenGL may have at the pixel. Beyond the near and the far plane
- * all are possible. */
-static unsigned clipped_at(const struct visit *visit)
+ * all are possible. Where OpenGL may cut an edge anywhere, these meet anywhere. */
+static unsigned clipped_at(struct visit *visit)
 {
     const struct bounded_triangle *triangle = visited(visit);
+    const struct clipped_triangle *clipped = &visit->of->clipped[triangle->first_clipped];
     const int n = triangle->n_clipped;
-    unsigned some =
-        n == 1 ? 1
-               : possible_at(&visit->of->clipped[triangle->first_clipped], n, visit->x, visit->y);
+    visit->on_seam = false;
+    const unsigned some = n > 1 ? possible_at(clipped, n, visit->x, visit->y, &visit->on_seam) : 1;
+    visit->on_seam = visit->on_seam || triangle->slides;
     return some == 0 && triangle->cut ? (1u << n) - 1 : some;
 }
 
@@ -269,14 +260,14 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
 {
     const struct bounded_triangle *triangle = visited(visit);
     double sum = 0, inverse_w = 0;
-    bool far = false;
+    bool far = false, ignored;
     for (int i = 0; i < 3; i++) {
         sum += visit->edges.e[i];
         inverse_w += visit->edges.e[i] * triangle->screen.inverse_w[i];
     }
     /* OpenGL may set up a sliver there, besides the clipped triangles */
     *thin = possible_at(&visit->of->clipped[triangle->first_clipped + triangle->n_clipped],
-                        triangle->n_slivers, visit->x, visit->y) != 0;
+                        triangle->n_slivers, visit->x, visit->y, &ignored) != 0;
     for (int32_t i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *part = &visit->of->clipped[triangle->first_clipped + i];
         const struct colour_bound *bound = &part->inverse_w_bound;
@@ -299,7 +290,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
                                 .depth = depth_at(&triangle->screen, &visit->edges)};
     bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
                          (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
-    const bool leaks = !visit->of->tile->lit->driver->watertight && is_on_seam(visit),
+    const bool leaks = !visit->of->tile->lit->driver->watertight && visit->on_seam,
                folds = may_fold(visit, clipped);
     fragment.sliver = triangle->slivers && presence == POSSIBLE;
     if (leaks || folds || fragment.sliver) {
@@ -440,7 +431,7 @@ static bool facet_leaks(const struct facet_visit *facet, enum presence presence,
                is_part = visited(visit)->cut || is_beyond(volume, facet->facet);
     if ((is_part && presence == POSSIBLE) || (is_cap && farthest >= 1))
         return true;
-    return !visit->of->tile->lit->driver->watertight && (presence == POSSIBLE || is_on_seam(visit));
+    return !visit->of->tile->lit->driver->watertight && (presence == POSSIBLE || visit->on_seam);
 }
 
 /* Doubts the shadow of each fragment that the facet may lie in front of or behind; and of one that
