@@ -405,12 +405,6 @@ static bool is_far(const struct volume *volume, int facet)
     return facet >= volume->first_far && facet < volume->n_outward;
 }
 
-/* Returns whether a facet is the part of a cap beyond the far plane. */
-static bool is_beyond(const struct volume *volume, int facet)
-{
-    return facet >= volume->first_beyond && facet < volume->first_far;
-}
-
 /* Returns whether a facet lies beyond the far plane for sure: clamped to it, it is behind all. */
 static bool is_behind_all(const struct volume *volume, int facet,
                           const struct bounded_triangle *triangle)
@@ -428,7 +422,8 @@ static bool facet_leaks(const struct facet_visit *facet, enum presence presence,
     const struct visit *visit = &facet->visit;
     const struct volume *volume = facet->volume;
     const bool is_cap = volume->caps[facet->facet].surface >= 0,
-               is_part = visited(visit)->cut || is_beyond(volume, facet->facet);
+               is_beyond = facet->facet >= volume->first_beyond && facet->facet < volume->first_far,
+               is_part = visited(visit)->cut || is_beyond;
     if ((is_part && presence == POSSIBLE) || (is_cap && farthest >= 1))
         return true;
     return !visit->of->tile->lit->driver->watertight && (presence == POSSIBLE || visit->on_seam);
