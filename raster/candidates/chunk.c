@@ -423,24 +423,6 @@ static bool draw_rows(const struct lit_scene *lit, struct chunk *out)
     return true;
 }
 
-/* Draws chunk `index` of a tile: CHUNK_ROWS, fewer in the last chunk. Finds its
- * candidates if the plan asks for a check. A plan that neither checks nor stores the reference's
- * pixels gets no picture: only picture.at is set. Results do not depend on how a picture is cut
- * into chunks. False: no memory. chunk_free accepts what a failure left. */
-static bool chunk_draw(const struct tile *tile, int index)
-{
-    const struct lit_scene *lit = tile->lit;
-    const struct plan *plan = lit->plan;
-    const int above = index * CHUNK_ROWS, left = tile->at.height - above;
-    const struct rectangle rows = {tile->at.x, tile->at.y + above, tile->at.width,
-                                   left < CHUNK_ROWS ? left : CHUNK_ROWS};
-    struct chunk *out = &tile->chunks[index];
-    *out = (struct chunk){.picture = {.at = rows}};
-    if (!plan->options.check && !plan->options.store_raster)
-        return true;
-    return draw_rows(lit, out) && (!plan->options.check || find_candidates(tile, out));
-}
-
 static void chunk_free(struct chunk *chunk)
 {
     if (chunk->rows != chunk->picture.rows)
@@ -460,10 +442,21 @@ struct drawn_tile {
     struct counter failures;
 };
 
+/* Draws a chunk of a tile: CHUNK_ROWS, fewer in the last one. Finds its candidates if the plan asks
+ * for a check. A plan that neither checks nor stores the reference's pixels gets no picture: only
+ * picture.at is set. Results do not depend on how a picture is cut into chunks. chunk_free accepts
+ * what a failure left. */
 static void draw_chunk(void *context, int i)
 {
     struct drawn_tile *drawn = context;
-    if (!chunk_draw(drawn->tile, i))
+    const struct tile *tile = drawn->tile;
+    const struct plan_options *options = &tile->lit->plan->options;
+    const int above = i * CHUNK_ROWS, left = tile->at.height - above;
+    struct chunk *out = &tile->chunks[i];
+    *out = (struct chunk){.picture = {.at = {tile->at.x, tile->at.y + above, tile->at.width,
+                                             left < CHUNK_ROWS ? left : CHUNK_ROWS}}};
+    if (((options->check || options->store_raster) && !draw_rows(tile->lit, out)) ||
+        (options->check && !find_candidates(tile, out)))
         counter_add(&drawn->failures, 1);
 }
 
