@@ -457,19 +457,17 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
                 struct error *err)
 {
-    const struct plan *plan = scene->lit->plan;
     *out = (struct check){.scene = scene, .chunk = chunk, .verdict = empty_verdict};
     if (!allocate(chunk, out, err)) {
         check_free(out);
         return false;
     }
-    for (size_t i = 0; i < chunk->n_candidates + chunk->n_ambiguous; i++)
+    const size_t n = chunk->n_candidates;
+    for (size_t i = 0; i < n + chunk->n_ambiguous; i++)
         out->hypotheses[i] =
-            (struct hypothesis){.alive = true, .samples = empty_verdict.samples, .band = -1};
-    for (size_t i = 0; i < chunk->n_ambiguous; i++)
-        out->hypotheses[chunk->n_candidates + i].alive = chunk->ambiguous[i].background;
-    out->tight_edges =
-        scene->limits->strict || (plan->n_instances > 0 && scene->lit->driver->watertight);
+            (struct hypothesis){.alive = i < n || chunk->ambiguous[i - n].background,
+                                .samples = empty_verdict.samples,
+                                .band = -1};
     return true;
 }
 

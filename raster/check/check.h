@@ -171,7 +171,6 @@ bool is_biased(const struct check_verdict *verdict);
 struct check {
     const struct check_scene *scene;
     const struct chunk *chunk;
-    bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
     struct check_verdict verdict;
     struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
     bool *failed;                  /* pixels that are not explained */
