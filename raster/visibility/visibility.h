@@ -63,8 +63,8 @@ int occluder_side(const struct occluders *of, struct occluder at, const struct h
 const struct eye_light *shadow_light(const struct view *view, int i);
 /* Returns the bit of the light of a term; 0: it throws no shadows. */
 uint32_t light_bit(const struct view *view, const struct term *term);
-/* Of the weights of a pixel, `stride` apart: returns the lights that throw shadows and have one
- * that is not 0; sets those of dark lights to 0. */
+/* Returns the lights that throw shadows and have a weight that is not 0 among those of a pixel,
+ * `stride` apart. The second function sets the weights of dark lights to 0. */
 uint32_t lights_weighed(const struct view *view, const struct instance *instance,
                         const double *weights, size_t stride);
 void lights_darken(const struct view *view, const struct instance *instance, uint32_t dark,
