@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights a scene: the reference places every vertex in the window and lights it; bounds say how far
  * OpenGL may be off there. Refuses what single precision cannot hold. */
+#include <float.h>
 #include <math.h>
 
 #include "raster/bounds/inside.h"
@@ -156,12 +157,13 @@ static bool check_vertex(const struct surface *surface, const struct surface_bou
     const struct window_vertex *vertex = &surface->vertices[index];
     size_t first = surface_attributes(surface, index, 0),
            last = surface_attributes(surface, index + 1, 0);
-    double sum = vertex->x + vertex->y + vertex->z + bounds->vertices[index].slack.px, weights = 0;
+    const double slack_px = bounds->vertices[index].slack.px;
+    double sum = vertex->x + vertex->y + vertex->z + slack_px, weights = 0;
     for (int i = 0; i < 4; i++)
         sum += vertex->clip[i];
     for (size_t i = first; i < last; i++)
         weights += surface->weights[i] + (double)bounds->errors[i];
-    if (!isfinite(sum))
+    if (!isfinite(sum) || slack_px > (double)FLT_MAX) /* as single precision has it */
         return error_at(err, bounds->placed->object->place,
                         "vertex %d of this object is not finite in the window; "
                         "coordinates and scales are too large",
