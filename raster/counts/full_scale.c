@@ -9,6 +9,31 @@
 
 /* ---- upper bounds for Phong shading ---- */
 
+/* The point of a triangle that is nearest to p is the foot of the perpendicular from p, or it lies
+ * on an edge. */
+static double distance_to_edge(struct vector p, struct vector a, struct vector b)
+{
+    struct vector edge = vector_subtract(b, a), to = vector_subtract(p, a);
+    double squared = vector_dot(edge, edge);
+    double part = squared > 0 ? fmin(fmax(vector_dot(to, edge) / squared, 0), 1) : 0;
+    return vector_length(vector_subtract(to, vector_scale(edge, part)));
+}
+
+static double distance_to_triangle(struct vector p, const struct vector corner[3])
+{
+    struct vector normal = vector_normalise(
+        vector_cross(vector_subtract(corner[1], corner[0]), vector_subtract(corner[2], corner[0])));
+    double least = HUGE_VAL;
+    bool above = vector_length(normal) > 0;
+    for (int i = 0; i < 3; i++) {
+        struct vector a = corner[i], b = corner[(i + 1) % 3];
+        struct vector inwards = vector_cross(normal, vector_subtract(b, a));
+        above = above && vector_dot(inwards, vector_subtract(p, a)) > 0;
+        least = fmin(least, distance_to_edge(p, a, b));
+    }
+    return above ? fabs(vector_dot(normal, vector_subtract(p, corner[0]))) : least;
+}
+
 /* Returns the distance of a light from a surface, reduced by the roundings of the surface's points.
  */
 static double least_distance(const struct surface *surface, const struct eye_light *light)
@@ -22,7 +47,7 @@ static double least_distance(const struct surface *surface, const struct eye_lig
                                      instance->vertices[instance->triangles[i][j]].position);
             largest = fmax(largest, vector_length(corner[j]));
         }
-        least = fmin(least, light_distance(light, corner));
+        least = fmin(least, distance_to_triangle(light->position, corner));
     }
     return fmax(0, least - 1e-12 * largest);
 }

@@ -168,9 +168,6 @@ bool checks_other_rows(const struct plan *plan);
 /* OpenGL needs the texture (NULL: none): it is in view. */
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
-/* plan_lights.c. The distance of a light, which is not directional, from a triangle in eye space. */
-double light_distance(const struct eye_light *light, const struct vector corner[3]);
-
 /* ---- passes.c ---- */
 
 /* The colours of a material in a pass under one group of lights: products of the spectra of lights

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The plan's lights: where they stand in eye space, and which of them light anything. */
-#include <math.h>
 #include <stdlib.h>
 
 #include "raster/plan/inside.h"
@@ -77,32 +76,4 @@ bool lights_list(struct plan *plan, struct error *err)
     }
     free(used);
     return done;
-}
-
-/* ---- how near they are ---- */
-
-/* The point of a triangle that is nearest to p is the foot of the perpendicular from p, or it lies
- * on an edge. */
-static double distance_to_edge(struct vector p, struct vector a, struct vector b)
-{
-    struct vector edge = vector_subtract(b, a), to = vector_subtract(p, a);
-    double squared = vector_dot(edge, edge);
-    double part = squared > 0 ? fmin(fmax(vector_dot(to, edge) / squared, 0), 1) : 0;
-    return vector_length(vector_subtract(to, vector_scale(edge, part)));
-}
-
-double light_distance(const struct eye_light *light, const struct vector corner[3])
-{
-    const struct vector p = light->position;
-    struct vector normal = vector_normalise(
-        vector_cross(vector_subtract(corner[1], corner[0]), vector_subtract(corner[2], corner[0])));
-    double least = HUGE_VAL;
-    bool above = vector_length(normal) > 0;
-    for (int i = 0; i < 3; i++) {
-        struct vector a = corner[i], b = corner[(i + 1) % 3];
-        struct vector inwards = vector_cross(normal, vector_subtract(b, a));
-        above = above && vector_dot(inwards, vector_subtract(p, a)) > 0;
-        least = fmin(least, distance_to_edge(p, a, b));
-    }
-    return above ? fabs(vector_dot(normal, vector_subtract(p, corner[0]))) : least;
 }

@@ -80,12 +80,23 @@ static double farthest_in_view(const struct plan *plan, const struct eye_light *
     return farthest;
 }
 
-/* The distance of a triangle from the light; from a directional one, that of its nearest corner. */
+/* A lower bound on the distance of a light from a triangle: from its plane, and from its box; from
+ * a directional one, along its rays, the distance of the nearest corner. */
 static double triangle_distance(const struct eye_light *light, const struct vector corner[3])
 {
-    const double along[3] = {distance_from(light, corner[0]), distance_from(light, corner[1]),
-                             distance_from(light, corner[2])};
-    return light->directional ? least_of(along) : light_distance(light, corner);
+    const struct vector normal =
+                            vector_normalise(vector_cross(vector_subtract(corner[1], corner[0]),
+                                                          vector_subtract(corner[2], corner[0]))),
+                        low = vector_least(corner[0], vector_least(corner[1], corner[2])),
+                        high = vector_greatest(corner[0], vector_greatest(corner[1], corner[2])),
+                        at = light->position;
+    const struct vector beside = {fmax(0, fmax(low.x - at.x, at.x - high.x)),
+                                  fmax(0, fmax(low.y - at.y, at.y - high.y)),
+                                  fmax(0, fmax(low.z - at.z, at.z - high.z))};
+    if (light->directional)
+        return fmin(distance_from(light, corner[0]),
+                    fmin(distance_from(light, corner[1]), distance_from(light, corner[2])));
+    return fmax(fabs(vector_dot(normal, vector_subtract(at, corner[0]))), vector_length(beside));
 }
 
 /* The side of a triangle's plane on which the light lies: 1 in front, seen from outside. */
