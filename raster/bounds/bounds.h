@@ -19,13 +19,13 @@ struct bounded {
 struct slack {
     double px, depth, w; /* of x and of y; of z; relative, of w */
 };
-/* From clip coordinates, in a picture of twice half_width and half_height pixels. */
-struct slack window_slack(const struct bounded clip[4], double half_width, double half_height);
 enum { CLIP_X, CLIP_Y, CLIP_Z, CLIP_W };
+/* From clip coordinates, with w above 0, and bounds on their errors. */
+struct slack clip_slack(const struct plan *plan, const double clip[4], const double e_clip[4]);
 struct vertex_bounds {
-    float slack_px, slack_depth, slack_w; /* struct slack */
-    float e_clip[4];                      /* of clip coordinates, CLIP_X to CLIP_W */
-    bool exact;    /* x and y have no error, and lie on a grid of 1/256 pixel */
+    struct slack slack;
+    float e_clip[4]; /* of clip coordinates, CLIP_X to CLIP_W */
+    bool exact;      /* x and y have no error, and lie on a grid of 1/256 pixel */
     bool gated[2]; /* of each side: single precision does not know whether some light reaches it */
 };
 struct surface_bounds {
@@ -35,7 +35,7 @@ struct surface_bounds {
     double e_rigid;             /* distance_from_rigid of model_view */
     struct vertex_bounds *vertices;
     float *errors;        /* of surface.weights, in the same order */
-    float *jumps;         /* at gated sides: the other outcome minus surface.weights; or NULL */
+    float *jumps;         /* at gated sides: the other outcome minus surface.weights */
     float *group_weights; /* [light group][weight]: what each adds to them; NULL: there is one */
     double left, top, right, bottom; /* in the window; everything where a vertex is not in front */
     bool *hidden; /* of each triangle: OpenGL need not draw it; NULL: all are drawn; owned */

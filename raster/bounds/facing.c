@@ -31,7 +31,7 @@ static bool is_between_planes(const struct driver *driver, const struct surface 
     *error = 0;
     for (int i = 0; i < surface->instance->n_vertices; i++) {
         const struct window_vertex *vertex = &surface->vertices[i];
-        const double slack = (double)bounds->vertices[i].slack_depth +
+        const double slack = bounds->vertices[i].slack.depth +
                              roundings(driver->depth_roundings); /* as it is stored */
         if (!(vertex->clip[3] > 0 && vertex->z > slack && vertex->z < 1 - slack))
             return false;
@@ -49,101 +49,29 @@ static bool shows_back(const struct lit_scene *lit, int surface, int triangle)
     if (screen_triangles(&lit->plan->view, of, triangle, NULL, 0, screen) == 0)
         return false;
     for (int i = 0; i < 3; i++)
-        e[i] = (double)lit->bounds[surface].vertices[screen->vertex[i]].slack_px +
+        e[i] = lit->bounds[surface].vertices[screen->vertex[i]].slack.px +
                edge_error(lit->driver, lit->plan->tile_width, lit->plan->tile_height);
     return screen->clockwise != of->instance->mirrored && !may_turn(screen, e);
 }
 
-/* ---- depths of fronts ---- */
-
-enum { CELLS = 32 };
-/* The part of the window that a surface takes, cut into cells. Each has the largest depth of the
- * triangles that reach it and are not hidden. */
-struct cells {
-    double origin[2], size[2]; /* of the cell at 0, 0; in pixels */
-    double deepest[CELLS][CELLS];
-};
-/* The cells that a triangle reaches, and its smallest and largest depth. */
-struct reached {
-    int from[2], to[2]; /* both included */
-    double depth[2];
-};
-
-static void make_cells(const struct surface_bounds *bounds, const struct view *view,
-                       struct cells *out)
+static void depths_of(const struct surface *of, int triangle, double out[3])
 {
-    const double low[2] = {fmax(bounds->left, 0), fmax(bounds->top, 0)};
-    const double high[2] = {fmin(bounds->right, view->width), fmin(bounds->bottom, view->height)};
-    for (int axis = 0; axis < 2; axis++) {
-        out->origin[axis] = low[axis];
-        out->size[axis] = fmax((high[axis] - low[axis]) / CELLS, 1);
-    }
-    for (int i = 0; i < CELLS * CELLS; i++)
-        out->deepest[i / CELLS][i % CELLS] = 0;
-}
-
-/* Cells at the border hold all that lies beyond. */
-static int cell_at(const struct cells *cells, int axis, double place)
-{
-    const double cell = (place - cells->origin[axis]) / cells->size[axis];
-    return cell < 0 ? 0 : cell < CELLS - 1 ? (int)cell : CELLS - 1;
-}
-
-/* A triangle reaches a pixel more to each side than its corners do: OpenGL moves them. */
-static struct reached cells_of(const struct cells *cells, const struct surface *of, int triangle)
-{
-    const int32_t *vertex = of->instance->triangles[triangle];
-    double low[3], high[3]; /* of x, y and depth */
-    for (int i = 0; i < 3; i++) {
-        const struct window_vertex *at = &of->vertices[vertex[i]];
-        const double place[3] = {at->x, at->y, at->z};
-        for (int axis = 0; axis < 3; axis++) {
-            low[axis] = i == 0 || place[axis] < low[axis] ? place[axis] : low[axis];
-            high[axis] = i == 0 || place[axis] > high[axis] ? place[axis] : high[axis];
-        }
-    }
-    struct reached out = {.depth = {low[2], high[2]}};
-    for (int axis = 0; axis < 2; axis++) {
-        out.from[axis] = cell_at(cells, axis, low[axis] - 1);
-        out.to[axis] = cell_at(cells, axis, high[axis] + 1);
-    }
-    return out;
-}
-
-/* Returns the largest depth of a triangle in the cells that is not hidden. */
-static double deepest_in(const struct cells *cells, const struct reached *at)
-{
-    double deepest = 0;
-    for (int y = at->from[1]; y <= at->to[1]; y++)
-        for (int x = at->from[0]; x <= at->to[0]; x++)
-            deepest = fmax(deepest, cells->deepest[y][x]);
-    return deepest;
-}
-
-static void add_front(struct cells *cells, const struct reached *at)
-{
-    for (int y = at->from[1]; y <= at->to[1]; y++)
-        for (int x = at->from[0]; x <= at->to[0]; x++)
-            cells->deepest[y][x] = fmax(cells->deepest[y][x], at->depth[1]);
+    for (int i = 0; i < 3; i++)
+        out[i] = of->vertices[of->instance->triangles[triangle][i]].z;
 }
 
 /* Where a front and a back have the same depth, OpenGL shows the one that is drawn first. So a back
- * is drawn, too, unless all its stored depths are larger than those of all fronts near it. */
-static void hide_backs(const struct lit_scene *lit, int surface, double depth_error)
+ * is drawn, too, unless all its stored depths are larger than those of all fronts. */
+static void hide_backs(const struct surface *of, struct surface_bounds *bounds, double depth_error)
 {
-    const struct surface *of = &lit->surfaces[surface];
-    struct surface_bounds *bounds = &lit->bounds[surface];
-    struct cells cells;
-    make_cells(bounds, &lit->plan->view, &cells);
-    for (int i = 0; i < of->instance->n_triangles; i++)
-        if (!bounds->hidden[i]) {
-            const struct reached at = cells_of(&cells, of, i);
-            add_front(&cells, &at);
-        }
+    double depths[3], deepest = 0;
     for (int i = 0; i < of->instance->n_triangles; i++) {
-        const struct reached at = cells_of(&cells, of, i);
-        bounds->hidden[i] =
-            bounds->hidden[i] && at.depth[0] > deepest_in(&cells, &at) + 2 * depth_error;
+        depths_of(of, i, depths);
+        deepest = bounds->hidden[i] ? deepest : fmax(deepest, most_of(depths));
+    }
+    for (int i = 0; i < of->instance->n_triangles; i++) {
+        depths_of(of, i, depths);
+        bounds->hidden[i] = bounds->hidden[i] && least_of(depths) > deepest + 2 * depth_error;
         bounds->n_hidden += bounds->hidden[i];
     }
 }
@@ -162,6 +90,6 @@ bool find_hidden(const struct lit_scene *lit, int surface, struct error *err)
         return false;
     for (int i = 0; i < n; i++)
         bounds->hidden[i] = shows_back(lit, surface, i);
-    hide_backs(lit, surface, error);
+    hide_backs(&lit->surfaces[surface], bounds, error);
     return true;
 }

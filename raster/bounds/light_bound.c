@@ -248,7 +248,7 @@ static struct gated falloff(const struct eye_light *light, const struct path *pa
 
 /* Where the bounds of one side of a vertex are collected: see struct surface_bounds. */
 struct side_bounds {
-    float *errors, *jumps, *group; /* the last two may be NULL */
+    float *errors, *jumps, *group; /* the last one may be NULL */
     int gated;                     /* the light whose gate is unclear there; -1: none */
 };
 
@@ -260,7 +260,7 @@ static void add_weight(struct gated weight, const struct eye_light *light, int i
     struct bounded shown = {weight.is_open ? weight.open.value : 0, weight.open.error};
     if (!weight.is_open && !weight.is_unclear)
         shown.error = 0;
-    if (weight.is_unclear && out->jumps && (out->gated < 0 || out->gated == index)) {
+    if (weight.is_unclear && (out->gated < 0 || out->gated == index)) {
         const double jump = light->share * weight.open.value;
         out->jumps[term] += (float)(weight.is_open ? -jump : jump);
         out->gated = index;
@@ -325,8 +325,7 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
     for (int side = 0; side < of->n_sides; side++) {
         const size_t at = surface_attributes(of, index, side);
         float *errors = bounds->errors + at;
-        struct side_bounds out = {
-            .errors = errors, .jumps = bounds->jumps ? bounds->jumps + at : NULL, .gated = -1};
+        struct side_bounds out = {.errors = errors, .jumps = bounds->jumps + at, .gated = -1};
         for (int i = 0; i < view->n_lights && view->shading != PHONG; i++) {
             float *group = group_weights(of, bounds, group_of(lit->plan, i));
             out.group = group ? group + at : NULL;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Lights a scene: the reference places every vertex in the window and lights it; bounds say how far
  * OpenGL may be off there. Refuses what single precision cannot hold. */
+#include <float.h>
 #include <math.h>
 
 #include "raster/bounds/inside.h"
@@ -22,48 +23,46 @@ const struct surface_bounds *bounds_of(const struct lit_scene *lit,
 /* ---- position ---- */
 
 /* (a + e) / (b + f) - q = (e - q f) / (b + f), where q = a / b; to first order; b is not 0 */
-static struct bounded bounded_quotient(struct bounded a, struct bounded b)
+static double quotient_error(struct bounded a, struct bounded b)
 {
-    double quotient = a.value / b.value;
-    return (struct bounded){quotient, (a.error + fabs(quotient) * b.error) / fabs(b.value)};
+    return (a.error + fabs(a.value / b.value) * b.error) / fabs(b.value);
 }
 
 /* Division, scale and offset of the viewport are 4 roundings of a coordinate as large as the
- * picture; w comes in after 2 roundings. */
-struct slack window_slack(const struct bounded clip[4], double half_width, double half_height)
+ * picture; w comes in after 2 roundings. Where OpenGL draws a picture in tiles, each with a
+ * projection that scales and shifts clip space, the shift adds w's error to those of x and y, at
+ * most once. */
+struct slack clip_slack(const struct plan *plan, const double clip[4], const double e_clip[4])
 {
-    const struct bounded w = clip[3], x = bounded_quotient(clip[0], w),
-                         y = bounded_quotient(clip[1], w), z = bounded_quotient(clip[2], w);
-    return (struct slack){
-        .px = fmax(half_width * (x.error + roundings(8)), half_height * (y.error + roundings(8))),
-        .depth = 0.5 * z.error + roundings(4),
-        .w = w.error / w.value + roundings(2)};
+    const struct bounded w = {clip[CLIP_W], e_clip[CLIP_W]};
+    const double shifted = plan->tiled ? w.error : 0;
+    double e[3]; /* of the quotients */
+    for (int i = 0; i < 3; i++) {
+        const struct bounded of = {clip[i], e_clip[i] + (i < CLIP_Z ? shifted : 0)};
+        e[i] = quotient_error(of, w);
+    }
+    return (struct slack){.px = fmax(0.5 * plan->view.width * (e[CLIP_X] + roundings(8)),
+                                     0.5 * plan->view.height * (e[CLIP_Y] + roundings(8))),
+                          .depth = 0.5 * e[CLIP_Z] + roundings(4),
+                          .w = w.error / w.value + roundings(2)};
 }
 
-/* Where OpenGL draws a picture in tiles, each with a projection that scales and shifts clip space,
- * the shift adds w's roundings and error to those of x and y, at most once. */
+/* In tiles w's roundings add to those of x and y, too. */
 static void bound_place(const struct plan *plan, const double magnitude[4],
                         const struct window_vertex *vertex, struct vertex_bounds *out)
 {
-    const struct scene *scene = plan->scene;
-    const bool perspective = scene->camera.perspective;
-    const double *clip = vertex->clip, shift = plan->tiled, unit = roundings(TRANSFORM_ROUNDINGS),
-                 e_x = unit * (magnitude[0] + shift * magnitude[3]),
-                 e_y = unit * (magnitude[1] + shift * magnitude[3]), e_z = unit * magnitude[2],
-                 e_w = perspective ? roundings(EYE_ROUNDINGS) * magnitude[3] : 0;
-    out->e_clip[CLIP_X] = (float)e_x;
-    out->e_clip[CLIP_Y] = (float)e_y;
-    out->e_clip[CLIP_Z] = (float)e_z;
-    out->e_clip[CLIP_W] = (float)e_w;
-    if (!(clip[3] > 0))
+    const bool perspective = plan->scene->camera.perspective;
+    const double shift = plan->tiled, unit = roundings(TRANSFORM_ROUNDINGS),
+                 e_clip[4] = {unit * (magnitude[CLIP_X] + shift * magnitude[CLIP_W]),
+                              unit * (magnitude[CLIP_Y] + shift * magnitude[CLIP_W]),
+                              unit * magnitude[CLIP_Z],
+                              perspective ? roundings(EYE_ROUNDINGS) * magnitude[CLIP_W] : 0};
+    for (int i = 0; i < 4; i++)
+        out->e_clip[i] = (float)e_clip[i];
+    if (!(vertex->clip[CLIP_W] > 0))
         return;
-    const struct bounded bounded[4] = {
-        {clip[0], e_x + shift * e_w}, {clip[1], e_y + shift * e_w}, {clip[2], e_z}, {clip[3], e_w}};
-    const struct slack slack =
-        window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
-    out->slack_px = (float)slack.px;
-    out->slack_depth = (float)slack.depth;
-    out->slack_w = perspective ? (float)slack.w : 0;
+    out->slack = clip_slack(plan, vertex->clip, e_clip);
+    out->slack.w = perspective ? out->slack.w : 0;
 }
 
 /* ---- exact vertices ---- */
@@ -101,7 +100,6 @@ static bool is_exact(const struct plan *plan, const struct matrix *product, cons
 /* A surface whose vertices are being lit and bounded. */
 struct bounding {
     const struct lit_scene *lit;
-    const struct view *view; /* the plan's, or one without lights */
     int surface_index;
     struct surface *surface;
     struct surface_bounds *bounds;
@@ -120,7 +118,7 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     const double object[4] = {position.x, position.y, position.z, 1};
     double eye_magnitude[4], clip_magnitude[4];
     const struct plan *plan = of->lit->plan;
-    surface_light(of->view, of->surface, index, work);
+    surface_light(&plan->view, of->surface, index, work);
     if (!of->bounds->placed->in_view)
         return;
     matrix_magnitudes(&instance->model_view, object, eye_magnitude);
@@ -129,7 +127,7 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     out->exact =
         of->may_be_exact && is_exact(plan, &of->product, object, &of->surface->vertices[index]);
     if (out->exact)
-        out->slack_px = 0;
+        out->slack.px = 0;
     double e_eye =
         roundings(EYE_ROUNDINGS) * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
     if (!of->lit->are_volumes)
@@ -159,13 +157,13 @@ static bool check_vertex(const struct surface *surface, const struct surface_bou
     const struct window_vertex *vertex = &surface->vertices[index];
     size_t first = surface_attributes(surface, index, 0),
            last = surface_attributes(surface, index + 1, 0);
-    double sum = vertex->x + vertex->y + vertex->z + (double)bounds->vertices[index].slack_px,
-           weights = 0;
+    const double slack_px = bounds->vertices[index].slack.px;
+    double sum = vertex->x + vertex->y + vertex->z + slack_px, weights = 0;
     for (int i = 0; i < 4; i++)
         sum += vertex->clip[i];
     for (size_t i = first; i < last; i++)
         weights += surface->weights[i] + (double)bounds->errors[i];
-    if (!isfinite(sum))
+    if (!isfinite(sum) || slack_px > (double)FLT_MAX) /* as single precision has it */
         return error_at(err, bounds->placed->object->place,
                         "vertex %d of this object is not finite in the window; "
                         "coordinates and scales are too large",
@@ -233,7 +231,7 @@ static void find_extent(const struct surface *surface, struct surface_bounds *bo
     for (int i = 0; i < surface->instance->n_vertices && bounds->placed->in_view; i++) {
         const struct window_vertex *vertex = &surface->vertices[i];
         bool in_front = vertex->clip[3] > 0;
-        double slack = 1 + (double)bounds->vertices[i].slack_px; /* a pixel more costs nothing */
+        double slack = 1 + bounds->vertices[i].slack.px; /* a pixel more costs nothing */
         bounds->left = fmin(bounds->left, in_front ? vertex->x - slack : -HUGE_VAL);
         bounds->top = fmin(bounds->top, in_front ? vertex->y - slack : -HUGE_VAL);
         bounds->right = fmax(bounds->right, in_front ? vertex->x + slack : HUGE_VAL);
@@ -245,16 +243,6 @@ bool surface_reaches(const struct surface_bounds *surface, const struct rectangl
 {
     return surface->right >= at->x && surface->left <= at->x + at->width &&
            surface->bottom >= at->y && surface->top <= at->y + at->height;
-}
-
-/* Highlights and spots have gates. */
-static bool may_be_gated(const struct plan *plan, const struct shaded_material *shaded,
-                         const struct instance *instance)
-{
-    for (int i = 0; i < plan->n_lights; i++)
-        if (plan->lights[i].spot && reflects(instance, &plan->lights[i]))
-            return true;
-    return has_term(shaded, TERM_SPECULAR);
 }
 
 static bool allocate(const struct bounding *of, const struct placed_instance *placed,
@@ -270,13 +258,11 @@ static bool allocate(const struct bounding *of, const struct placed_instance *pl
     const bool opened = surface_open(&placed->instance, of->surface);
     const int n = placed->instance.n_vertices;
     const size_t n_weights = surface_attributes(of->surface, n, 0);
-    const bool checked = plan->options.check && placed->in_view,
-               gated = checked && may_be_gated(plan, bounds->shaded, &placed->instance),
-               grouped = checked && plan->n_light_groups > 1;
+    const bool grouped = plan->options.check && placed->in_view && plan->n_light_groups > 1;
     return (opened || memory_lacks(err, (double)n_weights * sizeof(double), "%s", name)) &&
            MAKE_ARRAY(bounds->vertices, n, err, "the vertices of %s", name) &&
            MAKE_ARRAY(bounds->errors, n_weights, err, "the bounds of %s", name) &&
-           (!gated || MAKE_ARRAY(bounds->jumps, n_weights, err, "the bounds of %s", name)) &&
+           MAKE_ARRAY(bounds->jumps, n_weights, err, "the bounds of %s", name) &&
            (!grouped || MAKE_ARRAY(bounds->group_weights, n_weights * (size_t)plan->n_light_groups,
                                    err, "the bounds of %s", name));
 }
@@ -306,12 +292,8 @@ static void make_vertices(void *context, size_t first, size_t end)
 static bool make_surface(struct lit_scene *lit, int index, struct error *err)
 {
     const struct placed_instance *placed = &lit->instances[index];
-    const bool is_lit = !lit->are_volumes && instance_is_lit(lit->plan, placed);
     const bool checks_near = lit->plan->scene->camera.perspective && !lit->are_volumes;
-    struct view unlit = lit->plan->view;
-    unlit.n_lights = 0;
     struct bounding of = {.lit = lit,
-                          .view = is_lit ? &lit->plan->view : &unlit,
                           .surface_index = index,
                           .surface = &lit->surfaces[index],
                           .bounds = &lit->bounds[index],
@@ -321,8 +303,7 @@ static bool make_surface(struct lit_scene *lit, int index, struct error *err)
     of.may_be_exact = may_be_exact(lit, &placed->instance, &of.product);
     threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
                    make_vertices, &of);
-    if (is_lit)
-        light_work_add(&lit->work, &of.work);
+    light_work_add(&lit->work, &of.work);
     for (int i = 0; i < placed->instance.n_vertices; i++)
         if (!check_vertex(of.surface, of.bounds, i, err))
             return false;

@@ -91,12 +91,11 @@ static uint32_t dark_at(const struct bounded_pixel *pixel, const double share[3]
 static uint32_t find_dark(const struct bounded_pixel *pixel, const struct fragment *fragment,
                           uint32_t *in_doubt)
 {
-    const uint32_t shadowed = pixel_shadowed(pixel, pixel->attributes, 1),
+    const uint32_t shadowed = lights_weighed(&pixel->lit->plan->view, pixel->surface->instance,
+                                             pixel->attributes, 1),
                    asked = shadowed & ~fragment->in_doubt;
     double share[3];
     *in_doubt = shadowed & fragment->in_doubt;
-    if (asked == 0)
-        return 0;
     nearest_share(pixel->share, share);
     const uint32_t near = dark_at(pixel, share, asked),
                    centre = least_of(pixel->share) < 0 ? dark_at(pixel, pixel->share, asked) : near;
@@ -332,7 +331,9 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     if (bounding->pixel.surface->instance->texels.n_levels > 1)
         pixel_put(&bounding->pixel, out->rows + index, n_pixels);
     const uint32_t in_doubt =
-        only->in_doubt & (dark | pixel_shadowed(&bounding->pixel, out->rows + index, n_pixels));
+        only->in_doubt &
+        (dark | lights_weighed(&bounding->pixel.lit->plan->view, bounding->pixel.surface->instance,
+                               out->rows + index, n_pixels));
     if (bounding->pixel.n_gated > 0 || in_doubt != 0 ||
         pixel_choices(&bounding->pixel, choices) > 1)
         return true;
@@ -422,24 +423,6 @@ static bool draw_rows(const struct lit_scene *lit, struct chunk *out)
     return true;
 }
 
-/* Draws chunk `index` of a tile: chunk_rows of the plan, fewer in the last chunk. Finds its
- * candidates if the plan asks for a check. A plan that neither checks nor stores the reference's
- * pixels gets no picture: only picture.at is set. Results do not depend on how a picture is cut
- * into chunks. False: no memory. chunk_free accepts what a failure left. */
-static bool chunk_draw(const struct tile *tile, int index)
-{
-    const struct lit_scene *lit = tile->lit;
-    const struct plan *plan = lit->plan;
-    const int n = plan->chunk_rows, above = index * n, left = tile->at.height - above;
-    const struct rectangle rows = {tile->at.x, tile->at.y + above, tile->at.width,
-                                   left < n ? left : n};
-    struct chunk *out = &tile->chunks[index];
-    *out = (struct chunk){.picture = {.at = rows}};
-    if (!plan->options.check && !plan->options.store_raster)
-        return true;
-    return draw_rows(lit, out) && (!plan->options.check || find_candidates(tile, out));
-}
-
 static void chunk_free(struct chunk *chunk)
 {
     if (chunk->rows != chunk->picture.rows)
@@ -459,10 +442,21 @@ struct drawn_tile {
     struct counter failures;
 };
 
+/* Draws a chunk of a tile: CHUNK_ROWS, fewer in the last one. Finds its candidates if the plan asks
+ * for a check. A plan that neither checks nor stores the reference's pixels gets no picture: only
+ * picture.at is set. Results do not depend on how a picture is cut into chunks. chunk_free accepts
+ * what a failure left. */
 static void draw_chunk(void *context, int i)
 {
     struct drawn_tile *drawn = context;
-    if (!chunk_draw(drawn->tile, i))
+    const struct tile *tile = drawn->tile;
+    const struct plan_options *options = &tile->lit->plan->options;
+    const int above = i * CHUNK_ROWS, left = tile->at.height - above;
+    struct chunk *out = &tile->chunks[i];
+    *out = (struct chunk){.picture = {.at = {tile->at.x, tile->at.y + above, tile->at.width,
+                                             left < CHUNK_ROWS ? left : CHUNK_ROWS}}};
+    if (((options->check || options->store_raster) && !draw_rows(tile->lit, out)) ||
+        (options->check && !find_candidates(tile, out)))
         counter_add(&drawn->failures, 1);
 }
 
@@ -488,7 +482,7 @@ static bool draw_tile(struct tile *tile, tile_work *work, void *context, struct 
 {
     const struct plan *plan = tile->lit->plan;
     struct drawn_tile drawn = {tile, COUNTER};
-    tile->n_chunks = (tile->at.height + plan->chunk_rows - 1) / plan->chunk_rows;
+    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
     if (!MAKE_ARRAY(tile->chunks, tile->n_chunks, err, "a tile"))
         return false;
     threads_each(plan->options.threads, tile->n_chunks, draw_chunk, &drawn);

@@ -17,6 +17,7 @@ struct visit {
     struct fragment_list *pixel;
     double x, y;
     struct edge_functions edges;
+    bool on_seam; /* OpenGL may set two clipped triangles side by side there */
 };
 
 static const struct bounded_triangle *visited(const struct visit *visit)
@@ -43,14 +44,6 @@ static void edge_slack(const struct edge_functions *edges, const double errors[3
     }
 }
 
-/* Does the same at a point of a triangle in the tile, whose corners are off in x and y alike. */
-static void own_edge_slack(const struct bounded_triangle *triangle,
-                           const struct edge_functions *edges, double slack[3])
-{
-    const double *e = triangle->edge_px, errors[3][2] = {{e[0], e[0]}, {e[1], e[1]}, {e[2], e[2]}};
-    edge_slack(edges, errors, slack);
-}
-
 /* True if a point lies beside the box around a triangle whose corners are off by up to `most`:
  * edges no longer than that may run in any direction, and do not exclude it. */
 static bool is_beside_box(const struct screen_triangle *screen, const double most[2], double px,
@@ -60,43 +53,25 @@ static bool is_beside_box(const struct screen_triangle *screen, const double mos
            least_of(screen->y) - most[1] > py || py > most_of(screen->y) + most[1];
 }
 
-static enum presence triangle_presence(const struct visit *visit)
+/* Finds the edge functions at a point, unless it lies beside the box, and the presence there.
+ * turned: the corners are turned so that edge functions are positive inside. A triangle without
+ * area touches its longest edge only. */
+static enum presence presence_at(const struct screen_triangle *screen,
+                                 const struct edge_errors *errors, bool turned, double px,
+                                 double py, struct edge_functions *edges)
 {
-    const struct bounded_triangle *triangle = visited(visit);
-    const struct edge_functions *edges = &visit->edges;
-    const double *errors = triangle->edge_px, most = most_of(errors);
-    enum presence presence = triangle->screen.twice_area > 0 ? DEFINITE : POSSIBLE;
-    double slack[3];
-    if (is_beside_box(&triangle->screen, (const double[2]){most, most}, visit->x, visit->y))
-        return IMPOSSIBLE;
-    own_edge_slack(triangle, edges, slack);
-    for (int i = 0; i < 3; i++) {
-        bool exact = errors[(i + 1) % 3] <= 0 && errors[(i + 2) % 3] <= 0,
-             on_edge = exact && edges->e[i] == 0;
-        if (edges->e[i] < -slack[i] || (on_edge && !owns_edge(&triangle->screen, i, 1)))
-            return IMPOSSIBLE;
-        if (!(edges->e[i] > slack[i]) && !on_edge)
-            presence = POSSIBLE;
-    }
-    return presence;
-}
-
-/* A triangle without area touches its longest edge only. */
-static enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py)
-{
-    const double *x = triangle->screen.x, *y = triangle->screen.y;
-    struct edge_functions edges;
-    double slack[3];
-    if (is_beside_box(&triangle->screen, triangle->most_px, px, py))
-        return IMPOSSIBLE;
-    edges_at(x, y, px, py, &edges);
-    edge_slack(&edges, triangle->edge_px, slack);
-    double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
     enum presence presence = DEFINITE;
+    double slack[3];
+    if (is_beside_box(screen, errors->most, px, py))
+        return IMPOSSIBLE;
+    edges_at(screen->x, screen->y, px, py, edges);
+    edge_slack(edges, errors->px, slack);
+    const double turn = turned || edges->e[0] + edges->e[1] + edges->e[2] >= 0 ? 1 : -1;
     for (int i = 0; i < 3; i++) {
-        if (turn * edges.e[i] < -slack[i])
+        const bool on_edge = slack[i] <= 0 && edges->e[i] == 0; /* without any error */
+        if (turn * edges->e[i] < -slack[i] || (on_edge && !owns_edge(screen, i, 1)))
             return IMPOSSIBLE;
-        if (!(turn * edges.e[i] > slack[i]))
+        if (!(turn * edges->e[i] > slack[i]) && !on_edge)
             presence = POSSIBLE;
     }
     return presence;
@@ -129,7 +104,6 @@ static void drop_hidden(struct fragments *of, struct fragment_list *pixel)
             continue;
         }
         int32_t dropped = *link;
-        pixel->n_candidates--;
         *link = fragment->next;
         fragment->next = of->unused;
         of->unused = dropped;
@@ -143,11 +117,9 @@ static bool add_fragment(struct visit *visit, const struct fragment *fragment, b
     struct fragment_list *pixel = visit->pixel;
     if (fragment->depth - fragment->depth_error > pixel->limit)
         return true;
-    if (definite)
-        pixel->limit = fmin(pixel->limit, fragment->depth + fragment->depth_error);
-    if (pixel->n_candidates >= 2 * pixel->n_pruned) { /* seldom enough that time stays linear */
+    if (definite && fragment->depth + fragment->depth_error < pixel->limit) {
+        pixel->limit = fragment->depth + fragment->depth_error;
         drop_hidden(of, pixel);
-        pixel->n_pruned = pixel->n_candidates + 1;
     }
     int32_t place = of->unused;
     if (place >= 0) {
@@ -161,7 +133,6 @@ static bool add_fragment(struct visit *visit, const struct fragment *fragment, b
     of->fragments[place].is_definite = definite;
     of->fragments[place].next = pixel->head;
     pixel->head = place;
-    pixel->n_candidates++;
     visit->any = true;
     return true;
 }
@@ -185,7 +156,7 @@ static void add_edges(const struct visit *visit)
     uint64_t object =
         (uint64_t)(bounds_of(lit, screen)->placed->object - lit->plan->scene->objects);
     double slack[3];
-    own_edge_slack(visited(visit), &visit->edges, slack);
+    edge_slack(&visit->edges, visited(visit)->edges.px, slack);
     for (int i = 0; i < 3; i++) {
         if (visit->edges.e[i] > slack[i])
             continue;
@@ -233,18 +204,6 @@ static bool add_part(struct fragments *of, const struct triangle_part *part)
     return true;
 }
 
-/* True if the point lies where OpenGL sets two clipped triangles side by side. Where it may cut an
- * edge anywhere, these meet anywhere. */
-static bool is_on_seam(const struct visit *visit)
-{
-    const struct bounded_triangle *triangle = visited(visit);
-    const struct clipped_triangle *clipped = &visit->of->clipped[triangle->first_clipped];
-    for (int32_t i = 0; i < triangle->n_clipped && triangle->n_clipped > 1; i++)
-        if (clipped_presence(&clipped[i], visit->x, visit->y) == POSSIBLE)
-            return true;
-    return triangle->slides;
-}
-
 /* True if OpenGL may set up one of these clipped triangles turned around: it then lies upon its
  * neighbours, and both have a fragment. */
 static bool may_fold(const struct visit *visit, unsigned clipped)
@@ -264,25 +223,33 @@ unsigned count_bits(unsigned bits)
     return n;
 }
 
-/* Finds which of n clipped triangles OpenGL may have at a point: bit i stands for number i. */
-static unsigned possible_at(const struct clipped_triangle *clipped, int n, double px, double py)
+/* Finds which of n clipped triangles OpenGL may have at a point: bit i stands for number i.
+ * *on_seam: it has one of them only perhaps. */
+static unsigned possible_at(const struct clipped_triangle *clipped, int n, double px, double py,
+                            bool *on_seam)
 {
     unsigned some = 0;
-    for (int i = 0; i < n; i++)
-        if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
-            some |= 1u << i;
+    *on_seam = false;
+    for (int i = 0; i < n; i++) {
+        struct edge_functions edges;
+        const enum presence presence =
+            presence_at(&clipped[i].screen, &clipped[i].edges, false, px, py, &edges);
+        some |= (unsigned)(presence != IMPOSSIBLE) << i;
+        *on_seam = *on_seam || presence == POSSIBLE;
+    }
     return some;
 }
 
 /* Finds the clipped triangles that OpenGL may have at the pixel. Beyond the near and the far plane
- * all are possible. */
-static unsigned clipped_at(const struct visit *visit)
+ * all are possible. Where OpenGL may cut an edge anywhere, these meet anywhere. */
+static unsigned clipped_at(struct visit *visit)
 {
     const struct bounded_triangle *triangle = visited(visit);
+    const struct clipped_triangle *clipped = &visit->of->clipped[triangle->first_clipped];
     const int n = triangle->n_clipped;
-    unsigned some =
-        n == 1 ? 1
-               : possible_at(&visit->of->clipped[triangle->first_clipped], n, visit->x, visit->y);
+    visit->on_seam = false;
+    const unsigned some = n > 1 ? possible_at(clipped, n, visit->x, visit->y, &visit->on_seam) : 1;
+    visit->on_seam = visit->on_seam || triangle->slides;
     return some == 0 && triangle->cut ? (1u << n) - 1 : some;
 }
 
@@ -293,14 +260,14 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
 {
     const struct bounded_triangle *triangle = visited(visit);
     double sum = 0, inverse_w = 0;
-    bool far = false;
+    bool far = false, ignored;
     for (int i = 0; i < 3; i++) {
         sum += visit->edges.e[i];
         inverse_w += visit->edges.e[i] * triangle->screen.inverse_w[i];
     }
     /* OpenGL may set up a sliver there, besides the clipped triangles */
     *thin = possible_at(&visit->of->clipped[triangle->first_clipped + triangle->n_clipped],
-                        triangle->n_slivers, visit->x, visit->y) != 0;
+                        triangle->n_slivers, visit->x, visit->y, &ignored) != 0;
     for (int32_t i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *part = &visit->of->clipped[triangle->first_clipped + i];
         const struct colour_bound *bound = &part->inverse_w_bound;
@@ -323,7 +290,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
                                 .depth = depth_at(&triangle->screen, &visit->edges)};
     bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
                          (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
-    const bool leaks = !visit->of->tile->lit->driver->watertight && is_on_seam(visit),
+    const bool leaks = !visit->of->tile->lit->driver->watertight && visit->on_seam,
                folds = may_fold(visit, clipped);
     fragment.sliver = triangle->slivers && presence == POSSIBLE;
     if (leaks || folds || fragment.sliver) {
@@ -357,8 +324,8 @@ static unsigned go_to(struct visit *visit, int x, int y, enum presence *presence
     visit->y = y + 0.5;
     visit->pixel =
         &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
-    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
-    *presence = triangle_presence(visit);
+    *presence =
+        presence_at(&triangle->screen, &triangle->edges, true, visit->x, visit->y, &visit->edges);
     return *presence == IMPOSSIBLE ? 0 : clipped_at(visit);
 }
 
@@ -378,9 +345,8 @@ static bool visit_triangle(struct fragments *of, int surface, int triangle)
     for (int i = 0; i < n; i++) {
         const struct bounded_triangle *bounded = &parts[i].bounded;
         struct visit visit = {.of = of, .triangle = (int32_t)of->n_triangles};
-        if (!add_part(of, &parts[i]) ||
-            !scan_triangle(&bounded->screen, &of->rows, most_of(bounded->edge_px), visit_pixel,
-                           &visit))
+        if (!add_part(of, &parts[i]) || !scan_triangle(&bounded->screen, &of->rows,
+                                                       bounded->edges.most[0], visit_pixel, &visit))
             return false;
         of->n_triangles += visit.any;
         of->n_clipped += visit.any ? (size_t)(bounded->n_clipped + bounded->n_slivers) : 0;
@@ -439,12 +405,6 @@ static bool is_far(const struct volume *volume, int facet)
     return facet >= volume->first_far && facet < volume->n_outward;
 }
 
-/* Returns whether a facet is the part of a cap beyond the far plane. */
-static bool is_beyond(const struct volume *volume, int facet)
-{
-    return facet >= volume->first_beyond && facet < volume->first_far;
-}
-
 /* Returns whether a facet lies beyond the far plane for sure: clamped to it, it is behind all. */
 static bool is_behind_all(const struct volume *volume, int facet,
                           const struct bounded_triangle *triangle)
@@ -462,10 +422,11 @@ static bool facet_leaks(const struct facet_visit *facet, enum presence presence,
     const struct visit *visit = &facet->visit;
     const struct volume *volume = facet->volume;
     const bool is_cap = volume->caps[facet->facet].surface >= 0,
-               is_part = visited(visit)->cut || is_beyond(volume, facet->facet);
+               is_beyond = facet->facet >= volume->first_beyond && facet->facet < volume->first_far,
+               is_part = visited(visit)->cut || is_beyond;
     if ((is_part && presence == POSSIBLE) || (is_cap && farthest >= 1))
         return true;
-    return !visit->of->tile->lit->driver->watertight && (presence == POSSIBLE || is_on_seam(visit));
+    return !visit->of->tile->lit->driver->watertight && (presence == POSSIBLE || visit->on_seam);
 }
 
 /* Doubts the shadow of each fragment that the facet may lie in front of or behind; and of one that
@@ -514,8 +475,8 @@ static bool visit_volume(struct fragments *of, const struct tile *tile, int inde
             if (watertight && is_behind_all(volume, t, &parts[i].bounded))
                 continue;
             if (!add_part(of, &parts[i]) ||
-                !scan_triangle(&parts[i].bounded.screen, &of->rows,
-                               most_of(parts[i].bounded.edge_px), visit_facet, &facet))
+                !scan_triangle(&parts[i].bounded.screen, &of->rows, parts[i].bounded.edges.most[0],
+                               visit_facet, &facet))
                 return false;
         }
     }
@@ -558,8 +519,6 @@ bool fragments_find(struct fragments *out)
             if (!(hidden && hidden[t]) && !visit_triangle(out, s, t))
                 return false;
     }
-    for (size_t i = 0; i < n_pixels; i++)
-        drop_hidden(out, &out->pixels[i]);
     return !out->tile->lit->volumes || doubt_shadows(out);
 }
 

@@ -13,16 +13,20 @@ struct colour_bound {
     double constant, fixed, per_d, own_constant, own_fixed;
     double slope; /* over D a bound on the value's own change from pixel to pixel */
 };
+/* How far each corner may be off in x and in y where OpenGL follows edges, and the largest of these
+ * numbers. 0: without any error. */
+struct edge_errors {
+    double px[3][2], most[2];
+};
 /* A triangle as OpenGL sets it up for interpolation, after clipping. */
 struct clipped_triangle {
     struct screen_triangle screen; /* its corners and their shares; the rest is of the whole */
-    double slack_px[3];     /* of each corner in x and y, off the plane of interpolated values */
-    double moved_px[3][2];  /* how far each may be in x and y from its place, in this plane, too */
-    double edge_px[3][2];   /* the same for the edges that OpenGL follows: see grid_px */
-    double most_px[2];      /* the largest of these in x and y */
-    int cuts;               /* how many made a corner, at most */
-    double grid_px;         /* by how much OpenGL's edges are off its corners */
-    double value_roundings; /* of struct driver */
+    double slack_px[3];    /* of each corner in x and y, off the plane of interpolated values */
+    double moved_px[3][2]; /* how far each may be in x and y from its place, in this plane, too */
+    struct edge_errors edges; /* these, and grid_px */
+    int cuts;                 /* how many made a corner, at most */
+    double grid_px;           /* by how much OpenGL's edges are off its corners */
+    double value_roundings;   /* of struct driver */
     double least_part; /* OpenGL may have set up a triangle in its place with so much of its area */
     struct slack slack;      /* of any corner */
     double reach_x, reach_y; /* largest coordinates of a pixel, from OpenGL's origin */
@@ -54,7 +58,7 @@ struct bounded_triangle {
     int32_t first_clipped, n_clipped; /* what OpenGL sets up for it, in the list of a chunk */
     int32_t n_slivers;  /* behind these: what it sets up besides if it cuts a corner in doubt */
     struct slack slack; /* of any corner, as OpenGL interpolates */
-    double edge_px[3];  /* of each corner as OpenGL follows edges; 0: without any error */
+    struct edge_errors edges;
     double depth_error; /* of the depth at a pixel, off thin triangles; HUGE_VAL: none */
 };
 /* A part with the n_clipped triangles that OpenGL sets up for it: itself, or what clipping at the
@@ -95,7 +99,6 @@ struct seam {
 };
 struct fragment_list {               /* of a pixel */
     int32_t head;                    /* first possible fragment; -1: none */
-    int32_t n_candidates, n_pruned;  /* in the list; when it was last rid of hidden ones */
     uint32_t n_definite, n_possible; /* fragments, hidden ones too */
     double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
     struct seam seam;
@@ -168,9 +171,6 @@ void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *pla
 /* Turns to one of the 1 << n_gated outcomes of unclear gates at the triangle's vertices, the
  * reference's first, after pixel_bound. */
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
-/* Returns a bit for each light with shadows that has a weight among those of the pixel's terms,
- * `stride` apart, after pixel_bound. */
-uint32_t pixel_shadowed(const struct bounded_pixel *pixel, const double *weights, size_t stride);
 /* Writes the pixel_rows numbers that the pixel keeps, by the lights that reach it, `stride` apart.
  */
 void pixel_put(const struct bounded_pixel *pixel, double *rows, size_t stride);

@@ -376,26 +376,11 @@ void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
     }
 }
 
-static uint32_t shadow_bit(const struct bounded_pixel *pixel, size_t t)
-{
-    const struct plan *plan = pixel->lit->plan;
-    return light_bit(&plan->view, &pixel->surface->instance->terms[t]);
-}
-
-uint32_t pixel_shadowed(const struct bounded_pixel *pixel, const double *weights, size_t stride)
-{
-    uint32_t bits = 0;
-    for (size_t t = 0; t < (size_t)pixel->surface->instance->n_terms; t++)
-        bits |= weights[t * stride] != 0 ? shadow_bit(pixel, t) : 0;
-    return bits;
-}
-
 void pixel_put(const struct bounded_pixel *pixel, double *rows, size_t stride)
 {
-    put_rows(pixel->surface->instance, pixel->attributes, pixel->place.place, rows, stride);
-    for (size_t t = 0; t < (size_t)pixel->surface->instance->n_terms; t++)
-        if ((shadow_bit(pixel, t) & pixel->dark) != 0)
-            rows[t * stride] = 0;
+    const struct instance *instance = pixel->surface->instance;
+    put_rows(instance, pixel->attributes, pixel->place.place, rows, stride);
+    lights_darken(&pixel->lit->plan->view, instance, pixel->dark, rows, stride);
 }
 
 /* The errors of a pixel's weights, added up: see struct mean_bound. */
@@ -447,7 +432,7 @@ struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *
     struct error_sums sums = {0, 0, 0, 0};
     double largest, e_value = value_error(pixel, &largest);
     for (size_t t = 0; t < n_terms; t++) {
-        if ((shadow_bit(pixel, t) & pixel->dark) != 0) {
+        if ((light_bit(&pixel->lit->plan->view, &instance->terms[t]) & pixel->dark) != 0) {
             errors[t * stride] = own[t * stride] = 0;
             continue;
         }

@@ -15,15 +15,6 @@ static const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
     return &bounds_of(lit, screen)->vertices[screen->vertex[corner]];
 }
 
-/* The bounds of a corner that is not cut. */
-static struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
-                                int corner)
-{
-    const struct vertex_bounds *vertex = vertex_bounds(lit, screen, corner);
-    return (struct slack){(double)vertex->slack_px, (double)vertex->slack_depth,
-                          (double)vertex->slack_w};
-}
-
 /* ---- cuts ---- */
 
 /* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
@@ -116,23 +107,13 @@ static struct cut_corner cut_edge(const struct clip_plane *plane, const struct p
 
 /* ---- bounds of corners ---- */
 
-/* The slack of a corner whose clip coordinates have these errors. A tile's clip space is shifted
- * against the picture's by at most w. */
-static struct slack corner_slack(const struct plan *plan, const double clip[4], const double e[4])
-{
-    struct bounded bounded[4];
-    for (int i = 0; i < 4; i++)
-        bounded[i] = (struct bounded){clip[i], e[i] + (i < CLIP_Z && plan->tiled ? e[CLIP_W] : 0)};
-    return window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
-}
-
 /* The bounds of any corner, off the plane of its triangle. */
 static struct slack polygon_slack(const struct polygon *polygon, int i)
 {
     const struct cut_corner *cut = &polygon->cut[i];
     const struct lit_scene *lit = polygon->tile->lit;
-    return cut->whole >= 0 ? whole_slack(lit, polygon->screen, cut->whole)
-                           : corner_slack(lit->plan, polygon->corner[i].clip, cut->e);
+    return cut->whole >= 0 ? vertex_bounds(lit, polygon->screen, cut->whole)->slack
+                           : clip_slack(lit->plan, polygon->corner[i].clip, cut->e);
 }
 
 /* Bounds how far a corner slides in the window, in x and in y; HUGE_VAL: anywhere. */
@@ -323,8 +304,8 @@ static bool is_beside(const struct surface *surface, const struct surface_bounds
 {
     int beside = ~0;
     for (int i = 0; i < 3; i++)
-        beside &= outcode(&surface->vertices[vertex[i]], rows,
-                          (double)bounds->vertices[vertex[i]].slack_px);
+        beside &=
+            outcode(&surface->vertices[vertex[i]], rows, bounds->vertices[vertex[i]].slack.px);
     return beside != 0;
 }
 
@@ -355,6 +336,12 @@ static double tile_edge_error(const struct tile *tile)
     return edge_error(tile->lit->driver, tile->at.width, tile->at.height);
 }
 
+static void set_edge_error(struct edge_errors *out, int corner, int axis, double px)
+{
+    out->px[corner][axis] = px;
+    out->most[axis] = fmax(out->most[axis], px);
+}
+
 static struct clipped_triangle clipped(const struct tile *tile, const struct bounded_triangle *from,
                                        const double slack_px[3], double moved[3][2],
                                        double least_part)
@@ -369,8 +356,7 @@ static struct clipped_triangle clipped(const struct tile *tile, const struct bou
         out.slack_px[i] = slack_px[i] + driver->corner_px;
         for (int axis = 0; axis < 2; axis++) {
             out.moved_px[i][axis] = moved[i][axis] + driver->corner_px;
-            out.edge_px[i][axis] = out.moved_px[i][axis] + out.grid_px;
-            out.most_px[axis] = fmax(out.most_px[axis], out.edge_px[i][axis]);
+            set_edge_error(&out.edges, i, axis, out.moved_px[i][axis] + out.grid_px);
         }
     }
     set_reach(tile, &out);
@@ -434,7 +420,7 @@ static double corner_slack_px(const struct tile *tile, const struct bounded_tria
                               int i)
 {
     return triangle->straddles ? triangle->slack.px
-                               : whole_slack(tile->lit, &triangle->screen, i).px;
+                               : vertex_bounds(tile->lit, &triangle->screen, i)->slack.px;
 }
 
 /* Sets up the triangles of a part; returns how many. Where hardly anything of a clipped triangle is
@@ -460,11 +446,15 @@ static void set_edge_errors(const struct tile *tile, struct bounded_triangle *tr
     const struct lit_scene *lit = tile->lit;
     /* all corners lie on the driver's grid, without any error; those of cuts do not */
     bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
+    double e[3];
     for (int i = 0; i < 3; i++)
         exact = exact && vertex_bounds(lit, &triangle->screen, i)->exact;
-    for (int i = 0; i < 3; i++)
-        triangle->edge_px[i] =
-            exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
+    for (int i = 0; i < 3; i++) {
+        e[i] = exact ? 0 : corner_slack_px(tile, triangle, i) + tile_edge_error(tile);
+        set_edge_error(&triangle->edges, i, 0, e[i]);
+        set_edge_error(&triangle->edges, i, 1, e[i]);
+    }
+    triangle->edge_on = may_turn(&triangle->screen, e);
 }
 
 /* Sets up a part's triangles, and finds the bounds that hold for all of them but those too thin for
@@ -489,7 +479,6 @@ static void complete(const struct tile *tile, const struct clip_plane planes[CLI
     triangle->depth_error =
         error < 0 ? HUGE_VAL : error + roundings(tile->lit->driver->depth_roundings);
     set_edge_errors(tile, triangle);
-    triangle->edge_on = may_turn(&triangle->screen, triangle->edge_px);
 }
 
 /* ---- the parts of a triangle ---- */
@@ -498,7 +487,8 @@ static bool crosses_depth(const struct lit_scene *lit, const struct screen_trian
 {
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *vertex = &screen->surface->vertices[screen->vertex[i]];
-        double slack = whole_slack(lit, screen, i).depth + roundings(lit->driver->depth_roundings);
+        double slack =
+            vertex_bounds(lit, screen, i)->slack.depth + roundings(lit->driver->depth_roundings);
         if (!(vertex->clip[3] > 0) || vertex->z < slack || vertex->z > 1 - slack)
             return true;
     }
@@ -510,7 +500,7 @@ static bool crosses_border(const struct tile *tile, const struct screen_triangle
     const struct rectangle *at = &tile->at;
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *v = &screen->surface->vertices[screen->vertex[i]];
-        double slack = whole_slack(tile->lit, screen, i).px;
+        double slack = vertex_bounds(tile->lit, screen, i)->slack.px;
         if (v->x - slack < at->x || v->x + slack > at->x + at->width || v->y - slack < at->y ||
             v->y + slack > at->y + at->height)
             return true;
@@ -538,7 +528,7 @@ static int place_parts(const struct tile *tile, const struct screen_triangle *wh
             (struct bounded_triangle){.screen = parts[i], .cut = cut && !tile->lit->are_volumes};
         triangle->straddles = cut || crosses_border(tile, whole);
         for (int v = 0; v < 3 && !cut; v++)
-            widen(&triangle->slack, whole_slack(tile->lit, whole, v));
+            widen(&triangle->slack, vertex_bounds(tile->lit, whole, v)->slack);
         complete(tile, planes, &out[i]);
     }
     return n;

@@ -206,14 +206,13 @@ static float *estimates_of(const struct check *check, const struct candidate *ca
 static void try_candidate(struct check *check, const struct candidate *candidate,
                           struct hypothesis *hypothesis, int band, float seen)
 {
-    float samples[LANES] = {seen};
     struct block single;
     struct run run = {.n = 1};
     const float *estimates = NULL;
     if (!hypothesis->alive)
         return;
     single.n = 1;
-    single.seen = samples;
+    single.seen = &seen;
     if (candidate) {
         run = candidate_run(check, candidate, &single);
         estimates = estimates_of(check, candidate);
@@ -273,12 +272,12 @@ static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
 static const struct chunk *neighbour(const struct tile *tile, const struct chunk *chunk,
                                      size_t *pixel, int number)
 {
-    const int width = tile->at.width, rows = tile->lit->plan->chunk_rows,
-              x = (int)*pixel % width + (number == 1) - (number == 2),
+    const int width = tile->at.width, x = (int)*pixel % width + (number == 1) - (number == 2),
               y = chunk->picture.at.y - tile->at.y + (int)*pixel / width + (number == 0) -
                   (number == 3);
-    *pixel = (size_t)(y % rows * width + x);
-    return x < 0 || x >= width || y < 0 || y >= tile->at.height ? NULL : &tile->chunks[y / rows];
+    *pixel = (size_t)(y % CHUNK_ROWS * width + x);
+    return x < 0 || x >= width || y < 0 || y >= tile->at.height ? NULL
+                                                                : &tile->chunks[y / CHUNK_ROWS];
 }
 
 /* Radiance in counts. */
@@ -442,19 +441,14 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
     const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan),
                  n_candidates = chunk->n_candidates,
                  n_hypotheses = n_candidates + chunk->n_ambiguous;
-    char object[256] = "background";
-    if (n_candidates > 0)
-        object_text(out->scene->lit->plan, chunk->candidates[n_candidates / 2].surface, object,
-                    sizeof object);
     const int n_bands = out->scene->lit->plan->n_bands;
     return MAKE_ARRAY(out->failed, n, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->floor, n, err, "the check of %zu pixels", n) &&
            MAKE_ARRAY(out->band_floor, n, err, "the check of %zu pixels", n) &&
-           MAKE_ARRAY(out->hypotheses, n_hypotheses, err, "%zu candidates, such as triangles of %s",
-                      n_hypotheses, object) &&
+           MAKE_ARRAY(out->hypotheses, n_hypotheses, err, "%zu candidates", n_hypotheses) &&
            MAKE_ARRAY(out->estimates, n * n_rows, err, "the check of %zu pixels", n) &&
-           MAKE_ARRAY(out->candidate_estimates, n_candidates * n_rows, err,
-                      "%zu candidates, such as triangles of %s", n_candidates, object) &&
+           MAKE_ARRAY(out->candidate_estimates, n_candidates * n_rows, err, "%zu candidates",
+                      n_candidates) &&
            MAKE_ARRAY(out->rests, n_bands, err, "the check of %d bands", n_bands) &&
            MAKE_ARRAY(out->limits, n_bands, err, "the check of %d bands", n_bands) &&
            (!out->scene->mapped || MAKE_ARRAY(out->ratio, n, err, "a map of %zu pixels", n));
@@ -463,19 +457,17 @@ static bool allocate(const struct chunk *chunk, struct check *out, struct error 
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
                 struct error *err)
 {
-    const struct plan *plan = scene->lit->plan;
     *out = (struct check){.scene = scene, .chunk = chunk, .verdict = empty_verdict};
     if (!allocate(chunk, out, err)) {
         check_free(out);
         return false;
     }
-    for (size_t i = 0; i < chunk->n_candidates + chunk->n_ambiguous; i++)
+    const size_t n = chunk->n_candidates;
+    for (size_t i = 0; i < n + chunk->n_ambiguous; i++)
         out->hypotheses[i] =
-            (struct hypothesis){.alive = true, .samples = empty_verdict.samples, .band = -1};
-    for (size_t i = 0; i < chunk->n_ambiguous; i++)
-        out->hypotheses[chunk->n_candidates + i].alive = chunk->ambiguous[i].background;
-    out->tight_edges =
-        scene->limits->strict || (plan->n_instances > 0 && scene->lit->driver->watertight);
+            (struct hypothesis){.alive = i < n || chunk->ambiguous[i - n].background,
+                                .samples = empty_verdict.samples,
+                                .band = -1};
     return true;
 }
 

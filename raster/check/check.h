@@ -137,8 +137,8 @@ struct check_scene {
     const struct verdict_limits *limits;
     bool mapped; /* a map is wanted */
 };
-/* Sums over the chunks of a tile, or over the tiles of a picture. The picture's are sums of tiles'
- * sums, in the order of the tiles: to the last bit they do not depend on who drew which tile. */
+/* Sums over all chunks of a picture, in their order: to the last bit they do not depend on which
+ * thread drew which chunk. */
 struct check_totals {
     const struct check_scene *scene;
     struct check_verdict verdict;
@@ -151,10 +151,7 @@ struct check_totals {
 /* False: no memory. The scene must outlive it. totals_free accepts what a failure left. */
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err);
 void totals_free(struct check_totals *totals);
-/* Adds a tile's sums to the picture's, and sets them to 0 for the next tile. */
-void totals_add(struct check_totals *picture, struct check_totals *tile);
-
-/* Completes the verdict of the picture when all tiles are added. */
+/* Completes the verdict of the picture when all chunks are settled. */
 void totals_finish(struct check_totals *totals);
 
 /* Agreed: no pixel is unexplained, and few enough are not checked. Differs: some pixel, or the mean
@@ -174,7 +171,6 @@ bool is_biased(const struct check_verdict *verdict);
 struct check {
     const struct check_scene *scene;
     const struct chunk *chunk;
-    bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
     struct check_verdict verdict;
     struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
     bool *failed;                  /* pixels that are not explained */
@@ -199,8 +195,8 @@ void check_identity(struct check *check, const struct renderer *renderer,
  * in units of full_scale. */
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride,
                 bool learns);
-/* Settles ambiguous pixels, and adds the chunk's verdict to its tile's totals. The tile has the
- * chunk and its neighbours, all of them drawn. */
+/* Settles ambiguous pixels, and adds the chunk's verdict to the totals. The tile has the chunk and
+ * its neighbours, all of them drawn. */
 void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals);
 /* The class of a pixel in the map; the chunk is settled. */
 enum check_class { CLASS_CHECKED, CLASS_AMBIGUOUS, CLASS_NOT_CHECKED, CLASS_DIFFERS };

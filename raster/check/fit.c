@@ -34,9 +34,9 @@ static const double worthwhile = 1.25;
 struct knowledge {
     const struct material_fit *material;
     double brightest;   /* the largest sum of a band's spectra */
-    double *covariance; /* [term][term]; owned */
-    double *moved;      /* covariance x spectra of the band that came last; owned */
-    double *saved;      /* room for a covariance; owned */
+    double *covariance; /* [term][term]; owned, with room for the next two */
+    double *saved;      /* room for a covariance */
+    double *moved;      /* covariance x spectra of the band that came last */
 };
 
 /* The place of a term in the tables of a material: see struct material_fit. */
@@ -65,27 +65,21 @@ static double band_rounding(const struct knowledge *knowledge, int band)
     return sum > dark * fmax(knowledge->brightest, 1) ? sum : 0;
 }
 
-/* Nothing is known but that errors are at most some multiple of roundings. False: no memory;
- * knowledge_free accepts what is left. */
+/* Nothing is known but that errors are at most some multiple of roundings. False: no memory. */
 static bool knowledge_begin(const struct fit *fit, const struct material_fit *material,
                             struct knowledge *out, struct error *err)
 {
     const size_t n = (size_t)material->n_terms;
     *out = (struct knowledge){.material = material};
-    if (!MAKE_ARRAY(out->covariance, n * n, err, "the fit of a material") ||
-        !MAKE_ARRAY(out->saved, n * n, err, "the fit of a material") ||
-        !MAKE_ARRAY(out->moved, n, err, "the fit of a material"))
+    if (!MAKE_ARRAY(out->covariance, n * (2 * n + 1), err, "the fit of a material"))
         return false;
+    out->saved = out->covariance + n * n;
+    out->moved = out->saved + n * n;
     for (size_t i = 0; i < n; i++)
         out->covariance[i * n + i] = prior * prior;
     for (int band = 0; band < fit->plan->n_bands; band++)
         out->brightest = fmax(out->brightest, band_sum(material, band));
     return true;
-}
-
-static void knowledge_free(struct knowledge *knowledge)
-{
-    FREE_ALL(knowledge->covariance, knowledge->moved, knowledge->saved);
 }
 
 /* Takes a band into account. Returns by how much that narrows the errors, as a binary logarithm of
@@ -176,7 +170,7 @@ static bool pilots_choose(struct fit *fit, struct error *err)
              i++)
             fit->pilots[fit->n_pilots++] = first + i;
     for (int m = 0; m < n_materials && known; m++)
-        knowledge_free(&known[m]);
+        free(known[m].covariance);
     free(known);
     return done;
 }
@@ -344,7 +338,7 @@ static bool make_gains(const struct fit *fit, struct material_fit *of, struct er
             of->gains[k * n + i] = (float)(sum / (rounding * rounding));
         }
     }
-    knowledge_free(&known);
+    free(known.covariance);
     return done;
 }
 

@@ -86,7 +86,8 @@ static void count_fragments(struct check *check, size_t pixel, const struct show
         check->verdict.edge_holes += off >= 128;
         check->verdict.edge_doubles += off < 128;
     }
-    if (possible && !(leaks && check->tight_edges))
+    const bool tight = check->scene->limits->strict || check->scene->lit->driver->watertight;
+    if (possible && !(leaks && tight))
         return;
     struct check_failure failure = {.kind = FAILURE_FRAGMENTS,
                                     .seen = shown->fragments,

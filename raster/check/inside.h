@@ -38,12 +38,10 @@ void find_odd_bands(struct check *check);
 
 /* ---- statistics.c: sums over many samples ---- */
 
-/* Numbers that the compiler treats together: BLOCK is a multiple. */
-enum { LANES = 4 };
 /* Samples together with the values and bounds that are expected. */
 struct block {
     size_t n;
-    float *seen;            /* OpenGL's, in parts of full scale; has room for whole lanes */
+    const float *seen;      /* OpenGL's, in parts of full scale */
     double expected[BLOCK]; /* in counts */
     float bound[BLOCK];
     struct textured_sample textured[BLOCK]; /* kept for the fit */

@@ -56,23 +56,6 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
     totals->varying[totals->first[surface] + (size_t)triangle] += (double)mean->varying * counts;
 }
 
-void totals_add(struct check_totals *to, struct check_totals *from)
-{
-    verdict_add(&to->verdict, &from->verdict);
-    from->verdict = empty_verdict;
-    to->shared += from->shared;
-    from->shared = 0;
-    for (size_t i = 0; i < from->n_triangles; i++) {
-        to->varying[i] += from->varying[i];
-        from->varying[i] = 0;
-    }
-    for (int s = 0; s < from->scene->lit->plan->n_instances; s++)
-        for (int c = 0; c < BOUND_CAUSES; c++) {
-            to->unchecked[s][c] += from->unchecked[s][c];
-            from->unchecked[s][c] = 0;
-        }
-}
-
 /* ---- the mean residual ---- */
 
 double mean_residual(const struct check_samples *samples)

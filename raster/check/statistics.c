@@ -8,31 +8,19 @@
 
 /* ---- samples ---- */
 
-/* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
- * whole lanes with samples that are 0 and expected to be 0. More lanes do not fit in the
- * registers. */
-
-/* Fills in the differences of `all` samples, a multiple of LANES. */
-VECTORIZED static void differ(struct check_samples *samples, const float *restrict seen,
-                              const double *restrict expected, float *restrict difference,
-                              size_t all)
+/* Fills in the differences of a block, and adds them up. */
+static void differ(struct check_samples *samples, struct block *block)
 {
-    double sums[LANES] = {0}, squares[LANES] = {0};
-    for (size_t i = 0; i < all; i += LANES) {
-        double apart[LANES];
-        for (size_t k = 0; k < LANES; k++)
-            apart[k] = (double)seen[i + k] * FULL_COUNT - expected[i + k];
-        for (size_t k = 0; k < LANES; k++)
-            difference[i + k] = (float)apart[k];
-        for (size_t k = 0; k < LANES; k++)
-            sums[k] += apart[k];
-        for (size_t k = 0; k < LANES; k++)
-            squares[k] += apart[k] * apart[k];
+    double sum = 0, sum_of_squares = 0;
+    for (size_t i = 0; i < block->n; i++) {
+        const double apart = (double)block->seen[i] * FULL_COUNT - block->expected[i];
+        block->difference[i] = (float)apart;
+        sum += apart;
+        sum_of_squares += apart * apart;
     }
-    for (size_t k = 0; k < LANES; k++) {
-        samples->sum += sums[k];
-        samples->sum_of_squares += squares[k];
-    }
+    samples->n += block->n;
+    samples->sum += sum;
+    samples->sum_of_squares += sum_of_squares;
 }
 
 /* Returns whether all samples are within these limits; NaN is not. worst: the largest magnitude of
@@ -95,16 +83,10 @@ static bool look_closer(struct check_samples *samples, const struct block *block
 /* Nearly all blocks are within what others were. */
 bool samples_compare(struct check_samples *samples, struct block *block)
 {
-    size_t all = block->n;
-    for (; all % LANES != 0; all++) {
-        block->seen[all] = 0;
-        block->expected[all] = 0;
-    }
     const float worst = (float)samples->largest,
                 ratio = (float)samples->worst_ratio, /* beyond 1: of a candidate without a bound */
         fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1;
-    samples->n += block->n;
-    differ(samples, block->seen, block->expected, block->difference, all);
+    differ(samples, block);
     count_equal(samples, block);
     return are_within(block, worst, ratio, fit_ratio) || look_closer(samples, block);
 }

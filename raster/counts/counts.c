@@ -85,22 +85,12 @@ VECTORIZED static void add_flushed(size_t n, float *bound)
     }
 }
 
-/* Rows that are added together, so that sums are loaded and stored half as often. */
-enum { PAIR = 2 };
-
 VECTORIZED void add_rows(const struct run *run, const float *rows, const float *factors,
                          size_t n_terms, float *restrict sums)
 {
-    const size_t n = run->n;
-    size_t t = 0;
-    for (; t + 1 < n_terms; t += PAIR) {
-        const float *restrict row = rows + t * run->stride, *restrict next = row + run->stride;
-        for (size_t i = 0; i < n; i++)
-            sums[i] = sums[i] + row[i] * factors[t] + next[i] * factors[t + 1];
-    }
-    const float *restrict last = rows + t * run->stride;
-    for (size_t i = 0; i < n && t < n_terms; i++)
-        sums[i] += last[i] * factors[t];
+    for (size_t t = 0; t < n_terms; t++)
+        for (size_t i = 0; i < run->n; i++)
+            sums[i] += rows[t * run->stride + i] * factors[t];
 }
 
 void expect_counts(const struct lit_scene *lit, const struct run *run, int band, double *expected,
@@ -111,21 +101,13 @@ void expect_counts(const struct lit_scene *lit, const struct run *run, int band,
     memset(expected, 0, run->n * sizeof *expected);
     if (bound)
         memset(bound, 0, run->n * sizeof *bound);
-    for (size_t t = 0; t < (size_t)shaded->n_terms; t += PAIR) {
-        const size_t left = (size_t)shaded->n_terms - t, n = left < PAIR ? left : PAIR;
-        const double *rows[PAIR];
-        double spectra[PAIR] = {0};
-        float factors[PAIR];
-        for (size_t i = 0; i < PAIR; i++) {
-            rows[i] = run->rows + (t + (i < n ? i : 0)) * run->stride;
-            if (i < n)
-                spectra[i] = shaded->made.spectra[(t + i) * (size_t)plan->n_bands + (size_t)band] /
-                             lit->full_scale * FULL_COUNT;
-            factors[i] = (float)spectra[i];
-        }
-        add_terms(rows, spectra, run->n, expected); /* of a single one twice, once as nothing */
+    for (size_t t = 0; t < (size_t)shaded->n_terms; t++) {
+        const double spectrum = shaded->made.spectra[t * (size_t)plan->n_bands + (size_t)band] /
+                                lit->full_scale * FULL_COUNT;
+        const float factor = (float)spectrum;
+        add_term(run->rows + t * run->stride, spectrum, run->n, expected);
         if (bound)
-            add_rows(run, run->errors + t * run->stride, factors, n, bound);
+            add_rows(run, run->errors + t * run->stride, &factor, 1, bound);
     }
     if (shaded->texture && shaded->texture->spectral)
         apply_texture(lit, run, band, expected, bound);

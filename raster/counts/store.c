@@ -19,49 +19,28 @@ static double clipping_limit(const struct plan *plan)
                                      : FULL_COUNT + 0.5;
 }
 
-/* A page of counts holds none above full scale; a page of floats holds them as radiances. */
-static bool holds_counts(const struct stored_band *band)
+/* Stores n samples from band->out[at] on. `counts` are in units of full scale / FULL_COUNT; those
+ * at or above `limit` are counted as clipped. A page of counts holds none above full scale; a page
+ * of floats holds them as radiances. */
+static void store(const struct stored_band *band, const double *counts, size_t n, double limit,
+                  size_t at, struct odd_samples *odd)
 {
-    return band->lit->plan->options.bits < 32;
-}
-
-/* The sample of a page that stands for one count. */
-static double page_scale(const struct stored_band *band)
-{
-    return holds_counts(band) ? 1 : band->lit->full_scale / FULL_COUNT;
-}
-
-/* Replaces what the page cannot hold by what it stores instead. Counts at or above `limit` are
- * counted as clipped. */
-static void tame(const struct stored_band *band, double *counts, size_t n, double limit,
-                 struct odd_samples *odd)
-{
-    const double scale = page_scale(band);
+    const int bits = band->lit->plan->options.bits;
+    const double scale = bits == 32 ? band->lit->full_scale / FULL_COUNT : 1;
+    uint8_t *bytes = (uint8_t *)band->out + at;
+    uint16_t *words = (uint16_t *)band->out + at;
+    float *floats = (float *)band->out + at;
     for (size_t i = 0; i < n; i++) {
         const bool storable = fabs(counts[i] * scale) <= (double)FLT_MAX; /* NaN is not */
         odd->clipped += counts[i] >= limit;
         odd->undefined += !storable;
-        counts[i] = holds_counts(band) ? counts_clamp(counts[i]) : storable ? counts[i] : 0;
+        if (bits == 8)
+            bytes[i] = (uint8_t)(int)(counts_clamp(counts[i]) / COUNTS_PER_BYTE + 0.5);
+        else if (bits == 16)
+            words[i] = (uint16_t)counts_round(counts[i]);
+        else
+            floats[i] = storable ? (float)(counts[i] * scale) : 0;
     }
-}
-
-/* Stores n <= BLOCK samples from band->out[at] on. `counts`, BLOCK of them, in units of full scale
- * / FULL_COUNT, are changed where the page cannot hold them. */
-static void store(const struct stored_band *band, double *counts, size_t n, double limit, size_t at,
-                  struct odd_samples *odd)
-{
-    const int bits = band->lit->plan->options.bits;
-    const double scale = page_scale(band);
-    uint8_t *bytes = (uint8_t *)band->out + at;
-    uint16_t *words = (uint16_t *)band->out + at;
-    float *floats = (float *)band->out + at;
-    tame(band, counts, n, limit, odd);
-    for (size_t i = 0; i < n && bits == 8; i++)
-        bytes[i] = (uint8_t)(int)(counts[i] / COUNTS_PER_BYTE + 0.5);
-    for (size_t i = 0; i < n && bits == 16; i++)
-        words[i] = (uint16_t)(int)(counts[i] + 0.5);
-    for (size_t i = 0; i < n && bits == 32; i++)
-        floats[i] = (float)(counts[i] * scale);
 }
 
 /* ---- one picture's positions ---- */

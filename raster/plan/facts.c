@@ -22,7 +22,6 @@ static void put(struct json *json, const char *what, long n, long of, const char
     json_close(json, '}');
 }
 
-/* Instances whose vertices may decide the full scale are lit; those of others are only placed. */
 static void put_instances(struct json *json, const struct plan *plan)
 {
     static const char *const where[VIEW_PLANES] = {
@@ -30,39 +29,26 @@ static void put_instances(struct json *json, const struct plan *plan)
         [VIEW_BELOW] = "below the view",       [VIEW_ABOVE] = "above the view",
         [VIEW_NEAR] = "before the near plane", [VIEW_FAR] = "beyond the far plane"};
     long n[VIEW_PLANES] = {0};
-    bool is_lit = false;
-    char reason[128];
     for (int i = 0; i < plan->n_instances; i++)
-        if (!plan->instances[i].in_view) {
+        if (!plan->instances[i].in_view)
             n[plan->instances[i].outside]++;
-            is_lit = instance_is_lit(plan, &plan->instances[i]);
-        }
-    for (int plane = 0; plane < VIEW_PLANES; plane++) {
-        snprintf(reason, sizeof reason, "%s; %s", where[plane],
-                 is_lit ? "lit all the same, since a vertex may decide the full scale" : "not lit");
-        put(json, "instances", n[plane], plan->n_instances, reason);
-    }
+    for (int plane = 0; plane < VIEW_PLANES; plane++)
+        put(json, "instances", n[plane], plan->n_instances, where[plane]);
 }
 
 /* Puts the work that the scene does not call for, as the list "left_out". */
 static void put_left_out(const struct plan *plan, struct json *json)
 {
     int idle_groups = 0;
-    long unseen = 0, alike = 0;
     for (int group = 0; group < plan->n_light_groups; group++)
         idle_groups += !group_is_drawn(plan, group);
-    for (int i = 0; i < plan->n_textures; i++) {
-        unseen += !plan->shows_texture[i];
-        alike += plan->shows_texture[i] && !texture_is_drawn(plan, &plan->textures[i]);
-    }
     json_open(json, "left_out", '[');
     put_instances(json, plan);
     put(json, "lights", plan->work.idle_lights, plan->n_lights, "they reach no object in view");
     put(json, "groups of lights", idle_groups, plan->n_light_groups,
         "no light of theirs reaches an object in view");
-    put(json, "textures", unseen, plan->n_textures, "only objects out of view have them");
-    put(json, "textures", alike, plan->n_textures,
-        "all of their texels have one value, which multiplies colours without rounding");
+    put(json, "textures", plan->work.undrawn_textures, plan->n_textures,
+        "only objects out of view have them");
     put(json, "passes", plan->passes.n_dark, plan->n_passes,
         "nothing in view has light in their bands");
     put(json, "passes", plan->n_passes - plan->passes.n_dark - plan->passes.n_frames,

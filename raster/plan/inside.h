@@ -7,9 +7,6 @@
 
 /* ---- reach.c: what reaches the picture ---- */
 
-/* The value of all texels, where a product with it is exact in single precision; otherwise -1. */
-double texture_factor(const struct plan *plan, const struct texture *texture);
-
 /* Returns the planes that a vertex of an instance lies outside of for sure: a set of 1 << plane. */
 unsigned planes_outside(const struct plan *plan, const struct instance *instance, int vertex);
 /* casters.c: counts the lights that throw shadows into view, and their groups. Refuses too many. */
@@ -18,14 +15,11 @@ bool casters_find(struct plan *plan, struct error *err);
 bool reach_find(struct plan *plan, struct error *err);  /* reach.c: fills what it says in */
 bool passes_make(struct plan *plan, struct error *err); /* passes.c: all else is made */
 void plan_effects(struct plan *plan);                   /* effects.c: fills plan->effects */
-/* plan_lights.c. Lists the lights that shine; forgets those that light nothing, when all is made.
- */
+/* plan_lights.c. Lists the lights that shine and that a material of the plan reflects. */
 bool lights_list(struct plan *plan, struct error *err);
-bool lights_drop_idle(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err);
-bool keeps_place(const struct plan *plan, const struct texture *texture); /* NULL: none */
 bool instances_make(struct plan *plan, struct error *err); /* instances.c: their meshes, too */
 
 #endif

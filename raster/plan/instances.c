@@ -16,6 +16,10 @@ struct whole {
     double unit;        /* as in plan_mesh */
     struct index parts; /* the parts of the mesh by name, once a material map has asked */
 };
+/* The part of a whole that is shown, -1: all; on which side of x = 0, -1: both. */
+struct cutting {
+    int whole, part, side;
+};
 struct instance_maker {
     struct plan *plan;
     struct whole *wholes;
@@ -63,22 +67,18 @@ static char *shape_key(const struct shape *shape, bool repeated, size_t *length,
     return printed_take(&key, err);
 }
 
-static struct vector centre_of(const struct mesh *mesh)
+/* Fills in the centre of the mesh's box, and the power of two next to the largest distance from it
+ * along an axis. */
+static void find_centre(struct whole *whole)
 {
     struct vector low, high;
-    mesh_box(mesh, &low, &high);
-    return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
-}
-
-/* The power of two next to the largest distance from the centre along an axis. */
-static double mesh_unit(const struct mesh *mesh, struct vector centre)
-{
-    double largest = 0;
     int exponent;
-    for (int i = 0; i < mesh->n_vertices; i++)
-        largest = fmax(largest, vector_reach(vector_subtract(mesh->vertices[i].position, centre)));
+    mesh_box(&whole->mesh, &low, &high);
+    whole->centre = vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
+    const double largest = fmax(vector_reach(vector_subtract(low, whole->centre)),
+                                vector_reach(vector_subtract(high, whole->centre)));
     frexp(largest, &exponent);
-    return largest > 0 ? ldexp(1, exponent) : 1;
+    whole->unit = largest > 0 ? ldexp(1, exponent) : 1;
 }
 
 static bool add_whole(struct instance_maker *maker, const struct shape *shape, bool repeated,
@@ -92,8 +92,7 @@ static bool add_whole(struct instance_maker *maker, const struct shape *shape, b
         mesh_planar(&whole.mesh);
     done = done && (!repeated || mesh_repeat_texture(&whole.mesh, shape->repeat, err));
     if (done) {
-        whole.centre = centre_of(&whole.mesh);
-        whole.unit = mesh_unit(&whole.mesh, whole.centre);
+        find_centre(&whole);
         done = array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err);
     }
     if (!done)
@@ -131,7 +130,6 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
     struct plan *plan = maker->plan;
     const struct whole *whole = &maker->wholes[cutting.whole];
     struct plan_mesh added = {.mesh = *mesh,
-                              .cutting = cutting,
                               .solid = cutting.side < 0 && shape_is_solid(whole->shape.kind),
                               .shape = whole->shape,
                               .centre = whole->centre,
@@ -346,7 +344,7 @@ static bool add_object(struct instance_maker *maker, const struct object *object
 }
 
 /* Fills in the reference's view of an instance; to be called when no array moves any more. */
-static void fill_instance(const struct plan *plan, struct placed_instance *placed)
+static void fill_instance(struct plan *plan, struct placed_instance *placed)
 {
     const struct mesh *mesh = &plan->meshes[placed->mesh].mesh;
     const struct shaded_material *shaded = &plan->materials[placed->shaded];
@@ -360,9 +358,12 @@ static void fill_instance(const struct plan *plan, struct placed_instance *place
     out->n_terms = shaded->n_terms;
     out->gloss = shaded->material->gloss;
     out->textured = shaded->texture != NULL;
-    out->varied = keeps_place(plan, shaded->texture);
-    if (shaded->texture)
+    if (shaded->texture) {
         out->texels = plan_texels(shaded->texture, 0);
+        out->varied = shaded->texture->spectral || plan->options.untextured;
+    }
+    if (pixel_rows(out) > plan->max_rows)
+        plan->max_rows = pixel_rows(out);
 }
 
 bool instances_make(struct plan *plan, struct error *err)

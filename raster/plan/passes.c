@@ -10,19 +10,16 @@
 /* All radiance is a sum of weights x spectra x texture, and weights are the same in all bands. Only
  * the materials of instances in view count, and lights that reach these. */
 
-/* Returns the product of a term in channel c of a pass; 0 where there is no such band, and in the
- * pass DARK. */
-static double product(const struct plan *plan, const double *row, int pass, int c)
-{
-    const int band = pass * BANDS_PER_PASS + c;
-    return band >= 0 && band < plan->n_bands ? row[band] : 0;
-}
-
+/* Returns whether the products of a term are the same in two passes; they are 0 in bands that do
+ * not exist, and in the pass DARK. */
 static bool term_is_same(const struct plan *plan, const double *row, int a, int b)
 {
-    for (int c = 0; c < BANDS_PER_PASS; c++)
-        if (product(plan, row, a, c) != product(plan, row, b, c))
+    for (int c = 0; c < BANDS_PER_PASS; c++) {
+        const int band = a * BANDS_PER_PASS + c, other = b * BANDS_PER_PASS + c;
+        if ((band < plan->n_bands ? row[band] : 0) !=
+            (other >= 0 && other < plan->n_bands ? row[other] : 0))
             return false;
+    }
     return true;
 }
 
@@ -107,9 +104,6 @@ void pass_colours(const struct plan *plan, const struct shaded_material *shaded,
     const double *constant = group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
     const struct light_group lights = light_group(plan, group);
     const int first = lights.first;
-    const double factor = shaded->texture ? texture_factor(plan, shaded->texture) : 1;
-    if (factor >= 0)
-        full_scale /= factor; /* infinite, and colours 0, where all texels are 0 */
     *out = (struct pass_colours){.n_lights = lights.n};
     band_colour(plan, constant, first_band, full_scale, out->constant);
     for (int i = 0; i < out->n_lights; i++) {

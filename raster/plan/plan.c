@@ -23,8 +23,6 @@ enum { MASK_BYTES = 4, CHECKED_ROW_BYTES = 8 };
  * draws depend on where a tile begins. */
 static const size_t tile_budget = (size_t)165 << 20;
 enum { SIDE_BY_SIDE_BYTES = 32 };
-/* Chunks have at least so many pixels. */
-enum { CHUNK_PIXELS = 1024 };
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
 enum { LARGEST_TILE = 8192 };
 
@@ -123,9 +121,6 @@ static void size_tiles(struct plan *plan)
     if (rows > LARGEST_TILE || plan->options.complete)
         rows = LARGEST_TILE;
     plan->tile_height = (int)rows < height ? (int)rows : height;
-    plan->chunk_rows = CHUNK_ROWS;
-    while (plan->chunk_rows * plan->tile_width < CHUNK_PIXELS)
-        plan->chunk_rows *= 2;
     plan->tiled = plan->tile_width < width || plan->tile_height < height;
     plan->tile_bytes = (uint64_t)pixel * (uint64_t)plan->tile_width * (uint64_t)plan->tile_height;
     plan->map_bytes = map_is_unknown || n == 0 || n > UINT16_MAX ? 0 : n > UINT8_MAX ? 2 : 1;
@@ -245,7 +240,7 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     if (!check_size(scene, err) || !MAKE_ARRAY(out->materials, most, err, "%zu materials", most) ||
         !MAKE_ARRAY(out->textures, most, err, "%zu textures", most) ||
         !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
-        !lights_list(out, err) || !instances_make(out, err) || !lights_drop_idle(out, err))
+        !instances_make(out, err) || !lights_list(out, err))
         return false;
     out->view = view_of(out, &camera);
     if (!reach_find(out, err))

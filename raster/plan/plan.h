@@ -8,7 +8,7 @@
 #include "data/sampling/sampling.h"
 #include "raster/renderers/renderers.h"
 
-/* CHUNK_ROWS: of a tile, at least, that a thread draws and judges at a time: see plan.chunk_rows.
+/* CHUNK_ROWS: of a tile, that a thread draws and judges at a time; the last chunk may have fewer.
  */
 enum { CHUNK_ROWS = 16, LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
 
@@ -25,9 +25,6 @@ struct shaded_material {
 /* A mesh or a part, re-centred and scaled, so that single precision spends its digits on shape. */
 struct plan_mesh {
     struct mesh mesh;
-    struct cutting { /* the part that is shown, -1: all; on which side of x = 0, -1: both */
-        int whole, part, side;
-    } cutting;
     struct shape shape;   /* of the whole mesh, tessellated; its names are the scene's */
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
@@ -112,8 +109,6 @@ struct plan {
     int n_light_groups;          /* passes that a group of bands takes: see light_group */
     int max_rows;                /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
-    int chunk_rows; /* of a tile: each chunk has so many, the last one fewer; in narrow tiles more,
-                       as each chunk takes a look at every triangle */
     uint64_t file_bytes, tile_bytes;
     int map_bytes; /* of a number in the object map; 0: there is none */
     struct plan_effect effects[N_EFFECTS];
@@ -156,8 +151,6 @@ void plan_free(struct plan *plan);
 
 /* sum_j |m_ij| |v_j|: the rounding errors of row i are relative to it. */
 void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4]);
-/* The reference lights its vertices: it is in view, or one may be brighter than full scale. */
-bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed);
 bool reflects(const struct instance *instance, const struct eye_light *light); /* by some term */
 /* Lights that OpenGL draws at a time: up to LIGHTS_PER_PASS, or one that throws shadows. */
 struct light_group {
@@ -172,7 +165,7 @@ bool group_is_drawn(const struct plan *plan, int group);
 bool plan_has_mipmaps(const struct plan *plan); /* of some texture in view */
 /* The pixels that are stored have other levels of detail than those that are checked. */
 bool checks_other_rows(const struct plan *plan);
-/* OpenGL needs the texture (NULL: none): it is in view, and is no such factor. */
+/* OpenGL needs the texture (NULL: none): it is in view. */
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
 /* ---- passes.c ---- */

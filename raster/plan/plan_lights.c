@@ -52,43 +52,28 @@ static bool check_light(const struct eye_light *placed, const struct light *ligh
     return true;
 }
 
+/* Lights that share a spectrum are kept or left out together. Exchangeable ones are all kept. */
 bool lights_list(struct plan *plan, struct error *err)
 {
     const struct illumination *illumination = &plan->illumination;
     const int n = illumination->n_lights;
-    if (!MAKE_ARRAY(plan->lights, n, err, "%d lights", n) ||
-        !MAKE_ARRAY(plan->sources, n, err, "%d lights", n))
-        return false;
-    for (; plan->n_lights < n; plan->n_lights++) {
-        const struct shining_light *shining = &illumination->lights[plan->n_lights];
-        struct eye_light *light = &plan->lights[plan->n_lights];
-        *light = place_light(plan, shining);
-        plan->sources[plan->n_lights] = shining->light;
-        if (!check_light(light, shining->light, err))
-            return false;
-    }
-    return true;
-}
-
-/* Lights that share a spectrum are kept or dropped together. Numbers of spectra stay. */
-bool lights_drop_idle(struct plan *plan, struct error *err)
-{
     bool *used;
-    int n = 0;
-    if (plan->options.exchangeable)
-        return true;
-    if (!MAKE_ARRAY(used, plan->n_lights, err, "%d lights", plan->n_lights))
-        return false;
-    for (int m = 0; m < plan->n_materials; m++)
+    bool done = MAKE_ARRAY(used, n, err, "%d lights", n) &&
+                MAKE_ARRAY(plan->lights, n, err, "%d lights", n) &&
+                MAKE_ARRAY(plan->sources, n, err, "%d lights", n);
+    for (int m = 0; m < plan->n_materials && done; m++)
         for (int t = 0; t < plan->materials[m].n_terms; t++)
             if (plan->materials[m].terms[t].light >= 0)
                 used[plan->materials[m].terms[t].light] = true;
-    for (int i = 0; i < plan->n_lights; i++)
-        if (used[plan->lights[i].first]) {
-            plan->lights[n] = plan->lights[i];
-            plan->sources[n++] = plan->sources[i];
+    for (int i = 0; i < n && done; i++) {
+        const struct shining_light *shining = &illumination->lights[i];
+        const struct eye_light light = place_light(plan, shining);
+        done = check_light(&light, shining->light, err);
+        if (used[light.first] || plan->options.exchangeable) {
+            plan->lights[plan->n_lights] = light;
+            plan->sources[plan->n_lights++] = shining->light;
         }
+    }
     free(used);
-    plan->n_lights = n;
-    return true;
+    return done;
 }

@@ -12,11 +12,6 @@
  * bounds/vertex.c); a vertex in the window that lies so many pixels off may not come back. */
 enum { PLACE_ROUNDINGS = 128, MARGIN_PX = 8 };
 
-/* A vertex in clip space, and the magnitudes that its coordinates are made of. */
-struct clip_vertex {
-    double clip[4], magnitude[4];
-};
-
 void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4])
 {
     for (int i = 0; i < 4; i++) {
@@ -26,27 +21,17 @@ void matrix_magnitudes(const struct matrix *m, const double v[4], double out[4])
     }
 }
 
-static struct clip_vertex clip_vertex(const struct plan *plan, const struct instance *instance,
-                                      int index)
-{
-    const struct vector p = instance->vertices[index].position,
-                        eye = matrix_point(&instance->model_view, p);
-    const double at[4] = {eye.x, eye.y, eye.z, 1}, from[4] = {p.x, p.y, p.z, 1};
-    struct clip_vertex out = {{0}, {0}};
-    double magnitude[4];
-    matrix_magnitudes(&instance->model_view, from, magnitude);
-    matrix_magnitudes(&plan->view.projection, magnitude, out.magnitude);
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++)
-            out.clip[i] += plan->view.projection.row[i][j] * at[j];
-    return out;
-}
-
 unsigned planes_outside(const struct plan *plan, const struct instance *instance, int vertex)
 {
-    const struct clip_vertex placed = clip_vertex(plan, instance, vertex);
-    const double *clip = placed.clip, *m = placed.magnitude, w = clip[3],
-                 size[2] = {plan->view.width, plan->view.height},
+    const struct vector p = instance->vertices[vertex].position,
+                        eye = matrix_point(&instance->model_view, p);
+    const double at[4] = {eye.x, eye.y, eye.z, 1}, from[4] = {p.x, p.y, p.z, 1};
+    double clip[4] = {0}, magnitude[4], m[4]; /* m: the magnitudes of the clip coordinates */
+    matrix_magnitudes(&instance->model_view, from, magnitude);
+    matrix_magnitudes(&plan->view.projection, magnitude, m);
+    for (int i = 0; i < 16; i++)
+        clip[i / 4] += plan->view.projection.row[i / 4][i % 4] * at[i % 4];
+    const double w = clip[3], size[2] = {plan->view.width, plan->view.height},
                  error = roundings(PLACE_ROUNDINGS), depth_error = error * (m[2] + m[3]);
     unsigned planes = (unsigned)(clip[2] < -w - depth_error) << VIEW_NEAR |
                       (unsigned)(clip[2] > w + depth_error) << VIEW_FAR;
@@ -93,44 +78,28 @@ static bool is_well_turned(const struct instance *instance, const struct cofacto
     return roundings(32) * sum < cosine_error / 8 * length && 12e-6 < cosine_error / 8 * columns;
 }
 
-/* A vertex of an instance in eye space. */
-struct lit_vertex {
-    struct vector eye, normal; /* normal: of unit length */
-    double e_eye;              /* far above the error of eye */
-    bool may_be_any;           /* single precision may turn the normal anyhow */
-};
-
-static struct lit_vertex lit_vertex(const struct instance *instance,
-                                    const struct cofactors *cofactors, int index)
+/* Returns whether OpenGL may add anything but exactly 0 of the light to a vertex. The factor that
+ * distance leaves must be a number, and not 1 / 0. */
+static bool reaches_vertex(const struct eye_light *light, const struct instance *instance,
+                           const struct cofactors *cofactors, int index)
 {
     const struct vector p = instance->vertices[index].position,
                         normal = instance->vertices[index].normal,
                         turned = matrix_direction(&instance->normal_matrix, normal);
-    const double from[4] = {p.x, p.y, p.z, 1};
-    struct lit_vertex out = {
-        .eye = matrix_point(&instance->model_view, p),
-        .normal = vector_normalise(turned),
-        .may_be_any = !is_well_turned(instance, cofactors, normal, vector_length(turned))};
+    const struct incidence incidence = incidence_at(light, matrix_point(&instance->model_view, p));
+    const double from[4] = {p.x, p.y, p.z, 1},
+                 cosine = vector_dot(vector_normalise(turned), incidence.towards),
+                 in_spot = -vector_dot(light->axis, incidence.towards);
+    double e_path = roundings(32) * vector_length(light->position); /* far above its error */
     for (int i = 0; i < 12; i++)
-        out.e_eye += roundings(32) * fabs(instance->model_view.row[i / 4][i % 4] * from[i % 4]);
-    return out;
-}
-
-/* Returns whether OpenGL may add anything but exactly 0 of the light to a vertex. The factor that
- * distance leaves must be a number, and not 1 / 0. */
-static bool reaches_vertex(const struct eye_light *light, const struct lit_vertex *vertex,
-                           bool two_sided)
-{
-    const struct incidence incidence = incidence_at(light, vertex->eye);
-    const double cosine = vector_dot(vertex->normal, incidence.towards),
-                 in_spot = -vector_dot(light->axis, incidence.towards),
-                 e_path = vertex->e_eye + roundings(32) * vector_length(light->position);
+        e_path += roundings(32) * fabs(instance->model_view.row[i / 4][i % 4] * from[i % 4]);
     if (!light->directional && !(e_path < cosine_error / 4 * incidence.distance))
         return true;
     if (light->attenuated && !(incidence.divisor > 1e-18 && incidence.divisor < 1e18))
         return true;
     return !(light->spot && in_spot < light->cutoff_cosine - cosine_error) &&
-           (two_sided || vertex->may_be_any || !(cosine < -cosine_error));
+           (instance->two_sided || !(cosine < -cosine_error) ||
+            !is_well_turned(instance, cofactors, normal, vector_length(turned)));
 }
 
 bool reflects(const struct instance *instance, const struct eye_light *light)
@@ -147,11 +116,9 @@ static bool reaches_instance(const struct eye_light *light, const struct instanc
     if (!reflects(instance, light))
         return false;
     matrix_cofactors(&instance->model_view, &cofactors);
-    for (int i = 0; i < instance->n_vertices; i++) {
-        const struct lit_vertex vertex = lit_vertex(instance, &cofactors, i);
-        if (reaches_vertex(light, &vertex, instance->two_sided))
+    for (int i = 0; i < instance->n_vertices; i++)
+        if (reaches_vertex(light, instance, &cofactors, i))
             return true;
-    }
     return false;
 }
 
@@ -181,7 +148,7 @@ bool reach_find(struct plan *plan, struct error *err)
             plan->shows_texture[shaded->texture - plan->textures] = true;
     }
     for (int i = 0; i < plan->n_textures; i++)
-        plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);
+        plan->work.undrawn_textures += !plan->shows_texture[i];
     if (!casters_find(plan, err))
         return false;
     for (int i = 0; i < plan->n_lights; i++) {
@@ -192,11 +159,6 @@ bool reach_find(struct plan *plan, struct error *err)
     return true;
 }
 
-bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed)
-{
-    return placed->in_view || plan->options.full_scale == 0 || buffer_steps(plan) > 0;
-}
-
 bool group_is_drawn(const struct plan *plan, int group)
 {
     const struct light_group lights = light_group(plan, group);
@@ -204,17 +166,6 @@ bool group_is_drawn(const struct plan *plan, int group)
         if (!plan->is_idle[lights.first + i])
             return true;
     return group == 0;
-}
-
-double texture_factor(const struct plan *plan, const struct texture *texture)
-{
-    int exponent;
-    const double value = texture->largest;
-    const bool is_power = frexp(value, &exponent) == 0.5 && exponent >= -15 && exponent <= 1;
-    return texture->smallest == value &&
-                   (value == 0 || value == 1 || (is_power && plan->options.bits != 32))
-               ? value
-               : -1;
 }
 
 bool plan_has_mipmaps(const struct plan *plan)
@@ -232,6 +183,5 @@ bool checks_other_rows(const struct plan *plan)
 
 bool texture_is_drawn(const struct plan *plan, const struct texture *texture)
 {
-    return texture && plan->shows_texture[texture - plan->textures] &&
-           texture_factor(plan, texture) < 0;
+    return texture && plan->shows_texture[texture - plan->textures];
 }

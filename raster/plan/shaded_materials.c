@@ -45,12 +45,6 @@ void plan_place(const struct texels *texels, const double *rows, size_t stride,
         out[i] = i < n ? rows[(size_t)i * stride] : 0;
 }
 
-/* Returns whether pixels keep their places in a texture, which is no part of their weights. */
-bool keeps_place(const struct plan *plan, const struct texture *texture)
-{
-    return texture && (texture->spectral || plan->options.untextured);
-}
-
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err)
 {
     for (int i = 0; i < plan->n_textures; i++)
@@ -63,26 +57,21 @@ bool plan_load_textures(const struct plan *plan, int first_band, struct error *e
 
 /* ---- shaded materials ---- */
 
-/* A constant term is one colour of OpenGL's, another term one for each light of its spectrum. */
-static int count_colours(const struct plan *plan, const struct material_terms *made)
-{
-    int n = 0;
-    for (int t = 0; t < made->n; t++)
-        n += made->terms[t].kind == TERM_CONSTANT
-                 ? 1
-                 : plan->illumination.lights[made->terms[t].light].n_alike;
-    return n;
-}
-
-/* The terms as the reference takes them. */
-static bool copy_terms(const struct material_terms *made, struct term **out, struct error *err)
+/* Makes the terms as the reference takes them, and counts their colours: a constant term is one of
+ * OpenGL's, another term one for each light of its spectrum. */
+static bool copy_terms(const struct plan *plan, struct shaded_material *out, struct error *err)
 {
     static const enum reflection reflections[] = {
         [TERM_CONSTANT] = CONSTANT, [TERM_DIFFUSE] = DIFFUSE, [TERM_SPECULAR] = SPECULAR};
-    if (!MAKE_ARRAY(*out, made->n, err, "the terms of a material"))
+    out->n_terms = out->made.n;
+    if (!MAKE_ARRAY(out->terms, out->n_terms, err, "the terms of a material"))
         return false;
-    for (int t = 0; t < made->n; t++)
-        (*out)[t] = (struct term){reflections[made->terms[t].kind], made->terms[t].light};
+    for (int t = 0; t < out->n_terms; t++) {
+        const struct spectral_term *made = &out->made.terms[t];
+        out->terms[t] = (struct term){reflections[made->kind], made->light};
+        out->n_colours +=
+            made->kind == TERM_CONSTANT ? 1 : plan->illumination.lights[made->light].n_alike;
+    }
     return true;
 }
 
@@ -112,15 +101,12 @@ static bool find_terms(struct plan *plan, const struct material *material, int *
         return true;
     *out = plan->n_materials++; /* counted first, so that plan_free reaches it after a failure */
     struct shaded_material *shaded = &plan->materials[*out];
-    struct material_terms *made = &shaded->made;
-    if (!material_terms_make(&plan->illumination, material, made, err))
-        return false;
-    plan->work.terms += made->n;
-    plan->work.excitation_integrals += made->excitation_integrals;
     shaded->material = material;
-    shaded->n_terms = made->n;
-    shaded->n_colours = count_colours(plan, made);
-    return copy_terms(made, &shaded->terms, err) &&
+    if (!material_terms_make(&plan->illumination, material, &shaded->made, err))
+        return false;
+    plan->work.terms += shaded->made.n;
+    plan->work.excitation_integrals += shaded->made.excitation_integrals;
+    return copy_terms(plan, shaded, err) &&
            index_add(&plan->by_material, &material, sizeof material, *out, err);
 }
 
@@ -135,11 +121,5 @@ bool shaded_material_find(struct plan *plan, const struct material *material, in
         if (!shaded->texture)
             return false;
     }
-    int n_rows = shaded->n_terms;
-    if (keeps_place(plan, shaded->texture)) {
-        const struct texels texels = plan_texels(shaded->texture, 0);
-        n_rows += place_rows(&texels);
-    }
-    plan->max_rows = n_rows > plan->max_rows ? n_rows : plan->max_rows;
     return true;
 }

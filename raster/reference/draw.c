@@ -13,7 +13,7 @@ struct drawing {
     struct picture *picture;
     int32_t *nearest; /* of each pixel the index into `triangles`; -1: background */
     struct screen_triangle *triangles; /* those that were nearest somewhere, at their time */
-    int32_t n_triangles, capacity;
+    int32_t n_triangles;
     bool shown; /* some pixel shows the triangle behind the last one, which is being scanned */
     double *attributes; /* of one pixel */
 };
@@ -47,19 +47,15 @@ int outcode(const struct window_vertex *vertex, const struct rectangle *at, doub
            (vertex->y + margin < at->y) << 2 | (vertex->y - margin > at->y + at->height) << 3;
 }
 
+/* Room for triangles grows where their number is a power of two, or 0. */
 static bool has_room(struct drawing *drawing)
 {
-    if (drawing->n_triangles < drawing->capacity)
+    const size_t n = (size_t)drawing->n_triangles;
+    if ((n & (n - 1)) != 0)
         return true;
-    if (drawing->capacity > INT32_MAX / 2 - 256)
-        return false;
-    int32_t capacity = drawing->capacity * 2 + 256;
-    void *moved = realloc(drawing->triangles, (size_t)capacity * sizeof *drawing->triangles);
-    if (!moved)
-        return false;
-    drawing->triangles = moved;
-    drawing->capacity = capacity;
-    return true;
+    void *moved = realloc(drawing->triangles, (2 * n + 1) * sizeof *drawing->triangles);
+    drawing->triangles = moved ? moved : drawing->triangles;
+    return moved && n < INT32_MAX / 2;
 }
 
 static bool draw_triangle(struct drawing *drawing, const struct surface *surface, int triangle)

@@ -141,7 +141,7 @@ int pixel_rows(const struct instance *instance);
 int place_rows(const struct texels *texels); /* the part of a place that counts: 2, 3 of mipmaps */
 void put_rows(const struct instance *instance, const double *attributes,
               const double place[TEXEL_PLACE], double *rows, size_t stride);
-void add_terms(const double *const rows[2], const double spectra[2], size_t n, double *radiance);
+void add_term(const double *row, double spectrum, size_t n, double *radiance);
 void texel_place(const struct texels *texels, const double s_t[2], double place[2]);
 struct texels texel_level(const struct texels *texels, int level);
 double texel_at(const struct texels *texels, const double place[TEXEL_PLACE]);

@@ -62,12 +62,9 @@ void put_rows(const struct instance *instance, const double *attributes,
         rows[i * stride] = place[i - n_terms];
 }
 
-/* Adds weight x spectrum of two terms, whose weights are in two rows, to the radiance of n pixels.
- */
-VECTORIZED void add_terms(const double *const rows[2], const double spectra[2], size_t n,
-                          double *restrict radiance)
+/* Adds weight x spectrum of a term, whose weights are in a row, to the radiance of n pixels. */
+VECTORIZED void add_term(const double *row, double spectrum, size_t n, double *restrict radiance)
 {
-    const double *one = rows[0], *other = rows[1];
     for (size_t i = 0; i < n; i++)
-        radiance[i] = radiance[i] + one[i] * spectra[0] + other[i] * spectra[1];
+        radiance[i] += row[i] * spectrum;
 }

@@ -20,7 +20,6 @@ struct state {
     struct places numbers, frames;
     struct counted counted, written; /* by this pass; by the one before, to be written beside it */
     struct check *checks;            /* one for each chunk of the current tile; NULL: none */
-    struct check_totals totals;      /* of that tile */
     int tile;                        /* how many are judged */
     int frame, place;                /* the current frame, and where it is; DARK: none */
     float *black;                    /* a row of a frame that is not drawn; owned */
@@ -154,9 +153,7 @@ static void share_work(struct tile_pass *of, int n, void (*work)(void *of, int i
 /* OpenGL's pixels of a chunk. */
 static const float *pixels_of(const struct tile_pass *of, int chunk)
 {
-    return of->pixels
-               ? of->pixels + (size_t)chunk * (size_t)of->state->plan->chunk_rows * of->stride * 4
-               : NULL;
+    return of->pixels ? of->pixels + (size_t)chunk * (size_t)CHUNK_ROWS * of->stride * 4 : NULL;
 }
 
 static void identify_chunk(void *context, int i)
@@ -270,7 +267,7 @@ static bool settle_checks(struct state *state, const struct tile *tile, struct e
 {
     double since = clock_seconds();
     for (int i = 0; state->checks && i < tile->n_chunks; i++) {
-        check_settle(&state->checks[i], tile, &state->totals);
+        check_settle(&state->checks[i], tile, &state->of->totals);
         if (state->of->check_scene.mapped &&
             !check_map_write(&state->of->map, &state->checks[i], err))
             return false;
@@ -394,9 +391,8 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
  * number counts as background. */
 static int object_at(const struct rendering *of, const struct tile *tile, int x, int y)
 {
-    const int rows = of->plan->chunk_rows;
-    const struct picture *picture = &tile->chunks[y / rows].picture;
-    const size_t pixel = (size_t)(y % rows) * (size_t)tile->at.width + (size_t)x;
+    const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
+    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->at.width + (size_t)x;
     const int surface = of->plan->options.store_raster
                             ? picture->surface[pixel]
                             : of->renderer->kind->shown(of->renderer, x, y).surface;
@@ -474,8 +470,6 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     }
     leave_frame(state);
     done = done && settle_checks(state, tile, err);
-    if (checking)
-        totals_add(&state->of->totals, &state->totals);
     close_checks(state, tile);
     state->since = clock_seconds();
     state->tile++;
@@ -500,8 +494,7 @@ static bool allocate(struct state *state, struct error *err)
     const size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height,
                  size = (size_t)plan->options.bits / 8, map = (size_t)plan->map_bytes,
                  most = size > map ? size : map;
-    if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture") ||
-        (plan->options.check && !totals_open(&state->of->check_scene, &state->totals, err)))
+    if (!MAKE_ARRAY(state->black, 4 * plan->tile_width, err, "a row of the picture"))
         return false;
     for (int i = 0; i < BANDS_PER_PASS && state->of->output->path; i++)
         if (!MAKE_ARRAY(state->counted.samples[i], n_samples * most, err, "a page of a tile") ||
@@ -513,7 +506,6 @@ static bool allocate(struct state *state, struct error *err)
 static void release(struct state *state)
 {
     free(state->black);
-    totals_free(&state->totals);
     for (int i = 0; i < BANDS_PER_PASS; i++)
         FREE_ALL(state->counted.samples[i], state->written.samples[i]);
 }

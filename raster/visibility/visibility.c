@@ -156,19 +156,21 @@ uint32_t lights_blocked(const struct occluders *of, const struct view *view, uin
     return dark;
 }
 
-static uint32_t shadow_pixel(const struct view *view, const struct occluders *of,
-                             const struct seen_point *point, double *rows, size_t stride)
+uint32_t lights_weighed(const struct view *view, const struct instance *instance,
+                        const double *weights, size_t stride)
 {
-    const struct instance *instance = of->surfaces[point->of.surface].instance;
-    uint32_t asked = 0;
+    uint32_t lights = 0;
     for (int t = 0; t < instance->n_terms; t++)
-        if (rows[(size_t)t * stride] != 0)
-            asked |= light_bit(view, &instance->terms[t]);
-    const uint32_t dark = lights_blocked(of, view, asked, point);
+        lights |= weights[(size_t)t * stride] != 0 ? light_bit(view, &instance->terms[t]) : 0;
+    return lights;
+}
+
+void lights_darken(const struct view *view, const struct instance *instance, uint32_t dark,
+                   double *weights, size_t stride)
+{
     for (int t = 0; t < instance->n_terms; t++)
         if ((light_bit(view, &instance->terms[t]) & dark) != 0)
-            rows[(size_t)t * stride] = 0;
-    return dark;
+            weights[(size_t)t * stride] = 0;
 }
 
 void picture_shadow(const struct view *view, const struct occluders *of, struct picture *picture,
@@ -177,7 +179,11 @@ void picture_shadow(const struct view *view, const struct occluders *of, struct 
     const size_t n_pixels = (size_t)picture->at.width * (size_t)picture->at.height;
     for (size_t i = 0; i < n_pixels; i++)
         if (picture->surface[i] >= 0) {
+            const struct instance *instance = of->surfaces[picture->surface[i]].instance;
             const struct seen_point point = point_at(view, of, picture, i);
-            dark[i] = shadow_pixel(view, of, &point, picture->rows + i, n_pixels);
+            double *weights = picture->rows + i;
+            dark[i] =
+                lights_blocked(of, view, lights_weighed(view, instance, weights, n_pixels), &point);
+            lights_darken(view, instance, dark[i], weights, n_pixels);
         }
 }

@@ -63,6 +63,12 @@ int occluder_side(const struct occluders *of, struct occluder at, const struct h
 const struct eye_light *shadow_light(const struct view *view, int i);
 /* Returns the bit of the light of a term; 0: it throws no shadows. */
 uint32_t light_bit(const struct view *view, const struct term *term);
+/* Returns the lights that throw shadows and have a weight that is not 0 among those of a pixel,
+ * `stride` apart. The second function sets the weights of dark lights to 0. */
+uint32_t lights_weighed(const struct view *view, const struct instance *instance,
+                        const double *weights, size_t stride);
+void lights_darken(const struct view *view, const struct instance *instance, uint32_t dark,
+                   double *weights, size_t stride);
 /* Returns the lights that do not reach a point, of those that are asked for. A triangle in whose
  * plane the point lies does not lie between; but the point's own triangle does, if it turns one
  * side to the light and the other to the eye. */

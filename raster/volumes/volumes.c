@@ -114,17 +114,12 @@ static int light_side(const struct maker *maker, int surface, int triangle)
  * throw all of its shadow. */
 static bool is_beside(const struct maker *maker, const struct placed_instance *placed)
 {
-    const struct instance *of = &placed->instance;
-    struct vector low = of->vertices[0].position, high = low;
-    if (!maker->lit->plan->meshes[placed->mesh].solid)
-        return false;
-    for (int i = 1; i < of->n_vertices; i++) {
-        low = vector_least(low, of->vertices[i].position);
-        high = vector_greatest(high, of->vertices[i].position);
-    }
+    const struct plan_mesh *of = &maker->lit->plan->meshes[placed->mesh];
     const struct vector at = maker->towards;
-    return maker->light->directional || at.x < low.x || at.x > high.x || at.y < low.y ||
-           at.y > high.y || at.z < low.z || at.z > high.z;
+    struct vector low, high;
+    mesh_box(&of->mesh, &low, &high);
+    return of->solid && (maker->light->directional || at.x < low.x || at.x > high.x ||
+                         at.y < low.y || at.y > high.y || at.z < low.z || at.z > high.z);
 }
 
 /* Returns whether OpenGL may have all of a triangle beyond the far plane, or at it. */

@@ -267,7 +267,7 @@ static bool write_file(struct maps *of, const struct options *options, struct ou
     const struct plan *plan = &of->job.plan;
     const struct render_options *own = options->own;
     const struct decomposition decomposition = {.take = take_page, .context = of};
-    const size_t chunk = (size_t)plan->tile_width * (size_t)plan->chunk_rows;
+    const size_t chunk = (size_t)plan->tile_width * (size_t)CHUNK_ROWS;
     char *record = make_record(of, options, err);
     const struct stack_options layout = {.width = plan->scene->width,
                                          .height = plan->scene->height,

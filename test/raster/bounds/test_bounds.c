@@ -28,25 +28,25 @@ static void check_shown(void)
 }
 
 /* A quotient of numbers that are off is off by most where one is larger and the other smaller. */
-static void check_window_slack(void)
+static void check_slack(void)
 {
     enum { WIDE = 640, HIGH = 480 };
+    const struct plan plan = {.view = {.width = WIDE, .height = HIGH}};
     uint64_t state = 12;
     double least[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, most[3] = {0, 0, 0};
     for (int i = 0; i < 1000; i++) {
         const double w = test_random(&state, 1, 9), e = 1e-3 * w;
-        const struct bounded clip[4] = {
-            {test_random(&state, -w, w), test_random(&state, 0.1 * e, e)},
-            {test_random(&state, -w, w), test_random(&state, 0.1 * e, e)},
-            {test_random(&state, -w, w), test_random(&state, 0.1 * e, e)},
-            {w, test_random(&state, 0.1 * e, e)}};
-        const struct slack slack = window_slack(clip, 0.5 * WIDE, 0.5 * HIGH);
+        double clip[4], e_clip[4];
+        for (int k = 0; k < 4; k++) {
+            clip[k] = k < 3 ? test_random(&state, -w, w) : w;
+            e_clip[k] = test_random(&state, 0.1 * e, e);
+        }
+        const struct slack slack = clip_slack(&plan, clip, e_clip);
         double off[3]; /* of x, y and z over w */
         for (int k = 0; k < 3; k++)
-            off[k] = (fabs(clip[k].value) + clip[k].error) / (w - clip[3].error) -
-                     fabs(clip[k].value) / w;
+            off[k] = (fabs(clip[k]) + e_clip[k]) / (w - e_clip[3]) - fabs(clip[k]) / w;
         const double ratio[3] = {fmax(0.5 * WIDE * off[0], 0.5 * HIGH * off[1]) / slack.px,
-                                 0.5 * off[2] / slack.depth, clip[3].error / w / slack.w};
+                                 0.5 * off[2] / slack.depth, e_clip[3] / w / slack.w};
         for (int k = 0; k < 3; k++) {
             least[k] = fmin(least[k], ratio[k]);
             most[k] = fmax(most[k], ratio[k]);
@@ -280,7 +280,7 @@ static void check_detail(void)
 int main(void)
 {
     check_shown();
-    check_window_slack();
+    check_slack();
     check_turning();
     check_rigid();
     check_texel_point();

@@ -264,11 +264,10 @@ static void check_agreement(const char *name, const double *seen, const double *
     block.n = n;
     block.seen = parts;
     for (size_t i = 0; i < n; i++) {
-        block.seen[i] = (float)(seen[i] / FULL_COUNT);
+        parts[i] = (float)(seen[i] / FULL_COUNT);
         block.fit.explained[i] = 0;
         block.fit.limit[i] = HUGE_VALF;
-        const int apart =
-            counts_round((double)block.seen[i] * FULL_COUNT) - counts_round(expected[i]);
+        const int apart = counts_round((double)parts[i] * FULL_COUNT) - counts_round(expected[i]);
         block.expected[i] = expected[i];
         block.bound[i] = 4;
         exact += apart == 0;

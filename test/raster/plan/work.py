@@ -49,7 +49,6 @@ def plain():
 
 def prepare():
     tifffile.imwrite(os.path.join(TMP, "grey.tif"), np.full((2, 2), 200, np.uint8))
-    tifffile.imwrite(os.path.join(TMP, "white.tif"), np.full((2, 2), 255, np.uint8))
     write("matrix.csv", "nm,380,400\n500,0.1,0.2\n510,0.1,0.1\n520,0,0.1\n")
     write("square.obj", "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl a\nf 1 2 3 4\n")
     write("square.map", "a material m\n")
@@ -88,9 +87,7 @@ ADDED = (
      {"draw_calls": PASSES, "vertices_lit": 4}),
     ("an object out of view", {"objects": f"{PLANE}\n{PLANE} translate 30 0 0"}, "",
      {"unseen_instances": 1, "vertices_lit": 4}),
-    ("a light behind the object", {"more": "light d65 1 direction 0 0 -1"}, "", {"idle_lights": 1}),
-    ("a texture of 1", {"words": "diffuse 0.5 texture white.tif"}, "texture",
-     {"textures_loaded": 1, "undrawn_textures": 1}))
+    ("a light behind the object", {"more": "light d65 1 direction 0 0 -1"}, "", {"idle_lights": 1}))
 
 NOTHING = (
     ("a light of intensity 0", {"more": "light d65 0 position 0 0 8 spot 0 0 -1 40 2"}),
@@ -173,10 +170,11 @@ def passes():
 
 def left_out():
     """plan and render agree on what is left out; the test calls.py counts what OpenGL really gets."""
-    scene = scene_of("diffuse 0.5 texture white.tif", "light gaussian:450,15 1 direction 0 0 1\nlight a 1 direction 0 0 -1",
-                     objects=f"{PLANE}\n{PLANE} translate 30 0 0\n{PLANE} translate 0 0 -5000")
+    scene = scene_of("diffuse 0.5", "light gaussian:450,15 1 direction 0 0 1\nlight a 1 direction 0 0 -1",
+                     "material n { diffuse 0.5 texture grey.tif }",
+                     f"{PLANE}\nobject plane 3 3 material n translate 30 0 0\n{PLANE} translate 0 0 -5000")
     work = report(scene)["work"]
-    found = {(entry["what"], entry["reason"].split(";")[0]): (entry["count"], entry["of"])
+    found = {(entry["what"], entry["reason"]): (entry["count"], entry["of"])
              for entry in json.loads(run("plan", scene, "--json", "-").stdout)["left_out"]}
     passes_drawn = json.loads(run("plan", scene, "--json", "-").stdout)["work"]["passes"]
     check(work["unseen_instances"] == 2 and found.get(("instances", "right of the view")) == (1, 3) and
@@ -184,7 +182,7 @@ def left_out():
     check(work["idle_lights"] == 1 and found.get(("lights", "they reach no object in view")) == (1, 2),
           "a light reaches nothing", work, found)
     check(work["undrawn_textures"] == 1 and [n for (what, _), n in found.items() if what == "textures"] == [(1, 1)],
-          "a texture is a factor", work, found)
+          "a texture is out of view", work, found)
     dark = found.get(("passes", "nothing in view has light in their bands"), (0, PASSES))
     check(0 < work["dark_passes"] == dark[0] and work["gl_passes"] == passes_drawn == PASSES - dark[0],
           "plan counts the passes that are drawn, and those that are dark", work, found)
@@ -193,10 +191,8 @@ def left_out():
     plan = json.loads(run("plan", even, "--json", "-").stdout)
     check(work["repeated_passes"] == plan["left_out"][0]["count"] == PASSES - 2 and plan["work"]["passes"] == 2,
           "passes that show the same are drawn once", work, plan["left_out"])
-    for options, lit in ((), "lit all the same"), (("--full-scale", "1"), "not lit"):
-        words = run("render", scene, "-o", "/dev/null", "--verbose", *options).stdout
-        check("left out instances: count 1, of 3, reason right of the view; " + lit in " ".join(words.split()),
-              f"an object out of view is {lit} {' '.join(options)}", words)
+    words = run("render", scene, "-o", "/dev/null", "--verbose").stdout
+    check("left out instances: count 1, of 3, reason right of the view" in " ".join(words.split()), "an object out of view is said to be", words)
 
 
 def sharing():

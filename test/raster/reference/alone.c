@@ -63,8 +63,7 @@ static bool draw(const struct view *view, const struct instance instances[2])
     for (int i = 0; i < WIDTH * HEIGHT && done; i++)
         for (int t = 0; t < TERMS && picture.surface[i] >= 0; t++) {
             const double *row = picture.rows + t * WIDTH * HEIGHT + i;
-            add_terms((const double *[]){row, row}, (const double[]){spectrum[t], 0}, 1,
-                      &radiance[i]);
+            add_term(row, spectrum[t], 1, &radiance[i]);
         }
     occluders_free(&occluders);
     picture_free(&picture);
