@@ -35,10 +35,10 @@ static bool open_canvas(struct canvas *canvas, struct error *err)
 static bool use_canvas(struct canvas *canvas, struct error *err)
 {
     const struct osmesa *osmesa = osmesa_of(canvas);
-    if (!osmesa->make_current(canvas->context, canvas->pixels, canvas_type(canvas),
-                              canvas->size.width, canvas->size.height))
+    if (!osmesa->make_current(canvas->context, canvas->pixels, canvas_type(canvas), canvas->width,
+                              canvas->height))
         return error_system(err, "OSMesa gives no context of %d x %d pixels of %d bits a channel",
-                            canvas->size.width, canvas->size.height, canvas->size.bits);
+                            canvas->width, canvas->height, canvas->bits);
     if (canvas->contexts->current != canvas)
         osmesa->pixel_store(OSMESA_Y_UP, 0); /* first row on top, as in the picture */
     return true;

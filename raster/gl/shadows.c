@@ -20,7 +20,7 @@ bool shadows_can_draw(const struct drawing *of, struct error *err)
            error_unsupported(err,
                              "%s draws no shadows, which need %s; --renderer raster draws them "
                              "without OpenGL",
-                             of->contexts->name, needed);
+                             of->contexts->kind->name, needed);
 }
 
 /* Counts the faces of triangles that are turned outward, or inward. */
@@ -33,7 +33,6 @@ static void count_faces(const struct drawing *of, bool outward)
 /* Shadow volumes as they are drawn, without numbers. */
 struct volume_draw {
     struct drawing *of;
-    const struct numbered_draw *by;
     struct numbered_vertex *corners; /* room for those of any volume; owned */
 };
 
@@ -43,7 +42,7 @@ static void draw_triangles(const struct volume_draw *draw, const struct volume *
     if (n == 0)
         return;
     volume_corners(volume, first, n, sizeof *draw->corners / sizeof(float), (float *)draw->corners);
-    draw->by->draw(draw->of, draw->corners, 3 * n);
+    draw->of->kind->draw_corners(draw->of, draw->corners, 3 * n);
     draw->of->renderer.work.draw_calls++;
 }
 
@@ -52,8 +51,8 @@ static void draw_volume(const struct volume_draw *draw, const struct volume *vol
     struct drawing *of = draw->of;
     const struct placed_instance *placed = &of->plan->instances[volume->instance];
     const int n_inward = volume->n - volume->n_outward, n_caps = volume->n_caps;
-    of->call->FrontFace(placed->instance.mirrored != of->contexts->mirrored ? GL_CW : GL_CCW);
-    draw->by->place(of, volume->instance);
+    turn_fronts(of, placed->instance.mirrored);
+    of->kind->place(of, volume->instance);
     count_faces(of, true);
     draw_triangles(draw, volume, n_caps, volume->n_outward - n_caps);
     of->call->Disable(GL_DEPTH_CLAMP);
@@ -72,7 +71,7 @@ static void read_reached(struct drawing *of, int shadowed)
     of->call->ReadPixels(0, 0, width, height, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, of->counts);
     for (int y = 0; y < height; y++) {
         const uint32_t *row =
-            of->counts + (size_t)(of->contexts->flipped ? y : height - 1 - y) * (size_t)width;
+            of->counts + (size_t)(of->contexts->kind->flipped ? y : height - 1 - y) * (size_t)width;
         for (int x = 0; x < width; x++)
             if ((row[x] & 0xff) != 0)
                 reached[(size_t)y * (size_t)width + (size_t)x] = 0;
@@ -116,13 +115,13 @@ static bool open_draw(struct volume_draw *draw, struct error *err)
     return MAKE_ARRAY(draw->corners, 3 * (size_t)most, err, "the corners of a shadow");
 }
 
-bool shadows_draw(struct drawing *of, const struct numbered_draw *by, struct error *err)
+bool shadows_draw(struct drawing *of, struct error *err)
 {
     const struct gl_functions *call = of->call;
-    struct volume_draw draw = {.of = of, .by = by};
+    struct volume_draw draw = {.of = of};
     call->Clear(GL_DEPTH_BUFFER_BIT);
     call->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    const bool done = open_draw(&draw, err) && numbers_draw(of, by, err);
+    const bool done = open_draw(&draw, err) && numbers_draw(of, err);
     call->DepthMask(GL_FALSE);
     call->Enable(GL_DEPTH_CLAMP);
     call->Enable(GL_STENCIL_TEST);
@@ -133,7 +132,6 @@ bool shadows_draw(struct drawing *of, const struct numbered_draw *by, struct err
     call->DepthMask(GL_TRUE);
     call->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
-    call->FrontFace(of->contexts->mirrored ? GL_CW : GL_CCW);
     free(draw.corners);
     of->has_shadows = done;
     return done;

@@ -113,13 +113,11 @@ static bool draw_tiles(void *context, struct error *err)
     struct state *state = context;
     const struct plan *plan = state->plan;
     const int n_tiles = plan_tiles(plan, &state->of->region), n_frames = plan->passes.n_frames;
-    struct renderer *renderer = state->of->renderer;
     int *first_bands;
+    bool done = true;
     if (!MAKE_ARRAY(first_bands, n_frames, err, "the order of passes"))
         return false;
     order_frames(state, first_bands);
-    bool done =
-        !renderer->kind->expect || renderer->kind->expect(renderer, first_bands, n_frames, err);
     for (int i = 0; i < n_tiles && done; i++)
         done = draw_tile(state, i, first_bands, err);
     free(first_bands);

@@ -142,9 +142,6 @@ struct renderer_kind {
     bool (*take_scene)(struct renderer *of, const struct lit_scene *lit, struct error *err);
     /* Aims at a tile of the picture, of at most the plan's tile size in pixels. */
     void (*aim)(struct renderer *of, const struct rectangle *tile);
-    /* Says which first bands `draw` will get on each tile, in this order. Comes before the first
-     * `aim`. */
-    bool (*expect)(struct renderer *of, const int *first_bands, int n, struct error *err);
     /* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed
      * tile into a buffer. Where the plan asks for a check, `identify` comes before. */
     bool (*draw)(struct renderer *of, int buffer, int first_band, double full_scale,

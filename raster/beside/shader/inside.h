@@ -9,10 +9,6 @@
 #include "raster/bounds/bounds.h"
 #include "raster/reference/reference.h"
 
-/* PASSES: drawn at once, one in each buffer of colours. Every OpenGL ES 3.0 has four such buffers;
- * with more of them a render is not faster, measured on llvmpipe. */
-enum { MOST_PASSES = 4 };
-
 /* ---- gl_program.c: programs of shaders ---- */
 
 /* Prints the first lines of a shader. */
@@ -35,9 +31,7 @@ struct program_effects {
 struct program {
     unsigned name; /* 0: not made yet */
     int to_clip, to_eye, normals, gloss;
-    int constant, diffuse, specular; /* of passes, or of lights and passes */
-    int place, attenuation, axis, exponent;
-    int material, batch; /* whose colours it has: of the plan, of struct shader; -1: none */
+    int constant, diffuse, specular;
 };
 struct shader;
 /* Makes the program of some effects, or with NULL the one that draws the numbers of triangles,
@@ -48,16 +42,9 @@ struct program *program_use(struct shader *shader, const struct program_effects 
 /* ---- shared ---- */
 
 struct shader {
-    struct drawing base; /* the first member; of several passes, which are drawn at once */
-    struct canvas *canvas;
+    struct drawing base;               /* the first member */
     struct program *programs, numbers; /* programs: VARIANTS of each group; owned */
     unsigned stream;                   /* the buffer of numbered vertices */
-    float *ready[MOST_PASSES];         /* pixels as those of buffers; owned */
-    bool stale;
-    int *order, n_order; /* the first bands that `draw` gets on each tile; owned */
-    int batch, n_batch;  /* in `ready`: from this place of the order on, so many; batch -1: none */
-    int n_batches;       /* drawn so far */
-    double full_scale;
 };
 
 #endif
