@@ -161,7 +161,6 @@ struct drawing {
     struct canvas *colours; /* numbers are drawn there, too, where `numbers` is NULL */
     struct canvas *numbers; /* of floats, where `colours` has steps */
     const struct gl_functions *call;
-    struct driver_threads before; /* the first context */
     /* names of the buffer objects of meshes, 0: not in view; of triangles: each mesh's, then those
      * of instances that hide some; of textures, 0: not drawn; owned */
     unsigned *objects, *indices, *textures;

@@ -329,8 +329,6 @@ static bool open_canvas(struct drawing *of, bool numbers, struct error *err)
  * the first canvas, and what driver_has_threads refuses. */
 static bool accept(struct drawing *of, struct error *err)
 {
-    static const char *const any[] = {
-        [GL_WITHOUT_SHADERS] = "gl", [GL_CORE] = "gl-shader", [GL_ES] = "es-shader"};
     const struct contexts *contexts = of->contexts;
     const bool is_es = contexts->way == GL_ES;
     const char *wanted = of->plan->options.gl_driver;
@@ -349,10 +347,11 @@ static bool accept(struct drawing *of, struct error *err)
         return error_unsupported(err,
                                  "this %s draws with %.100s, not with %s; --renderer %s takes any "
                                  "driver",
-                                 names->library, names->renderer, wanted, any[contexts->way]);
+                                 names->library, names->renderer, wanted,
+                                 renderer_words[contexts->way * WAY_WORDS]);
     of->renderer.driver = *driver_of(names->renderer);
     driver_of_version(&of->renderer.driver, names->version);
-    return driver_has_threads(names->renderer, &of->before, err) && shadows_can_draw(of, err);
+    return driver_has_threads(names->renderer, err) && shadows_can_draw(of, err);
 }
 
 bool drawing_open(struct drawing *of, const struct drawing_kind *kind, const struct plan *plan,
@@ -366,7 +365,6 @@ bool drawing_open(struct drawing *of, const struct drawing_kind *kind, const str
     of->front = GL_CCW;
     if (!make_buffers(of, n_buffers, err))
         return false;
-    driver_count_threads(&of->before);
     if (!contexts_open(&wish, &of->contexts, err))
         return false;
     of->call = &of->contexts->call;

@@ -291,7 +291,7 @@ static const struct option renderer_rows[] = {
     {"--renderer gl|llvmpipe|softpipe|gl-shader[:DRIVER]|es-shader[:DRIVER]|raster",
      "stores pixels of gl (default), of its driver llvmpipe or softpipe, of shaders by OpenGL 3.3 "
      "core or OpenGL ES 3, or of the reference",
-     OWN(TEXT, render_options, renderer), .accepts = driver_accepts_renderer, .recorded = true},
+     OWN(TEXT, render_options, renderer), .choices = renderer_words, .recorded = true},
     {"--buffer 8|10|16|float", "bits of OpenGL's colours (default: float); 10 needs --gl egl",
      OWN(TEXT, render_options, buffer), .choices = buffers, .recorded = true},
 };

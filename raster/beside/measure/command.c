@@ -64,14 +64,9 @@ bool drivers_add(struct driver_list *to, const char *library, const char *render
 /* A library that cannot draw may still draw with shaders. */
 static bool try_library(const char *library, struct driver_list *to, struct error *err)
 {
-    static const char *const renderers[] = {
-        NULL,        "llvmpipe",           "softpipe",
-        "gl-shader", "gl-shader:llvmpipe", "gl-shader:softpipe",
-        "es-shader", "es-shader:llvmpipe", "es-shader:softpipe"};
-    enum { ALL = sizeof renderers / sizeof *renderers, WITHOUT_SHADERS = 3 };
-    const int n = strcmp(library, "osmesa") == 0 ? WITHOUT_SHADERS : ALL;
-    for (int i = 0; i < n; i++)
-        if (!drivers_add(to, library, renderers[i], i > 0, err))
+    const int n_ways = strcmp(library, "osmesa") == 0 ? 1 : GL_WAYS;
+    for (int i = 0; i < n_ways * WAY_WORDS; i++)
+        if (!drivers_add(to, library, i > 0 ? renderer_words[i] : NULL, i > 0, err))
             return false;
     return true;
 }
