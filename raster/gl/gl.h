@@ -137,6 +137,7 @@ struct numbered_vertex {
 struct drawing;
 /* All in which lighting of OpenGL's own and shaders differ. */
 struct drawing_kind {
+    size_t size; /* of the struct that begins with struct drawing, in bytes; it begins zeroed */
     /* Sets the state of a new context that no pass changes. The context is in use. */
     bool (*set_state)(struct drawing *of, struct error *err);
     void (*project)(const struct drawing *of); /* loads drawing_projection; NULL: not here */
@@ -151,7 +152,7 @@ struct drawing_kind {
     void (*end_numbers)(struct drawing *of);
     void (*close)(struct drawing *of); /* frees what the room has added; NULL: nothing */
 };
-/* A room embeds it as the first member of a struct of its own, which begins zeroed. */
+/* A room embeds it as the first member of a struct of its own. */
 struct drawing {
     struct renderer renderer; /* the first member */
     const struct drawing_kind *kind;
@@ -177,11 +178,11 @@ struct drawing {
     const struct texture *texture; /* that is bound; NULL: none */
     unsigned front;                /* how fronts turn: GL_CCW or GL_CW */
 };
-/* Opens a renderer of a plan, whose struct begins with *of: see struct drawing_ways. The bounds of
- * raster/bounds hold for the shaders of a known driver as for its own lighting: the shaders do the
- * same operations, and both measure the same (traits.py). */
-bool drawing_open(struct drawing *of, const struct drawing_kind *kind, const struct plan *plan,
-                  int n_buffers, struct error *err);
+/* Opens a renderer of a plan: see struct drawing_ways. The bounds of raster/bounds hold for the
+ * shaders of a known driver as for its own lighting: the shaders do the same operations, and both
+ * measure the same (traits.py). */
+bool drawing_open(const struct drawing_kind *kind, const struct plan *plan, int n_buffers,
+                  struct renderer **out, struct error *err);
 /* Binds the vertices of an instance, VERTEX_NUMBERS floats each, and its triangles, and says how
  * its fronts turn. Returns how many corners these have. */
 int mesh_bind(struct drawing *of, int instance);

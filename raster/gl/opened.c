@@ -354,18 +354,21 @@ static bool accept(struct drawing *of, struct error *err)
     return driver_has_threads(names->renderer, err) && shadows_can_draw(of, err);
 }
 
-bool drawing_open(struct drawing *of, const struct drawing_kind *kind, const struct plan *plan,
-                  int n_buffers, struct error *err)
+bool drawing_open(const struct drawing_kind *kind, const struct plan *plan, int n_buffers,
+                  struct renderer **out, struct error *err)
 {
     const struct context_wish wish = {plan->options.gl_library, plan->options.gl_driver,
                                       plan->options.threads, plan->options.gl_way};
+    struct drawing *of;
+    *out = NULL;
+    if (!memory_make(&of, 1, kind->size))
+        return memory_lacks(err, (double)kind->size, "a renderer");
+    *out = &of->renderer;
     of->renderer.kind = &drawing_renderer;
     of->kind = kind;
     of->plan = plan;
     of->front = GL_CCW;
-    if (!make_buffers(of, n_buffers, err))
-        return false;
-    if (!contexts_open(&wish, &of->contexts, err))
+    if (!make_buffers(of, n_buffers, err) || !contexts_open(&wish, &of->contexts, err))
         return false;
     of->call = &of->contexts->call;
     if (!open_canvas(of, false, err) || !accept(of, err) || !kind->set_state(of, err))

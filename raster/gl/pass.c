@@ -91,6 +91,9 @@ static bool check_canvas(const struct drawing *of, struct error *err)
 static bool set_state(struct drawing *of, struct error *err)
 {
     const struct gl_functions *call = of->call;
+    struct gl *gl = (struct gl *)of;
+    gl->group = -1;
+    gl->gloss = -1;
     if (!check_canvas(of, err))
         return false;
     call->ClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
@@ -245,19 +248,13 @@ static void end_numbers(struct drawing *of)
 
 bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
 {
-    static const struct drawing_kind kind = {.set_state = set_state,
+    static const struct drawing_kind kind = {.size = sizeof(struct gl),
+                                             .set_state = set_state,
                                              .project = project,
                                              .draw_instance = draw_instance,
                                              .begin_numbers = begin_numbers,
                                              .place = place,
                                              .draw_corners = draw_corners,
                                              .end_numbers = end_numbers};
-    struct gl *gl;
-    *out = NULL;
-    if (!MAKE_ARRAY(gl, 1, err, "a renderer"))
-        return false;
-    *out = &gl->base.renderer;
-    gl->group = -1;
-    gl->gloss = -1;
-    return drawing_open(&gl->base, &kind, plan, n_buffers, err);
+    return drawing_open(&kind, plan, n_buffers, out, err);
 }

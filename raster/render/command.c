@@ -22,15 +22,6 @@ static bool check_stack_name(const char *path, struct error *err)
                     "pictures)");
 }
 
-/* Refuses outputs of an unknown format. */
-static bool check_asked(const struct options *options, const struct render_output *output,
-                        struct error *err)
-{
-    const struct render_options *own = options->own;
-    return check_stack_name(output->path, err) && check_stack_name(own->maps, err) &&
-           (!output->check_map || picture_accepts(output->check_map, err));
-}
-
 /* Refuses to make OpenGL's pixels again in a program without OpenGL. */
 static bool check_again(const struct render_options *own, const struct render_output *output,
                         struct error *err)
@@ -195,8 +186,9 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct rendered rendered = {
         .options = options, .plan = &job.plan, .output = &complete, .made = made};
     const bool done =
-        check_asked(options, output, err) && check_again(own, output, err) &&
-        job_read(options, output->foreign, &job, err) &&
+        check_stack_name(output->path, err) && check_stack_name(own->maps, err) &&
+        (!output->check_map || picture_accepts(output->check_map, err)) &&
+        check_again(own, output, err) && job_read(options, output->foreign, &job, err) &&
         check_same_scene(options, &job.scene, output->again, made, err) &&
         (!output->envi || sidecar_can_open(output->discard ? NULL : output->path, err)) &&
         job_plan(options, &job, err) && output_can_open(options->json, err) &&

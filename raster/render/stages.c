@@ -448,13 +448,6 @@ static bool add_object_map(struct state *state, const struct tile *tile, struct 
 
 /* ---- judging ---- */
 
-static void take_step(struct state *state)
-{
-    state->steps++;
-    if (state->of->progress)
-        progress_show(state->of->progress, state->steps, state->all_steps);
-}
-
 static bool treat_tile(void *context, const struct tile *tile, struct error *err)
 {
     struct state *state = context;
@@ -468,7 +461,9 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     done = done && learn_pilots(state, tile, err);
     for (int pass = 0; done && pass < state->plan->n_passes; pass++) {
         done = treat_pass(state, tile, pass, err);
-        take_step(state);
+        state->steps++;
+        if (state->of->progress)
+            progress_show(state->of->progress, state->steps, state->all_steps);
     }
     leave_frame(state);
     done = done && settle_checks(state, tile, err);

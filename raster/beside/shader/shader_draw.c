@@ -156,16 +156,12 @@ static void close_shader(struct drawing *of)
 
 bool shader_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
 {
-    static const struct drawing_kind kind = {.set_state = set_state,
+    static const struct drawing_kind kind = {.size = sizeof(struct shader),
+                                             .set_state = set_state,
                                              .draw_instance = draw_instance,
                                              .begin_numbers = begin_numbers,
                                              .place = place,
                                              .draw_corners = draw_corners,
                                              .close = close_shader};
-    struct shader *shader;
-    *out = NULL;
-    if (!MAKE_ARRAY(shader, 1, err, "a renderer"))
-        return false;
-    *out = &shader->base.renderer;
-    return drawing_open(&shader->base, &kind, plan, n_buffers, err);
+    return drawing_open(&kind, plan, n_buffers, out, err);
 }

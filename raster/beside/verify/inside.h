@@ -87,10 +87,8 @@ struct totals totals_of(const struct verify_result *results, int n);
 
 /* ---- tables.c ---- */
 
-void verify_print(const struct verification *of, struct printed *to);
-/* Prints a command for each failure, which repeats it. */
-void verify_print_failures(const struct verification *of, const struct options *options,
-                           struct printed *to);
+/* Prints the table, and a command for each failure, which repeats it. */
+void verify_print(const struct verification *of, const struct options *options, struct printed *to);
 void verify_json(const struct verification *of, struct json *json);
 /* The format that continuous integration reads: a suite is a driver, a case a scene. */
 void verify_junit(const struct verification *of, struct printed *to);
