@@ -62,16 +62,9 @@ static const char *const files[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMe
 static const char *const functions[] = {"OSMesaGetProcAddress", "OSMesaCreateContextExt",
                                         "OSMesaDestroyContext", "OSMesaMakeCurrent",
                                         "OSMesaPixelStore"};
-const struct context_kind osmesa_kind = {"OSMesa",
-                                         false,
-                                         files,
-                                         functions,
-                                         sizeof functions / sizeof *functions,
-                                         sizeof(struct osmesa),
-                                         "libOSMesa lacks a function of OSMesa 8",
-                                         NULL,
-                                         NULL,
-                                         open_canvas,
-                                         use_canvas,
-                                         fill_canvas,
-                                         close_canvas};
+enum { N_FUNCTIONS = sizeof functions / sizeof *functions };
+static const char too_old[] = "libOSMesa lacks a function of OSMesa 8";
+
+const struct context_kind osmesa_kind = {
+    "OSMesa", false, files,       functions,  N_FUNCTIONS, sizeof(struct osmesa), too_old,
+    NULL,     NULL,  open_canvas, use_canvas, fill_canvas, close_canvas};

@@ -157,10 +157,9 @@ static bool prepare(struct rendering *of, struct error *err)
     struct render_result *result = of->result;
     const struct render_output *output = of->output;
     if (!open_renderer(of, err) || !lit_make(of->plan, &result->driver, &of->lit, err) ||
-        !make_volumes(of, err) ||
+        !make_volumes(of, err) || !find_full_scale(&of->lit, err) ||
         (of->renderer && of->renderer->kind->take_scene &&
          !of->renderer->kind->take_scene(of->renderer, &of->lit, err)) ||
-        !find_full_scale(&of->lit, err) ||
         (output->notes && !notes_make(&of->lit, SOME_PIXELS, output->notes, err)))
         return false;
     result->full_scale = of->lit.full_scale;

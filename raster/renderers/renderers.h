@@ -131,7 +131,8 @@ struct renderer {
 };
 /* All but `shown` may be NULL, where a renderer has nothing to do: its pixels are there already. */
 struct renderer_kind {
-    /* Takes the lit scene of the plan, before the first `aim`. It must outlive the renderer. */
+    /* Takes the lit scene of the plan, with its full scale, before the first `aim`. It must outlive
+     * the renderer. */
     bool (*take_scene)(struct renderer *of, const struct lit_scene *lit, struct error *err);
     /* Aims at a tile of the picture, of at most the plan's tile size in pixels. */
     void (*aim)(struct renderer *of, const struct rectangle *tile);

@@ -9,15 +9,6 @@
 #include "raster/bounds/bounds.h"
 #include "raster/reference/reference.h"
 
-/* ---- gl_program.c: programs of shaders ---- */
-
-/* Prints the first lines of a shader. */
-void program_begin(enum gl_way way, struct printed *to);
-/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
- * also after a failure. */
-bool program_end(const struct gl_functions *call, struct printed *vertex, struct printed *fragment,
-                 unsigned *out, struct error *err);
-
 /* ---- shader_program.c ---- */
 
 enum { VARIANTS = 12 }; /* of the programs of a group: shines, two_sided, texture */
@@ -42,9 +33,9 @@ struct program *program_use(struct shader *shader, const struct program_effects 
 /* ---- shared ---- */
 
 struct shader {
-    struct drawing base;               /* the first member */
-    struct program *programs, numbers; /* programs: VARIANTS of each group; owned */
-    unsigned stream;                   /* the buffer of numbered vertices */
+    struct drawing base;      /* the first member */
+    struct program *programs; /* the one that draws numbers, then VARIANTS of each group; owned */
+    unsigned stream;          /* the buffer of numbered vertices */
 };
 
 #endif

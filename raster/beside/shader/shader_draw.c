@@ -128,7 +128,7 @@ static void draw_corners(const struct drawing *of, const struct numbered_vertex 
 static void place(const struct drawing *of, int instance)
 {
     const struct shader *shader = (const struct shader *)of;
-    place_instance(shader, &shader->numbers, instance);
+    place_instance(shader, &shader->programs[0], instance);
 }
 
 /* ---- opening ---- */
@@ -136,7 +136,7 @@ static void place(const struct drawing *of, int instance)
 static bool set_state(struct drawing *of, struct error *err)
 {
     struct shader *shader = (struct shader *)of;
-    const int n_programs = VARIANTS * of->plan->n_light_groups;
+    const int n_programs = 1 + VARIANTS * of->plan->n_light_groups;
     GLuint array;
     of->call->GenVertexArrays(1, &array);
     of->call->BindVertexArray(array);

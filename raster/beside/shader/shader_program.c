@@ -1,8 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Programs of shaders, written for the effects of a scene. Lighting is that of OpenGL 1.x: section
  * 2.14.1 of the OpenGL 2.1 specification. Each light has the statements of its own kind only. */
+#include <stdlib.h>
 
 #include "raster/beside/shader/inside.h"
+
+/* Prints the first lines of a shader. */
+static void program_begin(enum gl_way way, struct printed *to)
+{
+    print_text(to, way == GL_ES
+                       ? "#version 300 es\nprecision highp float;\nprecision highp sampler2D;\n"
+                       : "#version 330 core\n");
+}
 
 static bool is_flat(const struct shader *of)
 {
@@ -142,6 +151,49 @@ static void print_fragment_shader(const struct shader *of, const struct program_
 
 /* ---- making a program ---- */
 
+/* Compiles a shader and attaches it. Frees the text. */
+static bool attach(const struct gl_functions *call, GLuint program, GLenum type,
+                   struct printed *text, struct error *err)
+{
+    const GLuint shader = call->CreateShader(type);
+    char *source = printed_take(text, err), log[256] = "";
+    const char *const sources[] = {source};
+    GLint done = 0;
+    if (!source)
+        return false;
+    call->ShaderSource(shader, 1, sources, NULL);
+    call->CompileShader(shader);
+    call->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
+    if (!done) {
+        call->GetShaderInfoLog(shader, sizeof log, NULL, log);
+        hide_unprintable(log, "");
+    }
+    call->AttachShader(program, shader);
+    free(source);
+    return done || error_unsupported(err, "OpenGL does not compile a shader: %s", log);
+}
+
+/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
+ * also after a failure. */
+static bool program_end(const struct gl_functions *call, struct printed *vertex,
+                        struct printed *fragment, unsigned *out, struct error *err)
+{
+    const GLuint name = call->CreateProgram();
+    GLint done = 0;
+    const bool attached = attach(call, name, GL_VERTEX_SHADER, vertex, err) &&
+                          attach(call, name, GL_FRAGMENT_SHADER, fragment, err);
+    free(printed_end(fragment));
+    if (!attached)
+        return false;
+    call->LinkProgram(name);
+    call->GetProgramiv(name, GL_LINK_STATUS, &done);
+    if (!done)
+        return error_unsupported(err, "OpenGL does not link the shaders of a program");
+    call->UseProgram(name);
+    *out = name;
+    return true;
+}
+
 static void find_variables(const struct shader *of, struct program *program)
 {
     const struct {
@@ -205,11 +257,11 @@ static void print_numbers(enum gl_way way, struct printed *vertex, struct printe
 struct program *program_use(struct shader *shader, const struct program_effects *effects,
                             struct error *err)
 {
-    struct program *program = &shader->numbers;
+    struct program *program = shader->programs;
     struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
     if (effects)
-        program = &shader->programs[VARIANTS * effects->group + 6 * effects->shines +
-                                    3 * effects->two_sided + (int)effects->texture];
+        program += 1 + VARIANTS * effects->group + 6 * effects->shines + 3 * effects->two_sided +
+                   (int)effects->texture;
     if (program->name) {
         shader->base.call->UseProgram(program->name);
         return program;

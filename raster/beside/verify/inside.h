@@ -20,7 +20,7 @@
 /* ---- export_scene.c: a scene as files ---- */
 
 enum { DIGEST_TEXT = 65, FILE_NAME = 64 };
-/* Finds the full scale, and describes all that is to be drawn of a plan: the files of meshes,
+/* Describes all that is to be drawn of a plan, whose full scale is found: the files of meshes,
  * triangles, textures and passes, and at last scene.txt, which has the digests of all others. id:
  * the SHA-256 of scene.txt without its line "id". folder: gets the files, whose names begin with
  * the prefix; NULL: only the id is wanted. */
