@@ -66,15 +66,15 @@ static const char *const only_driver = "softpipe";
 static const char *const only_driver = NULL;
 #endif
 
-bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err)
+bool contexts_open(const struct plan_options *wish, struct contexts **out, struct error *err)
 {
-    const char *wanted = wish->library ? wish->library : "auto";
-    const char *driver = only_driver ? only_driver : wish->driver;
+    const char *wanted = wish->gl_library ? wish->gl_library : "auto";
+    const char *driver = only_driver ? only_driver : wish->gl_driver;
     char threads[16];
     if (!MAKE_ARRAY(*out, 1, err, "a context of OpenGL"))
         return false;
     memory_allow_stacks(); /* llvmpipe starts threads */
-    (*out)->way = wish->way;
+    (*out)->way = wish->gl_way;
     snprintf(threads, sizeof threads, "%d", wish->threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
     /* llvmpipe of Mesa 20.3 would mix levels of detail as OpenGL does not; later versions ignore

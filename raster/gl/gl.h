@@ -108,15 +108,9 @@ struct gl_functions {
 
 /* ---- opened.c: what can be used ---- */
 
-/* The choice of --gl: see driver_accepts_library. "auto" (NULL too) takes the first of osmesa and
- * egl that is there. driver: Mesa's; NULL: any. threads: of llvmpipe. */
-struct context_wish {
-    const char *library, *driver;
-    int threads;
-    enum gl_way way; /* by shaders: EGL only */
-};
-/* Opens a library and closes it. For a process of its own, which opens no other one. */
-bool contexts_describe(const struct context_wish *wish, struct context_description *out,
+/* Opens the library that the options choose and closes it. For a process of its own, which opens no
+ * other one. */
+bool contexts_describe(const struct plan_options *wish, struct context_description *out,
                        struct error *err);
 /* Finds how many devices EGL lists; 0 without EGL. For a process of its own. */
 bool contexts_devices(int *out, struct error *err);

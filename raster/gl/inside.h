@@ -34,9 +34,11 @@ bool functions_succeeded(const struct gl_functions *call, struct error *err);
 
 /* ---- context.c ---- */
 
-/* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
- * opens one of them. contexts_close frees *out, also after a failure. */
-bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err);
+/* Opens the library that gl_library (see driver_accepts_library) and gl_way choose: "auto" (NULL
+ * too) is the first of osmesa and egl that is there; shaders take EGL. Chooses gl_driver, with so
+ * many threads. Fails with EXIT_SYSTEM, and names the packages, where the library is missing. One
+ * process opens one of them. contexts_close frees *out, also after a failure. */
+bool contexts_open(const struct plan_options *wish, struct contexts **out, struct error *err);
 void contexts_close(struct contexts *contexts); /* NULL is fine; after all of its canvases */
 /* Returns whether OpenGL has an extension; a canvas is open. */
 bool contexts_have(const struct contexts *contexts, const char *extension);

@@ -259,7 +259,7 @@ static void identify(const struct contexts *contexts, struct renderer_names *out
     copy_text(&contexts->call, GL_VERSION, out->version);
 }
 
-bool contexts_describe(const struct context_wish *wish, struct context_description *out,
+bool contexts_describe(const struct plan_options *wish, struct context_description *out,
                        struct error *err)
 {
     struct contexts *contexts;
@@ -282,7 +282,7 @@ bool contexts_describe(const struct context_wish *wish, struct context_descripti
 
 void gl_library(char *out, size_t capacity)
 {
-    const struct context_wish wish = {.threads = 1};
+    const struct plan_options wish = {.threads = 1};
     struct context_description is;
     struct error err = {.status = EXIT_AGREED};
     if (built_in)
@@ -357,8 +357,6 @@ static bool accept(struct drawing *of, struct error *err)
 bool drawing_open(const struct drawing_kind *kind, const struct plan *plan, int n_buffers,
                   struct renderer **out, struct error *err)
 {
-    const struct context_wish wish = {plan->options.gl_library, plan->options.gl_driver,
-                                      plan->options.threads, plan->options.gl_way};
     struct drawing *of;
     *out = NULL;
     if (!memory_make(&of, 1, kind->size))
@@ -368,7 +366,7 @@ bool drawing_open(const struct drawing_kind *kind, const struct plan *plan, int 
     of->kind = kind;
     of->plan = plan;
     of->front = GL_CCW;
-    if (!make_buffers(of, n_buffers, err) || !contexts_open(&wish, &of->contexts, err))
+    if (!make_buffers(of, n_buffers, err) || !contexts_open(&plan->options, &of->contexts, err))
         return false;
     of->call = &of->contexts->call;
     if (!open_canvas(of, false, err) || !accept(of, err) || !kind->set_state(of, err))
