@@ -19,7 +19,7 @@ static void load_view(const struct drawing *of)
     of->call->Viewport(0, of->contexts->kind->flipped ? 0 : below, of->tile.width, of->tile.height);
 }
 
-static void aim(struct renderer *renderer, const struct rectangle *tile)
+static void frame_aim(struct renderer *renderer, const struct rectangle *tile)
 {
     struct drawing *of = (struct drawing *)renderer;
     of->tile = *tile;
@@ -89,7 +89,7 @@ static bool draw_numbers(struct drawing *of, bool shadows, struct error *err)
  * drawn there: draws all instances once more, with their numbers as flat colours, while the stencil
  * counts fragments, hidden ones too. Corners, order and matrices are the same, so OpenGL must show
  * the same triangles as in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
-static bool identify(struct renderer *renderer, struct error *err)
+static bool frame_identify(struct renderer *renderer, struct error *err)
 {
     struct drawing *of = (struct drawing *)renderer;
     if (!draw_numbers(of, false, err))
@@ -104,7 +104,7 @@ static bool identify(struct renderer *renderer, struct error *err)
     return !of->numbers || frame_begin(of, NULL, false, err);
 }
 
-static struct shown shown(const struct renderer *renderer, int x, int y)
+static struct shown frame_shown(const struct renderer *renderer, int x, int y)
 {
     const struct drawing *of = (const struct drawing *)renderer;
     const size_t width = (size_t)of->plan->tile_width,
@@ -130,8 +130,8 @@ static bool draw_pass(struct drawing *of, const struct drawn_pass *pass, struct 
     return true;
 }
 
-static bool draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-                 struct error *err)
+static bool frame_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
+                       struct error *err)
 {
     struct drawing *of = (struct drawing *)renderer;
     float *sum = of->renderer.buffers[buffer];
@@ -156,7 +156,7 @@ static bool draw(struct renderer *renderer, int buffer, int first_band, double f
 
 /* ---- the renderer ---- */
 
-static void close_drawing(struct renderer *renderer)
+static void frame_close(struct renderer *renderer)
 {
     struct drawing *of = (struct drawing *)renderer;
     if (of->kind->close)
@@ -170,8 +170,8 @@ static void close_drawing(struct renderer *renderer)
 }
 
 const struct renderer_kind drawing_renderer = {.take_scene = drawing_take_scene,
-                                               .aim = aim,
-                                               .draw = draw,
-                                               .identify = identify,
-                                               .shown = shown,
-                                               .close = close_drawing};
+                                               .aim = frame_aim,
+                                               .draw = frame_draw,
+                                               .identify = frame_identify,
+                                               .shown = frame_shown,
+                                               .close = frame_close};
