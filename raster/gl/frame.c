@@ -115,13 +115,13 @@ static struct shown frame_shown(const struct renderer *renderer, int x, int y)
 
 /* ---- colours ---- */
 
-static bool draw_pass(struct drawing *of, const struct drawn_pass *pass, struct error *err)
+static bool draw_group(struct drawing *of, int group, int first_band, struct error *err)
 {
     clear(of);
     for (int i = 0; i < of->plan->n_instances; i++) {
         if (!surface_reaches(&of->lit->bounds[i], &of->tile))
             continue;
-        if (!of->kind->draw_instance(of, i, pass, err))
+        if (!of->kind->draw_instance(of, i, group, first_band, err))
             return false;
         of->renderer.work.draw_calls++;
     }
@@ -130,21 +130,19 @@ static bool draw_pass(struct drawing *of, const struct drawn_pass *pass, struct 
     return true;
 }
 
-static bool frame_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-                       struct error *err)
+static bool frame_draw(struct renderer *renderer, int buffer, int first_band, struct error *err)
 {
     struct drawing *of = (struct drawing *)renderer;
     float *sum = of->renderer.buffers[buffer];
     if (of->plan->view.n_shadowed > 0 && !of->has_shadows && !draw_numbers(of, true, err))
         return false;
     for (int group = 0; group < of->plan->n_light_groups; group++) {
-        const struct drawn_pass pass = {group, first_band, full_scale};
         float *pixels = group == 0 ? sum : of->part;
         if (!group_is_drawn(of->plan, group))
             continue;
         if (!frame_begin(of, pixels, false, err) ||
             (group == 0 && !textures_upload_bands(of, first_band, err)) ||
-            !draw_pass(of, &pass, err))
+            !draw_group(of, group, first_band, err))
             return false;
         if (of->steps)
             pass_convert(of->plan, of->steps, pixels);

@@ -119,11 +119,6 @@ void gl_library(char *out, size_t capacity);
 
 /* ---- opened.c: what renderers through OpenGL share ---- */
 
-/* What is drawn into a frame at a time: bands under one group of lights. */
-struct drawn_pass {
-    int group, first_band;
-    double full_scale;
-};
 /* A corner of a triangle that is drawn in its number: see shown_of. */
 struct numbered_vertex {
     float position[3], number[3];
@@ -135,8 +130,8 @@ struct drawing_kind {
     /* Sets the state of a new context that no pass changes. The context is in use. */
     bool (*set_state)(struct drawing *of, struct error *err);
     void (*project)(const struct drawing *of); /* loads drawing_projection; NULL: not here */
-    /* Draws an instance in the colours of a pass. */
-    bool (*draw_instance)(struct drawing *of, int instance, const struct drawn_pass *pass,
+    /* Draws an instance in the bands of a pass, under one group of lights. */
+    bool (*draw_instance)(struct drawing *of, int instance, int group, int first_band,
                           struct error *err);
     /* Between these two calls triangles are drawn in their numbers: those of an instance that is
      * placed, some corners at a time. `end` NULL: there is nothing to do. */

@@ -165,14 +165,14 @@ static bool is_new(const float colour[4], float set[4])
     return differs;
 }
 
-static void set_material(struct gl *gl, const struct shaded_material *shaded,
-                         const struct drawn_pass *pass)
+static void set_material(struct gl *gl, const struct shaded_material *shaded, int group,
+                         int first_band)
 {
     const struct plan *plan = gl->base.plan;
     const struct gl_functions *call = gl->base.call;
     struct pass_colours colours, *set = &gl->set;
-    const int first = light_group(plan, pass->group).first;
-    pass_colours(plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
+    const int first = light_group(plan, group).first;
+    pass_colours(plan, shaded, group, first_band, gl->base.lit->full_scale, &colours);
     const float gloss = colours.shines ? (float)shaded->material->gloss : gl->gloss;
     for (int i = 0; i < colours.n_lights; i++) {
         const bool idle = plan->is_idle[first + i];
@@ -194,14 +194,14 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded,
         texture_bind(&gl->base, shaded->texture);
 }
 
-static bool draw_instance(struct drawing *of, int instance, const struct drawn_pass *pass,
+static bool draw_instance(struct drawing *of, int instance, int group, int first_band,
                           struct error *err)
 {
     struct gl *gl = (struct gl *)of;
     const struct placed_instance *placed = &of->plan->instances[instance];
     (void)err; /* see functions_succeeded */
-    place_lights(gl, pass->group);
-    set_material(gl, &of->plan->materials[placed->shaded], pass);
+    place_lights(gl, group);
+    set_material(gl, &of->plan->materials[placed->shaded], group, first_band);
     if (gl->two_sided != placed->object->two_sided)
         of->call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     gl->two_sided = placed->object->two_sided;

@@ -74,8 +74,7 @@ static bool draw_frame(struct state *state, int tile, int first_band, struct err
               place = places_wait(&state->frames, 0);
     double since = clock_seconds();
     if (place < 0 ||
-        (renderer->kind->draw &&
-         !renderer->kind->draw(renderer, place, first_band, state->of->lit.full_scale, err)))
+        (renderer->kind->draw && !renderer->kind->draw(renderer, place, first_band, err)))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
     places_set(&state->frames, place, frame_number(state, tile, frame));

@@ -138,8 +138,7 @@ struct renderer_kind {
     void (*aim)(struct renderer *of, const struct rectangle *tile);
     /* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed
      * tile into a buffer. Where the plan asks for a check, `identify` comes before. */
-    bool (*draw)(struct renderer *of, int buffer, int first_band, double full_scale,
-                 struct error *err);
+    bool (*draw)(struct renderer *of, int buffer, int first_band, struct error *err);
     /* Finds triangles, depths and fragments of the aimed tile. The plan asks for a check. */
     bool (*identify)(struct renderer *of, struct error *err);
     /* Returns what the last `identify` found. x and y count from the tile's top left pixel. A

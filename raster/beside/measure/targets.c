@@ -54,7 +54,7 @@ static bool draw(struct targets *of, struct error *err)
         if (kind->aim)
             kind->aim(of->source, &all);
         if ((kind->identify && !kind->identify(of->source, err)) ||
-            !kind->draw(of->source, i, 0, of->lit.full_scale, err))
+            !kind->draw(of->source, i, 0, err))
             return false;
     }
     return memcmp(of->source->buffers[0], of->source->buffers[1],

@@ -54,11 +54,11 @@ static void place_instance(const struct shader *shader, const struct program *pr
 
 /* Gives a program the colours of a material. */
 static void set_material(const struct shader *shader, const struct program *program,
-                         const struct shaded_material *shaded, const struct drawn_pass *pass)
+                         const struct shaded_material *shaded, int group, int first_band)
 {
     const struct gl_functions *call = shader->base.call;
     struct pass_colours colours;
-    pass_colours(shader->base.plan, shaded, pass->group, pass->first_band, pass->full_scale,
+    pass_colours(shader->base.plan, shaded, group, first_band, shader->base.lit->full_scale,
                  &colours);
     call->Uniform4fv(program->constant, 1, colours.constant);
     call->Uniform4fv(program->diffuse, colours.n_lights, colours.diffuse[0]);
@@ -81,17 +81,17 @@ static struct program_effects effects_of(const struct shader *shader, int instan
     return out;
 }
 
-static bool draw_instance(struct drawing *of, int instance, const struct drawn_pass *pass,
+static bool draw_instance(struct drawing *of, int instance, int group, int first_band,
                           struct error *err)
 {
     struct shader *shader = (struct shader *)of;
     const struct shaded_material *shaded =
         &of->plan->materials[of->plan->instances[instance].shaded];
-    const struct program_effects effects = effects_of(shader, instance, pass->group);
+    const struct program_effects effects = effects_of(shader, instance, group);
     const struct program *program = program_use(shader, &effects, err);
     if (!program)
         return false;
-    set_material(shader, program, shaded, pass);
+    set_material(shader, program, shaded, group, first_band);
     place_instance(shader, program, instance);
     if (effects.texture != UNTEXTURED)
         texture_bind(of, shaded->texture);
