@@ -157,7 +157,7 @@ struct drawing {
     /* 4 floats a pixel: of some lights, NULL: one pass has all; numbers, NULL: no check; owned */
     float *part, *shown;
     uint8_t *steps;   /* pixels of uint8_t or uint16_t; NULL: the canvas has floats; owned */
-    uint32_t *depths; /* 24 bits of depth, 8 of stencil; NULL: no check, or not to be read; owned */
+    uint32_t *depths; /* 24 bits of depth, 8 of stencil; NULL: no check; owned */
     uint8_t *
         reached; /* [light with shadows][pixel]: it reaches the pixel; NULL: there is none; owned */
     uint32_t *counts; /* as depths, but of shadow volumes; owned */
