@@ -3,7 +3,7 @@
  * of a pass; each channel is lit by itself, so that a pass is three exact single-wavelength
  * renderings.
  *
- * A pass has eight lights. More lights take more passes, whose colours are added here; each pass
+ * A pass has eight lights. More lights take more passes, whose colours frame.c adds; each pass
  * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
 #include <string.h>
 
