@@ -3,11 +3,7 @@
 #ifndef RASTER_BESIDE_SHADER_INSIDE_H
 #define RASTER_BESIDE_SHADER_INSIDE_H
 
-#include "data/base/base.h"
-#include "data/images/images.h"
 #include "raster/beside/shader/shader.h"
-#include "raster/bounds/bounds.h"
-#include "raster/reference/reference.h"
 
 /* ---- shader_program.c ---- */
 

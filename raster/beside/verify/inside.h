@@ -3,18 +3,9 @@
 #ifndef RASTER_BESIDE_VERIFY_INSIDE_H
 #define RASTER_BESIDE_VERIFY_INSIDE_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/scene/scene.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/verify.h"
-#include "raster/bounds/bounds.h"
-#include "raster/check/check.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
 #include "raster/volumes/volumes.h"
 
 /* ---- export_scene.c: a scene as files ---- */
