@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What all renderers through OpenGL do alike: they aim at a tile, draw the numbers of its triangles
- * and its shadows once, and a frame of three bands at a time, each group of lights by itself. */
+/* All renderers through OpenGL do this: they aim at a tile, draw the numbers of its triangles and
+ * its shadows once, and a frame of three bands at a time, each group of lights by itself. */
 #include "raster/gl/inside.h"
 
 /* ---- a tile ---- */
