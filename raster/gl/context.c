@@ -33,8 +33,6 @@ static bool open_kind(struct contexts *contexts, const struct context_kind *kind
     if (!memory_make(&contexts->own, kind->own_size, 1))
         return memory_lacks(err, (double)kind->own_size, "%s", kind->name);
     contexts->kind = kind;
-    contexts->name = kind->name;
-    contexts->flipped = kind->flipped;
     if (!library_find_all(library, kind->functions, kind->n_functions, contexts->own))
         return error_unsupported(err, "%s", kind->too_old);
     return (!kind->begin || kind->begin(contexts, device, err)) &&
@@ -68,15 +66,15 @@ static const char *const only_driver = "softpipe";
 static const char *const only_driver = NULL;
 #endif
 
-bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err)
+bool contexts_open(const struct plan_options *wish, struct contexts **out, struct error *err)
 {
-    const char *wanted = wish->library ? wish->library : "auto";
-    const char *driver = only_driver ? only_driver : wish->driver;
+    const char *wanted = wish->gl_library ? wish->gl_library : "auto";
+    const char *driver = only_driver ? only_driver : wish->gl_driver;
     char threads[16];
     if (!MAKE_ARRAY(*out, 1, err, "a context of OpenGL"))
         return false;
     memory_allow_stacks(); /* llvmpipe starts threads */
-    (*out)->way = wish->way;
+    (*out)->way = wish->gl_way;
     snprintf(threads, sizeof threads, "%d", wish->threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
     /* llvmpipe of Mesa 20.3 would mix levels of detail as OpenGL does not; later versions ignore
@@ -128,17 +126,15 @@ bool contexts_have(const struct contexts *contexts, const char *extension)
 
 GLenum canvas_type(const struct canvas *canvas)
 {
-    return canvas->size.bits == 32  ? GL_FLOAT
-           : canvas->size.bits == 8 ? GL_UNSIGNED_BYTE
-                                    : GL_UNSIGNED_SHORT;
+    return canvas->bits == 32 ? GL_FLOAT : canvas->bits == 8 ? GL_UNSIGNED_BYTE : GL_UNSIGNED_SHORT;
 }
 
-bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
+bool canvas_open(struct contexts *contexts, int bits, int width, int height, struct canvas **out,
                  struct error *err)
 {
     if (!MAKE_ARRAY(*out, 1, err, "a canvas of OpenGL"))
         return false;
-    **out = (struct canvas){.contexts = contexts, .size = *size};
+    **out = (struct canvas){.contexts = contexts, .bits = bits, .width = width, .height = height};
     return contexts->kind->open(*out, err);
 }
 
@@ -156,17 +152,4 @@ bool canvas_use(struct canvas *canvas, void *pixels, struct error *err)
         return false;
     canvas->contexts->current = canvas;
     return true;
-}
-
-void canvas_read(const struct canvas *canvas, int colour, void *pixels)
-{
-    const struct gl_functions *call = &canvas->contexts->call;
-    call->ReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)colour);
-    call->ReadPixels(0, 0, canvas->size.width, canvas->size.height, GL_RGBA, canvas_type(canvas),
-                     pixels);
-}
-
-void canvas_fill(const struct canvas *canvas)
-{
-    canvas->contexts->kind->fill(canvas);
 }

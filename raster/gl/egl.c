@@ -54,14 +54,12 @@ static const struct egl *egl_of(const struct canvas *canvas)
 
 /* ---- a canvas ---- */
 
-enum { MOST_COLOURS = 8 };
-
 static GLenum colour_format(const struct canvas *canvas)
 {
-    return canvas->size.bits == 32   ? GL_RGBA32F
-           : canvas->size.bits == 16 ? GL_RGBA16
-           : canvas->size.bits == 10 ? GL_RGB10_A2
-                                     : GL_RGBA8;
+    return canvas->bits == 32   ? GL_RGBA32F
+           : canvas->bits == 16 ? GL_RGBA16
+           : canvas->bits == 10 ? GL_RGB10_A2
+                                : GL_RGBA8;
 }
 
 /* Makes a buffer, and lets the canvas draw on it. */
@@ -71,7 +69,7 @@ static void add_buffer(const struct canvas *canvas, GLenum format, GLenum at)
     GLuint buffer;
     call->GenRenderbuffers(1, &buffer);
     call->BindRenderbuffer(GL_RENDERBUFFER, buffer);
-    call->RenderbufferStorage(GL_RENDERBUFFER, format, canvas->size.width, canvas->size.height);
+    call->RenderbufferStorage(GL_RENDERBUFFER, format, canvas->width, canvas->height);
     call->FramebufferRenderbuffer(GL_FRAMEBUFFER, at, GL_RENDERBUFFER, buffer);
 }
 
@@ -79,21 +77,14 @@ static void add_buffer(const struct canvas *canvas, GLenum format, GLenum at)
 static bool make_buffers(const struct canvas *canvas, struct error *err)
 {
     const struct gl_functions *call = &canvas->contexts->call;
-    const struct canvas_size *size = &canvas->size;
-    GLenum colours[MOST_COLOURS];
     GLuint framebuffer;
     call->GenFramebuffers(1, &framebuffer);
     call->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    for (int i = 0; i < size->n_colours; i++) {
-        colours[i] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
-        add_buffer(canvas, colour_format(canvas), colours[i]);
-    }
+    add_buffer(canvas, colour_format(canvas), GL_COLOR_ATTACHMENT0);
     add_buffer(canvas, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
-    if (size->n_colours > 1)
-        call->DrawBuffers(size->n_colours, colours);
     return call->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE ||
            error_unsupported(err, "EGL's OpenGL gives no framebuffer of %d x %d pixels of %d bits",
-                             size->width, size->height, size->bits);
+                             canvas->width, canvas->height, canvas->bits);
 }
 
 static bool make_current(const struct egl *egl, EGLContext context, struct error *err)
@@ -137,7 +128,7 @@ static bool use_canvas(struct canvas *canvas, struct error *err)
 
 static void fill_canvas(const struct canvas *canvas)
 {
-    canvas->contexts->call.ReadPixels(0, 0, canvas->size.width, canvas->size.height, GL_RGBA,
+    canvas->contexts->call.ReadPixels(0, 0, canvas->width, canvas->height, GL_RGBA,
                                       canvas_type(canvas), canvas->pixels);
 }
 

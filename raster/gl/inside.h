@@ -16,26 +16,55 @@ bool library_open(const char *const *files, void **out, struct error *err);
  * are there. */
 bool library_find_all(void *library, const char *const *names, size_t n, void *out);
 
+/* A library in use. */
+struct contexts {
+    enum gl_way way;
+    struct gl_functions call;
+    bool mirrored; /* the projection must turn y around, so that the first row that OpenGL draws is
+                      the top, and fronts go round with the clock; known when a canvas is open */
+    struct canvas *current;
+    const struct context_kind *kind; /* NULL: no library was found */
+    void *own;                       /* of osmesa.c or egl.c; owned */
+};
 /* Finds the functions of the way of *to, in the library or by its own function for that; all others
  * are NULL. Fails with EXIT_SYSTEM if one is missing. */
 bool functions_find(struct contexts *to, void *library, struct error *err);
+/* Returns false after any error of OpenGL since the last call. */
+bool functions_succeeded(const struct gl_functions *call, struct error *err);
 
 /* ---- context.c ---- */
 
-/* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
- * opens one of them. contexts_close frees *out, also after a failure. */
-bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err);
+/* Opens the library that gl_library (see driver_accepts_library) and gl_way choose: "auto" (NULL
+ * too) is the first of osmesa and egl that is there; shaders take EGL. Chooses gl_driver, with so
+ * many threads. Fails with EXIT_SYSTEM, and names the packages, where the library is missing. One
+ * process opens one of them. contexts_close frees *out, also after a failure. */
+bool contexts_open(const struct plan_options *wish, struct contexts **out, struct error *err);
 void contexts_close(struct contexts *contexts); /* NULL is fine; after all of its canvases */
+/* Returns whether OpenGL has an extension; a canvas is open. */
+bool contexts_have(const struct contexts *contexts, const char *extension);
+
+/* A context with a buffer of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
+ * own, and shares no objects. */
+struct canvas {
+    struct contexts *contexts;
+    int bits; /* of a channel: 8, 10 (EGL), 16, or 32 of floats */
+    int width, height;
+    void *context; /* the library's; NULL: none */
+    void *pixels;
+    bool is_stale; /* it has colours of another tile; its user keeps this */
+};
 /* The caller closes *out, also after a failure. */
-bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
+bool canvas_open(struct contexts *contexts, int bits, int width, int height, struct canvas **out,
                  struct error *err);
-/* Waits until all is drawn, and has filled the caller's pixels. */
-void canvas_fill(const struct canvas *canvas);
+void canvas_close(struct canvas *canvas); /* NULL is fine */
+/* Makes OpenGL draw on the canvas, whose pixels go to the caller's memory: rows from the top. */
+bool canvas_use(struct canvas *canvas, void *pixels, struct error *err);
+GLenum canvas_type(const struct canvas *canvas); /* of a channel */
 
 /* A library: all in which OSMesa and EGL differ. */
 struct context_kind {
-    const char *name;
-    bool flipped;                 /* as in struct contexts */
+    const char *name;             /* "OSMesa" or "EGL" */
+    bool flipped;                 /* the first row that OpenGL draws is the top of the picture */
     const char *const *files;     /* names of the library, then NULL */
     const char *const *functions; /* `own` of struct contexts begins with them */
     size_t n_functions, own_size; /* own_size: in bytes */
@@ -46,6 +75,7 @@ struct context_kind {
     /* of a canvas */
     bool (*open)(struct canvas *canvas, struct error *err);
     bool (*use)(struct canvas *canvas, struct error *err);
+    /* Waits until all is drawn, and has filled the caller's pixels. */
     void (*fill)(const struct canvas *canvas);
     void (*close)(struct canvas *canvas);
 };
@@ -57,9 +87,31 @@ struct library_functions {
 
 bool has_extension(const char *list, const char *name); /* list: words; NULL: none */
 
-GLenum canvas_type(const struct canvas *canvas); /* of a channel */
+/* ---- opened.c ---- */
 
-/* shadows.c. Refuses a driver that cannot draw the shadows of the plan. */
+/* As struct renderer_kind says. Uploads all but the texels of spectral textures. */
+bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err);
+/* Uploads the texels of spectral textures for the bands of a pass. */
+bool textures_upload_bands(struct drawing *of, int first_band, struct error *err);
+/* Gives the triangles of all instances that reach the tile, and are not hidden, to draw_corners. */
+bool numbers_draw(struct drawing *of, struct error *err);
+
+/* ---- frame.c ---- */
+
+/* Lets OpenGL draw into these floats from now on, or into steps; `numbers`: not colours. */
+bool frame_begin(struct drawing *of, float *floats, bool numbers, struct error *err);
+/* The next draw calls have fronts that turn as those of a mirrored instance, or of another one. */
+void turn_fronts(struct drawing *of, bool mirrored);
+extern const struct renderer_kind drawing_renderer;
+
+/* ---- shadows.c ---- */
+
+/* Refuses a driver that cannot draw the shadows of the plan. */
 bool shadows_can_draw(const struct drawing *of, struct error *err);
+/* Finds the pixels of the tile that each light with shadows reaches. Colours stay what they are. */
+bool shadows_draw(struct drawing *of, struct error *err);
+/* Returns whether the light of a group reaches each pixel of the tile; NULL: the group has no
+ * shadows. */
+const uint8_t *shadows_of(const struct drawing *of, int group);
 
 #endif

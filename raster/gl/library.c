@@ -102,7 +102,7 @@ bool functions_find(struct contexts *to, void *library, struct error *err)
         if (!found[i])
             found[i] = own->get(function);
         if (!found[i])
-            return error_unsupported(err, "%s has no function %s", to->name, function);
+            return error_unsupported(err, "%s has no function %s", to->kind->name, function);
     }
     memcpy(&to->call, found, sizeof found); /* all pointers to functions have one size in POSIX */
     return true;

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Renderers through OpenGL share this: uploads, the library as it describes itself, the driver by
- * which it is judged, the tile that is aimed at, and the pixels that are read back. Geometry is
- * uploaded once, and drawn once more in numbers. Only this file says how a vertex lies in a buffer.
- */
+/* Renderers through OpenGL share this: uploads, the library as it describes itself, and the driver
+ * by which it is judged. Geometry is uploaded once, and drawn once more in numbers. Only this file
+ * says how a vertex lies in a buffer. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -86,8 +85,9 @@ static bool meshes_upload(struct drawing *of, struct error *err)
     return true;
 }
 
-int mesh_bind(const struct drawing *of, int instance)
+int mesh_bind(struct drawing *of, int instance)
 {
+    turn_fronts(of, of->plan->instances[instance].instance.mirrored);
     of->call->BindBuffer(GL_ARRAY_BUFFER, of->objects[of->plan->instances[instance].mesh]);
     of->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(of, instance));
     return 3 * (of->plan->instances[instance].instance.n_triangles -
@@ -110,34 +110,34 @@ static void number_triangle(const struct mesh *mesh, int triangle, int placed,
     }
 }
 
-static void draw_instance(struct drawing *of, int instance, const struct numbered_draw *by,
+static void draw_instance(const struct drawing *of, int instance,
                           struct numbered_vertex batch[3 * BATCH])
 {
     const struct mesh *mesh = &of->plan->meshes[of->plan->instances[instance].mesh].mesh;
     const bool *hidden = of->lit->bounds[instance].hidden;
     int n = 0;
-    by->place(of, instance);
+    of->kind->place(of, instance);
     for (int i = 0; i < mesh->n_triangles; i++) {
         if (hidden && hidden[i])
             continue;
         number_triangle(mesh, i, instance, batch + 3 * (size_t)n++);
         if (n == BATCH) {
-            by->draw(of, batch, 3 * n);
+            of->kind->draw_corners(of, batch, 3 * n);
             n = 0;
         }
     }
     if (n > 0)
-        by->draw(of, batch, 3 * n);
+        of->kind->draw_corners(of, batch, 3 * n);
 }
 
-bool numbers_draw(struct drawing *of, const struct numbered_draw *by, struct error *err)
+bool numbers_draw(struct drawing *of, struct error *err)
 {
     struct numbered_vertex *batch;
     if (!MAKE_ARRAY(batch, 3 * BATCH, err, "%d triangles", BATCH))
         return false;
     for (int i = 0; i < of->plan->n_instances; i++)
         if (surface_reaches(&of->lit->bounds[i], &of->tile))
-            draw_instance(of, i, by, batch);
+            draw_instance(of, i, batch);
     free(batch);
     return true;
 }
@@ -159,11 +159,11 @@ static bool fits(const struct drawing *of, const struct texture *texture, struct
                              texture->image.path);
 }
 
-void texture_bind(const struct drawing *of, int index, int unit)
+void texture_bind(struct drawing *of, const struct texture *texture)
 {
-    if (of->contexts->way != GL_WITHOUT_SHADERS)
-        of->call->ActiveTexture(GL_TEXTURE0 + (GLenum)unit);
-    of->call->BindTexture(GL_TEXTURE_2D, of->textures[index * of->n_units + unit]);
+    if (of->texture != texture)
+        of->call->BindTexture(GL_TEXTURE_2D, of->textures[texture - of->plan->textures]);
+    of->texture = texture;
 }
 
 struct texel_format {
@@ -186,7 +186,7 @@ static void upload_levels(const struct drawing *of, const struct texture *textur
 }
 
 /* A spectral texture has no texels yet. */
-static bool upload_texture(const struct drawing *of, int index, struct error *err)
+static bool upload_texture(struct drawing *of, int index, struct error *err)
 {
     const struct texture *texture = &of->plan->textures[index];
     const bool shaders = of->contexts->way != GL_WITHOUT_SHADERS;
@@ -194,14 +194,12 @@ static bool upload_texture(const struct drawing *of, int index, struct error *er
                 smaller = texture->mipmapped ? GL_LINEAR_MIPMAP_LINEAR : filter;
     if (!fits(of, texture, err))
         return false;
-    of->call->GenTextures(of->n_units, of->textures + index * of->n_units);
-    for (int unit = 0; unit < (texture->spectral ? of->n_units : 1); unit++) {
-        texture_bind(of, index, unit);
-        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, smaller);
-        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
-        of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
-    }
+    of->call->GenTextures(1, &of->textures[index]);
+    texture_bind(of, texture);
+    of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, smaller);
+    of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+    of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    of->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
     const struct texel_format grey = {shaders ? GL_R32F : GL_LUMINANCE32F_ARB,
                                       shaders ? GL_RED : GL_LUMINANCE, 1};
     if (!texture->spectral)
@@ -212,7 +210,7 @@ static bool upload_texture(const struct drawing *of, int index, struct error *er
 static bool textures_upload(struct drawing *of, struct error *err)
 {
     const int n = of->plan->n_textures;
-    if (!MAKE_ARRAY(of->textures, n * of->n_units, err, "%d textures", n))
+    if (!MAKE_ARRAY(of->textures, n, err, "%d textures", n))
         return false;
     for (int i = 0; i < n; i++)
         if (texture_is_drawn(of->plan, &of->plan->textures[i]) && !upload_texture(of, i, err))
@@ -220,17 +218,24 @@ static bool textures_upload(struct drawing *of, struct error *err)
     return true;
 }
 
-bool texture_upload_bands(const struct drawing *of, int index, int first_band, struct error *err)
+bool textures_upload_bands(struct drawing *of, int first_band, struct error *err)
 {
     static const struct texel_format rgb = {GL_RGB32F_ARB, GL_RGB, BANDS_PER_PASS};
-    struct texture *texture = &of->plan->textures[index];
-    float *texels;
-    const bool done = MAKE_ARRAY(texels, texture->plane_size * BANDS_PER_PASS, err,
-                                 "the texels of %s", texture->image.path) &&
-                      pass_texels(of->plan, texture, first_band, texels, err);
-    if (done)
-        upload_levels(of, texture, &rgb, texels);
-    free(texels);
+    bool done = true;
+    for (int i = 0; i < of->plan->n_textures && done; i++) {
+        struct texture *texture = &of->plan->textures[i];
+        float *texels;
+        if (!of->textures[i] || !texture->spectral)
+            continue;
+        done = MAKE_ARRAY(texels, texture->plane_size * BANDS_PER_PASS, err, "the texels of %s",
+                          texture->image.path) &&
+               pass_texels(of->plan, texture, first_band, texels, err);
+        if (done) {
+            texture_bind(of, texture);
+            upload_levels(of, texture, &rgb, texels);
+        }
+        free(texels);
+    }
     return done;
 }
 
@@ -249,20 +254,20 @@ static void copy_text(const struct gl_functions *call, GLenum name, char out[128
 
 static void identify(const struct contexts *contexts, struct renderer_names *out)
 {
-    snprintf(out->library, sizeof out->library, "%s", contexts->name);
+    snprintf(out->library, sizeof out->library, "%s", contexts->kind->name);
     copy_text(&contexts->call, GL_RENDERER, out->renderer);
     copy_text(&contexts->call, GL_VERSION, out->version);
 }
 
-bool contexts_describe(const struct context_wish *wish, struct context_description *out,
+bool contexts_describe(const struct plan_options *wish, struct context_description *out,
                        struct error *err)
 {
     struct contexts *contexts;
     struct canvas *canvas = NULL;
     GLfloat pixel[4];
-    const struct canvas_size size = {.bits = 32, .width = 1, .height = 1, .n_colours = 1};
     const bool done = contexts_open(wish, &contexts, err) &&
-                      canvas_open(contexts, &size, &canvas, err) && canvas_use(canvas, pixel, err);
+                      canvas_open(contexts, 32, 1, 1, &canvas, err) &&
+                      canvas_use(canvas, pixel, err);
     if (done) {
         const struct gl_functions *call = &contexts->call;
         identify(contexts, &out->names);
@@ -277,7 +282,7 @@ bool contexts_describe(const struct context_wish *wish, struct context_descripti
 
 void gl_library(char *out, size_t capacity)
 {
-    const struct context_wish wish = {.threads = 1};
+    const struct plan_options wish = {.threads = 1};
     struct context_description is;
     struct error err = {.status = EXIT_AGREED};
     if (built_in)
@@ -291,59 +296,86 @@ void gl_library(char *out, size_t capacity)
 
 /* ---- opening ---- */
 
-bool drawing_open(struct drawing *of, int n_buffers, struct error *err)
+static bool make_buffers(struct drawing *of, int n_buffers, struct error *err)
 {
     const struct plan *plan = of->plan;
-    const struct context_wish wish = {plan->options.gl_library, plan->options.gl_driver,
-                                      plan->options.threads, plan->options.gl_way};
-    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    if (!renderer_make_buffers(&of->renderer, n_buffers, n, "the pixels of a tile", err) ||
-        !(plan->view.n_shadowed == 0 ||
-          (MAKE_ARRAY(of->reached, (size_t)plan->view.n_shadowed * n, err,
-                      "the shadows of a tile") &&
-           MAKE_ARRAY(of->counts, n, err, "the shadows of a tile"))) ||
-        !(plan->n_light_groups == 1 || MAKE_ARRAY(of->part, 4 * n, err, "the pixels of a tile")) ||
-        !(!plan->options.check || (MAKE_ARRAY(of->shown, 4 * n, err, "the numbers of a tile") &&
-                                   MAKE_ARRAY(of->depths, n, err, "the depths of a tile"))))
-        return false;
-    driver_count_threads(&of->before);
-    if (!contexts_open(&wish, &of->contexts, err))
-        return false;
-    of->call = &of->contexts->call;
-    return true;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height,
+                 size = plan->options.buffer_bits > 8 ? 8 : 4,
+                 n_shadows = (size_t)plan->view.n_shadowed;
+    return renderer_make_buffers(&of->renderer, n_buffers, n, "the pixels of a tile", err) &&
+           (n_shadows == 0 ||
+            (MAKE_ARRAY(of->reached, n_shadows * n, err, "the shadows of a tile") &&
+             MAKE_ARRAY(of->counts, n, err, "the shadows of a tile"))) &&
+           (plan->n_light_groups == 1 ||
+            MAKE_ARRAY(of->part, 4 * n, err, "the pixels of a tile")) &&
+           (!plan->options.check || (MAKE_ARRAY(of->shown, 4 * n, err, "the numbers of a tile") &&
+                                     MAKE_ARRAY(of->depths, n, err, "the depths of a tile"))) &&
+           (buffer_steps(plan) == 0 ||
+            MAKE_ARRAY(of->steps, size * n, err, "the pixels of a tile"));
 }
 
-bool drawing_canvas(const struct drawing *of, int bits, int n_colours, struct canvas **out,
-                    struct error *err)
+/* Opens a canvas of the size of a tile, and lets OpenGL draw there. */
+static bool open_canvas(struct drawing *of, bool numbers, struct error *err)
 {
-    const struct canvas_size size = {bits, of->plan->tile_width, of->plan->tile_height, n_colours};
-    return canvas_open(of->contexts, &size, out, err);
+    const struct plan *plan = of->plan;
+    return canvas_open(of->contexts, of->steps && !numbers ? plan->options.buffer_bits : 32,
+                       plan->tile_width, plan->tile_height, numbers ? &of->numbers : &of->colours,
+                       err) &&
+           frame_begin(of, numbers ? of->shown : of->renderer.buffers[0], numbers, err);
 }
 
-bool drawing_accept(struct drawing *of, struct error *err)
+/* Takes the names of what draws the plan, and the driver of that name. A canvas is in use. Refuses
+ * a tile that is too large for OpenGL, another driver than the wanted one, which was chosen before
+ * the first canvas, and what driver_has_threads refuses. */
+static bool accept(struct drawing *of, struct error *err)
 {
-    static const char *const any[] = {
-        [GL_WITHOUT_SHADERS] = "gl", [GL_CORE] = "gl-shader", [GL_ES] = "es-shader"};
     const struct contexts *contexts = of->contexts;
+    const bool is_es = contexts->way == GL_ES;
     const char *wanted = of->plan->options.gl_driver;
     struct renderer_names *names = &of->renderer.names;
     GLint largest[2] = {0, 0};
     of->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, largest);
     if (largest[0] < of->plan->tile_width || largest[1] < of->plan->tile_height)
-        return error_unsupported(err, "%s draws at most %d x %d pixels at once", contexts->name,
-                                 largest[0], largest[1]);
+        return error_unsupported(err, "%s draws at most %d x %d pixels at once",
+                                 contexts->kind->name, largest[0], largest[1]);
     identify(contexts, names);
-    /* OpenGL ES filters floats where an extension allows it */
-    of->renderer.unfiltered =
-        contexts->way == GL_ES && !contexts_have(contexts, "GL_OES_texture_float_linear");
+    /* OpenGL ES filters floats, and has its depths read, where an extension allows it */
+    of->renderer.unfiltered = is_es && !contexts_have(contexts, "GL_OES_texture_float_linear");
+    of->renderer.lacks.depths =
+        is_es && of->plan->options.check && !contexts_have(contexts, "GL_NV_read_depth_stencil");
     if (wanted && strncmp(names->renderer, wanted, strlen(wanted)) != 0)
         return error_unsupported(err,
                                  "this %s draws with %.100s, not with %s; --renderer %s takes any "
                                  "driver",
-                                 names->library, names->renderer, wanted, any[contexts->way]);
+                                 names->library, names->renderer, wanted,
+                                 renderer_words[contexts->way * WAY_WORDS]);
     of->renderer.driver = *driver_of(names->renderer);
     driver_of_version(&of->renderer.driver, names->version);
-    return driver_has_threads(names->renderer, &of->before, err) && shadows_can_draw(of, err);
+    return driver_has_threads(names->renderer, err) && shadows_can_draw(of, err);
+}
+
+bool drawing_open(const struct drawing_kind *kind, const struct plan *plan, int n_buffers,
+                  struct renderer **out, struct error *err)
+{
+    struct drawing *of;
+    *out = NULL;
+    if (!memory_make(&of, 1, kind->size))
+        return memory_lacks(err, (double)kind->size, "a renderer");
+    *out = &of->renderer;
+    of->renderer.kind = &drawing_renderer;
+    of->kind = kind;
+    of->plan = plan;
+    of->front = GL_CCW;
+    if (!make_buffers(of, n_buffers, err) || !contexts_open(&plan->options, &of->contexts, err))
+        return false;
+    of->call = &of->contexts->call;
+    if (!open_canvas(of, false, err) || !accept(of, err) || !kind->set_state(of, err))
+        return false;
+    if (of->steps && plan->options.check &&
+        (!open_canvas(of, true, err) || !kind->set_state(of, err) ||
+         !frame_begin(of, NULL, false, err)))
+        return false;
+    return functions_succeeded(of->call, err);
 }
 
 bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err)
@@ -351,44 +383,4 @@ bool drawing_take_scene(struct renderer *renderer, const struct lit_scene *lit, 
     struct drawing *of = (struct drawing *)renderer;
     of->lit = lit;
     return meshes_upload(of, err) && textures_upload(of, err) && functions_succeeded(of->call, err);
-}
-
-void drawing_close(struct drawing *of)
-{
-    contexts_close(of->contexts);
-    FREE_ALL(of->objects, of->indices, of->textures, of->part, of->shown, of->depths, of->reached,
-             of->counts);
-    renderer_free(&of->renderer);
-}
-
-/* ---- a tile ---- */
-
-void drawing_clear(const struct drawing *of, bool *is_stale)
-{
-    const GLbitfield colours = *is_stale ? GL_COLOR_BUFFER_BIT : 0;
-    of->call->Clear(colours | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    *is_stale = false;
-}
-
-/* A smaller tile lies in the first rows of the buffer. */
-void drawing_set_viewport(const struct drawing *of)
-{
-    of->call->Viewport(0, of->contexts->flipped ? 0 : of->plan->tile_height - of->tile.height,
-                       of->tile.width, of->tile.height);
-}
-
-void drawing_read_depths(const struct drawing *of)
-{
-    if (of->depths)
-        of->call->ReadPixels(0, 0, of->plan->tile_width, of->plan->tile_height, GL_DEPTH_STENCIL,
-                             GL_UNSIGNED_INT_24_8, of->depths);
-}
-
-struct shown drawing_shown(const struct renderer *renderer, int x, int y)
-{
-    const struct drawing *of = (const struct drawing *)renderer;
-    const size_t width = (size_t)of->plan->tile_width,
-                 row = (size_t)(of->contexts->flipped ? y : of->plan->tile_height - 1 - y);
-    return shown_of(of->plan->n_instances, of->shown + 4 * ((size_t)y * width + (size_t)x),
-                    of->depths ? of->depths[row * width + (size_t)x] : 0);
 }

@@ -35,10 +35,10 @@ static bool open_canvas(struct canvas *canvas, struct error *err)
 static bool use_canvas(struct canvas *canvas, struct error *err)
 {
     const struct osmesa *osmesa = osmesa_of(canvas);
-    if (!osmesa->make_current(canvas->context, canvas->pixels, canvas_type(canvas),
-                              canvas->size.width, canvas->size.height))
+    if (!osmesa->make_current(canvas->context, canvas->pixels, canvas_type(canvas), canvas->width,
+                              canvas->height))
         return error_system(err, "OSMesa gives no context of %d x %d pixels of %d bits a channel",
-                            canvas->size.width, canvas->size.height, canvas->size.bits);
+                            canvas->width, canvas->height, canvas->bits);
     if (canvas->contexts->current != canvas)
         osmesa->pixel_store(OSMESA_Y_UP, 0); /* first row on top, as in the picture */
     return true;
@@ -62,16 +62,9 @@ static const char *const files[] = {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMe
 static const char *const functions[] = {"OSMesaGetProcAddress", "OSMesaCreateContextExt",
                                         "OSMesaDestroyContext", "OSMesaMakeCurrent",
                                         "OSMesaPixelStore"};
-const struct context_kind osmesa_kind = {"OSMesa",
-                                         false,
-                                         files,
-                                         functions,
-                                         sizeof functions / sizeof *functions,
-                                         sizeof(struct osmesa),
-                                         "libOSMesa lacks a function of OSMesa 8",
-                                         NULL,
-                                         NULL,
-                                         open_canvas,
-                                         use_canvas,
-                                         fill_canvas,
-                                         close_canvas};
+enum { N_FUNCTIONS = sizeof functions / sizeof *functions };
+static const char too_old[] = "libOSMesa lacks a function of OSMesa 8";
+
+const struct context_kind osmesa_kind = {
+    "OSMesa", false, files,       functions,  N_FUNCTIONS, sizeof(struct osmesa), too_old,
+    NULL,     NULL,  open_canvas, use_canvas, fill_canvas, close_canvas};

@@ -20,7 +20,7 @@ bool shadows_can_draw(const struct drawing *of, struct error *err)
            error_unsupported(err,
                              "%s draws no shadows, which need %s; --renderer raster draws them "
                              "without OpenGL",
-                             of->contexts->name, needed);
+                             of->contexts->kind->name, needed);
 }
 
 /* Counts the faces of triangles that are turned outward, or inward. */
@@ -30,36 +30,30 @@ static void count_faces(const struct drawing *of, bool outward)
     of->call->StencilOpSeparate(outward ? GL_FRONT : GL_BACK, GL_KEEP, GL_DECR_WRAP, GL_KEEP);
 }
 
-/* Shadow volumes as they are drawn, without numbers. */
-struct volume_draw {
-    struct drawing *of;
-    const struct numbered_draw *by;
-    struct numbered_vertex *corners; /* room for those of any volume; owned */
-};
-
-static void draw_triangles(const struct volume_draw *draw, const struct volume *volume, int first,
-                           int n)
+/* Draws triangles of a volume, without numbers; `corners` has room for those of any volume. */
+static void draw_triangles(struct drawing *of, const struct volume *volume, int first, int n,
+                           struct numbered_vertex *corners)
 {
     if (n == 0)
         return;
-    volume_corners(volume, first, n, sizeof *draw->corners / sizeof(float), (float *)draw->corners);
-    draw->by->draw(draw->of, draw->corners, 3 * n);
-    draw->of->renderer.work.draw_calls++;
+    volume_corners(volume, first, n, sizeof *corners / sizeof(float), (float *)corners);
+    of->kind->draw_corners(of, corners, 3 * n);
+    of->renderer.work.draw_calls++;
 }
 
-static void draw_volume(const struct volume_draw *draw, const struct volume *volume)
+static void draw_volume(struct drawing *of, const struct volume *volume,
+                        struct numbered_vertex *corners)
 {
-    struct drawing *of = draw->of;
     const struct placed_instance *placed = &of->plan->instances[volume->instance];
     const int n_inward = volume->n - volume->n_outward, n_caps = volume->n_caps;
-    of->call->FrontFace(placed->instance.mirrored != of->contexts->mirrored ? GL_CW : GL_CCW);
-    draw->by->place(of, volume->instance);
+    turn_fronts(of, placed->instance.mirrored);
+    of->kind->place(of, volume->instance);
     count_faces(of, true);
-    draw_triangles(draw, volume, n_caps, volume->n_outward - n_caps);
+    draw_triangles(of, volume, n_caps, volume->n_outward - n_caps, corners);
     of->call->Disable(GL_DEPTH_CLAMP);
-    draw_triangles(draw, volume, 0, n_caps);
+    draw_triangles(of, volume, 0, n_caps, corners);
     count_faces(of, false);
-    draw_triangles(draw, volume, volume->n_outward, n_inward);
+    draw_triangles(of, volume, volume->n_outward, n_inward, corners);
     of->call->Enable(GL_DEPTH_CLAMP);
 }
 
@@ -72,7 +66,7 @@ static void read_reached(struct drawing *of, int shadowed)
     of->call->ReadPixels(0, 0, width, height, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, of->counts);
     for (int y = 0; y < height; y++) {
         const uint32_t *row =
-            of->counts + (size_t)(of->contexts->flipped ? y : height - 1 - y) * (size_t)width;
+            of->counts + (size_t)(of->contexts->kind->flipped ? y : height - 1 - y) * (size_t)width;
         for (int x = 0; x < width; x++)
             if ((row[x] & 0xff) != 0)
                 reached[(size_t)y * (size_t)width + (size_t)x] = 0;
@@ -83,9 +77,8 @@ static void read_reached(struct drawing *of, int shadowed)
 /* Counts the volumes of a light, some at a time: 8 bits count to 255. A surface lies in no more
  * volumes than there are caps. A volume with more caps has no ray that meets so many: see may_wrap
  * in raster/volumes. */
-static void count_volumes(const struct volume_draw *draw, int shadowed)
+static void count_volumes(struct drawing *of, int shadowed, struct numbered_vertex *corners)
 {
-    struct drawing *of = draw->of;
     const struct volumes *volumes = of->lit->volumes;
     const size_t n = (size_t)of->plan->tile_width * (size_t)of->plan->tile_height;
     int n_caps = 0;
@@ -100,41 +93,35 @@ static void count_volumes(const struct volume_draw *draw, int shadowed)
             read_reached(of, shadowed);
             n_caps = 0;
         }
-        draw_volume(draw, volume);
+        draw_volume(of, volume, corners);
         n_caps += more;
     }
     read_reached(of, shadowed);
 }
 
-/* Makes room for the corners of the largest volume. */
-static bool open_draw(struct volume_draw *draw, struct error *err)
+bool shadows_draw(struct drawing *of, struct error *err)
 {
-    const struct volumes *volumes = draw->of->lit->volumes;
+    const struct gl_functions *call = of->call;
+    const struct volumes *volumes = of->lit->volumes;
+    struct numbered_vertex *corners;
     int most = 0;
     for (int i = 0; i < volumes->n; i++)
         most = volumes->list[i].n > most ? volumes->list[i].n : most;
-    return MAKE_ARRAY(draw->corners, 3 * (size_t)most, err, "the corners of a shadow");
-}
-
-bool shadows_draw(struct drawing *of, const struct numbered_draw *by, struct error *err)
-{
-    const struct gl_functions *call = of->call;
-    struct volume_draw draw = {.of = of, .by = by};
     call->Clear(GL_DEPTH_BUFFER_BIT);
     call->ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
-    const bool done = open_draw(&draw, err) && numbers_draw(of, by, err);
+    const bool done = MAKE_ARRAY(corners, 3 * (size_t)most, err, "the corners of a shadow") &&
+                      numbers_draw(of, err);
     call->DepthMask(GL_FALSE);
     call->Enable(GL_DEPTH_CLAMP);
     call->Enable(GL_STENCIL_TEST);
     for (int i = 0; done && i < of->plan->view.n_shadowed; i++)
-        count_volumes(&draw, i);
+        count_volumes(of, i, corners);
     call->Disable(GL_STENCIL_TEST);
     call->Disable(GL_DEPTH_CLAMP);
     call->DepthMask(GL_TRUE);
     call->ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
-    call->FrontFace(of->contexts->mirrored ? GL_CW : GL_CCW);
-    free(draw.corners);
+    free(corners);
     of->has_shadows = done;
     return done;
 }

@@ -22,15 +22,6 @@ static bool check_stack_name(const char *path, struct error *err)
                     "pictures)");
 }
 
-/* Refuses outputs of an unknown format. */
-static bool check_asked(const struct options *options, const struct render_output *output,
-                        struct error *err)
-{
-    const struct render_options *own = options->own;
-    return check_stack_name(output->path, err) && check_stack_name(own->maps, err) &&
-           (!output->check_map || picture_accepts(output->check_map, err));
-}
-
 /* Refuses to make OpenGL's pixels again in a program without OpenGL. */
 static bool check_again(const struct render_options *own, const struct render_output *output,
                         struct error *err)
@@ -192,7 +183,9 @@ bool render_with_options(const struct options *options, const struct render_outp
     complete.notes = !options->quiet || options->json ? &job.notes : NULL;
     struct rendered rendered = {
         .options = options, .plan = &job.plan, .output = &complete, .made = made};
-    const bool done = check_asked(options, output, err) && check_again(own, output, err) &&
+    const bool done = check_stack_name(output->path, err) && check_stack_name(own->maps, err) &&
+                      (!output->check_map || picture_accepts(output->check_map, err)) &&
+                      check_again(own, output, err) &&
                       job_read(options, output->foreign, &job, err) &&
                       check_same_scene(options, &job.scene, output->again, made, err) &&
                       job_plan(options, &job, err) && options_check_outputs(options, err) &&
@@ -285,7 +278,7 @@ static const struct option renderer_rows[] = {
     {"--renderer gl|llvmpipe|softpipe|gl-shader[:DRIVER]|es-shader[:DRIVER]|raster",
      "stores pixels of gl (default), of its driver llvmpipe or softpipe, of shaders by OpenGL 3.3 "
      "core or OpenGL ES 3, or of the reference",
-     OWN(TEXT, render_options, renderer), .accepts = driver_accepts_renderer, .recorded = true},
+     OWN(TEXT, render_options, renderer), .choices = renderer_words, .recorded = true},
     {"--buffer 8|10|16|float", "bits of OpenGL's colours (default: float); 10 needs --gl egl",
      OWN(TEXT, render_options, buffer), .choices = buffers, .recorded = true},
 };

@@ -8,9 +8,6 @@
 
 /* ---- notes.c: a list of notes ---- */
 
-/* Makes the notes on a plan. Refuses what lit_make refuses, as a render does. */
-bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out,
-                   struct error *err);
 /* Leaves one note, on a picture that shows no object. */
 void notes_of_nothing(struct notes *notes);
 

@@ -196,15 +196,6 @@ bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *ou
     return !shading_judge || shading_judge->judge(lit, judged_pixels, out, err);
 }
 
-bool notes_of_plan(const struct plan *plan, int judged_pixels, struct notes *out, struct error *err)
-{
-    struct lit_scene lit;
-    const bool done =
-        lit_make(plan, driver_of(NULL), &lit, err) && notes_make(&lit, judged_pixels, out, err);
-    lit_free(&lit);
-    return done;
-}
-
 void notes_print(const struct notes *notes, struct printed *to)
 {
     for (int i = 0; i < notes->n; i++)

@@ -4,6 +4,16 @@
 
 #include "raster/render/inside.h"
 
+/* Makes the notes on a plan. Refuses what lit_make refuses, as a render does. */
+static bool make_notes(const struct plan *plan, struct notes *out, struct error *err)
+{
+    struct lit_scene lit;
+    const bool done =
+        lit_make(plan, driver_of(NULL), &lit, err) && notes_make(&lit, MANY_PIXELS, out, err);
+    lit_free(&lit);
+    return done;
+}
+
 static bool put_plan(const struct render_job *job, const char *detector, struct json *json,
                      struct error *err)
 {
@@ -19,8 +29,7 @@ static bool run_plan(struct options *options, struct error *err)
     struct json json;
     (options->json ? json_begin : words_begin)(&json);
     const bool made = scene_read_sampled(options, &job.scene, &job.sampling, err) &&
-                      job_plan(options, &job, err) &&
-                      notes_of_plan(&job.plan, MANY_PIXELS, &job.notes, err) &&
+                      job_plan(options, &job, err) && make_notes(&job.plan, &job.notes, err) &&
                       put_plan(&job, options->detector, &json, err);
     const bool done = json_write(&json, options->json, &options->outputs, err) && made;
     job_free(&job);

@@ -157,10 +157,9 @@ static bool prepare(struct rendering *of, struct error *err)
     struct render_result *result = of->result;
     const struct render_output *output = of->output;
     if (!open_renderer(of, err) || !lit_make(of->plan, &result->driver, &of->lit, err) ||
-        !make_volumes(of, err) ||
+        !make_volumes(of, err) || !find_full_scale(&of->lit, err) ||
         (of->renderer && of->renderer->kind->take_scene &&
          !of->renderer->kind->take_scene(of->renderer, &of->lit, err)) ||
-        !find_full_scale(&of->lit, err) ||
         (output->notes && !notes_make(&of->lit, SOME_PIXELS, output->notes, err)))
         return false;
     result->full_scale = of->lit.full_scale;
@@ -202,16 +201,6 @@ static void take_results(struct rendering *of)
     }
 }
 
-/* Refuses samples that no page can hold. */
-static bool are_finite(const struct render_result *result, struct error *err)
-{
-    return result->odd.undefined == 0 ||
-           error_failed(err,
-                        "%llu samples are not finite (or too large for a float page); "
-                        "nothing was written",
-                        (unsigned long long)result->odd.undefined);
-}
-
 /* Completes the stack, compares it with the stack that is made again, and commits it if it agrees
  * or is kept anyway. */
 static bool finish_stack(struct rendering *of, struct error *err)
@@ -223,8 +212,11 @@ static bool finish_stack(struct rendering *of, struct error *err)
     char verdict[STACK_VERDICT];
     if (!output->keep && !again && !render_agreed(plan, result))
         return true;
-    if (!are_finite(result, err))
-        return false;
+    if (result->odd.undefined > 0)
+        return error_failed(err,
+                            "%llu samples are not finite (or too large for a float page); "
+                            "nothing was written",
+                            (unsigned long long)result->odd.undefined);
     report_verdict(plan, &result->check, verdict);
     if (!stack_finish(&of->stack, verdict, err) ||
         (again && !stack_compare(&of->stack, again, &result->difference, err)))

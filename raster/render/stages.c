@@ -73,8 +73,7 @@ static bool draw_frame(struct state *state, int tile, int first_band, struct err
               place = places_wait(&state->frames, 0);
     double since = clock_seconds();
     if (place < 0 ||
-        (renderer->kind->draw &&
-         !renderer->kind->draw(renderer, place, first_band, state->of->lit.full_scale, err)))
+        (renderer->kind->draw && !renderer->kind->draw(renderer, place, first_band, err)))
         return false;
     clock_in(&since, &state->of->result->seconds.gl);
     places_set(&state->frames, place, frame_number(state, tile, frame));
@@ -112,13 +111,11 @@ static bool draw_tiles(void *context, struct error *err)
     struct state *state = context;
     const struct plan *plan = state->plan;
     const int n_tiles = plan_tiles(plan, &state->of->region), n_frames = plan->passes.n_frames;
-    struct renderer *renderer = state->of->renderer;
     int *first_bands;
+    bool done = true;
     if (!MAKE_ARRAY(first_bands, n_frames, err, "the order of passes"))
         return false;
     order_frames(state, first_bands);
-    bool done =
-        !renderer->kind->expect || renderer->kind->expect(renderer, first_bands, n_frames, err);
     for (int i = 0; i < n_tiles && done; i++)
         done = draw_tile(state, i, first_bands, err);
     free(first_bands);
@@ -132,6 +129,7 @@ struct tile_pass {
     struct state *state;
     const struct tile *tile;
     int pass;
+    int place;               /* of its frame, unless it is dark */
     const float *pixels;     /* OpenGL's; NULL: it does not draw */
     size_t stride;           /* of its rows, in pixels */
     pthread_mutex_t lock;    /* of these sums, and of the result's odd samples: */
@@ -286,15 +284,25 @@ static void close_checks(struct state *state, const struct tile *tile)
 
 /* ---- the frame of a pass ---- */
 
-/* Finds the pixels of the passes that show a frame; waits until OpenGL has drawn it. Returns the
- * place of the frame; -1: the other stage has failed. */
-static int find_frame(struct state *state, int frame, struct tile_pass *of)
+/* Finds the pixels of a pass, black ones where it is dark, and the texels that it shows. Waits
+ * until OpenGL has drawn its frame; false: the other stage has failed, or this one. */
+static bool find_pixels(struct tile_pass *of, struct error *err)
 {
-    const int place = places_wait(&state->frames, frame_number(state, state->tile, frame));
-    if (place >= 0)
-        of->pixels = state->of->renderer->buffers[place];
-    of->stride = (size_t)state->plan->tile_width;
-    return place;
+    struct state *state = of->state;
+    const struct renderer *renderer = state->of->renderer;
+    const int frame = state->plan->passes.frame[of->pass];
+    of->pixels = renderer ? state->black : NULL;
+    if (renderer && frame != DARK) {
+        of->place = places_wait(&state->frames, frame_number(state, state->tile, frame));
+        if (of->place < 0)
+            return false;
+        of->pixels = renderer->buffers[of->place];
+        of->stride = (size_t)state->plan->tile_width;
+    }
+    double since = clock_seconds();
+    const bool done = plan_load_textures(state->plan, of->pass * BANDS_PER_PASS, err);
+    clock_in(&since, &state->of->result->seconds.read);
+    return done;
 }
 
 /* The current frame is not needed any more. */
@@ -305,38 +313,16 @@ static void leave_frame(struct state *state)
     state->frame = DARK;
 }
 
-/* Finds the pixels of a pass, which come in the order of passes. */
-static bool find_pixels(struct state *state, struct tile_pass *of)
-{
-    const int frame = state->plan->passes.frame[of->pass];
-    if (!state->of->renderer)
-        return true;
-    if (frame == DARK) {
-        of->pixels = state->black;
-        return true;
-    }
-    if (frame != state->frame)
-        leave_frame(state);
-    state->place = find_frame(state, frame, of);
-    state->frame = state->place >= 0 ? frame : DARK;
-    return state->place >= 0;
-}
-
 /* Learns from all passes that hold pilots; a pass is dark where only materials out of view have
  * light. */
 static bool learn_pilots(struct state *state, const struct tile *tile, struct error *err)
 {
     const struct fit *fit = &state->of->check_scene.fit;
     for (int i = 0; i < fit->n_passes; i++) {
-        const int frame = state->plan->passes.frame[fit->passes[i]];
-        struct tile_pass of = {
-            .state = state, .tile = tile, .pass = fit->passes[i], .pixels = state->black};
-        if (frame != DARK && find_frame(state, frame, &of) < 0)
+        struct tile_pass of = {.state = state, .tile = tile, .pass = fit->passes[i]};
+        if (!find_pixels(&of, err))
             return false;
         double since = clock_seconds();
-        if (!plan_load_textures(state->plan, of.pass * BANDS_PER_PASS, err))
-            return false;
-        clock_in(&since, &state->of->result->seconds.read);
         share_work(&of, tile->n_chunks, learn_chunk);
         clock_in(&since, &state->of->result->seconds.check);
     }
@@ -366,17 +352,21 @@ static void count_next(struct state *state, const struct tile *tile, int pass)
     state->written = last;
 }
 
+/* Passes come in their order, so that a frame is left where another one begins. */
 static bool treat_pass(struct state *state, const struct tile *tile, int pass, struct error *err)
 {
-    struct render_result *result = state->of->result;
+    const int frame = state->of->renderer ? state->plan->passes.frame[pass] : DARK;
     struct tile_pass of = {
         .state = state, .tile = tile, .pass = pass, .lock = PTHREAD_MUTEX_INITIALIZER, .err = err};
-    if (!find_pixels(state, &of))
+    if (frame != DARK && frame != state->frame)
+        leave_frame(state);
+    if (!find_pixels(&of, err))
         return false;
+    if (frame != DARK) {
+        state->frame = frame;
+        state->place = of.place;
+    }
     double since = clock_seconds(), seconds = 0;
-    if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
-        return false;
-    clock_in(&since, &result->seconds.read);
     count_next(state, tile, pass);
     share_work(&of, 1 + tile->n_chunks, write_or_treat);
     clock_in(&since, &seconds);
@@ -446,13 +436,6 @@ static bool add_object_map(struct state *state, const struct tile *tile, struct 
 
 /* ---- judging ---- */
 
-static void take_step(struct state *state)
-{
-    state->steps++;
-    if (state->of->progress)
-        progress_show(state->of->progress, state->steps, state->all_steps);
-}
-
 static bool treat_tile(void *context, const struct tile *tile, struct error *err)
 {
     struct state *state = context;
@@ -466,7 +449,9 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
     done = done && learn_pilots(state, tile, err);
     for (int pass = 0; done && pass < state->plan->n_passes; pass++) {
         done = treat_pass(state, tile, pass, err);
-        take_step(state);
+        state->steps++;
+        if (state->of->progress)
+            progress_show(state->of->progress, state->steps, state->all_steps);
     }
     leave_frame(state);
     done = done && settle_checks(state, tile, err);

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/text/text.h"
 #include "raster/renderers/renderers.h"
 
 /* ---- errors and rules ---- */
@@ -68,44 +67,27 @@ void driver_print(const struct driver *driver, char out[DRIVER_WORDS])
 
 /* ---- --renderer ---- */
 
-/* Returns the name of the known driver that has this one; NULL: there is none. */
-static const char *find_driver(const char *name)
-{
-    for (size_t i = 0; i < N_KNOWN; i++)
-        if (strcmp(name, drivers[i].name) == 0)
-            return drivers[i].name;
-    return NULL;
-}
+const char *const renderer_words[] = {"gl",
+                                      "llvmpipe",
+                                      "softpipe",
+                                      "gl-shader",
+                                      "gl-shader:llvmpipe",
+                                      "gl-shader:softpipe",
+                                      "es-shader",
+                                      "es-shader:llvmpipe",
+                                      "es-shader:softpipe",
+                                      "raster",
+                                      NULL};
 
 enum gl_way driver_way(const char *renderer, const char **driver)
 {
-    static const char *const words[] = {[GL_CORE] = "gl-shader", [GL_ES] = "es-shader"};
-    const char *colon = renderer ? strchr(renderer, ':') : NULL;
-    *driver = renderer ? find_driver(colon ? colon + 1 : renderer) : NULL;
-    for (int way = GL_CORE; renderer && way <= GL_ES; way++)
-        if (strncmp(renderer, words[way], strlen(words[way])) == 0)
-            return (enum gl_way)way;
+    *driver = NULL;
+    for (int i = 0; renderer && i < GL_WAYS * WAY_WORDS; i++)
+        if (strcmp(renderer, renderer_words[i]) == 0) {
+            *driver = i % WAY_WORDS > 0 ? drivers[i % WAY_WORDS - 1].name : NULL;
+            return (enum gl_way)(i / WAY_WORDS);
+        }
     return GL_WITHOUT_SHADERS;
-}
-
-bool driver_accepts_renderer(const char *option, const char *value, struct error *err)
-{
-    static const char *const known[] = {"gl",     "llvmpipe",         "softpipe",
-                                        "raster", "gl-shader:DRIVER", "es-shader:DRIVER"};
-    const size_t length = strlen("gl-shader"); /* es-shader is as long */
-    const char *driver;
-    const bool shaders = driver_way(value, &driver) != GL_WITHOUT_SHADERS;
-    if (shaders && (value[length] == '\0' || (value[length] == ':' && driver)))
-        return true;
-    if ((!shaders && find_driver(value)) || strcmp(value, "gl") == 0 ||
-        strcmp(value, "raster") == 0)
-        return true;
-    const struct word typed = {.start = value, .length = strlen(value)};
-    struct suggestion suggestion = {.distance = 0};
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
-        suggestion_add(&suggestion, &typed, known[i], strlen(known[i]));
-    return error_usage(err, "%s: unknown renderer '%.100s'; %s", option, value,
-                       suggestion_end(&suggestion, "known are"));
 }
 
 /* ---- --gl ---- */

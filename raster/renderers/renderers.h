@@ -72,27 +72,20 @@ void driver_print(const struct driver *driver, char out[DRIVER_WORDS]);
 /* The way in which OpenGL draws: with lighting of its own (OpenGL 1.x); with our shaders, by OpenGL
  * 3.3 core or by OpenGL ES 3.0. */
 enum gl_way { GL_WITHOUT_SHADERS, GL_CORE, GL_ES, GL_WAYS };
-/* driver.c. Accepts the words of --renderer: "gl", "llvmpipe", "softpipe", "raster"; "gl-shader"
- * and "es-shader", alone or with ":llvmpipe" or ":softpipe". */
-bool driver_accepts_renderer(const char *option, const char *value, struct error *err);
+/* driver.c. The words of --renderer: for each way its own word, then that with each of Mesa's
+ * drivers; "raster", NULL. */
+enum { WAY_WORDS = 3 };
+extern const char *const renderer_words[GL_WAYS * WAY_WORDS + 2];
 /* Returns the way of such a word, NULL: none was given. *driver: Mesa's; NULL: any. */
 enum gl_way driver_way(const char *renderer, const char **driver);
 /* Accepts the words of --gl: "osmesa", "egl", "egl:N", "auto". */
 bool driver_accepts_library(const char *option, const char *value, struct error *err);
 int driver_device(const char *library); /* N of "egl:N"; -1 of other words */
 
-/* driver_threads.c. Threads of this process: of llvmpipe, and those that have this thread's name,
- * which a new thread has until it takes its own. */
-struct driver_threads {
-    long of_llvmpipe, unnamed;
-};
-/* Returns false where they cannot be counted. */
-bool driver_count_threads(struct driver_threads *out);
-/* Refuses a driver that has fewer threads than it has asked for. Where the system gives llvmpipe
- * fewer, Mesa 22.3.6 goes on, and then waits for ever: its fences count the threads that were asked
- * for (lp_fence_create in lp_setup.c). `before`: counted before the first context. */
-bool driver_has_threads(const char *gl_renderer, const struct driver_threads *before,
-                        struct error *err);
+/* driver_threads.c. Refuses a driver that has fewer threads than it has asked for. Where the system
+ * gives llvmpipe fewer, Mesa 22.3.6 goes on, and then waits for ever: its fences count the threads
+ * that were asked for (lp_fence_create in lp_setup.c). */
+bool driver_has_threads(const char *gl_renderer, struct error *err);
 
 /* The nearest fragment of a pixel, as the renderer draws it. */
 struct shown {
@@ -138,17 +131,14 @@ struct renderer {
 };
 /* All but `shown` may be NULL, where a renderer has nothing to do: its pixels are there already. */
 struct renderer_kind {
-    /* Takes the lit scene of the plan, before the first `aim`. It must outlive the renderer. */
+    /* Takes the lit scene of the plan, with its full scale, before the first `aim`. It must outlive
+     * the renderer. */
     bool (*take_scene)(struct renderer *of, const struct lit_scene *lit, struct error *err);
     /* Aims at a tile of the picture, of at most the plan's tile size in pixels. */
     void (*aim)(struct renderer *of, const struct rectangle *tile);
-    /* Says which first bands `draw` will get on each tile, in this order. Comes before the first
-     * `aim`. */
-    bool (*expect)(struct renderer *of, const int *first_bands, int n, struct error *err);
     /* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed
      * tile into a buffer. Where the plan asks for a check, `identify` comes before. */
-    bool (*draw)(struct renderer *of, int buffer, int first_band, double full_scale,
-                 struct error *err);
+    bool (*draw)(struct renderer *of, int buffer, int first_band, struct error *err);
     /* Finds triangles, depths and fragments of the aimed tile. The plan asks for a check. */
     bool (*identify)(struct renderer *of, struct error *err);
     /* Returns what the last `identify` found. x and y count from the tile's top left pixel. A

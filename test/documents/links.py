@@ -69,7 +69,7 @@ def check_names():
             check(rooms_in(text) == rooms, f"{path} lists each room", sorted(rooms_in(text) ^ rooms))
             lost_functions = list(strangers(text, top))
             check(not lost_functions, f"{path}: the rooms have the functions of the figure", *lost_functions)
-            planted = re.sub(r"(?<=: )(scene_read|gl_draw)\b", r"\1_planted", text)
+            planted = re.sub(r"(?<=: )(scene_read|frame_draw)\b", r"\1_planted", text)
             check(len(list(strangers(planted, top))) == 1, f"{path}: a planted function is found")
 
 

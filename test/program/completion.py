@@ -191,7 +191,7 @@ def test_choices():
             refused = subprocess.run([PROGRAM, command, scene, option, "@", *MORE_WORDS.get(command, ())],
                                      stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, check=False).stderr.decode()
             choices = [word.split("[")[0] for word in words.split("|")]
-            expected = re.sub(r" or |:[A-Z]+", ", ", refused[re.search("is one of|known are|expected", refused).end():])
+            expected = re.sub(r" or |:[A-Za-z]+", ", ", refused[re.search("is one of|known are|expected", refused).end():])
             known = {word for word in re.split("[, ]+", expected.split(", found")[0].strip()) if word}
             check(set(choices) == known, f"{command} {option} takes {' '.join(choices)}", refused)
 

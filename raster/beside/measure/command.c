@@ -7,17 +7,18 @@
 #include "raster/beside/measure/inside.h"
 #include "raster/gl/gl.h"
 
-static struct context_wish wish_of(const struct listed_driver *listed)
+/* The options of a plan that choose the library and the driver. */
+static struct plan_options choice_of(const struct listed_driver *listed)
 {
-    struct context_wish wish = {.library = listed->library, .threads = 1};
-    wish.way = driver_way(listed->renderer, &wish.driver);
-    return wish;
+    struct plan_options choice = {.gl_library = listed->library, .threads = 1};
+    choice.gl_way = driver_way(listed->renderer, &choice.gl_driver);
+    return choice;
 }
 
 static bool describe(void *context, void *out, struct error *err)
 {
-    const struct context_wish wish = wish_of(context);
-    return contexts_describe(&wish, out, err);
+    const struct plan_options choice = choice_of(context);
+    return contexts_describe(&choice, out, err);
 }
 
 static bool count_devices(void *context, void *out, struct error *err)
@@ -39,7 +40,7 @@ static bool try_alone(bool (*job)(void *context, void *out, struct error *err),
 static bool is_same(const struct listed_driver *a, const struct listed_driver *b)
 {
     const struct renderer_names *one = &a->is.names, *two = &b->is.names;
-    return a->usable && b->usable && wish_of(a).way == wish_of(b).way &&
+    return a->usable && b->usable && choice_of(a).gl_way == choice_of(b).gl_way &&
            strcmp(one->library, two->library) == 0 && strcmp(one->renderer, two->renderer) == 0 &&
            strcmp(one->version, two->version) == 0;
 }
@@ -50,7 +51,7 @@ bool drivers_add(struct driver_list *to, const char *library, const char *render
     struct listed_driver added = {.renderer = renderer};
     snprintf(added.library, sizeof added.library, "%s", library);
     try_alone(describe, &added, &added.is, sizeof added.is);
-    const char *driver = wish_of(&added).driver;
+    const char *driver = choice_of(&added).gl_driver;
     bool is_new =
         added.usable && (!driver || strncmp(added.is.names.renderer, driver, strlen(driver)) == 0);
     for (int i = 0; i < to->n; i++)
@@ -64,14 +65,9 @@ bool drivers_add(struct driver_list *to, const char *library, const char *render
 /* A library that cannot draw may still draw with shaders. */
 static bool try_library(const char *library, struct driver_list *to, struct error *err)
 {
-    static const char *const renderers[] = {
-        NULL,        "llvmpipe",           "softpipe",
-        "gl-shader", "gl-shader:llvmpipe", "gl-shader:softpipe",
-        "es-shader", "es-shader:llvmpipe", "es-shader:softpipe"};
-    enum { ALL = sizeof renderers / sizeof *renderers, WITHOUT_SHADERS = 3 };
-    const int n = strcmp(library, "osmesa") == 0 ? WITHOUT_SHADERS : ALL;
-    for (int i = 0; i < n; i++)
-        if (!drivers_add(to, library, renderers[i], i > 0, err))
+    const int n_ways = strcmp(library, "osmesa") == 0 ? 1 : GL_WAYS;
+    for (int i = 0; i < n_ways * WAY_WORDS; i++)
+        if (!drivers_add(to, library, i > 0 ? renderer_words[i] : NULL, i > 0, err))
             return false;
     return true;
 }
@@ -111,12 +107,8 @@ struct drivers_options {
 
 static bool measure(void *context, void *out, struct error *err)
 {
-    const struct context_wish wish = wish_of(context);
-    const struct plan_options by = {.gl_library = wish.library,
-                                    .gl_driver = wish.driver,
-                                    .gl_way = wish.way,
-                                    .threads = wish.threads};
-    return driver_measure(&by, out, err);
+    const struct plan_options choice = choice_of(context);
+    return driver_measure(&choice, out, err);
 }
 
 /* Measures a driver, and puts its bounds, or why there are none. verbose: as a table, too. */

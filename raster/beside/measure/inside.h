@@ -3,7 +3,6 @@
 #ifndef RASTER_BESIDE_MEASURE_INSIDE_H
 #define RASTER_BESIDE_MEASURE_INSIDE_H
 
-#include "data/base/base.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/shader/shader.h"
 

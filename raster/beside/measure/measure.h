@@ -6,10 +6,7 @@
 #ifndef RASTER_BESIDE_MEASURE_MEASURE_H
 #define RASTER_BESIDE_MEASURE_MEASURE_H
 
-#include "data/text/text.h"
 #include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
-#include "spectral.h"
 
 /* ---- targets.c ---- */
 

@@ -3,24 +3,7 @@
 #ifndef RASTER_BESIDE_SHADER_INSIDE_H
 #define RASTER_BESIDE_SHADER_INSIDE_H
 
-#include "data/base/base.h"
-#include "data/images/images.h"
 #include "raster/beside/shader/shader.h"
-#include "raster/bounds/bounds.h"
-#include "raster/reference/reference.h"
-
-/* PASSES: drawn at once, one in each buffer of colours. Every OpenGL ES 3.0 has four such buffers;
- * with more of them a render is not faster, measured on llvmpipe. */
-enum { MOST_PASSES = 4 };
-
-/* ---- gl_program.c: programs of shaders ---- */
-
-/* Prints the first lines of a shader. */
-void program_begin(enum gl_way way, struct printed *to);
-/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
- * also after a failure. */
-bool program_end(const struct gl_functions *call, struct printed *vertex, struct printed *fragment,
-                 unsigned *out, struct error *err);
 
 /* ---- shader_program.c ---- */
 
@@ -35,9 +18,7 @@ struct program_effects {
 struct program {
     unsigned name; /* 0: not made yet */
     int to_clip, to_eye, normals, gloss;
-    int constant, diffuse, specular; /* of passes, or of lights and passes */
-    int place, attenuation, axis, exponent;
-    int material, batch; /* whose colours it has: of the plan, of struct shader; -1: none */
+    int constant, diffuse, specular;
 };
 struct shader;
 /* Makes the program of some effects, or with NULL the one that draws the numbers of triangles,
@@ -48,16 +29,9 @@ struct program *program_use(struct shader *shader, const struct program_effects 
 /* ---- shared ---- */
 
 struct shader {
-    struct drawing base; /* the first member; of several passes, which are drawn at once */
-    struct canvas *canvas;
-    struct program *programs, numbers; /* programs: VARIANTS of each group; owned */
-    unsigned stream;                   /* the buffer of numbered vertices */
-    float *ready[MOST_PASSES];         /* pixels as those of buffers; owned */
-    bool stale;
-    int *order, n_order; /* the first bands that `draw` gets on each tile; owned */
-    int batch, n_batch;  /* in `ready`: from this place of the order on, so many; batch -1: none */
-    int n_batches;       /* drawn so far */
-    double full_scale;
+    struct drawing base;      /* the first member */
+    struct program *programs; /* the one that draws numbers, then VARIANTS of each group; owned */
+    unsigned stream;          /* the buffer of numbered vertices */
 };
 
 #endif

@@ -1,8 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Programs of shaders, written for the effects of a scene. Lighting is that of OpenGL 1.x: section
  * 2.14.1 of the OpenGL 2.1 specification. Each light has the statements of its own kind only. */
+#include <stdlib.h>
 
 #include "raster/beside/shader/inside.h"
+
+/* Prints the first lines of a shader. */
+static void program_begin(enum gl_way way, struct printed *to)
+{
+    print_text(to, way == GL_ES
+                       ? "#version 300 es\nprecision highp float;\nprecision highp sampler2D;\n"
+                       : "#version 330 core\n");
+}
 
 static bool is_flat(const struct shader *of)
 {
@@ -35,23 +44,21 @@ static void print_incidence(const struct eye_light *light, int i, struct printed
               i, i, i);
 }
 
-static void print_light(const struct shader *of, const struct program_effects *effects, int light,
-                        int i, struct printed *to)
+static void print_light(const struct eye_light *light, bool shines, int i, struct printed *to)
 {
-    const int n = of->base.n_units;
     print_text(to, "    {\n");
-    print_incidence(&of->base.plan->lights[light], i, to);
-    print_text(to, "        float facing = dot(normal_there, towards);\n"
-                   "        float weight = max(facing, 0.0) * left;\n");
-    for (int k = 0; k < n; k++)
-        print(to, "        sum[%d] += weight * diffuse[%d];\n", k, i * n + k);
-    if (effects->shines) {
-        print_text(to,
-                   "        float near = dot(normal_there, normalize(towards + viewer));\n"
-                   "        float highlight = facing > 0.0 ? power(near, gloss) * left : 0.0;\n");
-        for (int k = 0; k < n; k++)
-            print(to, "        sum[%d] += highlight * specular[%d];\n", k, i * n + k);
-    }
+    print_incidence(light, i, to);
+    print(to,
+          "        float facing = dot(normal_there, towards);\n"
+          "        float weight = max(facing, 0.0) * left;\n"
+          "        sum += weight * diffuse[%d];\n",
+          i);
+    if (shines)
+        print(to,
+              "        float near = dot(normal_there, normalize(towards + viewer));\n"
+              "        float highlight = facing > 0.0 ? power(near, gloss) * left : 0.0;\n"
+              "        sum += highlight * specular[%d];\n",
+              i);
     print_text(to, "    }\n");
 }
 
@@ -61,19 +68,15 @@ static void print_lighting(const struct shader *of, const struct program_effects
 {
     const struct plan *plan = of->base.plan;
     const struct light_group lights = light_group(plan, effects->group);
-    const int n = lights.n, first = lights.first;
-    print(to,
-          "float power(float base, float exponent)\n"
-          "{\n"
-          "    return exponent == 0.0 ? 1.0 : base > 0.0 ? pow(base, exponent) : 0.0;\n"
-          "}\n"
-          "void light(vec3 normal_there, vec3 eye, vec3 viewer, out vec4 sum[%d])\n{\n",
-          of->base.n_units);
-    for (int k = 0; k < of->base.n_units; k++)
-        print(to, "    sum[%d] = constant[%d];\n", k, k);
-    for (int i = 0; i < n; i++)
-        if (!plan->is_idle[first + i])
-            print_light(of, effects, first + i, i, to);
+    print_text(to, "float power(float base, float exponent)\n"
+                   "{\n"
+                   "    return exponent == 0.0 ? 1.0 : base > 0.0 ? pow(base, exponent) : 0.0;\n"
+                   "}\n"
+                   "void light(vec3 normal_there, vec3 eye, vec3 viewer, out vec4 sum)\n{\n"
+                   "    sum = constant;\n");
+    for (int i = 0; i < lights.n; i++)
+        if (!plan->is_idle[lights.first + i])
+            print_light(&plan->lights[lights.first + i], effects->shines, i, to);
     print_text(to, "}\n");
 }
 
@@ -90,17 +93,16 @@ static void print_vertex_variables(const struct shader *of, const struct program
           "uniform mat4 to_clip, to_eye;\n"
           "uniform mat3 normals;\n"
           "uniform float gloss;\n"
-          "uniform vec4 constant[%d], diffuse[%d], specular[%d];\n"
+          "uniform vec4 constant, diffuse[%d], specular[%d];\n"
           "uniform vec3 place[%d], attenuation[%d];\n"
           "uniform vec4 axis[%d];\n"
           "uniform float exponent[%d];\n"
           "invariant gl_Position;\n"
           "out vec2 at;\n"
-          "%sout vec4 front[%d];\n",
-          of->base.n_units, lights * of->base.n_units, lights * of->base.n_units, lights, lights,
-          lights, lights, flat, of->base.n_units);
+          "%sout vec4 front;\n",
+          lights, lights, lights, lights, lights, lights, flat);
     if (effects->two_sided)
-        print(to, "%sout vec4 back[%d];\n", flat, of->base.n_units);
+        print(to, "%sout vec4 back;\n", flat);
 }
 
 static void print_vertex_shader(const struct shader *of, const struct program_effects *effects,
@@ -128,50 +130,85 @@ static void print_vertex_shader(const struct shader *of, const struct program_ef
 static void print_fragment_shader(const struct shader *of, const struct program_effects *effects,
                                   struct printed *to)
 {
+    static const char *const by_texture[] = {
+        [UNTEXTURED] = "",
+        [GREY_TEXTURE] = " * vec4(texture(texels, at).rrr, 1.0)",
+        [SPECTRAL_TEXTURE] = " * vec4(texture(texels, at).rgb, 1.0)"};
     const char *flat = is_flat(of) ? "flat " : "";
     program_begin(of->base.plan->options.gl_way, to);
-    print(to, "in vec2 at;\n%sin vec4 front[%d];\n", flat, of->base.n_units);
+    print(to, "in vec2 at;\n%sin vec4 front;\n", flat);
     if (effects->two_sided)
-        print(to, "%sin vec4 back[%d];\n", flat, of->base.n_units);
-    for (int k = 0; k < of->base.n_units; k++)
-        print(to, "layout(location = %d) out vec4 colour%d;\nuniform sampler2D texels%d;\n", k, k,
-              k);
-    print_text(to, "void main()\n{\n");
-    if (effects->texture == GREY_TEXTURE)
-        print_text(to, "    vec4 texel = texture(texels0, at);\n");
-    for (int k = 0; k < of->base.n_units; k++) {
-        print(to,
-              effects->two_sided ? "    colour%d = (gl_FrontFacing ? front[%d] : back[%d])"
-                                 : "    colour%d = front[%d]",
-              k, k, k);
-        if (effects->texture == GREY_TEXTURE)
-            print_text(to, " * vec4(texel.rrr, 1.0)");
-        if (effects->texture == SPECTRAL_TEXTURE)
-            print(to, " * vec4(texture(texels%d, at).rgb, 1.0)", k);
-        print_text(to, ";\n");
-    }
-    print_text(to, "}\n");
+        print(to, "%sin vec4 back;\n", flat);
+    print(to,
+          "layout(location = 0) out vec4 colour;\n"
+          "uniform sampler2D texels;\n"
+          "void main()\n{\n"
+          "    colour = %s%s;\n"
+          "}\n",
+          effects->two_sided ? "(gl_FrontFacing ? front : back)" : "front",
+          by_texture[effects->texture]);
 }
 
 /* ---- making a program ---- */
+
+/* Compiles a shader and attaches it. Frees the text. */
+static bool attach(const struct gl_functions *call, GLuint program, GLenum type,
+                   struct printed *text, struct error *err)
+{
+    const GLuint shader = call->CreateShader(type);
+    char *source = printed_take(text, err), log[256] = "";
+    const char *const sources[] = {source};
+    GLint done = 0;
+    if (!source)
+        return false;
+    call->ShaderSource(shader, 1, sources, NULL);
+    call->CompileShader(shader);
+    call->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
+    if (!done) {
+        call->GetShaderInfoLog(shader, sizeof log, NULL, log);
+        hide_unprintable(log, "");
+    }
+    call->AttachShader(program, shader);
+    free(source);
+    return done || error_unsupported(err, "OpenGL does not compile a shader: %s", log);
+}
+
+/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
+ * also after a failure. */
+static bool program_end(const struct gl_functions *call, struct printed *vertex,
+                        struct printed *fragment, unsigned *out, struct error *err)
+{
+    const GLuint name = call->CreateProgram();
+    GLint done = 0;
+    const bool attached = attach(call, name, GL_VERTEX_SHADER, vertex, err) &&
+                          attach(call, name, GL_FRAGMENT_SHADER, fragment, err);
+    free(printed_end(fragment));
+    if (!attached)
+        return false;
+    call->LinkProgram(name);
+    call->GetProgramiv(name, GL_LINK_STATUS, &done);
+    if (!done)
+        return error_unsupported(err, "OpenGL does not link the shaders of a program");
+    call->UseProgram(name);
+    *out = name;
+    return true;
+}
 
 static void find_variables(const struct shader *of, struct program *program)
 {
     const struct {
         const char *name;
         int *at;
-    } variables[] = {{"to_clip", &program->to_clip},         {"to_eye", &program->to_eye},
-                     {"normals", &program->normals},         {"gloss", &program->gloss},
-                     {"constant", &program->constant},       {"diffuse", &program->diffuse},
-                     {"specular", &program->specular},       {"place", &program->place},
-                     {"attenuation", &program->attenuation}, {"axis", &program->axis},
-                     {"exponent", &program->exponent}};
+    } variables[] = {{"to_clip", &program->to_clip},   {"to_eye", &program->to_eye},
+                     {"normals", &program->normals},   {"gloss", &program->gloss},
+                     {"constant", &program->constant}, {"diffuse", &program->diffuse},
+                     {"specular", &program->specular}};
     for (size_t i = 0; i < sizeof variables / sizeof *variables; i++)
         *variables[i].at = of->base.call->GetUniformLocation(program->name, variables[i].name);
 }
 
-/* Sets what no pass changes: the lights of the group, and the units of textures. */
-static void set_lights(const struct shader *of, int group, const struct program *program)
+/* Sets what no pass changes: the lights of the group. */
+static void set_lights(const struct shader *of, int group, GLuint program)
 {
     const struct gl_functions *call = of->base.call;
     GLfloat place[LIGHTS_PER_PASS][3] = {{0}}, attenuation[LIGHTS_PER_PASS][3] = {{0}},
@@ -190,15 +227,10 @@ static void set_lights(const struct shader *of, int group, const struct program 
         }
         exponent[i] = (GLfloat)light->spot_exponent;
     }
-    call->Uniform3fv(program->place, n, place[0]);
-    call->Uniform3fv(program->attenuation, n, attenuation[0]);
-    call->Uniform4fv(program->axis, n, axis[0]);
-    call->Uniform1fv(program->exponent, n, exponent);
-    for (int k = 0; k < of->base.n_units; k++) {
-        char name[24];
-        snprintf(name, sizeof name, "texels%d", k);
-        call->Uniform1i(call->GetUniformLocation(program->name, name), k);
-    }
+    call->Uniform3fv(call->GetUniformLocation(program, "place"), n, place[0]);
+    call->Uniform3fv(call->GetUniformLocation(program, "attenuation"), n, attenuation[0]);
+    call->Uniform4fv(call->GetUniformLocation(program, "axis"), n, axis[0]);
+    call->Uniform1fv(call->GetUniformLocation(program, "exponent"), n, exponent);
 }
 
 /* ---- the programs ---- */
@@ -225,11 +257,11 @@ static void print_numbers(enum gl_way way, struct printed *vertex, struct printe
 struct program *program_use(struct shader *shader, const struct program_effects *effects,
                             struct error *err)
 {
-    struct program *program = &shader->numbers;
+    struct program *program = shader->programs;
     struct printed vertex = {.text = NULL}, fragment = {.text = NULL};
     if (effects)
-        program = &shader->programs[VARIANTS * effects->group + 6 * effects->shines +
-                                    3 * effects->two_sided + (int)effects->texture];
+        program += 1 + VARIANTS * effects->group + 6 * effects->shines + 3 * effects->two_sided +
+                   (int)effects->texture;
     if (program->name) {
         shader->base.call->UseProgram(program->name);
         return program;
@@ -241,9 +273,8 @@ struct program *program_use(struct shader *shader, const struct program_effects 
         print_numbers(shader->base.plan->options.gl_way, &vertex, &fragment);
     if (!program_end(shader->base.call, &vertex, &fragment, &program->name, err))
         return NULL;
-    program->material = program->batch = -1;
     find_variables(shader, program);
     if (effects)
-        set_lights(shader, effects->group, program);
+        set_lights(shader, effects->group, program->name);
     return program;
 }

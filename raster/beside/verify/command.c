@@ -250,10 +250,8 @@ static bool report(const struct verification *of, struct options *options, struc
     const struct verify_options *own = options->own;
     struct printed table = {.text = NULL}, junit = {.text = NULL};
     struct json json;
-    if (!options->quiet) {
-        verify_print(of, &table);
-        verify_print_failures(of, options, &table);
-    }
+    if (!options->quiet)
+        verify_print(of, options, &table);
     if (!printed_show(&table, options_table(options, own->junit), err))
         return false;
     if (options->json) {

@@ -168,11 +168,9 @@ static bool drawn_take_scene(struct renderer *renderer, const struct lit_scene *
 
 /* ---- the renderer ---- */
 
-static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
-                       struct error *err)
+static bool drawn_draw(struct renderer *renderer, int buffer, int first_band, struct error *err)
 {
     char name[FILE_NAME];
-    (void)full_scale; /* colours are parts of it */
     snprintf(name, sizeof name, "colours-%d.bin", first_band);
     return read_numbers((struct drawn *)renderer, name, 4, renderer->buffers[buffer], NULL, err);
 }

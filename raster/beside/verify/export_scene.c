@@ -11,8 +11,7 @@
 /* A description that grows. */
 struct description {
     const struct lit_scene *lit;
-    const struct plan *plan; /* of that */
-    double full_scale;
+    const struct plan *plan;     /* of that */
     const struct folder *folder; /* gets the files; NULL: only their digests are wanted */
     const char *prefix;          /* of their names there */
     struct printed scene;        /* the lines of scene.txt */
@@ -109,7 +108,7 @@ static void print_material(const struct description *of, int material, int group
 {
     const struct shaded_material *shaded = &of->plan->materials[material];
     struct pass_colours colours;
-    pass_colours(of->plan, shaded, group, first_band, of->full_scale, &colours);
+    pass_colours(of->plan, shaded, group, first_band, of->lit->full_scale, &colours);
     print(to, "material %d %d %d", first_band, group, material);
     print_colour(colours.constant, to);
     print(to, " %.9g\n", colours.shines ? shaded->material->gloss : -1);
@@ -220,7 +219,7 @@ static void print_picture(struct description *to)
     const struct rectangle picture = plan_picture(plan);
     const struct matrix projection = pass_projection(plan, &picture, false);
     print(&to->scene, "size %d %d\nfull-scale %.17g\nshading %s\nviewer %s\nprojection",
-          picture.width, picture.height, to->full_scale,
+          picture.width, picture.height, to->lit->full_scale,
           plan->view.shading == FLAT ? "flat" : "smooth",
           plan->view.local_viewer ? "local" : "distant");
     print_matrix(&projection, &to->scene);
@@ -273,10 +272,6 @@ bool scene_describe(const struct lit_scene *lit, const struct folder *folder, co
                     char id[DIGEST_TEXT], struct error *err)
 {
     struct description of = {.lit = lit, .plan = lit->plan, .folder = folder, .prefix = prefix};
-    struct lit_scene scaled = *lit;
-    if (!find_full_scale(&scaled, err))
-        return false;
-    of.full_scale = scaled.full_scale;
     print_scene(&of, err);
     return finish(&of, id, err);
 }
@@ -294,7 +289,7 @@ static bool describe_plan(const struct plan *plan, const struct folder *folder, 
         done = volumes_make(&lit, &volumes, err);
         lit.volumes = &volumes;
     }
-    done = done && scene_describe(&lit, folder, prefix, id, err);
+    done = done && find_full_scale(&lit, err) && scene_describe(&lit, folder, prefix, id, err);
     volumes_free(&volumes);
     lit_free(&lit);
     return done;

@@ -3,24 +3,15 @@
 #ifndef RASTER_BESIDE_VERIFY_INSIDE_H
 #define RASTER_BESIDE_VERIFY_INSIDE_H
 
-#include "data/base/base.h"
-#include "data/files/files.h"
 #include "data/scene/scene.h"
 #include "raster/beside/measure/measure.h"
 #include "raster/beside/verify/verify.h"
-#include "raster/bounds/bounds.h"
-#include "raster/check/check.h"
-#include "raster/counts/counts.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "raster/render/render.h"
-#include "raster/renderers/renderers.h"
 #include "raster/volumes/volumes.h"
 
 /* ---- export_scene.c: a scene as files ---- */
 
 enum { DIGEST_TEXT = 65, FILE_NAME = 64 };
-/* Finds the full scale, and describes all that is to be drawn of a plan: the files of meshes,
+/* Describes all that is to be drawn of a plan, whose full scale is found: the files of meshes,
  * triangles, textures and passes, and at last scene.txt, which has the digests of all others. id:
  * the SHA-256 of scene.txt without its line "id". folder: gets the files, whose names begin with
  * the prefix; NULL: only the id is wanted. */
@@ -87,10 +78,8 @@ struct totals totals_of(const struct verify_result *results, int n);
 
 /* ---- tables.c ---- */
 
-void verify_print(const struct verification *of, struct printed *to);
-/* Prints a command for each failure, which repeats it. */
-void verify_print_failures(const struct verification *of, const struct options *options,
-                           struct printed *to);
+/* Prints the table, and a command for each failure, which repeats it. */
+void verify_print(const struct verification *of, const struct options *options, struct printed *to);
 void verify_json(const struct verification *of, struct json *json);
 /* The format that continuous integration reads: a suite is a driver, a case a scene. */
 void verify_junit(const struct verification *of, struct printed *to);

@@ -94,16 +94,8 @@ static void print_driver(const struct verification *of, int driver, struct print
     print(to, "  %d of %d scenes agree\n\n", count_agreed(of, driver), of->n_scenes);
 }
 
-void verify_print(const struct verification *of, struct printed *to)
-{
-    for (int d = 0; d < of->n_drivers; d++)
-        print_driver(of, d, to);
-    print_text(to, "floor: the largest error in counts that could pass at half of the object "
-                   "pixels, and at 99.9 %\nof them; % to 1, 8, 256: object pixels that were "
-                   "checked within so many counts of 65535\n");
-}
-
-void verify_print_failures(const struct verification *of, const struct options *options,
+/* Prints a command for each failure, which repeats it. */
+static void print_failures(const struct verification *of, const struct options *options,
                            struct printed *to)
 {
     char by[64];
@@ -128,6 +120,16 @@ void verify_print_failures(const struct verification *of, const struct options *
             }
             print_text(to, "\n");
         }
+}
+
+void verify_print(const struct verification *of, const struct options *options, struct printed *to)
+{
+    for (int d = 0; d < of->n_drivers; d++)
+        print_driver(of, d, to);
+    print_text(to, "floor: the largest error in counts that could pass at half of the object "
+                   "pixels, and at 99.9 %\nof them; % to 1, 8, 256: object pixels that were "
+                   "checked within so many counts of 65535\n");
+    print_failures(of, options, to);
 }
 
 /* ---- JSON ---- */
