@@ -88,13 +88,19 @@ void develop_print_settings(const struct development *of, struct printed *to)
 {
     static const char *const values[] = {
         [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
+    const struct record *record = &of->cube.record;
     print(to, "detector          %s (%s)\n", of->options->detector_name,
           of->detector.observer ? "observer" : "camera or film, balanced to the white");
     if (!of->detector.named)
         print(to, "channels          %s, %s, %s as red, green, blue\n", of->detector.channel[0],
               of->detector.channel[1], of->detector.channel[2]);
-    if (of->sampled[0] != '\0')
-        print_fact(to, "sampling", of->sampled);
+    if (record->sampling) {
+        print_text(to, "sampling          ");
+        print_printable(to, record->sampling);
+        print_text(to, " for ");
+        print_printable(to, record->sampling_detector);
+        print_text(to, " (recorded)\n");
+    }
     if (of->has_white)
         print_white(to, of->seen_white, of->detector.observer,
                     of->options->white ? of->options->white : "recorded");
@@ -104,7 +110,7 @@ void develop_print_settings(const struct development *of, struct printed *to)
     if (of->adaptation.kind == ADAPTATION_FAIRCHILD)
         print(to, " to %.6g cd/m2", of->adaptation.luminance);
     print(to, "\nvalues            %s%s", values[of->options->values],
-          of->cube.record.unit && of->options->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
+          record->unit && of->options->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
     if (of->options->values == DEVELOP_RGB)
         print(to, " of %d bits\ndisplay           %s", of->options->bits,
               display_names[of->options->display]);
@@ -230,5 +236,5 @@ void develop_free(struct development *of)
     cube_close(&of->cube);
     detector_free(&of->detector);
     sums_free(&of->sums);
-    FREE_ALL(of->weights, of->of_white, of->samples);
+    FREE_ALL(of->weights, of->samples);
 }

@@ -29,9 +29,8 @@ static bool accepts(const char *option, const char *value, struct error *err)
     return read_value(option, value, &ignored, err);
 }
 
-/* Stores the sampling method in *method; out->sampling points to it. */
-static bool read_options(struct options *options, struct sampling_method *method,
-                         struct development_options *out, struct error *err)
+static bool read_options(struct options *options, struct development_options *out,
+                         struct error *err)
 {
     const struct develop_own *own = options->own;
     *out = (struct development_options){.detector_name = options_detector(options),
@@ -42,14 +41,12 @@ static bool read_options(struct options *options, struct sampling_method *method
                                                              : DEVELOP_RGB,
                                         .bits = own->bits && strcmp(own->bits, "16") == 0 ? 16 : 8,
                                         .threads = options->threads,
-                                        .outputs = &options->outputs,
-                                        .sampling = options->sampling ? method : NULL};
+                                        .outputs = &options->outputs};
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
     return (!own->adaptation || read_value("--adaptation", own->adaptation, out, err)) &&
            (!own->display || read_value("--display", own->display, out, err)) &&
-           (!own->exposure || read_value("--exposure", own->exposure, out, err)) &&
-           (!options->sampling || sampling_read("--sampling", options->sampling, method, err));
+           (!own->exposure || read_value("--exposure", own->exposure, out, err));
 }
 
 /* ---- in words, and as JSON ---- */
@@ -117,14 +114,13 @@ static bool run_raw(struct options *options, struct development_options *setting
                     struct error *err)
 {
     const struct develop_own *own = options->own;
-    const char *other = own->xyz            ? "--xyz"
-                        : own->lab          ? "--lab"
-                        : own->adaptation   ? "--adaptation"
-                        : own->display      ? "--display"
-                        : options->white    ? "--white"
-                        : options->sampling ? "--sampling"
-                        : options->json     ? "--json"
-                                            : NULL;
+    const char *other = own->xyz          ? "--xyz"
+                        : own->lab        ? "--lab"
+                        : own->adaptation ? "--adaptation"
+                        : own->display    ? "--display"
+                        : options->white  ? "--white"
+                        : options->json   ? "--json"
+                                          : NULL;
     if (other)
         return error_usage(err, "--raw takes no %s", other);
     settings->bits = own->bits ? settings->bits : 32;
@@ -135,14 +131,13 @@ static bool run_raw(struct options *options, struct development_options *setting
 
 static bool run_develop(struct options *options, struct error *err)
 {
-    struct sampling_method method;
     struct development_options settings;
     struct development of = {.options = &settings};
     struct printed printed = {.text = NULL};
     const char *stack = options->operand;
     if (!stack)
         return error_usage(err, "develop takes a STACK; see spectral develop --help");
-    if (!name_picture(options, stack, err) || !read_options(options, &method, &settings, err))
+    if (!name_picture(options, stack, err) || !read_options(options, &settings, err))
         return false;
     if (((const struct develop_own *)options->own)->raw)
         return run_raw(options, &settings, err);
@@ -174,8 +169,6 @@ static const struct option develop_rows[] = {
     {"--lab", "writes float CIELAB instead of RGB", OWN(FLAG, develop_own, lab)},
     {"--raw", "writes a page for each channel of the detector, linear floats or --bits 16 counts",
      OWN(FLAG, develop_own, raw)},
-    {"--sampling METHOD", "as if the spectra were sampled so (not basis, rgb or xyz)",
-     SHARED(TEXT, sampling)},
 };
 const struct command develop_command = {
     .name = "develop",

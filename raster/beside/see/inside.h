@@ -81,12 +81,8 @@ struct development_options {
     double exposure; /* factor of all radiances */
     bool automatic;  /* another exposure instead: it brings the largest displayed value (or Y) of
                         the picture to just 1 (or 100), or the largest raw value to 1 */
-    const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,
-                                               before they are developed; NULL: no. Refused for
-                                               stacks that were sampled, and for basis, rgb and
-                                               xyz, which need lights and reflectances apart */
-    struct outputs *outputs;                /* get the picture; NULL: it appears at once */
-    struct printed *memory;                 /* takes a PNG in place of a file; NULL: a file */
+    struct outputs *outputs;     /* get the picture; NULL: it appears at once */
+    struct printed *memory;      /* takes a PNG in place of a file; NULL: a file */
     const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
 };
 /* A stack that is being developed. The caller sets the options, and zeroes all others. */
@@ -97,14 +93,12 @@ struct development {
     struct adaptation adaptation; /* with its luminance */
     struct detector detector;
     double first_nm, last_nm; /* of pages, or of the range of components */
-    char sampled[512];        /* how the spectra were sampled, in a line; "": not at all */
     double lost[3];           /* detector_lost */
     bool has_white;
     double seen_white[3];    /* in the detector's channels, before adaptation */
     double adapted_white[3]; /* to which an observer has adapted */
     double equal[3];         /* the detector's response to a radiance of 1 everywhere */
     double *weights;         /* of the stack's pages: [channel * n_pages + page]; owned */
-    double *of_white;        /* of the white's pages, if they differ from those; owned */
     struct counter
         out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
     struct channel_sums sums;
