@@ -69,8 +69,8 @@ bool scene_cube(const struct scene *scene, struct cube *out, struct error *err);
 
 /* ---- maps.c: maps of a picture ---- */
 
-/* Writes float pages of the weights of all lights, textures, places, and with --illumination the
- * radiance of a perfect diffuser in each band. Their record has the spectra of all terms. */
+/* Writes float pages of the weights of all lights, textures and places. Their record has the
+ * spectra of all terms. */
 extern const struct map_maker reference_maps;
 
 /* ---- decomposition.c: a picture as weights and textures ---- */
