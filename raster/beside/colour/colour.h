@@ -53,9 +53,7 @@ enum display_kind {
     DISPLAY_SRGB,   /* IEC 61966-2-1 */
     DISPLAY_MONITOR /* monitor of the thesis: equations 13 and 14 */
 };
-/* Reads srgb or monitor. Messages name `option`. */
-bool display_read(const char *option, const char *text, enum display_kind *out, struct error *err);
-extern const char *const display_names[]; /* of enum display_kind */
+extern const char *const display_names[]; /* of enum display_kind, then NULL */
 /* Writes the matrix from XYZ, with Y = 100 for white, to linear red, green and blue from 0 to 1. */
 void display_matrix(enum display_kind kind, double out[3][3]);
 /* Returns the value, 0 to 1, that makes the display show a linear value of channel 0, 1 or 2. Clips

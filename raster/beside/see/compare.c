@@ -133,10 +133,10 @@ static void compare_colours(const struct comparison *of, const double *a, const 
 {
     const int n = of->a.cube.image.n_pages;
     double xyz[3], lab_a[3], lab_b[3];
-    detector_response(of->sight.weights, a, n, xyz);
-    cielab(xyz, of->sight.white, lab_a);
-    detector_response(of->sight.weights, b, n, xyz);
-    cielab(xyz, of->sight.white, lab_b);
+    detector_response(of->eyes.colours.weights, a, n, xyz);
+    cielab(xyz, of->eyes.colours.white, lab_a);
+    detector_response(of->eyes.colours.weights, b, n, xyz);
+    cielab(xyz, of->eyes.colours.white, lab_b);
     out[CIE76] = cie76_difference(lab_a, lab_b);
     out[CIE94] = cie94_difference(lab_a, lab_b);
     out[CIEDE2000] = ciede2000_difference(lab_a, lab_b);
@@ -207,13 +207,13 @@ static void compare_row(void *context, int row)
             of->largest_a[row] = fmax(of->largest_a[row], a[band]);
         }
         const double largest = compare_bands(a, b, n, x, of->a.first + row, bands);
-        camera_add(&of->camera, a, n);
-        camera_add(&of->camera, b, n);
-        compare_bands(a + n, b + n, of->camera.detector.n, x, of->a.first + row, bands + n);
+        eyes_add(&of->eyes, a, n);
+        eyes_add(&of->eyes, b, n);
+        compare_bands(a + n, b + n, of->eyes.camera.detector.n, x, of->a.first + row, bands + n);
         memset(of->measures[at], 0, sizeof of->measures[at]);
         if (largest > 0)
             of->measures[at][SPECTRAL_ANGLE] = spectral_angle(a, b, n);
-        if (largest > 0 && of->sight.has_white)
+        if (largest > 0 && of->eyes.colours.has_white)
             compare_colours(of, a, b, of->measures[at]);
         map_pixel(of, at, largest);
     }
@@ -338,24 +338,15 @@ static bool allocate(struct comparison *of, struct error *err)
            MAKE_ARRAY(of->samples, 3 * of->a.stride, err, "rows of the map");
 }
 
-/* Finds how the detector sees the stacks: an observer by colours, a camera by its channels, while
- * cie1931 sees the colours. */
-static bool find_eyes(struct comparison *of, const struct white_request *white, struct error *err)
-{
-    const struct cube *cube = &of->a.cube;
-    if (!camera_open(cube, of->observer, &of->camera, err))
-        return false;
-    of->n_bands = cube->image.n_pages + of->camera.detector.n;
-    of->observer = of->camera.detector.n > 0 ? "cie1931" : of->observer;
-    return sight_make(cube, of->observer, white, &of->sight, err);
-}
-
 static bool prepare(struct comparison *of, struct error *err)
 {
     const struct white_request white = {of->white, of->tolerance.unit >= TOLERANCE_CIE76};
-    return check_samplings(&of->a.cube, &of->b.cube, err) &&
-           check_sizes(&of->a.cube.image, &of->b.cube.image, err) && find_eyes(of, &white, err) &&
-           allocate(of, err);
+    if (!check_samplings(&of->a.cube, &of->b.cube, err) ||
+        !check_sizes(&of->a.cube.image, &of->b.cube.image, err) ||
+        !eyes_make(&of->a.cube, of->detector, &white, &of->eyes, err))
+        return false;
+    of->n_bands = of->a.cube.image.n_pages + of->eyes.camera.detector.n;
+    return allocate(of, err);
 }
 
 static bool open_map(struct comparison *of, struct error *err)
@@ -364,7 +355,9 @@ static bool open_map(struct comparison *of, struct error *err)
     struct printed printed = {.text = NULL};
     print_text(&printed, "How two spectral stacks differ");
     if (picture_is_png(of->map)) { /* which has one number, in colours */
-        of->shown = of->sight.has_white ? MAP_CIEDE2000 : components ? MAP_COMPONENT : MAP_RADIANCE;
+        of->shown = of->eyes.colours.has_white ? MAP_CIEDE2000
+                    : components               ? MAP_COMPONENT
+                                               : MAP_RADIANCE;
         print_text(&printed, ". ");
         comparison_print_colours(of, &printed);
     }
@@ -408,8 +401,7 @@ void comparison_free(struct comparison *of)
 {
     rows_close(&of->a);
     rows_close(&of->b);
-    sight_free(&of->sight);
-    camera_close(&of->camera);
+    eyes_close(&of->eyes);
     picture_discard(&of->picture); /* a committed picture stays */
     for (int i = 0; i < PIXEL_MEASURES; i++)
         free(of->pixels[i].bins);

@@ -10,26 +10,40 @@ enum { BLOCK_PIXELS = 1 << 13 }; /* that a thread takes at a time */
 
 static size_t sample_bytes(const struct development *of)
 {
-    return of->options->values != DEVELOP_RGB ? sizeof(float) : (size_t)of->options->bits / 8;
+    const bool floats = of->values == DEVELOP_XYZ || of->values == DEVELOP_LAB;
+    return floats ? sizeof(float) : (size_t)of->bits / 8;
 }
 
 /* ---- exposure ---- */
 
-/* Finds the exposure that brings the brightest channel of all pixels (or Y) to the largest that is
- * displayed (or 100). A black picture has exposure 1. */
+/* Returns to what an automatic exposure brings the largest value of a channel: the largest that is
+ * displayed, a Y of 100, or a raw value of 1. X and Z do not count. */
+static double largest_wanted(const struct development *of, int channel)
+{
+    if (of->values == DEVELOP_RGB)
+        return display_largest(of->display, channel);
+    return of->values == DEVELOP_RAW ? 1 : channel == 1 ? 100 : HUGE_VAL;
+}
+
+/* Finds the exposure, and the full scale of raw counts, if they follow from the pixels. A black
+ * picture has exposure 1. */
 static bool find_exposure(struct development *of, struct error *err)
 {
-    const bool rgb = of->options->values == DEVELOP_RGB;
+    const bool counts = of->values == DEVELOP_RAW && of->bits == 16;
     double brightest = 0; /* in parts of the largest */
+    if (!of->automatic && !counts)
+        return true;
     for (int y = 0; y < of->cube.image.height; y += of->sums.most) {
         if (!sums_find(&of->sums, y, err))
             return false;
-        for (int channel = rgb ? 0 : 1; channel < (rgb ? 3 : 2); channel++)
+        for (int channel = 0; channel < of->sums.n_channels; channel++)
             brightest =
-                fmax(brightest, sums_largest(&of->sums, channel) /
-                                    (rgb ? display_largest(of->options->display, channel) : 100));
+                fmax(brightest, sums_largest(&of->sums, channel) / largest_wanted(of, channel));
     }
-    of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
+    if (of->automatic)
+        of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
+    if (counts && brightest > 0)
+        of->full_scale = of->exposure * brightest;
     return true;
 }
 
@@ -45,25 +59,27 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
 {
     float *samples = of->samples;
     double lab[3];
-    if (of->options->values == DEVELOP_LAB)
+    if (of->values == DEVELOP_LAB)
         cielab(values, of->adapted_white, lab);
     for (int channel = 0; channel < 3; channel++)
         samples[(size_t)channel * of->sums.n + pixel] =
-            stored(of->options->values == DEVELOP_LAB ? lab[channel] : values[channel]);
+            stored(of->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 
 static void store_pixels(void *context, size_t first, size_t end)
 {
     struct development *of = context;
-    const double exposure = of->exposure;
-    const bool rgb = of->options->values == DEVELOP_RGB;
     uint64_t clipped = 0;
     for (size_t i = first; i < end; i++) {
         double values[3];
+        if (of->values == DEVELOP_RAW) {
+            clipped += raw_store(of, i);
+            continue;
+        }
         for (size_t channel = 0; channel < 3; channel++)
-            values[channel] = exposure * of->sums.sums[channel * of->sums.stride + i];
-        if (rgb)
-            clipped += display_store(of->options->display, of->options->bits, values,
+            values[channel] = of->exposure * of->sums.sums[channel * of->sums.stride + i];
+        if (of->values == DEVELOP_RGB)
+            clipped += display_store(of->display, of->bits, values,
                                      (char *)of->samples + 3 * i * sample_bytes(of));
         else
             store_floats(of, i, values);
@@ -89,11 +105,12 @@ void develop_print_settings(const struct development *of, struct printed *to)
     static const char *const values[] = {
         [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
     const struct record *record = &of->cube.record;
-    print(to, "detector          %s (%s)\n", of->options->detector_name,
-          of->detector.observer ? "observer" : "camera or film, balanced to the white");
-    if (!of->detector.named)
-        print(to, "channels          %s, %s, %s as red, green, blue\n", of->detector.channel[0],
-              of->detector.channel[1], of->detector.channel[2]);
+    print(to, "detector          %s (%s)\n", of->detector_name,
+          of->sight.detector.observer ? "observer" : "camera or film, balanced to the white");
+    if (!of->sight.detector.named)
+        print(to, "channels          %s, %s, %s as red, green, blue\n",
+              of->sight.detector.channel[0], of->sight.detector.channel[1],
+              of->sight.detector.channel[2]);
     if (record->sampling) {
         print_text(to, "sampling          ");
         print_printable(to, record->sampling);
@@ -101,35 +118,32 @@ void develop_print_settings(const struct development *of, struct printed *to)
         print_printable(to, record->sampling_detector);
         print_text(to, " (recorded)\n");
     }
-    if (of->has_white)
-        print_white(to, of->seen_white, of->detector.observer,
-                    of->options->white ? of->options->white : "recorded");
+    if (of->sight.has_white)
+        print_white(to, of->sight.white, of->sight.detector.observer,
+                    of->white ? of->white : "recorded");
     else
         print_fact(to, "white", "not recorded");
     print(to, "adaptation        %s", adaptation_names[of->adaptation.kind]);
     if (of->adaptation.kind == ADAPTATION_FAIRCHILD)
         print(to, " to %.6g cd/m2", of->adaptation.luminance);
-    print(to, "\nvalues            %s%s", values[of->options->values],
-          record->unit && of->options->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
-    if (of->options->values == DEVELOP_RGB)
-        print(to, " of %d bits\ndisplay           %s", of->options->bits,
-              display_names[of->options->display]);
-    print(to, "\nexposure          %.10g%s\n", of->exposure,
-          of->options->automatic ? " (auto)" : "");
+    print(to, "\nvalues            %s%s", values[of->values],
+          record->unit && of->values == DEVELOP_XYZ ? ", Y in cd/m2" : "");
+    if (of->values == DEVELOP_RGB)
+        print(to, " of %d bits\ndisplay           %s", of->bits, display_names[of->display]);
+    print(to, "\nexposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
 }
 
 static bool open_picture(const struct development *of, const char *path, struct picture_writer *out,
                          struct error *err)
 {
-    const bool lab = of->options->values == DEVELOP_LAB, rgb = of->options->values == DEVELOP_RGB;
+    const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
     unsigned char profile[LARGEST_PROFILE];
     struct printed printed = {.text = NULL};
-    if (of->options->lit)
+    if (of->lit)
         print(&printed,
               "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
               "adaptation        none\ndisplay           %s\nexposure          %.10g\n",
-              of->cube.image.path, of->options->detector_name, display_names[of->options->display],
-              of->exposure);
+              of->cube.image.path, of->detector_name, display_names[of->display], of->exposure);
     else {
         print(&printed, "developed by      " PROGRAM "\nstack             %s\n",
               of->cube.image.path);
@@ -139,32 +153,48 @@ static bool open_picture(const struct development *of, const char *path, struct 
     const struct picture_options options = {
         .width = of->cube.image.width,
         .height = of->cube.image.height,
-        .bits = rgb ? of->options->bits : 32,
+        .bits = rgb ? of->bits : 32,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
-        .srgb = rgb && of->options->display == DISPLAY_SRGB,
+        .srgb = rgb && of->display == DISPLAY_SRGB,
         .profile = rgb ? profile : NULL,
-        .profile_length = rgb ? profile_write(of->options->display, profile) : 0,
+        .profile_length = rgb ? profile_write(of->display, profile) : 0,
         .description = text,
-        .memory = of->options->memory};
+        .memory = of->memory};
     const bool done = text && picture_open(out, path, &options, err);
     free(text);
     return done;
 }
 
-static bool write_picture(struct development *of, const char *path, struct error *err)
+static bool write_rows(struct development *of, struct picture_writer *picture,
+                       struct stack_writer *raw, struct error *err)
 {
-    const int width = of->cube.image.width, height = of->cube.image.height;
-    struct picture_writer writer;
-    bool done = open_picture(of, path, &writer, err);
-    if (!done)
-        return false;
-    for (int y = 0; done && y < height; y += of->sums.most) {
+    bool done = true;
+    for (int y = 0; done && y < of->cube.image.height; y += of->sums.most) {
         done = sums_find(&of->sums, y, err);
         threads_blocks(of->sums.threads, of->sums.n, BLOCK_PIXELS, store_pixels, of);
-        done = done && picture_write(&writer, of->samples, (int)of->sums.n / width, err);
+        done = done && (raw ? raw_write(of, y, raw, err)
+                            : picture_write(picture, of->samples,
+                                            (int)of->sums.n / of->cube.image.width, err));
     }
-    done = done && picture_commit(&writer, of->options->outputs, err);
-    picture_discard(&writer);
+    return done;
+}
+
+static bool write_picture(struct development *of, const char *path, struct error *err)
+{
+    struct picture_writer picture;
+    struct stack_writer raw;
+    bool done;
+    if (of->values == DEVELOP_RAW) {
+        if (!raw_open(of, path, &raw, err))
+            return false;
+        done = write_rows(of, NULL, &raw, err) && raw_commit(of, &raw, err);
+        stack_discard(&raw);
+    } else {
+        if (!open_picture(of, path, &picture, err))
+            return false;
+        done = write_rows(of, &picture, NULL, err) && picture_commit(&picture, of->outputs, err);
+        picture_discard(&picture);
+    }
     return done;
 }
 
@@ -173,19 +203,20 @@ static bool develop_cube(struct development *of, const char *path, struct error 
 {
     struct channel_sums *sums = &of->sums;
     of->out_of_gamut = (struct counter)COUNTER;
-    of->exposure = of->options->exposure;
-    of->adaptation = of->options->adaptation;
+    of->full_scale = 1;
     if (!develop_weights(of, err))
         return false;
     *sums = (struct channel_sums){.cube = &of->cube,
-                                  .lit = of->options->lit,
-                                  .weights = of->weights,
-                                  .n_channels = 3,
-                                  .threads = of->options->threads};
-    return sums_allocate(sums, err) &&
-           (memory_make(&of->samples, 3 * sums->stride, sample_bytes(of)) ||
-            memory_lacks(err, 12 * (double)sums->stride, "rows of the picture")) &&
-           (!of->options->automatic || find_exposure(of, err)) && write_picture(of, path, err);
+                                  .lit = of->lit,
+                                  .weights = of->sight.weights,
+                                  .n_channels = of->sight.detector.n,
+                                  .threads = of->threads};
+    if (!sums_allocate(sums, err))
+        return false;
+    const size_t n = (size_t)sums->n_channels * sums->stride;
+    return (memory_make(&of->samples, n, sample_bytes(of)) ||
+            memory_lacks(err, 4 * (double)n, "rows of the picture")) &&
+           find_exposure(of, err) && write_picture(of, path, err);
 }
 
 bool develop(struct development *of, const char *stack, const char *output, struct error *err)
@@ -211,17 +242,15 @@ bool scene_cube(const struct scene *scene, struct cube *out, struct error *err)
 
 bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, struct error *err)
 {
-    const struct development_options options = {
-        .detector_name = picture->detector ? picture->detector : "cie1931",
-        .display = DISPLAY_SRGB,
-        .bits = 8,
-        .threads = lit->plan->options.threads,
-        .exposure = 1,
-        .automatic = picture->automatic,
-        .outputs = picture->outputs,
-        .memory = picture->memory,
-        .lit = lit};
-    struct development of = {.options = &options};
+    struct development of = {.detector_name = picture->detector ? picture->detector : "cie1931",
+                             .display = DISPLAY_SRGB,
+                             .bits = 8,
+                             .threads = lit->plan->options.threads,
+                             .exposure = 1,
+                             .automatic = picture->automatic,
+                             .outputs = picture->outputs,
+                             .memory = picture->memory,
+                             .lit = lit};
     const bool done =
         scene_cube(lit->plan->scene, &of.cube, err) && develop_cube(&of, picture->output, err);
     picture->out_of_gamut = of.out_of_gamut.n;
@@ -234,7 +263,7 @@ bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, s
 void develop_free(struct development *of)
 {
     cube_close(&of->cube);
-    detector_free(&of->detector);
+    sight_free(&of->sight);
     sums_free(&of->sums);
-    FREE_ALL(of->weights, of->samples);
+    free(of->samples);
 }

@@ -21,9 +21,27 @@ size_t picture_pixels(const struct picture *picture); /* decomposition.c */
 
 /* ---- sight.c ---- */
 
-/* Returns the factor that takes an observer's XYZ to cd m-2, if the radiances of the cube are
- * absolute; otherwise, and for a camera, 1. */
-double cube_luminance(const struct cube *cube, const struct detector *detector);
+/* Makes a sight likewise: of a detector of three channels, where a camera needs a white, by which
+ * it is balanced; and of a detector of any number of channels, which has neither a white nor a
+ * response to a radiance of 1, and which a stack with a fixed sampling refuses. */
+bool sight_of_picture(const struct cube *cube, const char *detector, struct white_request white,
+                      struct sight *out, struct error *err);
+bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
+                       struct error *err);
+
+/* Pixels as a detector sees them: an observer in colours, a camera in its channels, beside which
+ * cie1931 sees colours. */
+struct eyes {
+    const char *observer; /* of the colours */
+    struct sight colours;
+    struct sight camera; /* of an observer zeroed: it has no channels */
+};
+/* Refuses what the functions above refuse. The caller closes *out, also after a failure. */
+bool eyes_make(const struct cube *cube, const char *detector, const struct white_request *white,
+               struct eyes *out, struct error *err);
+/* Puts the camera's channels of a pixel behind its n pages. */
+void eyes_add(const struct eyes *eyes, double *spectrum, int n);
+void eyes_close(struct eyes *eyes);
 
 /* ---- radiances.c ---- */
 
@@ -69,43 +87,37 @@ void sums_free(struct channel_sums *of);
 
 /* ---- develop.c ---- */
 
-enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
-struct development_options {
-    const char *detector_name; /* or file */
-    const char *white;         /* SPECTRUM; NULL: what the stack records */
-    struct adaptation adaptation;
+enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB, DEVELOP_RAW };
+/* A stack that is being developed. */
+struct development {
+    /* The caller sets these, and zeroes all others. */
+    const char *detector_name;    /* or file */
+    const char *white;            /* SPECTRUM; NULL: what the stack records */
+    struct adaptation adaptation; /* a luminance of 0 is found */
     enum display_kind display;
     enum develop_values values;
     int bits;        /* of RGB: 8 or 16; of raw values: 32 of floats, 16 of counts of the largest */
     int threads;     /* 0: one a processor */
     double exposure; /* factor of all radiances */
-    bool automatic;  /* another exposure instead: it brings the largest displayed value (or Y) of
+    bool automatic;  /* another exposure is found: it brings the largest displayed value (or Y) of
                         the picture to just 1 (or 100), or the largest raw value to 1 */
     struct outputs *outputs;     /* get the picture; NULL: it appears at once */
     struct printed *memory;      /* takes a PNG in place of a file; NULL: a file */
     const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
-};
-/* A stack that is being developed. The caller sets the options, and zeroes all others. */
-struct development {
-    const struct development_options *options;
+    /* The findings. */
     struct cube cube;
-    double exposure;              /* of the options, or found */
-    struct adaptation adaptation; /* with its luminance */
-    struct detector detector;
-    double first_nm, last_nm; /* of pages, or of the range of components */
-    double lost[3];           /* detector_lost */
-    bool has_white;
-    double seen_white[3];    /* in the detector's channels, before adaptation */
-    double adapted_white[3]; /* to which an observer has adapted */
-    double equal[3];         /* the detector's response to a radiance of 1 everywhere */
-    double *weights;         /* of the stack's pages: [channel * n_pages + page]; owned */
-    struct counter
-        out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
+    double first_nm, last_nm;   /* of pages, or of the range of components */
+    double lost[MOST_CHANNELS]; /* cube_lost */
+    struct sight sight;         /* weights: of the display's channels, of XYZ, or of raw values */
+    double adapted_white[3];    /* to which an observer has adapted */
+    double full_scale; /* of raw counts: the largest value with the exposure; of floats 1 */
+    struct counter out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and
+                                    Lab; raw values below 0 */
     struct channel_sums sums;
-    void *samples; /* of the rows at hand, as picture_write takes them; owned */
+    void *samples; /* of the rows at hand, as picture_write takes them, or pages of raw; owned */
 };
 /* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
- * has no XYZ and no Lab. The channels of cameras and films are balanced: each is
+ * has no XYZ, no Lab and no raw values. The channels of cameras and films are balanced: each is
  * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
  * after a failure. */
 bool develop(struct development *of, const char *stack, const char *output, struct error *err);
@@ -114,30 +126,24 @@ void print_white(struct printed *to, const double white[3], bool is_xyz, const c
 /* Prints all that decides a developed picture, except the stack. */
 void develop_print_settings(const struct development *of, struct printed *to);
 void develop_free(struct development *of);
-/* weights.c: finds the weights that take the pages of the cube to linear display channels, or to
- * XYZ (also for CIELAB), at exposure 1. Fills in all that is found but what pixels decide. Refuses
- * a detector that sees none of the wavelengths of a stack. */
+/* weights.c: finds the weights that take the pages of the cube to linear display channels, to XYZ
+ * (also for CIELAB), or to raw values, at exposure 1. Fills in all that is found but what pixels
+ * decide. Refuses a detector that sees none of the wavelengths of a stack. */
 bool develop_weights(struct development *of, struct error *err);
 
 /* ---- raw.c: raw values of a detector ---- */
 
-/* The channels of a camera or film beside the pages of a cube; an observer has none here: its
- * channels are XYZ, which are printed in any case. */
-struct camera_channels {
-    struct detector detector; /* n: their number */
-    double *weights;          /* [channel * n_pages + page]; owned */
-};
-/* Reads a camera or film. Refuses a stack whose sampling is fixed. The caller frees *out, also
- * after a failure. */
-bool camera_open(const struct cube *cube, const char *name, struct camera_channels *out,
-                 struct error *err);
-/* Puts the channels of a pixel behind its n pages. */
-void camera_add(const struct camera_channels *camera, double *spectrum, int n);
-void camera_close(struct camera_channels *camera);
-/* Reads the stack that is the operand, writes the raw values of a detector of any number of
- * channels, and prints how. */
-bool develop_raw(const struct development_options *settings, struct options *options,
-                 struct error *err);
+/* Raw values lie in a stack of one page a channel: linear, without balance, adaptation or display.
+ * The value is the sum over pages of radiance x sensitivity x width of the page in nm
+ * (detector_weights), times the exposure. */
+bool raw_open(const struct development *of, const char *path, struct stack_writer *out,
+              struct error *err);
+/* Stores the channels of a pixel of the rows at hand. Returns how many are below 0. */
+uint64_t raw_store(const struct development *of, size_t pixel);
+/* Writes the rows at hand, which begin with row y. */
+bool raw_write(const struct development *of, int y, struct stack_writer *writer, struct error *err);
+bool raw_commit(const struct development *of, struct stack_writer *writer, struct error *err);
+void raw_print(const struct development *of, const char *output, struct printed *to);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
@@ -160,16 +166,15 @@ struct band_difference {
 enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
     /* The caller sets these, and zeroes all others. */
-    const char *observer, *white; /* white NULL: what A records */
+    const char *detector, *white; /* white NULL: what A records */
     const char *map;              /* PNG or TIFF to write; NULL: none */
     struct tolerance tolerance;
     int threads;
     struct outputs *outputs; /* get the map; NULL: it appears at once */
     /* Two stacks, and how they differ. */
     struct stack_rows a, b;
-    struct sight sight; /* of A; it holds for B too; without a white there are no colours */
-    struct camera_channels camera;
-    int n_bands;                   /* pages, and channels of the camera */
+    struct eyes eyes; /* of A; they hold for B too; without a white there are no colours */
+    int n_bands;      /* pages, and channels of the camera */
     struct band_difference *bands; /* of each page, then of each channel; owned */
     struct band_difference all;
     int largest_band;        /* the band that has all.largest */

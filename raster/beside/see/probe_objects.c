@@ -11,9 +11,8 @@
 /* Objects that are measured. */
 struct measured {
     struct stack_rows rows;
-    struct sight sight;
-    struct camera_channels camera; /* are measured, too */
-    double *pixel;                 /* its columns; owned */
+    struct eyes eyes;
+    double *pixel; /* its columns; owned */
     bool edges;
     int n_objects, n_columns; /* bands, then channels */
     struct moments *moments;  /* [object][column]; owned */
@@ -40,7 +39,7 @@ static void add_pixel(struct measured *of, int object, const float *samples)
     const int n_bands = of->rows.cube.image.n_pages;
     for (int band = 0; band < n_bands; band++)
         of->pixel[band] = (double)samples[(size_t)band * of->rows.stride];
-    camera_add(&of->camera, of->pixel, n_bands);
+    eyes_add(&of->eyes, of->pixel, n_bands);
     for (int column = 0; column < of->n_columns; column++)
         moments_add(&moments[column], of->pixel[column]);
 }
@@ -89,13 +88,11 @@ static bool prepare(struct measured *of, const char *path, const char *detector,
     if (cube->record.map_bytes == 0)
         return error_usage(err, "%s has no map of objects; expected a stack of spectral render",
                            path);
-    if (!camera_open(cube, detector, &of->camera, err) ||
-        !sight_make(cube, of->camera.detector.n > 0 ? "cie1931" : detector, &request, &of->sight,
-                    err))
+    if (!eyes_make(cube, detector, &request, &of->eyes, err))
         return false;
     const size_t width = (size_t)cube->image.width, n_pages = (size_t)cube->image.n_pages;
     of->n_objects = cube->record.objects.n;
-    of->n_columns = cube->image.n_pages + of->camera.detector.n;
+    of->n_columns = cube->image.n_pages + of->eyes.camera.detector.n;
     for (int i = 0; i < 3; i++)
         if (!MAKE_ARRAY(of->map[i], width, err, "a row of %s", path))
             return false;
@@ -110,8 +107,7 @@ static bool prepare(struct measured *of, const char *path, const char *detector,
 static void measured_free(struct measured *of)
 {
     rows_close(&of->rows);
-    sight_free(&of->sight);
-    camera_close(&of->camera);
+    eyes_close(&of->eyes);
     FREE_ALL(of->pixel, of->moments, of->map[0], of->map[1], of->map[2]);
 }
 
@@ -181,9 +177,9 @@ static void find_values(const struct measured *of, int object, struct values *ou
     out->pixels = moments[0].n;
     for (int i = 0; i < of->n_columns; i++)
         moments_end(&moments[i], &out->mean[i], &out->spread[i]);
-    detector_response(of->sight.weights, out->mean, n_bands, out->xyz);
-    if (of->sight.has_white)
-        cielab(out->xyz, of->sight.white, out->lab);
+    detector_response(of->eyes.colours.weights, out->mean, n_bands, out->xyz);
+    if (of->eyes.colours.has_white)
+        cielab(out->xyz, of->eyes.colours.white, out->lab);
 }
 
 /* Names a band or a channel. */
@@ -193,7 +189,7 @@ static void column_label(const struct measured *of, int column, char out[96])
     if (column < image->n_pages)
         snprintf(out, 96, "%.10g nm", image->wavelengths_nm[column]);
     else
-        snprintf(out, 96, "%s", of->camera.detector.channel[column - image->n_pages]);
+        snprintf(out, 96, "%s", of->eyes.camera.detector.channel[column - image->n_pages]);
 }
 
 static void print_csv_head(const struct measured *of, struct printed *to)
@@ -225,7 +221,7 @@ static void print_csv(const struct measured *of, const struct values *values, st
     csv_text(values->name, to);
     print(to, "\",%llu", (unsigned long long)values->pixels);
     print_numbers(values->xyz, 3, values->pixels > 0, to);
-    print_numbers(values->lab, 3, values->pixels > 0 && of->sight.has_white, to);
+    print_numbers(values->lab, 3, values->pixels > 0 && of->eyes.colours.has_white, to);
     print_numbers(values->mean, of->n_columns, values->pixels > 0, to);
     print_numbers(values->spread, of->n_columns, values->pixels > 0, to);
     print_text(to, "\n");
@@ -240,12 +236,12 @@ static void print_line(const struct measured *of, const struct values *values, s
     if (seen)
         print(to, "  XYZ             %.4f %.4f %.4f%s\n", values->xyz[0], values->xyz[1],
               values->xyz[2], of->rows.cube.record.unit ? ", Y in cd/m2" : "");
-    if (seen && of->sight.has_white)
+    if (seen && of->eyes.colours.has_white)
         print(to, "  Lab             %.4f %.4f %.4f\n", values->lab[0], values->lab[1],
               values->lab[2]);
     for (int i = n_bands; seen && i < of->n_columns; i++)
         print(to, "  %-15s %.6g, standard deviation %.3g\n",
-              of->camera.detector.channel[i - n_bands], values->mean[i], values->spread[i]);
+              of->eyes.camera.detector.channel[i - n_bands], values->mean[i], values->spread[i]);
 }
 
 static void put_json(const struct measured *of, const struct values *values, struct json *json)
@@ -256,12 +252,13 @@ static void put_json(const struct measured *of, const struct values *values, str
     json_string(json, "name", values->name);
     json_count(json, "pixels", values->pixels);
     json_numbers(json, "XYZ", seen ? values->xyz : NULL, 3);
-    json_numbers(json, "Lab", seen && of->sight.has_white ? values->lab : NULL, 3);
+    json_numbers(json, "Lab", seen && of->eyes.colours.has_white ? values->lab : NULL, 3);
     json_numbers(json, "radiance", seen ? values->mean : NULL, n_bands);
     json_numbers(json, "standard_deviation", seen ? values->spread : NULL, n_bands);
-    json_numbers(json, "channels", seen ? values->mean + n_bands : NULL, of->camera.detector.n);
+    json_numbers(json, "channels", seen ? values->mean + n_bands : NULL,
+                 of->eyes.camera.detector.n);
     json_numbers(json, "channels_standard_deviation", seen ? values->spread + n_bands : NULL,
-                 of->camera.detector.n);
+                 of->eyes.camera.detector.n);
     json_close(json, '}');
 }
 
@@ -274,8 +271,8 @@ static void put_objects(const struct measured *of, struct values *values, bool c
     json_string(json, "unit", cube_unit(&of->rows.cube));
     json_numbers(json, "wavelengths_nm", of->rows.cube.image.wavelengths_nm,
                  of->rows.cube.image.n_pages);
-    json_strings(json, "channel_names", (const char *const *)of->camera.detector.channel,
-                 of->camera.detector.n);
+    json_strings(json, "channel_names", (const char *const *)of->eyes.camera.detector.channel,
+                 of->eyes.camera.detector.n);
     json_open(json, "objects", '[');
     if (csv)
         print_csv_head(of, to);

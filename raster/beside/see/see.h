@@ -117,13 +117,16 @@ struct white_request {
  * needed or named, and a white too large to compute with. */
 bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err);
-/* How an observer sees a stack. */
+/* How a detector sees a stack. XYZ of absolute radiances are in cd m-2. */
 struct sight {
-    double *weights; /* of X, Y and Z, as cube_weights, times cube_luminance; owned */
-    double white[3]; /* XYZ, likewise */
+    struct detector detector; /* owned */
+    double *weights;          /* as cube_weights; owned */
     bool has_white;
+    double white[3]; /* as cube_white_response, of a detector of three channels */
+    double equal[3]; /* cube_equal_response, likewise */
 };
-/* Refuses what observer_read, cube_weights and cube_white_response refuse. */
+/* Makes that of an observer. Refuses what observer_read, cube_weights and cube_white_response
+ * refuse. */
 bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
                 struct sight *out, struct error *err);
 void sight_free(struct sight *sight);

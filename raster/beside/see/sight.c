@@ -188,35 +188,91 @@ bool cube_white_response(const struct cube *cube, const struct white_request *re
 
 /* ---- as an observer sees it ---- */
 
-double cube_luminance(const struct cube *cube, const struct detector *detector)
+/* Finds the weights of the detector, which has been read; with a white request its responses, too.
+ */
+static bool sight_complete(const struct cube *cube, const struct white_request *white,
+                           struct sight *out, struct error *err)
 {
-    return cube->record.unit && detector->observer ? detector_luminance(detector) : 1;
+    const struct detector *detector = &out->detector;
+    const int n = detector->n * cube->image.n_pages;
+    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path) ||
+        !cube_weights(cube, detector, out->weights, err) ||
+        (white &&
+         (!cube_white_response(cube, white, out->weights, &out->has_white, out->white, err) ||
+          !cube_equal_response(cube, detector, out->weights, out->equal, err))))
+        return false;
+    /* the factor that takes an observer's XYZ to cd m-2 */
+    const double luminance =
+        cube->record.unit && detector->observer ? detector_luminance(detector) : 1;
+    for (int i = 0; i < n; i++)
+        out->weights[i] *= luminance;
+    for (int i = 0; i < 3; i++) {
+        out->white[i] *= luminance;
+        out->equal[i] *= luminance;
+    }
+    return true;
 }
 
 bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
                 struct sight *out, struct error *err)
 {
-    struct detector detector = {.name = NULL};
-    const size_t n = 3 * (size_t)cube->image.n_pages;
-    if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path))
+    return observer_read(observer, &out->detector, err) && sight_complete(cube, white, out, err);
+}
+
+bool sight_of_picture(const struct cube *cube, const char *detector, struct white_request white,
+                      struct sight *out, struct error *err)
+{
+    if (!detector_read(detector, &out->detector, err))
         return false;
-    const bool done =
-        observer_read(observer, &detector, err) &&
-        cube_weights(cube, &detector, out->weights, err) &&
-        cube_white_response(cube, white, out->weights, &out->has_white, out->white, err);
-    const double luminance = done ? cube_luminance(cube, &detector) : 1;
-    for (size_t i = 0; done && i < n; i++)
-        out->weights[i] *= luminance;
-    for (int i = 0; done && i < 3; i++)
-        out->white[i] *= luminance;
-    detector_free(&detector);
-    return done;
+    white.needed = white.needed || !out->detector.observer;
+    return sight_complete(cube, &white, out, err);
+}
+
+bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
+                       struct error *err)
+{
+    const struct record *record = &cube->record;
+    if (record->response.n > 0)
+        return error_usage(err,
+                           "%s was sampled by %s for %s alone, and has no raw values; riemann, "
+                           "gauss:N, gauss:N,open, box and adaptive have",
+                           cube->image.path, record->sampling, record->sampling_detector);
+    return channels_read(detector, &out->detector, err) && sight_complete(cube, NULL, out, err);
 }
 
 void sight_free(struct sight *sight)
 {
+    detector_free(&sight->detector);
     free(sight->weights);
     sight->weights = NULL;
+}
+
+/* ---- pixels as a detector of any number of channels sees them ---- */
+
+bool eyes_make(const struct cube *cube, const char *detector, const struct white_request *white,
+               struct eyes *out, struct error *err)
+{
+    struct detector read;
+    const bool done = channels_read(detector, &read, err), observer = read.observer;
+    detector_free(&read);
+    out->observer = observer ? detector : "cie1931";
+    return done && (observer || sight_of_channels(cube, detector, &out->camera, err)) &&
+           sight_make(cube, out->observer, white, &out->colours, err);
+}
+
+void eyes_add(const struct eyes *eyes, double *spectrum, int n)
+{
+    for (int i = 0; i < eyes->camera.detector.n; i++) {
+        spectrum[n + i] = 0;
+        for (int page = 0; page < n; page++)
+            spectrum[n + i] += eyes->camera.weights[i * n + page] * spectrum[page];
+    }
+}
+
+void eyes_close(struct eyes *eyes)
+{
+    sight_free(&eyes->camera);
+    sight_free(&eyes->colours);
 }
 
 /* ---- the object map ---- */
