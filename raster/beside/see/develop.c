@@ -8,12 +8,6 @@
 
 enum { BLOCK_PIXELS = 1 << 13 }; /* that a thread takes at a time */
 
-static size_t sample_bytes(const struct development *of)
-{
-    const bool floats = of->values == DEVELOP_XYZ || of->values == DEVELOP_LAB;
-    return floats ? sizeof(float) : (size_t)of->bits / 8;
-}
-
 /* ---- exposure ---- */
 
 /* Returns to what an automatic exposure brings the largest value of a channel: the largest that is
@@ -55,36 +49,41 @@ static float stored(double value)
     return (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
 }
 
-static void store_floats(const struct development *of, size_t pixel, const double values[3])
+/* Stores a pixel on pages, as floats, or as counts of the full scale: none is below 0. Returns how
+ * many values are below 0. */
+static uint64_t store_channels(const struct development *of, size_t pixel, const double *values)
 {
-    float *samples = of->samples;
-    double lab[3];
-    if (of->values == DEVELOP_LAB)
-        cielab(values, of->adapted_white, lab);
-    for (int channel = 0; channel < 3; channel++)
-        samples[(size_t)channel * of->sums.n + pixel] =
-            stored(of->values == DEVELOP_LAB ? lab[channel] : values[channel]);
+    uint64_t below_0 = 0;
+    for (size_t channel = 0; channel < (size_t)of->sums.n_channels; channel++) {
+        const double value = values[channel], count = floor(65535 * value / of->full_scale + 0.5);
+        const size_t at = channel * of->sums.n + pixel;
+        below_0 += value < 0;
+        if (of->bits == 32)
+            ((float *)of->samples)[at] = stored(value);
+        else
+            ((uint16_t *)of->samples)[at] = (uint16_t)fmax(0, fmin(count, 65535));
+    }
+    return below_0;
 }
 
 static void store_pixels(void *context, size_t first, size_t end)
 {
     struct development *of = context;
+    const size_t n_channels = (size_t)of->sums.n_channels;
     uint64_t clipped = 0;
     for (size_t i = first; i < end; i++) {
-        double values[3];
-        if (of->values == DEVELOP_RAW) {
-            clipped += raw_store(of, i);
-            continue;
-        }
-        for (size_t channel = 0; channel < 3; channel++)
+        double values[MOST_CHANNELS];
+        for (size_t channel = 0; channel < n_channels; channel++)
             values[channel] = of->exposure * of->sums.sums[channel * of->sums.stride + i];
+        if (of->values == DEVELOP_LAB)
+            cielab(values, of->adapted_white, values);
         if (of->values == DEVELOP_RGB)
             clipped += display_store(of->display, of->bits, values,
-                                     (char *)of->samples + 3 * i * sample_bytes(of));
+                                     (char *)of->samples + 3 * i * (size_t)of->bits / 8);
         else
-            store_floats(of, i, values);
+            clipped += store_channels(of, i, values);
     }
-    counter_add(&of->out_of_gamut, clipped);
+    counter_add(&of->clipped, clipped);
 }
 
 /* ---- the picture ---- */
@@ -153,7 +152,7 @@ static bool open_picture(const struct development *of, const char *path, struct 
     const struct picture_options options = {
         .width = of->cube.image.width,
         .height = of->cube.image.height,
-        .bits = rgb ? of->bits : 32,
+        .bits = of->bits,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
         .srgb = rgb && of->display == DISPLAY_SRGB,
         .profile = rgb ? profile : NULL,
@@ -202,7 +201,7 @@ static bool write_picture(struct development *of, const char *path, struct error
 static bool develop_cube(struct development *of, const char *path, struct error *err)
 {
     struct channel_sums *sums = &of->sums;
-    of->out_of_gamut = (struct counter)COUNTER;
+    of->clipped = (struct counter)COUNTER;
     of->full_scale = 1;
     if (!develop_weights(of, err))
         return false;
@@ -214,8 +213,8 @@ static bool develop_cube(struct development *of, const char *path, struct error 
     if (!sums_allocate(sums, err))
         return false;
     const size_t n = (size_t)sums->n_channels * sums->stride;
-    return (memory_make(&of->samples, n, sample_bytes(of)) ||
-            memory_lacks(err, 4 * (double)n, "rows of the picture")) &&
+    return (memory_make(&of->samples, n, (size_t)of->bits / 8) ||
+            memory_lacks(err, (double)n * of->bits / 8, "rows of the picture")) &&
            find_exposure(of, err) && write_picture(of, path, err);
 }
 
@@ -253,7 +252,7 @@ bool develop_scene(const struct lit_scene *lit, struct scene_picture *picture, s
                              .lit = lit};
     const bool done =
         scene_cube(lit->plan->scene, &of.cube, err) && develop_cube(&of, picture->output, err);
-    picture->out_of_gamut = of.out_of_gamut.n;
+    picture->out_of_gamut = of.clipped.n;
     free(of.cube.record.white.value);
     of.cube = (struct cube){.components = false}; /* the scene owns the rest */
     develop_free(&of);

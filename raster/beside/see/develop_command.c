@@ -41,11 +41,13 @@ static bool read_options(struct options *options, struct development *out, struc
                                           : own->xyz ? DEVELOP_XYZ
                                           : own->lab ? DEVELOP_LAB
                                                      : DEVELOP_RGB,
-                                .bits = own->bits  ? (int)strtol(own->bits, NULL, 10)
-                                        : own->raw ? 32
-                                                   : 8,
+                                .bits = 8,
                                 .threads = options->threads,
                                 .outputs = &options->outputs};
+    if (out->values != DEVELOP_RGB)
+        out->bits = 32;
+    if (own->bits)
+        out->bits = (int)strtol(own->bits, NULL, 10);
     if (own->xyz && own->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
     return (!own->adaptation || read_value("--adaptation", own->adaptation, out, err)) &&
@@ -66,8 +68,7 @@ static void print_development(const struct development *of, const char *output, 
           100 * lost[0], 100 * lost[1], 100 * lost[2]);
     if (of->values == DEVELOP_RGB)
         print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
-              (unsigned long long)of->out_of_gamut.n, pixels,
-              100 * (double)of->out_of_gamut.n / pixels);
+              (unsigned long long)of->clipped.n, pixels, 100 * (double)of->clipped.n / pixels);
     print_fact(to, "picture", output);
 }
 
@@ -88,7 +89,7 @@ static bool write_json(struct options *options, const struct development *of, st
     json_number(&json, "first_nm", of->first_nm);
     json_number(&json, "last_nm", of->last_nm);
     json_numbers(&json, "unseen", of->lost, 3);
-    json_count(&json, "out_of_gamut_pixels", of->out_of_gamut.n);
+    json_count(&json, "out_of_gamut_pixels", of->values == DEVELOP_RGB ? of->clipped.n : 0);
     json_string(&json, "output", options->output);
     return json_write(&json, options->json, &options->outputs, err);
 }

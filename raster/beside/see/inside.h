@@ -96,7 +96,8 @@ struct development {
     struct adaptation adaptation; /* a luminance of 0 is found */
     enum display_kind display;
     enum develop_values values;
-    int bits;        /* of RGB: 8 or 16; of raw values: 32 of floats, 16 of counts of the largest */
+    int bits;        /* 8 or 16 of RGB; 32 of floats, as XYZ and CIELAB are; of raw values 32, or 16
+                        of counts of the largest */
     int threads;     /* 0: one a processor */
     double exposure; /* factor of all radiances */
     bool automatic;  /* another exposure is found: it brings the largest displayed value (or Y) of
@@ -110,9 +111,9 @@ struct development {
     double lost[MOST_CHANNELS]; /* cube_lost */
     struct sight sight;         /* weights: of the display's channels, of XYZ, or of raw values */
     double adapted_white[3];    /* to which an observer has adapted */
-    double full_scale; /* of raw counts: the largest value with the exposure; of floats 1 */
-    struct counter out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and
-                                    Lab; raw values below 0 */
+    double full_scale;      /* of raw counts: the largest value with the exposure; of floats 1 */
+    struct counter clipped; /* RGB: pixels with a channel that is clipped by more than 1e-6;
+                               otherwise: values below 0 */
     struct channel_sums sums;
     void *samples; /* of the rows at hand, as picture_write takes them, or pages of raw; owned */
 };
@@ -138,8 +139,6 @@ bool develop_weights(struct development *of, struct error *err);
  * (detector_weights), times the exposure. */
 bool raw_open(const struct development *of, const char *path, struct stack_writer *out,
               struct error *err);
-/* Stores the channels of a pixel of the rows at hand. Returns how many are below 0. */
-uint64_t raw_store(const struct development *of, size_t pixel);
 /* Writes the rows at hand, which begin with row y. */
 bool raw_write(const struct development *of, int y, struct stack_writer *writer, struct error *err);
 bool raw_commit(const struct development *of, struct stack_writer *writer, struct error *err);

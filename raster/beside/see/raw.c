@@ -1,7 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The file of a detector's raw values, and what is said of it. */
-#include <float.h>
-#include <math.h>
 #include <stdlib.h>
 
 #include "raster/beside/see/inside.h"
@@ -44,23 +42,6 @@ bool raw_open(const struct development *of, const char *path, struct stack_write
     return done;
 }
 
-uint64_t raw_store(const struct development *of, size_t pixel)
-{
-    uint64_t below_0 = 0;
-    for (size_t channel = 0; channel < (size_t)of->sums.n_channels; channel++) {
-        const double value = of->exposure * of->sums.sums[channel * of->sums.stride + pixel],
-                     count = floor(65535 * value / of->full_scale + 0.5);
-        const size_t at = channel * of->sums.n + pixel;
-        below_0 += value < 0;
-        if (of->bits == 32)
-            ((float *)of->samples)[at] =
-                (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
-        else
-            ((uint16_t *)of->samples)[at] = (uint16_t)fmax(0, fmin(count, 65535));
-    }
-    return below_0;
-}
-
 bool raw_write(const struct development *of, int y, struct stack_writer *writer, struct error *err)
 {
     const int width = of->cube.image.width;
@@ -91,8 +72,8 @@ void raw_print(const struct development *of, const char *output, struct printed 
     for (int i = 0; i < detector->n; i++)
         print(to, "channel %-9d %s: %.4g %% of its sensitivity lies outside\n", i + 1,
               detector->channel[i], 100 * of->lost[i]);
-    if (of->out_of_gamut.n > 0)
-        print(to, "below 0           %llu values%s\n", (unsigned long long)of->out_of_gamut.n,
+    if (of->clipped.n > 0)
+        print(to, "below 0           %llu values%s\n", (unsigned long long)of->clipped.n,
               of->bits == 32 ? "" : ", which become 0");
     print_fact(to, "picture", output);
 }
