@@ -201,16 +201,27 @@ bool comparison_is_within(const struct comparison *of); /* the tolerance */
 void comparison_print_colours(const struct comparison *of, struct printed *to);
 void comparison_free(struct comparison *of);
 
+/* ---- probe.c: tables of spectra ---- */
+
+/* A column of a table; the first one holds the wavelengths. */
+struct column {
+    char name[96];    /* e.g. "light 1 (d65)", "reflectance" */
+    const char *unit; /* NULL: none */
+    double *values;   /* one for each wavelength; NaN: there is none */
+};
+/* Writes the name of a column, with its unit. */
+enum { COLUMN_HEADING = 160 };
+void column_heading(const struct column *column, char out[COLUMN_HEADING]);
+/* Print n rows of columns: as text; as CSV, below their headings. */
+void columns_print(const struct column *columns, int n_columns, int n, struct printed *to);
+void columns_print_csv(const struct column *columns, int n_columns, int n, struct printed *to);
+
 /* ---- probe.c: the spectrum of a region ---- */
 
-/* A column of a table: the wavelengths; the radiance, and its standard deviation over the region;
- * then, of a scene, spectra that explain the radiance, e.g. that of a light. */
+/* The columns of a probe: the wavelengths; the radiance, and its standard deviation over the
+ * region; then, of a scene, spectra that explain the radiance, e.g. that of a light. Reflectances,
+ * excitations and emissions have the unit 1. */
 enum { WAVELENGTH, MEAN, SPREAD, CURVES };
-struct probe_column {
-    char name[96];  /* e.g. "light 1 (d65)", "reflectance" */
-    bool relative;  /* a reflectance, excitation or emission; otherwise a radiance */
-    double *values; /* one for each wavelength; owned */
-};
 struct probe {
     /* The caller sets these, and zeroes all others. */
     int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
@@ -222,8 +233,8 @@ struct probe {
     char *object;  /* name of the only object in the region; owned; NULL: unknown, or several */
     bool absolute; /* radiances are in W sr-1 m-2 nm-1, and Y in cd m-2 */
     bool has_white;
-    double xyz[3], of_white[3];   /* of the mean, and of the white */
-    struct probe_column *columns; /* owned */
+    double xyz[3], of_white[3]; /* of the mean, and of the white */
+    struct column *columns;     /* owned, with their values */
     int n_columns;
     struct moments *moments; /* of each band, while samples come; owned */
     struct region_object {
@@ -251,14 +262,16 @@ double spectral_angle(const double *a, const double *b, int n);
 bool probe_against(struct options *options, const struct probe *first, const struct probe *second,
                    bool csv, struct error *err);
 /* Begins a probe of a stack or scene: copies the wavelengths, and makes room for means and
- * deviations. The image gives these and the size. Refuses a region that is not within it. */
-bool probe_begin(struct probe *probe, const struct image *image, struct error *err);
+ * deviations. The cube gives these, the size and the unit. Refuses a region that is not within it.
+ */
+bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err);
+/* Notes the object, or surface, that a pixel shows. */
+void note_shown(struct probe *probe, int number);
 /* Ends it: the means of its moments, and their colour under the white of the cube. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err);
-/* probe_objects.c: finds the means of the object that is wanted, without its edges. */
-bool probe_object(struct probe *probe, const char *path, struct error *err);
-/* Probes a stack. Refuses a stack without spectra and a region outside the picture. The caller
- * frees *probe, here and below, also after a failure. */
+/* probe_objects.c: probes a stack: the region, or the object that is wanted, without its edges.
+ * Refuses a stack without spectra and a region outside the picture. The caller frees *probe, here
+ * and below, also after a failure. */
 bool probe_stack(struct probe *probe, const char *path, struct error *err);
 
 /* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the

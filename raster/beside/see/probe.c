@@ -1,12 +1,50 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the spectrum of a pixel or a region of a stack, and computes its colour. Or explains that
- * of a scene: the reference draws the region as it draws the whole picture, and the spectra of the
- * lights and of the material are listed beside the region's radiance. */
+/* The spectrum of a pixel or a region, and its colour. Or explains that of a scene: the reference
+ * draws the region as it draws the whole picture, and the spectra of the lights and of the material
+ * are listed beside the region's radiance. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "raster/beside/see/inside.h"
+
+/* ---- columns ---- */
+
+void column_heading(const struct column *column, char out[COLUMN_HEADING])
+{
+    const char *unit = column->unit;
+    snprintf(out, COLUMN_HEADING, "%s%s%s%s", column->name, unit ? " (" : "", unit ? unit : "",
+             unit ? ")" : "");
+}
+
+void columns_print(const struct column *columns, int n_columns, int n, struct printed *to)
+{
+    for (int i = 0; i < n; i++) {
+        print(to, "%-17.10g", columns[0].values[i]);
+        for (int column = 1; column < n_columns; column++)
+            print(to, " %-12.6g", columns[column].values[i]);
+        print_text(to, "\n");
+    }
+}
+
+void columns_print_csv(const struct column *columns, int n_columns, int n, struct printed *to)
+{
+    char heading[COLUMN_HEADING];
+    for (int column = 0; column < n_columns; column++) {
+        column_heading(&columns[column], heading);
+        print_text(to, column > 0 ? ",\"" : "\"");
+        csv_text(heading, to);
+        print_text(to, "\"");
+    }
+    for (int i = 0; i < n; i++)
+        for (int column = 0; column < n_columns; column++) {
+            const double value = columns[column].values[i];
+            print_text(to, column > 0 ? "," : "\n");
+            if (isfinite(value))
+                print(to, "%.*g", exact_digits(value), value);
+        }
+    print_text(to, "\n");
+}
 
 /* ---- any probe ---- */
 
@@ -26,25 +64,21 @@ void moments_end(const struct moments *moments, double *mean, double *spread)
     *spread = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
 }
 
-static void add_values(struct moments *moments, const float *values, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        moments_add(moments, (double)values[i]);
-}
-
-/* Adds a column of zeros. Returns it; NULL: no memory. */
-static struct probe_column *add_column(struct probe *probe, const char *name, struct error *err)
+/* Adds a column of zeros; unit NULL: that of radiances. Returns it; NULL: no memory. */
+static struct column *add_column(struct probe *probe, const char *name, const char *unit,
+                                 struct error *err)
 {
     if (!array_add(&probe->columns, &probe->n_columns, NULL, sizeof *probe->columns, err))
         return NULL;
-    struct probe_column *out = &probe->columns[probe->n_columns - 1];
+    struct column *out = &probe->columns[probe->n_columns - 1];
     snprintf(out->name, sizeof out->name, "%s", name);
+    out->unit = unit ? unit : probe->absolute ? ABSOLUTE_UNIT : ABSOLUTE_UNIT ", relative";
     return MAKE_ARRAY(out->values, (size_t)probe->n, err, "a spectrum of %d bands", probe->n)
                ? out
                : NULL;
 }
 
-static void note_shown(struct probe *probe, int number)
+void note_shown(struct probe *probe, int number)
 {
     struct region_object *shown = &probe->shown;
     shown->several = shown->several || (shown->begun && number != shown->number);
@@ -52,8 +86,10 @@ static void note_shown(struct probe *probe, int number)
     shown->begun = true;
 }
 
-bool probe_begin(struct probe *probe, const struct image *image, struct error *err)
+bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err)
 {
+    const struct image *image = &cube->image;
+    probe->absolute = cube->record.unit != NULL;
     probe->n = image->n_pages;
     if (!string_copy(image->path, &probe->source, err))
         return false;
@@ -64,8 +100,8 @@ bool probe_begin(struct probe *probe, const struct image *image, struct error *e
             "reaches beyond it",
             image->path, image->width, image->height, probe->width, probe->height, probe->x,
             probe->y);
-    if (!add_column(probe, "wavelength", err) || !add_column(probe, "radiance", err) ||
-        !add_column(probe, "standard deviation of radiance", err) ||
+    if (!add_column(probe, "wavelength", "nm", err) || !add_column(probe, "radiance", NULL, err) ||
+        !add_column(probe, "standard deviation of radiance", NULL, err) ||
         !MAKE_ARRAY(probe->moments, (size_t)probe->n, err, "the means of the region"))
         return false;
     memcpy(probe->columns[WAVELENGTH].values, image->wavelengths_nm,
@@ -88,66 +124,8 @@ bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
         detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
         memcpy(probe->of_white, sight.white, sizeof probe->of_white);
         probe->has_white = sight.has_white;
-        probe->absolute = cube->record.unit != NULL;
     }
     sight_free(&sight);
-    return done;
-}
-
-/* ---- a stack ---- */
-
-/* Rows are read in chunks of so many samples, 64 MiB, or of the region's. Large chunks are better
- * because a compressed page is unpacked as a whole. */
-static const size_t chunk_samples = (size_t)1 << 24;
-
-static bool read_bands(struct stack_rows *rows, struct probe *probe, struct error *err)
-{
-    const size_t width = (size_t)rows->cube.image.width;
-    const uint64_t n = (uint64_t)probe->height * width * (uint64_t)probe->n;
-    if (!rows_allocate(rows, n < chunk_samples ? n : chunk_samples, err))
-        return false;
-    rows->end = probe->y + probe->height;
-    for (int y = probe->y; y < rows->end; y += rows->n) {
-        if (!rows_read(rows, y, err))
-            return false;
-        for (int page = 0; page < probe->n; page++)
-            for (int row = 0; row < rows->n; row++)
-                add_values(&probe->moments[page],
-                           rows->samples + (size_t)page * rows->stride + (size_t)row * width +
-                               probe->x,
-                           (size_t)probe->width);
-    }
-    return true;
-}
-
-/* Finds the object that all pixels of the region show, if the stack has a map of objects. */
-static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
-{
-    const struct region_object *shown = &probe->shown;
-    int *row;
-    bool done = MAKE_ARRAY(row, probe->width, err, "a row of %s", probe->source);
-    for (int y = 0; done && y < probe->height && !shown->several; y++) {
-        done = cube_objects(cube, probe->x, probe->y + y, probe->width, row, err);
-        for (int x = 0; done && x < probe->width; x++)
-            note_shown(probe, row[x]);
-    }
-    free(row);
-    if (!done || shown->several || shown->number < 0)
-        return done;
-    return string_copy(shown->number > 0 ? cube->record.objects.text[shown->number - 1]
-                                         : "background",
-                       &probe->object, err);
-}
-
-bool probe_stack(struct probe *probe, const char *path, struct error *err)
-{
-    struct stack_rows rows = {.samples = NULL};
-    const struct cube *cube = &rows.cube;
-    const bool done = cube_open(path, &rows.cube, err) &&
-                      cube_needs_radiance(cube, "a probe", err) &&
-                      probe_begin(probe, &cube->image, err) && read_bands(&rows, probe, err) &&
-                      find_object(cube, probe, err) && probe_end(probe, cube, err);
-    rows_close(&rows);
     return done;
 }
 
@@ -163,7 +141,8 @@ static void add_band(void *context, const struct drawn_band *drawn)
     struct region *region = context;
     const struct picture *picture = drawn->picture;
     const size_t n = (size_t)drawn->pixels.width * (size_t)drawn->pixels.height;
-    add_values(&region->probe->moments[drawn->band], drawn->radiance, n);
+    for (size_t i = 0; i < n; i++)
+        moments_add(&region->probe->moments[drawn->band], (double)drawn->radiance[i]);
     for (int i = 0; drawn->band == 0 && i < picture->at.width * picture->at.height; i++)
         note_shown(region->probe, picture->surface[i]);
 }
@@ -179,11 +158,10 @@ enum curve_kind { LIGHT, REFLECTANCE, LUMINESCENCE };
 static bool add_curve(struct probe *probe, const char *name, enum curve_kind kind, double factor,
                       const struct spectrum *spectrum, struct error *err)
 {
-    struct probe_column *out = add_column(probe, name, err);
+    struct column *out = add_column(probe, name, kind == LIGHT ? NULL : "1", err);
     if (!out)
         return false;
     const enum spectrum_ends ends = kind == REFLECTANCE ? SPECTRUM_HOLD : SPECTRUM_ZERO;
-    out->relative = kind != LIGHT;
     for (int i = 0; i < probe->n; i++)
         out->values[i] =
             factor *
@@ -265,7 +243,7 @@ bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err
 {
     struct region region = {.lit = {.plan = plan}, .probe = probe};
     struct cube cube;
-    const bool done = scene_cube(plan->scene, &cube, err) && probe_begin(probe, &cube.image, err) &&
+    const bool done = scene_cube(plan->scene, &cube, err) && probe_begin(probe, &cube, err) &&
                       inspect(&region, err) && probe_end(probe, &cube, err);
     free(cube.record.white.value);
     lit_free(&region.lit);

@@ -101,8 +101,7 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
         return probe->wanted
                    ? error_usage(err, "objects are found in stacks; a scene takes X and Y")
                    : probe_picture(options, probe, err);
-    return refuse_changes(options, err) &&
-           (probe->wanted ? probe_object : probe_stack)(probe, options->operand, err);
+    return refuse_changes(options, err) && probe_stack(probe, options->operand, err);
 }
 
 /* ---- out ---- */
@@ -138,52 +137,20 @@ void region_text(const struct probe *probe, char *out, size_t capacity)
                  probe->y);
 }
 
-static void column_name(const struct probe *probe, int column, char *out, size_t capacity)
-{
-    const struct probe_column *of = &probe->columns[column];
-    snprintf(out, capacity, "%s (%s)", of->name,
-             column == WAVELENGTH ? "nm"
-             : of->relative       ? "1"
-             : probe->absolute    ? ABSOLUTE_UNIT
-                                  : ABSOLUTE_UNIT ", relative");
-}
-
 static void probe_print(const struct probe *probe, struct printed *to)
 {
-    char text[160], number[32];
+    char text[COLUMN_HEADING], number[32];
     print_fact(to, "source", probe->source);
     region_text(probe, text, sizeof text);
     print(to, "region            %s\n", text);
     print_fact(to, "object", probe->object ? probe->object : "unknown, or several");
     print_colour(probe, to);
     for (int column = 0; column < probe->n_columns; column++) {
-        column_name(probe, column, text, sizeof text);
+        column_heading(&probe->columns[column], text);
         snprintf(number, sizeof number, "column %d", column + 1);
         print_fact(to, number, text);
     }
-    for (int i = 0; i < probe->n; i++) {
-        print(to, "%-17.10g", probe->columns[WAVELENGTH].values[i]);
-        for (int column = MEAN; column < probe->n_columns; column++)
-            print(to, " %-12.6g", probe->columns[column].values[i]);
-        print_text(to, "\n");
-    }
-}
-
-static void probe_print_csv(const struct probe *probe, struct printed *to)
-{
-    char name[160];
-    const int last = probe->n_columns - 1;
-    for (int column = 0; column <= last; column++) {
-        column_name(probe, column, name, sizeof name);
-        print_text(to, "\"");
-        csv_text(name, to);
-        print_text(to, column < last ? "\"," : "\"\n");
-    }
-    for (int i = 0; i < probe->n; i++)
-        for (int column = 0; column <= last; column++) {
-            const double value = probe->columns[column].values[i];
-            print(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
-        }
+    columns_print(probe->columns, probe->n_columns, probe->n, to);
 }
 
 static void probe_json(const struct probe *probe, struct json *json)
@@ -222,7 +189,7 @@ static void probe_json(const struct probe *probe, struct json *json)
  * where a radiance is 0 or more. A pixel has none. */
 static bool probe_svg(const struct probe *probe, struct printed *to, struct error *err)
 {
-    const struct probe_column *columns = probe->columns;
+    const struct column *columns = probe->columns;
     const bool is_region = probe->width > 1 || probe->height > 1 || probe->wanted;
     const size_t n_bars = 3 * (size_t)probe->n; /* both ends, and what separates them */
     struct chart_series *all = NULL;
@@ -247,7 +214,7 @@ static bool probe_svg(const struct probe *probe, struct printed *to, struct erro
                                             .n = is_bars ? (int)n_bars : probe->n,
                                             .x = is_bars ? nm : columns[WAVELENGTH].values,
                                             .y = is_bars ? ends : columns[i].values,
-                                            .right = columns[i].relative};
+                                            .right = strcmp(columns[i].unit, "1") == 0};
         if (series.right)
             chart.right_label = "reflectance, excitation, emission";
         if (!is_bars || is_region)
@@ -271,10 +238,12 @@ static bool probe_write(struct options *options, const struct probe *probe, stru
     struct printed printed = {.text = NULL};
     struct json json;
     probe_json(probe, &json);
-    if (!own->svg)
-        (own->csv ? probe_print_csv : probe_print)(probe, &printed);
-    else
+    if (own->csv)
+        columns_print_csv(probe->columns, probe->n_columns, probe->n, &printed);
+    else if (own->svg)
         probe_svg(probe, &printed, err); /* report_write ends all, also after a failure */
+    else
+        probe_print(probe, &printed);
     return report_write(options, &json, &printed, err);
 }
 
