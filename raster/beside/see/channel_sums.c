@@ -13,22 +13,25 @@ enum {
     BLOCK_PIXELS = 1 << 13  /* that a thread takes at a time */
 };
 
-bool sums_allocate(struct channel_sums *of, struct error *err)
+bool rows_make_room(struct development *of, struct error *err)
 {
-    const struct image *image = &of->cube->image;
-    const size_t n = (size_t)of->n_channels, pixel = BATCH * sizeof(float) + n * sizeof(double);
+    const struct image *image = &of->cube.image;
+    const size_t n = (size_t)of->sight.detector.n,
+                 pixel = BATCH * sizeof(float) + n * sizeof(double);
     const int rows = (int)(CHUNK_BYTES / pixel / (size_t)image->width);
     of->most = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->stride = (size_t)of->most * (size_t)image->width;
     of->threads = threads_count(of->threads);
     return (of->lit ||
             MAKE_ARRAY(of->radiance, BATCH * of->stride, err, "rows of %s", image->path)) &&
-           MAKE_ARRAY(of->sums, n * of->stride, err, "rows of the picture");
+           MAKE_ARRAY(of->sums, n * of->stride, err, "rows of the picture") &&
+           (memory_make(&of->samples, n * of->stride, (size_t)of->bits / 8) ||
+            memory_lacks(err, (double)(n * of->stride) * of->bits / 8, "rows of the picture"));
 }
 
 /* Pages that are added to a chunk, from the first one on. */
 struct batch {
-    const struct channel_sums *of;
+    const struct development *of;
     int first;
 };
 
@@ -36,14 +39,14 @@ struct batch {
 static void add_pixels(void *context, size_t first, size_t end)
 {
     const struct batch *batch = context;
-    const struct channel_sums *of = batch->of;
-    const int n_pages = of->cube->image.n_pages;
+    const struct development *of = batch->of;
+    const int n_pages = of->cube.image.n_pages;
     const float *restrict radiance = of->radiance;
-    for (int channel = 0; channel < of->n_channels; channel++) {
+    for (int channel = 0; channel < of->sight.detector.n; channel++) {
         double *restrict sums = of->sums + (size_t)channel * of->stride;
         double weights[BATCH] = {0};
         for (int page = 0; page < BATCH && batch->first + page < n_pages; page++)
-            weights[page] = of->weights[channel * n_pages + batch->first + page];
+            weights[page] = of->sight.weights[channel * n_pages + batch->first + page];
         for (size_t i = first; i < end; i++) {
             double sum = sums[i];
             for (size_t page = 0; page < BATCH; page++)
@@ -56,13 +59,13 @@ static void add_pixels(void *context, size_t first, size_t end)
 /* Adds a band of some rows of a scene. */
 static void add_band(void *context, const struct drawn_band *drawn)
 {
-    const struct channel_sums *of = context;
+    const struct development *of = context;
     const struct rectangle *at = &drawn->pixels;
-    const int n_pages = of->cube->image.n_pages, width = of->cube->image.width;
+    const int n_pages = of->cube.image.n_pages, width = of->cube.image.width;
     const float *radiance = drawn->radiance;
     for (int y = 0; y < at->height; y++, radiance += at->width)
-        for (int channel = 0; channel < of->n_channels; channel++) {
-            const double weight = of->weights[channel * n_pages + drawn->band];
+        for (int channel = 0; channel < of->sight.detector.n; channel++) {
+            const double weight = of->sight.weights[channel * n_pages + drawn->band];
             double *sums = of->sums + (size_t)channel * of->stride +
                            (size_t)(at->y + y - of->first) * (size_t)width + at->x;
             for (int x = 0; x < at->width; x++)
@@ -70,14 +73,14 @@ static void add_band(void *context, const struct drawn_band *drawn)
         }
 }
 
-bool sums_find(struct channel_sums *of, int y, struct error *err)
+bool rows_sum(struct development *of, int y, struct error *err)
 {
-    struct image *image = &of->cube->image;
+    struct image *image = &of->cube.image;
     const struct rectangle at = {0, y, image->width,
                                  of->most < image->height - y ? of->most : image->height - y};
     struct radiances scene = {of->threads, add_band, of};
     struct batch batch = {.of = of};
-    memset(of->sums, 0, (size_t)of->n_channels * of->stride * sizeof *of->sums);
+    memset(of->sums, 0, (size_t)of->sight.detector.n * of->stride * sizeof *of->sums);
     of->first = y;
     of->n = (size_t)at.width * (size_t)at.height;
     if (of->lit)
@@ -91,18 +94,4 @@ bool sums_find(struct channel_sums *of, int y, struct error *err)
             threads_blocks(of->threads, of->n, BLOCK_PIXELS, add_pixels, &batch);
     }
     return true;
-}
-
-double sums_largest(const struct channel_sums *of, int channel)
-{
-    const double *sums = of->sums + (size_t)channel * of->stride;
-    double largest = 0;
-    for (size_t i = 0; i < of->n; i++)
-        largest = sums[i] > largest ? sums[i] : largest;
-    return largest;
-}
-
-void sums_free(struct channel_sums *of)
-{
-    FREE_ALL(of->radiance, of->sums);
 }

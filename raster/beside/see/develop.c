@@ -27,12 +27,16 @@ static bool find_exposure(struct development *of, struct error *err)
     double brightest = 0; /* in parts of the largest */
     if (!of->automatic && !counts)
         return true;
-    for (int y = 0; y < of->cube.image.height; y += of->sums.most) {
-        if (!sums_find(&of->sums, y, err))
+    for (int y = 0; y < of->cube.image.height; y += of->most) {
+        if (!rows_sum(of, y, err))
             return false;
-        for (int channel = 0; channel < of->sums.n_channels; channel++)
-            brightest =
-                fmax(brightest, sums_largest(&of->sums, channel) / largest_wanted(of, channel));
+        for (int channel = 0; channel < of->sight.detector.n; channel++) {
+            const double *sums = of->sums + (size_t)channel * of->stride;
+            double largest = 0;
+            for (size_t i = 0; i < of->n; i++)
+                largest = sums[i] > largest ? sums[i] : largest;
+            brightest = fmax(brightest, largest / largest_wanted(of, channel));
+        }
     }
     if (of->automatic)
         of->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
@@ -54,9 +58,9 @@ static float stored(double value)
 static uint64_t store_channels(const struct development *of, size_t pixel, const double *values)
 {
     uint64_t below_0 = 0;
-    for (size_t channel = 0; channel < (size_t)of->sums.n_channels; channel++) {
+    for (size_t channel = 0; channel < (size_t)of->sight.detector.n; channel++) {
         const double value = values[channel], count = floor(65535 * value / of->full_scale + 0.5);
-        const size_t at = channel * of->sums.n + pixel;
+        const size_t at = channel * of->n + pixel;
         below_0 += value < 0;
         if (of->bits == 32)
             ((float *)of->samples)[at] = stored(value);
@@ -69,12 +73,12 @@ static uint64_t store_channels(const struct development *of, size_t pixel, const
 static void store_pixels(void *context, size_t first, size_t end)
 {
     struct development *of = context;
-    const size_t n_channels = (size_t)of->sums.n_channels;
+    const size_t n_channels = (size_t)of->sight.detector.n;
     uint64_t clipped = 0;
     for (size_t i = first; i < end; i++) {
         double values[MOST_CHANNELS];
         for (size_t channel = 0; channel < n_channels; channel++)
-            values[channel] = of->exposure * of->sums.sums[channel * of->sums.stride + i];
+            values[channel] = of->exposure * of->sums[channel * of->stride + i];
         if (of->values == DEVELOP_LAB)
             cielab(values, of->adapted_white, values);
         if (of->values == DEVELOP_RGB)
@@ -168,12 +172,12 @@ static bool write_rows(struct development *of, struct picture_writer *picture,
                        struct stack_writer *raw, struct error *err)
 {
     bool done = true;
-    for (int y = 0; done && y < of->cube.image.height; y += of->sums.most) {
-        done = sums_find(&of->sums, y, err);
-        threads_blocks(of->sums.threads, of->sums.n, BLOCK_PIXELS, store_pixels, of);
-        done = done && (raw ? raw_write(of, y, raw, err)
-                            : picture_write(picture, of->samples,
-                                            (int)of->sums.n / of->cube.image.width, err));
+    for (int y = 0; done && y < of->cube.image.height; y += of->most) {
+        done = rows_sum(of, y, err);
+        threads_blocks(of->threads, of->n, BLOCK_PIXELS, store_pixels, of);
+        done = done &&
+               (raw ? raw_write(of, y, raw, err)
+                    : picture_write(picture, of->samples, (int)of->n / of->cube.image.width, err));
     }
     return done;
 }
@@ -200,22 +204,10 @@ static bool write_picture(struct development *of, const char *path, struct error
 /* Writes the picture of the cube, which is open. */
 static bool develop_cube(struct development *of, const char *path, struct error *err)
 {
-    struct channel_sums *sums = &of->sums;
     of->clipped = (struct counter)COUNTER;
     of->full_scale = 1;
-    if (!develop_weights(of, err))
-        return false;
-    *sums = (struct channel_sums){.cube = &of->cube,
-                                  .lit = of->lit,
-                                  .weights = of->sight.weights,
-                                  .n_channels = of->sight.detector.n,
-                                  .threads = of->threads};
-    if (!sums_allocate(sums, err))
-        return false;
-    const size_t n = (size_t)sums->n_channels * sums->stride;
-    return (memory_make(&of->samples, n, (size_t)of->bits / 8) ||
-            memory_lacks(err, (double)n * of->bits / 8, "rows of the picture")) &&
-           find_exposure(of, err) && write_picture(of, path, err);
+    return develop_weights(of, err) && rows_make_room(of, err) && find_exposure(of, err) &&
+           write_picture(of, path, err);
 }
 
 bool develop(struct development *of, const char *stack, const char *output, struct error *err)
@@ -263,6 +255,5 @@ void develop_free(struct development *of)
 {
     cube_close(&of->cube);
     sight_free(&of->sight);
-    sums_free(&of->sums);
-    free(of->samples);
+    FREE_ALL(of->radiance, of->sums, of->samples);
 }

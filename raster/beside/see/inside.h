@@ -62,29 +62,6 @@ struct radiances {
 bool radiances_each(const struct lit_scene *lit, const struct rectangle *pixels,
                     struct radiances *of, struct error *err);
 
-/* ---- channel_sums.c ---- */
-
-struct channel_sums {
-    /* The caller sets these, and zeroes all others. */
-    struct cube *cube;
-    const struct lit_scene *lit; /* is drawn in place of the cube's pages; NULL: they are read */
-    const double *weights;       /* [channel * n_pages + page] */
-    int n_channels;
-    int threads; /* 0: one a processor; then their number */
-    /* A chunk. */
-    int most;        /* rows */
-    size_t stride;   /* of its channels: pixels of that many rows */
-    int first;       /* of the rows at hand */
-    size_t n;        /* pixels of the rows at hand */
-    float *radiance; /* [page of those that are read together][pixel]; owned */
-    double *sums;    /* [channel][pixel]; owned */
-};
-bool sums_allocate(struct channel_sums *of, struct error *err);
-/* Finds the channels of the rows from y on, of `most` at most. */
-bool sums_find(struct channel_sums *of, int y, struct error *err);
-double sums_largest(const struct channel_sums *of, int channel); /* of the rows at hand; or 0 */
-void sums_free(struct channel_sums *of);
-
 /* ---- develop.c ---- */
 
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB, DEVELOP_RAW };
@@ -114,9 +91,19 @@ struct development {
     double full_scale;      /* of raw counts: the largest value with the exposure; of floats 1 */
     struct counter clipped; /* RGB: pixels with a channel that is clipped by more than 1e-6;
                                otherwise: values below 0 */
-    struct channel_sums sums;
-    void *samples; /* of the rows at hand, as picture_write takes them, or pages of raw; owned */
+    /* A chunk of rows. */
+    int most;        /* rows */
+    size_t stride;   /* of its channels: pixels of that many rows */
+    int first;       /* of the rows at hand */
+    size_t n;        /* pixels of the rows at hand */
+    float *radiance; /* [page of those that are read together][pixel]; owned */
+    double *sums;    /* [channel][pixel]; owned */
+    void *samples;   /* as picture_write takes them, or pages of raw values; owned */
 };
+/* channel_sums.c: makes room for chunks; finds the channels of the rows from y on, `most` at most.
+ */
+bool rows_make_room(struct development *of, struct error *err);
+bool rows_sum(struct development *of, int y, struct error *err);
 /* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
  * has no XYZ, no Lab and no raw values. The channels of cameras and films are balanced: each is
  * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also

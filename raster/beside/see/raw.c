@@ -45,9 +45,9 @@ bool raw_open(const struct development *of, const char *path, struct stack_write
 bool raw_write(const struct development *of, int y, struct stack_writer *writer, struct error *err)
 {
     const int width = of->cube.image.width;
-    struct page_rectangle to = {0, 0, y, width, (int)of->sums.n / width};
-    const size_t page = of->sums.n * (size_t)of->bits / 8;
-    for (; to.page < of->sums.n_channels; to.page++)
+    struct page_rectangle to = {0, 0, y, width, (int)of->n / width};
+    const size_t page = of->n * (size_t)of->bits / 8;
+    for (; to.page < of->sight.detector.n; to.page++)
         if (!pages_write(&writer->pages, &to, (char *)of->samples + (size_t)to.page * page, err))
             return false;
     return true;
