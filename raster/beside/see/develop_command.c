@@ -59,7 +59,7 @@ static bool read_options(struct options *options, struct development *out, struc
 static void print_development(const struct development *of, const char *output, struct printed *to)
 {
     const struct image *image = &of->cube.image;
-    const double pixels = (double)image->width * image->height, *lost = of->lost;
+    const double pixels = (double)image->width * image->height, *lost = of->sight.lost;
     develop_print_settings(of, to);
     print(to, "%s       %d, %s %.10g to %.10g nm\n",
           of->cube.components ? "components " : "wavelengths", image->n_pages,
@@ -88,7 +88,7 @@ static bool write_json(struct options *options, const struct development *of, st
     json_count(&json, "pages", (uint64_t)of->cube.image.n_pages);
     json_number(&json, "first_nm", of->first_nm);
     json_number(&json, "last_nm", of->last_nm);
-    json_numbers(&json, "unseen", of->lost, 3);
+    json_numbers(&json, "unseen", of->sight.lost, 3);
     json_count(&json, "out_of_gamut_pixels", of->values == DEVELOP_RGB ? of->clipped.n : 0);
     json_string(&json, "output", options->output);
     return json_write(&json, options->json, &options->outputs, err);

@@ -21,11 +21,11 @@ size_t picture_pixels(const struct picture *picture); /* decomposition.c */
 
 /* ---- sight.c ---- */
 
-/* Makes a sight likewise: of a detector of three channels, where a camera needs a white, by which
- * it is balanced; and of a detector of any number of channels, which has neither a white nor a
- * response to a radiance of 1, and which a stack with a fixed sampling refuses. */
-bool sight_of_picture(const struct cube *cube, const char *detector, struct white_request white,
-                      struct sight *out, struct error *err);
+/* Make sights likewise, in cd m-2 where radiances are absolute: of a detector of three channels,
+ * where a camera needs a white, by which it is balanced; and of any number of channels, without
+ * responses, which a stack of a fixed sampling refuses. */
+bool sight_of_picture(const struct cube *cube, const char *detector,
+                      const struct white_request *white, struct sight *out, struct error *err);
 bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
                        struct error *err);
 
@@ -84,13 +84,12 @@ struct development {
     const struct lit_scene *lit; /* is drawn in place of a stack; NULL: the cube is read */
     /* The findings. */
     struct cube cube;
-    double first_nm, last_nm;   /* of pages, or of the range of components */
-    double lost[MOST_CHANNELS]; /* cube_lost */
-    struct sight sight;         /* weights: of the display's channels, of XYZ, or of raw values */
-    double adapted_white[3];    /* to which an observer has adapted */
-    double full_scale;      /* of raw counts: the largest value with the exposure; of floats 1 */
-    struct counter clipped; /* RGB: pixels with a channel that is clipped by more than 1e-6;
-                               otherwise: values below 0 */
+    double first_nm, last_nm; /* of pages, or of the range of components */
+    struct sight sight;       /* weights: of the display's channels, of XYZ, or of raw values */
+    double adapted_white[3];  /* to which an observer has adapted */
+    double full_scale;        /* of raw counts: the largest value with the exposure; of floats 1 */
+    struct counter clipped;   /* RGB: pixels with a channel that is clipped by more than 1e-6;
+                                 otherwise: values below 0 */
     /* A chunk of rows. */
     int most;        /* rows */
     size_t stride;   /* of its channels: pixels of that many rows */

@@ -71,7 +71,7 @@ void raw_print(const struct development *of, const char *output, struct printed 
     print(to, "exposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
     for (int i = 0; i < detector->n; i++)
         print(to, "channel %-9d %s: %.4g %% of its sensitivity lies outside\n", i + 1,
-              detector->channel[i], 100 * of->lost[i]);
+              detector->channel[i], 100 * of->sight.lost[i]);
     if (of->clipped.n > 0)
         print(to, "below 0           %llu values%s\n", (unsigned long long)of->clipped.n,
               of->bits == 32 ? "" : ", which become 0");

@@ -31,8 +31,10 @@ static bool weights_are_finite(const struct cube *cube, const struct detector *d
     return true;
 }
 
-bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
-                  struct error *err)
+/* Finds the weights of the pages in each channel. They follow from the sampling that the stack
+ * records, otherwise from detector_weights. */
+static bool find_weights(const struct cube *cube, const struct detector *detector, double *out,
+                         struct error *err)
 {
     const struct record *record = &cube->record;
     const struct image *image = &cube->image;
@@ -48,7 +50,7 @@ bool cube_weights(const struct cube *cube, const struct detector *detector, doub
     return weights_are_finite(cube, detector, out, err);
 }
 
-void cube_lost(const struct cube *cube, const struct detector *detector, double *out)
+static void find_lost(const struct cube *cube, const struct detector *detector, double *out)
 {
     const struct record *record = &cube->record;
     if (record->response.n > 0)
@@ -77,12 +79,11 @@ static bool respond_finely(const struct record *record, const struct detector *d
     return true;
 }
 
-bool cube_equal_response(const struct cube *cube, const struct detector *detector,
-                         const double *weights, double out[3], struct error *err)
+static bool find_equal(const struct cube *cube, struct sight *out, struct error *err)
 {
     if (cube->record.response.n > 0)
-        return respond_finely(&cube->record, detector, NULL, out, err);
-    detector_response(weights, NULL, cube->image.n_pages, out);
+        return respond_finely(&cube->record, &out->detector, NULL, out->equal, err);
+    detector_response(out->weights, NULL, cube->image.n_pages, out->equal);
     return true;
 }
 
@@ -112,30 +113,27 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
     return sum / (limits[1] - limits[0]);
 }
 
-/* Finds the white that --white names: its radiance on each page, or, if `fixed`, the response to it
- * of the stack's detector. */
-static bool white_of_option(const struct cube *cube, const char *value, bool fixed, double *out,
-                            struct error *err)
+/* Finds the white that --white names: its radiance on each page, or, of a fixed stack, the response
+ * of its detector. */
+static bool white_of_option(const struct cube *cube, const char *value,
+                            const struct detector *fixed, double *out, struct error *err)
 {
     const struct record *record = &cube->record;
     const bool boxes = record->segments.n > 0 && sampling_takes_means(record->sampling);
     const double *segments = record->segments.value;
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
-    struct detector detector = {.name = NULL};
-    const bool good = (!fixed || detector_read(record->sampling_detector, &detector, err)) &&
-                      read_white(value, &spectrum, err) &&
-                      (!fixed || respond_finely(record, &detector, &spectrum, out, err));
+    const bool good = read_white(value, &spectrum, err) &&
+                      (!fixed || respond_finely(record, fixed, &spectrum, out, err));
     for (int i = 0; good && !fixed && i < cube->image.n_pages; i++)
         out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])
                        : spectrum_at(&spectrum, cube->image.wavelengths_nm[i], SPECTRUM_ZERO);
-    detector_free(&detector);
     spectrum_free(&spectrum);
     return good;
 }
 
 /* Finds that white; without a name, the one that the stack records. */
-static bool find_white(const struct cube *cube, const char *spectrum, bool fixed, double *out,
-                       struct error *err)
+static bool find_white(const struct cube *cube, const char *spectrum, const struct detector *fixed,
+                       double *out, struct error *err)
 {
     const struct numbers *recorded = fixed ? &cube->record.white_response : &cube->record.white;
     const int n = fixed ? 3 : cube->image.n_pages;
@@ -160,50 +158,52 @@ static bool find_white(const struct cube *cube, const char *spectrum, bool fixed
 
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err)
 {
-    return cube_needs_radiance(cube, "a white", err) && find_white(cube, spectrum, false, out, err);
+    return cube_needs_radiance(cube, "a white", err) && find_white(cube, spectrum, NULL, out, err);
 }
 
-bool cube_white_response(const struct cube *cube, const struct white_request *request,
-                         const double *weights, bool *found, double out[3], struct error *err)
+/* Finds the response of the weights to a white; in a fixed stack, of its detector to the white at
+ * every nm. Refuses a missing white that is needed or named, and a white too large to compute with.
+ */
+static bool find_white_response(const struct cube *cube, const struct white_request *request,
+                                struct sight *out, struct error *err)
 {
     const int n = cube->image.n_pages;
-    const bool fixed = cube->record.response.n > 0;
+    const struct detector *fixed = cube->record.response.n > 0 ? &out->detector : NULL;
     const bool needed = request->needed || request->spectrum != NULL;
     struct error ignored = {.status = EXIT_AGREED};
     double *white;
     if (!MAKE_ARRAY(white, fixed ? 3 : n, err, "the white of %s", cube->image.path))
         return false;
-    *found = find_white(cube, request->spectrum, fixed, white, needed ? err : &ignored);
-    if (*found && fixed)
-        memcpy(out, white, 3 * sizeof *out);
-    else if (*found)
-        detector_response(weights, white, n, out);
+    out->has_white = find_white(cube, request->spectrum, fixed, white, needed ? err : &ignored);
+    if (out->has_white && fixed)
+        memcpy(out->white, white, sizeof out->white);
+    else if (out->has_white)
+        detector_response(out->weights, white, n, out->white);
     free(white);
-    for (int channel = 0; *found && channel < 3; channel++)
-        if (!(fabs(out[channel]) <= largest_number))
+    for (int channel = 0; out->has_white && channel < 3; channel++)
+        if (!(fabs(out->white[channel]) <= largest_number))
             return error_usage(err, "%s: the white has %g in channel %d; expected %g at most",
-                               cube->image.path, out[channel], channel + 1, largest_number);
-    return *found || !needed;
+                               cube->image.path, out->white[channel], channel + 1, largest_number);
+    return out->has_white || !needed;
 }
 
-/* ---- as an observer sees it ---- */
+/* ---- as a detector sees it ---- */
 
-/* Finds the weights of the detector, which has been read; with a white request its responses, too.
- */
-static bool sight_complete(const struct cube *cube, const struct white_request *white,
-                           struct sight *out, struct error *err)
+/* Completes the sight of a detector; with a white request its responses, too. absolute: takes an
+ * observer's XYZ to cd m-2, if the radiances of the cube are absolute. */
+static bool complete(const struct cube *cube, const struct white_request *white, bool absolute,
+                     struct sight *out, struct error *err)
 {
     const struct detector *detector = &out->detector;
     const int n = detector->n * cube->image.n_pages;
+    find_lost(cube, detector, out->lost);
     if (!MAKE_ARRAY(out->weights, n, err, "the weights of %s", cube->image.path) ||
-        !cube_weights(cube, detector, out->weights, err) ||
-        (white &&
-         (!cube_white_response(cube, white, out->weights, &out->has_white, out->white, err) ||
-          !cube_equal_response(cube, detector, out->weights, out->equal, err))))
+        !find_weights(cube, detector, out->weights, err) ||
+        (white && (!find_white_response(cube, white, out, err) || !find_equal(cube, out, err))))
         return false;
-    /* the factor that takes an observer's XYZ to cd m-2 */
-    const double luminance =
-        cube->record.unit && detector->observer ? detector_luminance(detector) : 1;
+    if (!absolute || !cube->record.unit || !detector->observer)
+        return true;
+    const double luminance = detector_luminance(detector);
     for (int i = 0; i < n; i++)
         out->weights[i] *= luminance;
     for (int i = 0; i < 3; i++) {
@@ -216,16 +216,23 @@ static bool sight_complete(const struct cube *cube, const struct white_request *
 bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
                 struct sight *out, struct error *err)
 {
-    return observer_read(observer, &out->detector, err) && sight_complete(cube, white, out, err);
+    return observer_read(observer, &out->detector, err) && complete(cube, white, true, out, err);
 }
 
-bool sight_of_picture(const struct cube *cube, const char *detector, struct white_request white,
-                      struct sight *out, struct error *err)
+bool sight_relative(const struct cube *cube, const char *detector,
+                    const struct white_request *white, struct sight *out, struct error *err)
+{
+    return detector_read(detector, &out->detector, err) && complete(cube, white, false, out, err);
+}
+
+bool sight_of_picture(const struct cube *cube, const char *detector,
+                      const struct white_request *white, struct sight *out, struct error *err)
 {
     if (!detector_read(detector, &out->detector, err))
         return false;
-    white.needed = white.needed || !out->detector.observer;
-    return sight_complete(cube, &white, out, err);
+    const struct white_request request = {white->spectrum,
+                                          white->needed || !out->detector.observer};
+    return complete(cube, &request, true, out, err);
 }
 
 bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
@@ -237,7 +244,7 @@ bool sight_of_channels(const struct cube *cube, const char *detector, struct sig
                            "%s was sampled by %s for %s alone, and has no raw values; riemann, "
                            "gauss:N, gauss:N,open, box and adaptive have",
                            cube->image.path, record->sampling, record->sampling_detector);
-    return channels_read(detector, &out->detector, err) && sight_complete(cube, NULL, out, err);
+    return channels_read(detector, &out->detector, err) && complete(cube, NULL, true, out, err);
 }
 
 void sight_free(struct sight *sight)

@@ -69,7 +69,6 @@ static bool adapt(struct development *of, struct error *err)
     return true;
 }
 
-/* Finds the range of the stack, and what the detector sees beyond it. */
 static void find_range(struct development *of)
 {
     const struct image *image = &of->cube.image;
@@ -77,7 +76,6 @@ static void find_range(struct development *of)
     const bool components = of->cube.components;
     of->first_nm = components ? cells[0] + half_cell : image->wavelengths_nm[0];
     of->last_nm = components ? cells[1] - half_cell : image->wavelengths_nm[image->n_pages - 1];
-    cube_lost(&of->cube, &of->sight.detector, of->lost);
 }
 
 bool develop_weights(struct development *of, struct error *err)
@@ -88,7 +86,7 @@ bool develop_weights(struct development *of, struct error *err)
                                                        of->values == DEVELOP_LAB};
     if (raw ? !cube_needs_radiance(&of->cube, "--raw", err) ||
                   !sight_of_channels(&of->cube, of->detector_name, &of->sight, err)
-            : !sight_of_picture(&of->cube, of->detector_name, white, &of->sight, err))
+            : !sight_of_picture(&of->cube, of->detector_name, &white, &of->sight, err))
         return false;
     find_range(of);
     return check_detector(of, err) &&
