@@ -66,9 +66,7 @@ double display_largest(enum display_kind kind, int channel);
  * by that. */
 bool display_store(enum display_kind kind, int bits, const double linear[3], void *out);
 
-/* Writes the ICC profile of a display, a built-in file with its matrix and tone curves, and returns
- * its length in bytes. */
-enum { LARGEST_PROFILE = 1024 };
-size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE]);
+/* Returns the ICC profile of a display, with its matrix and tone curves. */
+const struct builtin_file *display_profile(enum display_kind kind);
 
 #endif

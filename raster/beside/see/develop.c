@@ -140,7 +140,7 @@ static bool open_picture(const struct development *of, const char *path, struct 
                          struct error *err)
 {
     const bool lab = of->values == DEVELOP_LAB, rgb = of->values == DEVELOP_RGB;
-    unsigned char profile[LARGEST_PROFILE];
+    const struct builtin_file *profile = display_profile(of->display);
     struct printed printed = {.text = NULL};
     if (of->lit)
         print(&printed,
@@ -159,8 +159,8 @@ static bool open_picture(const struct development *of, const char *path, struct 
         .bits = of->bits,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
         .srgb = rgb && of->display == DISPLAY_SRGB,
-        .profile = rgb ? profile : NULL,
-        .profile_length = rgb ? profile_write(of->display, profile) : 0,
+        .profile = rgb ? profile->bytes : NULL,
+        .profile_length = profile->length,
         .description = text,
         .memory = of->memory};
     const bool done = text && picture_open(out, path, &options, err);

@@ -210,7 +210,7 @@ void columns_print_csv(const struct column *columns, int n_columns, int n, struc
 enum { WAVELENGTH, MEAN, SPREAD, CURVES };
 struct probe {
     /* The caller sets these, and zeroes all others. */
-    int x, y, width, height;      /* the region in pixels: not negative; sides of 1 or more */
+    struct rectangle at;          /* the region in pixels: not negative; sides of 1 or more */
     const char *observer, *white; /* white: a SPECTRUM, or NULL: what the stack records */
     const char *wanted; /* an object, by its name or number, in place of a region; NULL: none */
     /* The findings. */

@@ -93,13 +93,14 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
     probe->n = image->n_pages;
     if (!string_copy(image->path, &probe->source, err))
         return false;
-    if (probe->x > image->width - probe->width || probe->y > image->height - probe->height)
+    if (probe->at.x > image->width - probe->at.width ||
+        probe->at.y > image->height - probe->at.height)
         return error_usage(
             err,
             "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
             "reaches beyond it",
-            image->path, image->width, image->height, probe->width, probe->height, probe->x,
-            probe->y);
+            image->path, image->width, image->height, probe->at.width, probe->at.height,
+            probe->at.x, probe->at.y);
     if (!add_column(probe, "wavelength", "nm", err) || !add_column(probe, "radiance", NULL, err) ||
         !add_column(probe, "standard deviation of radiance", NULL, err) ||
         !MAKE_ARRAY(probe->moments, (size_t)probe->n, err, "the means of the region"))
@@ -231,12 +232,11 @@ static bool add_curves(const struct region *region, struct error *err)
 
 static bool inspect(struct region *region, struct error *err)
 {
-    const struct probe *probe = region->probe;
-    const struct rectangle pixels = {probe->x, probe->y, probe->width, probe->height};
     struct radiances radiances = {1, add_band, region}; /* sums have the order of pixels */
     return lit_make(region->lit.plan, driver_of(NULL), &region->lit, err) &&
            find_full_scale(&region->lit, err) &&
-           radiances_each(&region->lit, &pixels, &radiances, err) && add_curves(region, err);
+           radiances_each(&region->lit, &region->probe->at, &radiances, err) &&
+           add_curves(region, err);
 }
 
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)

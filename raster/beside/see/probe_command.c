@@ -24,14 +24,14 @@ static bool read_printed(const char *word, struct probe *out, struct error *err)
         return true;
     }
     snprintf(x, sizeof x, "%.*s", (int)(comma - word), word);
-    return option_count("X", x, 0, INT32_MAX, &out->x, err) &&
-           option_count("Y", comma + 1, 0, INT32_MAX, &out->y, err);
+    return option_count("X", x, 0, INT32_MAX, &out->at.x, err) &&
+           option_count("Y", comma + 1, 0, INT32_MAX, &out->at.y, err);
 }
 
 static bool region_read(const struct options *options, struct probe *out, struct error *err)
 {
     static const char *const names[] = {"X", "Y", "W", "H"};
-    int *numbers[] = {&out->x, &out->y, &out->width, &out->height};
+    int *numbers[] = {&out->at.x, &out->at.y, &out->at.width, &out->at.height};
     if (options->n_operands == 2) /* X,Y, as printed; or an object */
         return read_printed(options->operands[1], out, err);
     if (options->n_operands != 3 && options->n_operands != 5)
@@ -45,11 +45,13 @@ static bool region_read(const struct options *options, struct probe *out, struct
     return true;
 }
 
-/* Refuses changes of a scene beside a stack. */
-static bool refuse_changes(const struct options *options, struct error *err)
+bool stack_refuses_changes(const struct options *options, struct error *err)
 {
-    return options->n_recorded == 0 || error_usage(err, "%s is a stack; %s needs a scene",
-                                                   options->operand, options->recorded[0]);
+    for (int i = 0; i < options->n_recorded; i++)
+        if (strncmp(options->recorded[i], "--detector=", strlen("--detector=")) != 0)
+            return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
+                               options->recorded[i]);
+    return true;
 }
 
 /* Reads --against X Y: its value is X, and Y the last operand, behind those of the first region. Or
@@ -58,10 +60,10 @@ static bool read_against(struct options *options, struct probe *first, struct pr
                          struct error *err)
 {
     const struct probe_own *own = options->own;
-    int *y = &second->y;
+    int *y = &second->at.y;
     if (own->svg || options->json || options->white)
         return error_usage(err, "--against takes no --svg, --json or --white");
-    if (own->csv && !refuse_changes(options, err)) /* the table has no colours */
+    if (own->csv && !stack_refuses_changes(options, err)) /* the table has no colours */
         return false;
     if (options->n_operands == 2) {
         first->wanted = options->operands[1];
@@ -72,7 +74,7 @@ static bool read_against(struct options *options, struct probe *first, struct pr
         return error_usage(err, "--against takes X and Y: probe STACK X Y --against X Y; or an "
                                 "object: probe STACK OBJECT --against OBJECT");
     options->n_operands--;
-    return option_count("--against", own->against, 0, INT32_MAX, &second->x, err) &&
+    return option_count("--against", own->against, 0, INT32_MAX, &second->at.x, err) &&
            option_count("--against", options->operands[options->n_operands], 0, INT32_MAX, y,
                         err) &&
            region_read(options, first, err);
@@ -101,7 +103,7 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
         return probe->wanted
                    ? error_usage(err, "objects are found in stacks; a scene takes X and Y")
                    : probe_picture(options, probe, err);
-    return refuse_changes(options, err) && probe_stack(probe, options->operand, err);
+    return stack_refuses_changes(options, err) && probe_stack(probe, options->operand, err);
 }
 
 /* ---- out ---- */
@@ -130,11 +132,11 @@ void region_text(const struct probe *probe, char *out, size_t capacity)
 {
     if (probe->wanted)
         snprintf(out, capacity, "object %.80s", probe->wanted);
-    else if (probe->width == 1 && probe->height == 1)
-        snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
+    else if (probe->at.width == 1 && probe->at.height == 1)
+        snprintf(out, capacity, "pixel %d,%d", probe->at.x, probe->at.y);
     else
-        snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->width, probe->height, probe->x,
-                 probe->y);
+        snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->at.width, probe->at.height,
+                 probe->at.x, probe->at.y);
 }
 
 static void probe_print(const struct probe *probe, struct printed *to)
@@ -160,10 +162,10 @@ static void probe_json(const struct probe *probe, struct json *json)
     json_begin(json);
     json_string(json, "source", probe->source);
     if (!probe->wanted) {
-        json_count(json, "x", (uint64_t)probe->x);
-        json_count(json, "y", (uint64_t)probe->y);
-        json_count(json, "width", (uint64_t)probe->width);
-        json_count(json, "height", (uint64_t)probe->height);
+        json_count(json, "x", (uint64_t)probe->at.x);
+        json_count(json, "y", (uint64_t)probe->at.y);
+        json_count(json, "width", (uint64_t)probe->at.width);
+        json_count(json, "height", (uint64_t)probe->at.height);
     }
     json_string(json, "object", probe->object);
     json_string(json, "observer", probe->observer);
@@ -190,7 +192,7 @@ static void probe_json(const struct probe *probe, struct json *json)
 static bool probe_svg(const struct probe *probe, struct printed *to, struct error *err)
 {
     const struct column *columns = probe->columns;
-    const bool is_region = probe->width > 1 || probe->height > 1 || probe->wanted;
+    const bool is_region = probe->at.width > 1 || probe->at.height > 1 || probe->wanted;
     const size_t n_bars = 3 * (size_t)probe->n; /* both ends, and what separates them */
     struct chart_series *all = NULL;
     double *nm, *ends = NULL;
@@ -263,19 +265,19 @@ static bool run_probe(struct options *options, struct error *err)
 {
     const struct probe_own *own = options->own;
     struct probe probe = {
-        .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
+        .at = {0, 0, 1, 1}, .observer = options_detector(options), .white = options->white};
     if (!check_forms(options, err))
         return false;
     if (own->objects)
-        return scene_refuse(options->operand, err) && refuse_changes(options, err) &&
+        return scene_refuse(options->operand, err) && stack_refuses_changes(options, err) &&
                probe_objects(options, own->csv, own->edges, err);
     struct probe second = probe;
     if (own->against ? !read_against(options, &probe, &second, err)
                      : !region_read(options, &probe, err))
         return false;
     if (own->against) {
-        second.width = probe.width;
-        second.height = probe.height;
+        second.at.width = probe.at.width;
+        second.at.height = probe.at.height;
         return scene_refuse(options->operand, err) &&
                probe_against(options, &probe, &second, own->csv, err);
     }

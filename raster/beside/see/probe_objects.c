@@ -167,7 +167,7 @@ static bool choose_pixels(struct measured *of, struct probe *probe, struct error
     of->n_columns = probe->n;
     if (!probe->wanted) {
         of->region = probe;
-        of->at = (struct rectangle){probe->x, probe->y, probe->width, probe->height};
+        of->at = probe->at;
         return true;
     }
     if (!open_map(of, err))

@@ -20,7 +20,7 @@
 #include "raster/renderers/renderers.h"
 
 struct view_options {
-    const char *budget;
+    double budget; /* MB; 0: not given */
     bool still, gallery;
 };
 
