@@ -81,12 +81,12 @@ struct bin {
     double largest;
 };
 
-static void measure_add(struct pixel_difference *to, double value, int x, int y)
+static void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y)
 {
     const float rounded = (float)fmin(value, (double)FLT_MAX);
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof bits); /* below 2^31: the value is not negative */
-    struct bin *bin = &to->bins[bits >> MANTISSA_LEFT_OUT];
+    struct bin *bin = &bins[bits >> MANTISSA_LEFT_OUT];
     bin->count++;
     bin->largest = fmax(bin->largest, value);
     to->mean += value;
@@ -98,10 +98,9 @@ static void measure_add(struct pixel_difference *to, double value, int x, int y)
 }
 
 /* Finds the mean, and the least value that at least 95 % of the pixels do not exceed. */
-static void measure_end(struct pixel_difference *of, uint64_t n_pixels)
+static void measure_end(struct pixel_difference *of, const struct bin *bin, uint64_t n_pixels)
 {
     const uint64_t wanted = n_pixels - n_pixels / 20;
-    const struct bin *bin = of->bins;
     uint64_t so_far = bin->count;
     while (so_far < wanted)
         so_far += (++bin)->count;
@@ -232,7 +231,8 @@ static void add_row(struct comparison *of, int row)
     of->largest_radiance = fmax(of->largest_radiance, of->largest_a[row]);
     for (int x = 0; x < width; x++)
         for (int i = 0; i < PIXEL_MEASURES; i++)
-            measure_add(&of->pixels[i], of->measures[(size_t)row * (size_t)width + (size_t)x][i], x,
+            measure_add(&of->pixels[i], of->bins + i * N_BINS,
+                        of->measures[(size_t)row * (size_t)width + (size_t)x][i], x,
                         of->a.first + row);
 }
 
@@ -253,7 +253,7 @@ static void conclude(struct comparison *of)
     }
     of->all.rms = sqrt(sum / (double)n_pixels / image->n_pages);
     for (int i = 0; i < PIXEL_MEASURES; i++)
-        measure_end(&of->pixels[i], n_pixels);
+        measure_end(&of->pixels[i], of->bins + i * N_BINS, n_pixels);
 }
 
 static bool compare_rows(struct comparison *of, struct error *err)
@@ -327,10 +327,8 @@ static bool allocate(struct comparison *of, struct error *err)
     if (!rows_allocate(&of->a, chunk_samples, err) || !rows_allocate(&of->b, chunk_samples, err))
         return false;
     const size_t n = (size_t)of->n_bands, rows = (size_t)of->a.most;
-    for (int i = 0; i < PIXEL_MEASURES; i++)
-        if (!MAKE_ARRAY(of->pixels[i].bins, N_BINS, err, "a distribution of differences"))
-            return false;
-    return MAKE_ARRAY(of->bands, n, err, "the bands of %s", of->a.cube.image.path) &&
+    return MAKE_ARRAY(of->bins, PIXEL_MEASURES * N_BINS, err, "a distribution of differences") &&
+           MAKE_ARRAY(of->bands, n, err, "the bands of %s", of->a.cube.image.path) &&
            MAKE_ARRAY(of->spectra, 2 * n * rows, err, "rows of two stacks") &&
            MAKE_ARRAY(of->row_bands, n * rows, err, "sums of rows") &&
            MAKE_ARRAY(of->largest_a, rows, err, "sums of rows") &&
@@ -403,7 +401,6 @@ void comparison_free(struct comparison *of)
     rows_close(&of->b);
     eyes_close(&of->eyes);
     picture_discard(&of->picture); /* a committed picture stays */
-    for (int i = 0; i < PIXEL_MEASURES; i++)
-        free(of->pixels[i].bins);
-    FREE_ALL(of->bands, of->spectra, of->row_bands, of->largest_a, of->measures, of->samples);
+    FREE_ALL(of->bins, of->bands, of->spectra, of->row_bands, of->largest_a, of->measures,
+             of->samples);
 }

@@ -140,7 +140,6 @@ struct pixel_difference {
     double mean, largest;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
     int x, y;           /* the pixel of the largest */
-    struct bin *bins;   /* owned */
 };
 struct band_difference {
     double largest; /* |A - B|, in radiance */
@@ -165,6 +164,7 @@ struct comparison {
     int largest_band;        /* the band that has all.largest */
     double largest_radiance; /* of A */
     struct pixel_difference pixels[PIXEL_MEASURES];
+    struct bin *bins;       /* of each measure; owned */
     enum map_measure shown; /* by the map */
     /* The rows at hand; all are owned. */
     double *spectra;                    /* [row][a, b][band]: the pixel at hand */
@@ -219,8 +219,8 @@ struct probe {
     char *object;  /* name of the only object in the region; owned; NULL: unknown, or several */
     bool absolute; /* radiances are in W sr-1 m-2 nm-1, and Y in cd m-2 */
     bool has_white;
-    double xyz[3], of_white[3]; /* of the mean, and of the white */
-    struct column *columns;     /* owned, with their values */
+    double xyz[3], lab[3], of_white[3]; /* of the mean; of_white: XYZ of the white */
+    struct column *columns;             /* owned, with their values */
     int n_columns;
     struct moments *moments; /* of each band, while samples come; owned */
     struct region_object {

@@ -125,6 +125,8 @@ bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
         detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
         memcpy(probe->of_white, sight.white, sizeof probe->of_white);
         probe->has_white = sight.has_white;
+        if (sight.has_white)
+            cielab(probe->xyz, sight.white, probe->lab);
     }
     sight_free(&sight);
     return done;

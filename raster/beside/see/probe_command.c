@@ -110,8 +110,8 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
 
 static void print_colour(const struct probe *probe, struct printed *to)
 {
-    double xy[2], lab[3], luv[3];
-    const double *xyz = probe->xyz, *white = probe->of_white;
+    double xy[2], luv[3];
+    const double *xyz = probe->xyz, *lab = probe->lab, *white = probe->of_white;
     chromaticity(xyz, xy);
     print_fact(to, "observer", probe->observer);
     print(to, "XYZ               %.4f %.4f %.4f%s\n", xyz[0], xyz[1], xyz[2],
@@ -121,7 +121,6 @@ static void print_colour(const struct probe *probe, struct printed *to)
         print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
         return;
     }
-    cielab(xyz, white, lab);
     cieluv(xyz, white, luv);
     print(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
     print(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
@@ -158,7 +157,6 @@ static void probe_print(const struct probe *probe, struct printed *to)
 static void probe_json(const struct probe *probe, struct json *json)
 {
     static const char *const names[] = {"wavelengths_nm", "radiance", "standard_deviation"};
-    double lab[3];
     json_begin(json);
     json_string(json, "source", probe->source);
     if (!probe->wanted) {
@@ -172,9 +170,7 @@ static void probe_json(const struct probe *probe, struct json *json)
     json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
     json_numbers(json, "XYZ", probe->xyz, 3);
     json_numbers(json, "white_XYZ", probe->has_white ? probe->of_white : NULL, 3);
-    if (probe->has_white)
-        cielab(probe->xyz, probe->of_white, lab);
-    json_numbers(json, "Lab", probe->has_white ? lab : NULL, 3);
+    json_numbers(json, "Lab", probe->has_white ? probe->lab : NULL, 3);
     for (int column = 0; column < CURVES; column++)
         json_numbers(json, names[column], probe->columns[column].values, probe->n);
     json_open(json, "curves", '[');

@@ -92,15 +92,8 @@ static bool find_equal(const struct cube *cube, struct sight *out, struct error 
 /* Reads the spectrum that --white names. The whole value is one word, blanks and all. */
 static bool read_white(const char *value, struct spectrum *out, struct error *err)
 {
-    struct text text;
-    bool good = text_open_line(&text, "--white", value, err);
-    if (good) {
-        const struct word word = {
-            .start = text.at, .length = strlen(value), .place = {text.path, text.line, 1}};
-        good = spectrum_read(&word, 0, HUGE_VAL, out, err);
-    }
-    text_free(&text);
-    return good;
+    const struct word word = {.start = value, .length = strlen(value), .place = {"--white", 1, 1}};
+    return spectrum_read(&word, 0, HUGE_VAL, out, err);
 }
 
 /* Returns the mean over a box, by cells of 1 nm that begin at `origin`. */
