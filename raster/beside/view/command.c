@@ -65,10 +65,6 @@ static void tell_scene(const struct viewing *view, enum output_kind kind, struct
         tell_picture(view, to);
     else
         tell_page(view->options, view->bytes, to);
-    if (view->n_illuminants > 0) { /* a live page finds them later */
-        json_count(&to->json, "illuminants", (uint64_t)view->n_illuminants);
-        json_count(&to->json, "detectors", (uint64_t)view->n_detectors);
-    }
     if (kind != PICTURE && is_still(view->options) && !own->still)
         print_text(&to->words,
                    "kind              still: lights and eye can be changed; ./build.sh live "

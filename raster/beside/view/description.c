@@ -248,13 +248,12 @@ static void put_surfaces(struct describer *describer)
 /* ---- detectors, adaptations and displays ---- */
 
 /* Puts a detector and its weights. Leaves out one that cannot see the cube. */
-static bool put_detector(const struct cube *cube, bool is_stack, const char *name,
+static void put_detector(const struct cube *cube, bool is_stack, const char *name,
                          struct json *json, struct error *err)
 {
     static const struct white_request white = {NULL, false};
     struct sight sight = {.weights = NULL};
-    const bool seen = sight_relative(cube, name, &white, &sight, err);
-    if (seen) {
+    if (sight_relative(cube, name, &white, &sight, err)) {
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", sight.detector.observer);
@@ -267,7 +266,6 @@ static bool put_detector(const struct cube *cube, bool is_stack, const char *nam
         json_close(json, '}');
     }
     sight_free(&sight);
-    return seen;
 }
 
 /* Puts the matrix from XYZ to the cone responses in which each kind adapts, and the matrix from
@@ -330,26 +328,24 @@ static void put_displays(struct json *json)
     json_close(json, ']');
 }
 
-int put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
-             struct error *err)
+void put_eyes(const struct cube *cube, bool is_stack, const char *chosen, struct json *json,
+              struct error *err)
 {
     char name[BUILTIN_NAME];
-    int n = 0;
     json_string(json, "detector", chosen);
     json_open(json, "detectors", '[');
     if (chosen)
         put_detector(cube, is_stack, chosen, json, err);
     for (size_t i = 0; next_table(&i, true, name); i++) {
         struct error refused = {.status = EXIT_AGREED};
-        n += !(chosen && strcmp(chosen, name) == 0) &&
-             put_detector(cube, is_stack, name, json, &refused);
+        if (!chosen || strcmp(chosen, name) != 0)
+            put_detector(cube, is_stack, name, json, &refused);
         if (refused.status == EXIT_SYSTEM)
             *err = refused;
     }
     json_close(json, ']');
     put_adaptations(json);
     put_displays(json);
-    return n;
 }
 
 /* ---- all of it ---- */
@@ -367,7 +363,7 @@ static void put_camera(struct json *json, const struct camera *camera)
     json_close(json, '}');
 }
 
-char *description_make(struct viewing *view, struct error *err)
+char *description_make(const struct viewing *view, struct error *err)
 {
     struct describer describer = {.plan = view->plan, .err = err};
     const struct scene *scene = view->plan->scene;
@@ -391,10 +387,9 @@ char *description_make(struct viewing *view, struct error *err)
         put_illuminants(&describer);
         put_surfaces(&describer);
         if (scene_cube(scene, &cube, err))
-            view->n_detectors = put_eyes(&cube, false, view->options->detector, json, err);
+            put_eyes(&cube, false, view->options->detector, json, err);
         free(cube.record.white.value);
     }
-    view->n_illuminants = describer.n_illuminants;
     for (int i = 0; i < describer.n_owned; i++)
         spectrum_free(&describer.illuminants[i]);
     FREE_ALL(describer.illuminants, describer.row);
