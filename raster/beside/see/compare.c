@@ -81,6 +81,12 @@ struct bin {
     double largest;
 };
 
+static void peak_add(struct peak *to, double value, int x, int y)
+{
+    if (value > to->largest)
+        *to = (struct peak){value, x, y};
+}
+
 static void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y)
 {
     const float rounded = (float)fmin(value, (double)FLT_MAX);
@@ -90,11 +96,7 @@ static void measure_add(struct pixel_difference *to, struct bin *bins, double va
     bin->count++;
     bin->largest = fmax(bin->largest, value);
     to->mean += value;
-    if (value > to->largest) {
-        to->largest = value;
-        to->x = x;
-        to->y = y;
-    }
+    peak_add(&to->peak, value, x, y);
 }
 
 /* Finds the mean, and the least value that at least 95 % of the pixels do not exceed. */
@@ -150,11 +152,7 @@ static double compare_bands(const double *a, const double *b, int n, int x, int 
         const double difference = fabs(a[band] - b[band]);
         bands[band].rms += difference * difference;
         largest = fmax(largest, difference);
-        if (difference > bands[band].largest) {
-            bands[band].largest = difference;
-            bands[band].x = x;
-            bands[band].y = y;
-        }
+        peak_add(&bands[band].peak, difference, x, y);
     }
     return largest;
 }
@@ -223,10 +221,9 @@ static void add_row(struct comparison *of, int row)
     const int n = of->n_bands, width = of->a.cube.image.width;
     const struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
     for (int band = 0; band < n; band++) {
-        const double sum = of->bands[band].rms + bands[band].rms;
-        if (bands[band].largest > of->bands[band].largest)
-            of->bands[band] = bands[band];
-        of->bands[band].rms = sum;
+        const struct peak *peak = &bands[band].peak;
+        peak_add(&of->bands[band].peak, peak->largest, peak->x, peak->y);
+        of->bands[band].rms += bands[band].rms;
     }
     of->largest_radiance = fmax(of->largest_radiance, of->largest_a[row]);
     for (int x = 0; x < width; x++)
@@ -244,7 +241,7 @@ static void conclude(struct comparison *of)
     double sum = 0;
     for (int band = 0; band < of->n_bands; band++) {
         const bool is_page = band < image->n_pages;
-        if (is_page && of->bands[band].largest > of->all.largest) {
+        if (is_page && of->bands[band].peak.largest > of->all.peak.largest) {
             of->all = of->bands[band];
             of->largest_band = band;
         }
@@ -389,10 +386,10 @@ bool comparison_is_within(const struct comparison *of)
 {
     const struct tolerance *tolerance = &of->tolerance;
     if (tolerance->unit >= TOLERANCE_CIE76)
-        return of->pixels[CIE76 + (int)tolerance->unit - TOLERANCE_CIE76].largest <=
+        return of->pixels[CIE76 + (int)tolerance->unit - TOLERANCE_CIE76].peak.largest <=
                tolerance->value;
     const double unit = tolerance->unit == TOLERANCE_PERCENT ? of->largest_radiance / 100 : 1;
-    return of->all.largest <= tolerance->value * unit;
+    return of->all.peak.largest <= tolerance->value * unit;
 }
 
 void comparison_free(struct comparison *of)

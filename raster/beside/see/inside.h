@@ -135,15 +135,18 @@ void raw_print(const struct development *of, const char *output, struct printed 
 /* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
  * differences. A is the standard of CIE94. */
 enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
+struct peak {
+    double largest;
+    int x, y; /* the first pixel that has it */
+};
 /* A measure over all pixels. */
 struct pixel_difference {
-    double mean, largest;
+    struct peak peak;
+    double mean;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
-    int x, y;           /* the pixel of the largest */
 };
 struct band_difference {
-    double largest; /* |A - B|, in radiance */
-    int x, y;       /* the first pixel with this difference */
+    struct peak peak; /* of |A - B|, in radiance */
     double rms;
 };
 /* A map shows all three numbers of each pixel (in a TIFF), or one of them in colours. */
@@ -161,7 +164,7 @@ struct comparison {
     int n_bands;      /* pages, and channels of the camera */
     struct band_difference *bands; /* of each page, then of each channel; owned */
     struct band_difference all;
-    int largest_band;        /* the band that has all.largest */
+    int largest_band;        /* the band that has the peak of `all` */
     double largest_radiance; /* of A */
     struct pixel_difference pixels[PIXEL_MEASURES];
     struct bin *bins;       /* of each measure; owned */
