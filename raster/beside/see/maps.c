@@ -22,7 +22,6 @@ enum { MAP_MATERIAL = TRIANGLE + 1, PLACES };
 struct maps {
     struct render_job job; /* its plan; scene and sampling are those of the render */
     struct lit_scene lit;
-    struct material_terms white;        /* of a perfect diffuser: constant, then a term a light */
     char (*names)[MAP_NAME];            /* of the pages; owned */
     const char **labels;                /* the same; owned */
     int n_pages, n_weights, n_textures; /* places come after weights */
@@ -191,10 +190,13 @@ static void put_terms(const struct plan *plan, const char *whose, const struct m
 }
 
 /* Returns the record as text, allocated; NULL on failure. It is not that of a stack, which could be
- * made again. */
+ * made again. It has the spectra of all materials, and of a perfect diffuser. */
 static char *make_record(const struct maps *of, const struct options *options, struct error *err)
 {
     const struct plan *plan = &of->job.plan;
+    static const struct material white = {
+        .diffuse = {.kind = SPECTRUM_CONSTANT, .parameter = {1}, .factor = 1}};
+    struct material_terms diffuser = {.n = 0};
     struct printed lines = {.text = NULL};
     char whose[32];
     print_text(&lines, "program: " PROGRAM "\nmaps of: ");
@@ -209,7 +211,9 @@ static char *make_record(const struct maps *of, const struct options *options, s
         record_put_object(&lines, object_name(plan, i));
     if (!has_components(plan))
         put_numbers(&lines, "wavelengths", plan->scene->wavelengths_nm, plan->n_bands);
-    put_terms(plan, "white", &of->white, &lines);
+    if (material_terms_make(&plan->illumination, &white, &diffuser, err))
+        put_terms(plan, "white", &diffuser, &lines);
+    material_terms_free(&diffuser);
     for (int i = 0; i < plan->n_materials; i++) {
         snprintf(whose, sizeof whose, "material %d", i + 1);
         put_terms(plan, whose, &plan->materials[i].made, &lines);
@@ -218,17 +222,6 @@ static char *make_record(const struct maps *of, const struct options *options, s
 }
 
 /* ---- the file ---- */
-
-/* Plans the picture anew, with all lights apart, and keeps textures apart from weights. */
-static bool plan_maps(struct maps *of, const struct options *options, struct error *err)
-{
-    static const struct material white = {
-        .diffuse = {.kind = SPECTRUM_CONSTANT, .parameter = {1}, .factor = 1}};
-    const struct plan *plan = &of->job.plan;
-    return job_plan(options, &of->job, err) &&
-           material_terms_make(&plan->illumination, &white, &of->white, err) &&
-           lit_make(plan, driver_of(NULL), &of->lit, err);
-}
 
 static bool write_file(struct maps *of, const struct options *options, struct outputs *outputs,
                        struct error *err)
@@ -266,10 +259,10 @@ static bool maps_write(const struct options *options, const struct render_job *j
                                            .untextured = true,
                                            .store_raster = true,
                                            .threads = options->threads};
-    const bool done = plan_maps(&of, options, err) && name_pages(&of, err) &&
-                      write_file(&of, options, outputs, err);
+    const bool done = job_plan(options, &of.job, err) &&
+                      lit_make(&of.job.plan, driver_of(NULL), &of.lit, err) &&
+                      name_pages(&of, err) && write_file(&of, options, outputs, err);
     lit_free(&of.lit);
-    material_terms_free(&of.white);
     notes_free(&of.job.notes);
     plan_free(&of.job.plan);
     FREE_ALL(of.names, of.labels, of.values);
