@@ -134,10 +134,10 @@ static void compare_colours(const struct comparison *of, const double *a, const 
 {
     const int n = of->a.cube.image.n_pages;
     double xyz[3], lab_a[3], lab_b[3];
-    detector_response(of->eyes.colours.weights, a, n, xyz);
-    cielab(xyz, of->eyes.colours.white, lab_a);
-    detector_response(of->eyes.colours.weights, b, n, xyz);
-    cielab(xyz, of->eyes.colours.white, lab_b);
+    detector_response(of->sight.weights, a, n, xyz);
+    cielab(xyz, of->sight.white, lab_a);
+    detector_response(of->sight.weights, b, n, xyz);
+    cielab(xyz, of->sight.white, lab_b);
     out[CIE76] = cie76_difference(lab_a, lab_b);
     out[CIE94] = cie94_difference(lab_a, lab_b);
     out[CIEDE2000] = ciede2000_difference(lab_a, lab_b);
@@ -191,10 +191,10 @@ static void map_pixel(struct comparison *of, size_t at, double largest)
 static void compare_row(void *context, int row)
 {
     struct comparison *of = context;
-    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width, all = of->n_bands;
-    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)all;
-    double *a = of->spectra + (size_t)row * 2 * (size_t)all, *b = a + all;
-    memset(bands, 0, (size_t)all * sizeof *bands);
+    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
+    struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
+    double *a = of->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
+    memset(bands, 0, (size_t)n * sizeof *bands);
     of->largest_a[row] = 0;
     for (int x = 0; x < width; x++) {
         const size_t at = (size_t)row * (size_t)width + (size_t)x;
@@ -204,13 +204,10 @@ static void compare_row(void *context, int row)
             of->largest_a[row] = fmax(of->largest_a[row], a[band]);
         }
         const double largest = compare_bands(a, b, n, x, of->a.first + row, bands);
-        eyes_add(&of->eyes, a, n);
-        eyes_add(&of->eyes, b, n);
-        compare_bands(a + n, b + n, of->eyes.camera.detector.n, x, of->a.first + row, bands + n);
         memset(of->measures[at], 0, sizeof of->measures[at]);
         if (largest > 0)
             of->measures[at][SPECTRAL_ANGLE] = spectral_angle(a, b, n);
-        if (largest > 0 && of->eyes.colours.has_white)
+        if (largest > 0 && of->sight.has_white)
             compare_colours(of, a, b, of->measures[at]);
         map_pixel(of, at, largest);
     }
@@ -218,7 +215,7 @@ static void compare_row(void *context, int row)
 
 static void add_row(struct comparison *of, int row)
 {
-    const int n = of->n_bands, width = of->a.cube.image.width;
+    const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
     const struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
     for (int band = 0; band < n; band++) {
         const struct peak *peak = &bands[band].peak;
@@ -239,13 +236,12 @@ static void conclude(struct comparison *of)
     const struct image *image = &of->a.cube.image;
     const uint64_t n_pixels = (uint64_t)image->width * (uint64_t)image->height;
     double sum = 0;
-    for (int band = 0; band < of->n_bands; band++) {
-        const bool is_page = band < image->n_pages;
-        if (is_page && of->bands[band].peak.largest > of->all.peak.largest) {
+    for (int band = 0; band < image->n_pages; band++) {
+        if (of->bands[band].peak.largest > of->all.peak.largest) {
             of->all = of->bands[band];
             of->largest_band = band;
         }
-        sum += is_page ? of->bands[band].rms : 0;
+        sum += of->bands[band].rms;
         of->bands[band].rms = sqrt(of->bands[band].rms / (double)n_pixels);
     }
     of->all.rms = sqrt(sum / (double)n_pixels / image->n_pages);
@@ -323,7 +319,7 @@ static bool allocate(struct comparison *of, struct error *err)
 {
     if (!rows_allocate(&of->a, chunk_samples, err) || !rows_allocate(&of->b, chunk_samples, err))
         return false;
-    const size_t n = (size_t)of->n_bands, rows = (size_t)of->a.most;
+    const size_t n = (size_t)of->a.cube.image.n_pages, rows = (size_t)of->a.most;
     return MAKE_ARRAY(of->bins, PIXEL_MEASURES * N_BINS, err, "a distribution of differences") &&
            MAKE_ARRAY(of->bands, n, err, "the bands of %s", of->a.cube.image.path) &&
            MAKE_ARRAY(of->spectra, 2 * n * rows, err, "rows of two stacks") &&
@@ -336,12 +332,9 @@ static bool allocate(struct comparison *of, struct error *err)
 static bool prepare(struct comparison *of, struct error *err)
 {
     const struct white_request white = {of->white, of->tolerance.unit >= TOLERANCE_CIE76};
-    if (!check_samplings(&of->a.cube, &of->b.cube, err) ||
-        !check_sizes(&of->a.cube.image, &of->b.cube.image, err) ||
-        !eyes_make(&of->a.cube, of->detector, &white, &of->eyes, err))
-        return false;
-    of->n_bands = of->a.cube.image.n_pages + of->eyes.camera.detector.n;
-    return allocate(of, err);
+    return check_samplings(&of->a.cube, &of->b.cube, err) &&
+           check_sizes(&of->a.cube.image, &of->b.cube.image, err) &&
+           sight_make(&of->a.cube, of->observer, &white, &of->sight, err) && allocate(of, err);
 }
 
 static bool open_map(struct comparison *of, struct error *err)
@@ -350,9 +343,7 @@ static bool open_map(struct comparison *of, struct error *err)
     struct printed printed = {.text = NULL};
     print_text(&printed, "How two spectral stacks differ");
     if (picture_is_png(of->map)) { /* which has one number, in colours */
-        of->shown = of->eyes.colours.has_white ? MAP_CIEDE2000
-                    : components               ? MAP_COMPONENT
-                                               : MAP_RADIANCE;
+        of->shown = of->sight.has_white ? MAP_CIEDE2000 : components ? MAP_COMPONENT : MAP_RADIANCE;
         print_text(&printed, ". ");
         comparison_print_colours(of, &printed);
     }
@@ -396,7 +387,7 @@ void comparison_free(struct comparison *of)
 {
     rows_close(&of->a);
     rows_close(&of->b);
-    eyes_close(&of->eyes);
+    sight_free(&of->sight);
     picture_discard(&of->picture); /* a committed picture stays */
     FREE_ALL(of->bins, of->bands, of->spectra, of->row_bands, of->largest_a, of->measures,
              of->samples);

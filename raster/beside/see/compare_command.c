@@ -39,23 +39,12 @@ static void print_pixels(const struct comparison *of, struct printed *to)
     const char *const names[] = {of->a.cube.components ? "component angle" : "spectral angle",
                                  "CIE76", "CIE94", "CIEDE2000"};
     char pixel[32];
-    for (int i = 0; i < (of->eyes.colours.has_white ? PIXEL_MEASURES : 1); i++) {
+    for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++) {
         const struct pixel_difference *found = &of->pixels[i];
         print(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
               names[i], found->mean, found->quantile_95, found->peak.largest,
               name_of_pixel(&found->peak, pixel));
     }
-}
-
-/* Prints the differences of a camera's channels. */
-static void print_channels(const struct comparison *of, struct printed *to)
-{
-    const struct band_difference *channel = of->bands + of->a.cube.image.n_pages;
-    char pixel[32];
-    for (int i = 0; i < of->eyes.camera.detector.n; i++, channel++)
-        print(to, "%-17s %.6g (largest, at pixel %s), %.6g (RMS)\n",
-              of->eyes.camera.detector.channel[i], channel->peak.largest,
-              name_of_pixel(&channel->peak, pixel), channel->rms);
 }
 
 static void print_map(const struct comparison *of, struct printed *to)
@@ -92,10 +81,9 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
     print(to, "RMS               %.6g%s%s\n", all->rms, blank, unit);
     print(to, "largest of A      %.6g%s%s\n", of->largest_radiance, blank, unit);
     print_pixels(of, to);
-    print_channels(of, to);
-    if (of->eyes.colours.has_white) {
-        print_fact(to, "observer", of->eyes.observer);
-        print_white(to, of->eyes.colours.white, true,
+    if (of->sight.has_white) {
+        print_fact(to, "observer", of->observer);
+        print_white(to, of->sight.white, true,
                     of->white ? of->white : "recorded by the first stack");
     } else
         print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
@@ -139,21 +127,13 @@ static bool write_json(struct options *options, const struct comparison *of, str
                  image->n_pages);
     json_band(&json, &of->all);
     json_number(&json, "largest_of_A", of->largest_radiance);
-    json_string(&json, "observer", of->eyes.colours.has_white ? of->eyes.observer : NULL);
-    for (int i = 0; i < (of->eyes.colours.has_white ? PIXEL_MEASURES : 1); i++)
+    json_string(&json, "observer", of->sight.has_white ? of->observer : NULL);
+    for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++)
         json_pixels(&json, measures[i], &of->pixels[i]);
     json_open(&json, "bands", '[');
     for (int i = 0; i < image->n_pages; i++) {
         json_open(&json, NULL, '{');
         json_band(&json, &of->bands[i]);
-        json_close(&json, '}');
-    }
-    json_close(&json, ']');
-    json_open(&json, "channels", '[');
-    for (int i = 0; i < of->eyes.camera.detector.n; i++) {
-        json_open(&json, NULL, '{');
-        json_string(&json, "name", of->eyes.camera.detector.channel[i]);
-        json_band(&json, &of->bands[image->n_pages + i]);
         json_close(&json, '}');
     }
     json_close(&json, ']');
@@ -181,7 +161,7 @@ static bool run_compare(struct options *options, struct error *err)
 {
     const struct compare_own *own = options->own;
     const char *a = options->operands[0], *b = options->operands[1];
-    struct comparison comparison = {.detector = options_detector(options),
+    struct comparison comparison = {.observer = options_detector(options),
                                     .white = options->white,
                                     .map = own->map,
                                     .threads = options->threads,

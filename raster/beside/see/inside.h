@@ -29,20 +29,6 @@ bool sight_of_picture(const struct cube *cube, const char *detector,
 bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
                        struct error *err);
 
-/* Pixels as a detector sees them: an observer in colours, a camera in its channels, beside which
- * cie1931 sees colours. */
-struct eyes {
-    const char *observer; /* of the colours */
-    struct sight colours;
-    struct sight camera; /* of an observer zeroed: it has no channels */
-};
-/* Refuses what the functions above refuse. The caller closes *out, also after a failure. */
-bool eyes_make(const struct cube *cube, const char *detector, const struct white_request *white,
-               struct eyes *out, struct error *err);
-/* Puts the camera's channels of a pixel behind its n pages. */
-void eyes_add(const struct eyes *eyes, double *spectrum, int n);
-void eyes_close(struct eyes *eyes);
-
 /* ---- radiances.c ---- */
 
 /* A band of some rows of a tile. */
@@ -153,16 +139,15 @@ struct band_difference {
 enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
     /* The caller sets these, and zeroes all others. */
-    const char *detector, *white; /* white NULL: what A records */
+    const char *observer, *white; /* white NULL: what A records */
     const char *map;              /* PNG or TIFF to write; NULL: none */
     struct tolerance tolerance;
     int threads;
     struct outputs *outputs; /* get the map; NULL: it appears at once */
     /* Two stacks, and how they differ. */
     struct stack_rows a, b;
-    struct eyes eyes; /* of A; they hold for B too; without a white there are no colours */
-    int n_bands;      /* pages, and channels of the camera */
-    struct band_difference *bands; /* of each page, then of each channel; owned */
+    struct sight sight; /* of A; it holds for B too; without a white there are no colours */
+    struct band_difference *bands; /* of each page; owned */
     struct band_difference all;
     int largest_band;        /* the band that has the peak of `all` */
     double largest_radiance; /* of A */

@@ -20,7 +20,8 @@ struct measured {
     struct probe *region;    /* all of these are one region; NULL: objects are measured */
     int first, n_objects;    /* the objects, from 1 */
     bool edges;              /* of objects count, too */
-    struct eyes eyes;        /* their camera is measured, too */
+    struct sight colours;    /* of objects, to an observer */
+    struct sight camera;     /* measures objects, too; no channels: there is none */
     int n_columns;           /* bands, then channels */
     double *pixel;           /* its columns; owned */
     struct moments *moments; /* [object][column], or of the region */
@@ -59,7 +60,12 @@ static void add_pixel(struct measured *of, struct moments *moments, const float 
     const int n_bands = of->rows.cube.image.n_pages;
     for (int band = 0; band < n_bands; band++)
         of->pixel[band] = (double)samples[(size_t)band * of->rows.stride];
-    eyes_add(&of->eyes, of->pixel, n_bands);
+    for (int i = n_bands; i < of->n_columns; i++) {
+        const double *weights = of->camera.weights + (size_t)(i - n_bands) * (size_t)n_bands;
+        of->pixel[i] = 0;
+        for (int band = 0; band < n_bands; band++)
+            of->pixel[i] += weights[band] * of->pixel[band];
+    }
     for (int column = 0; column < of->n_columns; column++)
         moments_add(&moments[column], of->pixel[column]);
 }
@@ -129,7 +135,8 @@ static bool open_map(struct measured *of, struct error *err)
 static void measured_free(struct measured *of)
 {
     rows_close(&of->rows);
-    eyes_close(&of->eyes);
+    sight_free(&of->colours);
+    sight_free(&of->camera);
     FREE_ALL(of->pixel, of->map[0], of->map[1], of->map[2]);
 }
 
@@ -215,9 +222,9 @@ static void find_values(const struct measured *of, int object, struct values *ou
     out->pixels = moments[0].n;
     for (int i = 0; i < of->n_columns; i++)
         moments_end(&moments[i], &out->mean[i], &out->spread[i]);
-    detector_response(of->eyes.colours.weights, out->mean, n_bands, out->xyz);
-    if (of->eyes.colours.has_white)
-        cielab(out->xyz, of->eyes.colours.white, out->lab);
+    detector_response(of->colours.weights, out->mean, n_bands, out->xyz);
+    if (of->colours.has_white)
+        cielab(out->xyz, of->colours.white, out->lab);
 }
 
 /* Names a band or a channel. */
@@ -227,7 +234,7 @@ static void column_label(const struct measured *of, int column, char out[96])
     if (column < image->n_pages)
         snprintf(out, 96, "%.10g nm", image->wavelengths_nm[column]);
     else
-        snprintf(out, 96, "%s", of->eyes.camera.detector.channel[column - image->n_pages]);
+        snprintf(out, 96, "%s", of->camera.detector.channel[column - image->n_pages]);
 }
 
 static void print_csv_head(const struct measured *of, struct printed *to)
@@ -259,7 +266,7 @@ static void print_csv(const struct measured *of, const struct values *values, st
     csv_text(values->name, to);
     print(to, "\",%llu", (unsigned long long)values->pixels);
     print_numbers(values->xyz, 3, values->pixels > 0, to);
-    print_numbers(values->lab, 3, values->pixels > 0 && of->eyes.colours.has_white, to);
+    print_numbers(values->lab, 3, values->pixels > 0 && of->colours.has_white, to);
     print_numbers(values->mean, of->n_columns, values->pixels > 0, to);
     print_numbers(values->spread, of->n_columns, values->pixels > 0, to);
     print_text(to, "\n");
@@ -274,12 +281,12 @@ static void print_line(const struct measured *of, const struct values *values, s
     if (seen)
         print(to, "  XYZ             %.4f %.4f %.4f%s\n", values->xyz[0], values->xyz[1],
               values->xyz[2], of->rows.cube.record.unit ? ", Y in cd/m2" : "");
-    if (seen && of->eyes.colours.has_white)
+    if (seen && of->colours.has_white)
         print(to, "  Lab             %.4f %.4f %.4f\n", values->lab[0], values->lab[1],
               values->lab[2]);
     for (int i = n_bands; seen && i < of->n_columns; i++)
         print(to, "  %-15s %.6g, standard deviation %.3g\n",
-              of->eyes.camera.detector.channel[i - n_bands], values->mean[i], values->spread[i]);
+              of->camera.detector.channel[i - n_bands], values->mean[i], values->spread[i]);
 }
 
 static void put_json(const struct measured *of, const struct values *values, struct json *json)
@@ -290,13 +297,12 @@ static void put_json(const struct measured *of, const struct values *values, str
     json_string(json, "name", values->name);
     json_count(json, "pixels", values->pixels);
     json_numbers(json, "XYZ", seen ? values->xyz : NULL, 3);
-    json_numbers(json, "Lab", seen && of->eyes.colours.has_white ? values->lab : NULL, 3);
+    json_numbers(json, "Lab", seen && of->colours.has_white ? values->lab : NULL, 3);
     json_numbers(json, "radiance", seen ? values->mean : NULL, n_bands);
     json_numbers(json, "standard_deviation", seen ? values->spread : NULL, n_bands);
-    json_numbers(json, "channels", seen ? values->mean + n_bands : NULL,
-                 of->eyes.camera.detector.n);
+    json_numbers(json, "channels", seen ? values->mean + n_bands : NULL, of->camera.detector.n);
     json_numbers(json, "channels_standard_deviation", seen ? values->spread + n_bands : NULL,
-                 of->eyes.camera.detector.n);
+                 of->camera.detector.n);
     json_close(json, '}');
 }
 
@@ -309,8 +315,8 @@ static void put_objects(const struct measured *of, struct values *values, bool c
     json_string(json, "unit", cube_unit(&of->rows.cube));
     json_numbers(json, "wavelengths_nm", of->rows.cube.image.wavelengths_nm,
                  of->rows.cube.image.n_pages);
-    json_strings(json, "channel_names", (const char *const *)of->eyes.camera.detector.channel,
-                 of->eyes.camera.detector.n);
+    json_strings(json, "channel_names", (const char *const *)of->camera.detector.channel,
+                 of->camera.detector.n);
     json_open(json, "objects", '[');
     if (csv)
         print_csv_head(of, to);
@@ -322,18 +328,31 @@ static void put_objects(const struct measured *of, struct values *values, bool c
     json_close(json, ']');
 }
 
-bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)
+/* Finds how the detector sees the stack: an observer in colours; a camera in its channels, beside
+ * which cie1931 sees colours. */
+static bool find_sights(struct measured *of, const struct options *options, struct error *err)
 {
     const struct white_request white = {options->white, false};
+    const struct cube *cube = &of->rows.cube;
+    const char *name = options_detector(options);
+    struct detector read;
+    const bool done = channels_read(name, &read, err), observer = read.observer;
+    detector_free(&read);
+    return done && (observer || sight_of_channels(cube, name, &of->camera, err)) &&
+           sight_make(cube, observer ? name : "cie1931", &white, &of->colours, err);
+}
+
+bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)
+{
     struct measured of = {.edges = edges, .first = 1};
     const struct cube *cube = &of.rows.cube;
     struct values values = {.name = NULL};
     struct printed printed = {.text = NULL};
     struct json json;
     bool done = open_stack(&of, options->operand, err) && open_map(&of, err) &&
-                eyes_make(cube, options_detector(options), &white, &of.eyes, err);
+                find_sights(&of, options, err);
     of.n_objects = cube->record.objects.n;
-    of.n_columns = cube->image.n_pages + of.eyes.camera.detector.n;
+    of.n_columns = cube->image.n_pages + of.camera.detector.n;
     done = done &&
            MAKE_ARRAY(of.moments, (size_t)of.n_objects * (size_t)of.n_columns, err,
                       "the values of %d objects", of.n_objects) &&

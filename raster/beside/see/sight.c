@@ -247,34 +247,6 @@ void sight_free(struct sight *sight)
     sight->weights = NULL;
 }
 
-/* ---- pixels as a detector of any number of channels sees them ---- */
-
-bool eyes_make(const struct cube *cube, const char *detector, const struct white_request *white,
-               struct eyes *out, struct error *err)
-{
-    struct detector read;
-    const bool done = channels_read(detector, &read, err), observer = read.observer;
-    detector_free(&read);
-    out->observer = observer ? detector : "cie1931";
-    return done && (observer || sight_of_channels(cube, detector, &out->camera, err)) &&
-           sight_make(cube, out->observer, white, &out->colours, err);
-}
-
-void eyes_add(const struct eyes *eyes, double *spectrum, int n)
-{
-    for (int i = 0; i < eyes->camera.detector.n; i++) {
-        spectrum[n + i] = 0;
-        for (int page = 0; page < n; page++)
-            spectrum[n + i] += eyes->camera.weights[i * n + page] * spectrum[page];
-    }
-}
-
-void eyes_close(struct eyes *eyes)
-{
-    sight_free(&eyes->camera);
-    sight_free(&eyes->colours);
-}
-
 /* ---- the object map ---- */
 
 bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err)

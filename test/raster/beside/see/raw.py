@@ -3,7 +3,6 @@
 # level: first; packages: python3-numpy python3-tifffile
 """Raw values of detectors of 1 to 31 channels are the sums over pages of radiance x sensitivity x width, to the rounding of a float or of
 a count; their pages have the channels' names and unit. Prints TAP."""
-import json
 import re
 
 import numpy as np
@@ -79,20 +78,6 @@ result = run("develop", f"{TMP}/a.tif", "--detector", "dcs200-camera", "--xyz", 
 check(result.returncode == 2 and "--raw" in result.stderr, "--xyz of a camera names --raw", result.stderr)
 result = run("info", f"{TMP}/raw.tif")
 check("raw values of" in result.stdout, "info prints how raw values were made", result.stdout)
-
-# ---- two stacks ----
-
-output_of("render", f"{TMP}/a.scene", "--light", "1=a", "-o", f"{TMP}/b.tif", "--depth", "32f", "--quiet")
-other = np.array([np.tensordot(np.interp(NM, OWN, curve) * 10, tifffile.imread(f"{TMP}/b.tif").astype(float), 1) for curve in sensitivity])
-differences = np.abs(other - expected)
-compared = run("compare", f"{TMP}/a.tif", f"{TMP}/b.tif", "--detector", f"{TMP}/31.csv", "--json", f"{TMP}/c.json")
-seen = json.load(open(f"{TMP}/c.json"))["channels"]
-check([channel["name"] for channel in seen] == names, "compare names the channels of a camera", compared.stderr)
-check(np.allclose([channel["largest"] for channel in seen], differences.max((1, 2)), rtol=1e-5) and
-      np.allclose([channel["rms"] for channel in seen], np.sqrt((differences ** 2).mean((1, 2))), rtol=1e-5),
-      "its differences of channels are those of the raw values")
-y, x = np.unravel_index(differences[0].argmax(), differences[0].shape)
-check(f"{differences[0].max():.4g}" in compared.stdout and (seen[0]["x"], seen[0]["y"]) == (x, y), "with the pixel of the largest", compared.stdout)
 
 # ---- samplings ----
 
