@@ -157,14 +157,11 @@ static double part_of(const struct axis *axis, double value)
     return (on_scale(axis, value) - first) / (last - first);
 }
 
-static double x_at(const struct plot *plot, double value)
+/* Returns the place of a value along its axis. */
+static double place_of(const struct plot *plot, enum side side, double value)
 {
-    return LEFT + (RIGHT - LEFT) * part_of(&plot->axes[ACROSS], value);
-}
-
-static double y_at(const struct plot *plot, enum side side, double value)
-{
-    return BOTTOM - (BOTTOM - TOP) * part_of(&plot->axes[side], value);
+    const double part = part_of(&plot->axes[side], value);
+    return side == ACROSS ? LEFT + (RIGHT - LEFT) * part : BOTTOM - (BOTTOM - TOP) * part;
 }
 
 /* Draws grid lines, but short ones from the axis on the right; labels, and the title of the axis.
@@ -179,11 +176,11 @@ static void draw_axis(const struct plot *plot, enum side side, const char *title
                        {"start", 8, 4, -5, 0, WIDTH - 14, (TOP + BOTTOM) / 2, -90}};
     const struct axis *axis = &plot->axes[side];
     for (long tick = axis->first; tick <= axis->last; tick++) {
-        const double value = tick_value(axis, tick),
-                     x = side == ACROSS    ? x_at(plot, value)
+        const double value = tick_value(axis, tick), at = place_of(plot, side, value),
+                     x = side == ACROSS    ? at
                          : side == ON_LEFT ? LEFT
                                            : RIGHT,
-                     y = side == ACROSS ? BOTTOM : y_at(plot, side, value);
+                     y = side == ACROSS ? BOTTOM : at;
         if (tick % axis->stride == 0)
             print(plot->to,
                   "<path stroke=\"#ddd\" d=\"M%.2f,%.2fh%dv%d\"/>"
@@ -240,8 +237,8 @@ static void draw_path(const struct plot *plot, const struct chart_series *series
                   begins  ? 'M'
                   : steps ? 'H'
                           : 'L',
-                  x_at(plot, series->x[i]), begins || !steps ? ',' : 'V',
-                  y_at(plot, side_of(series), series->y[i]));
+                  place_of(plot, ACROSS, series->x[i]), begins || !steps ? ',' : 'V',
+                  place_of(plot, side_of(series), series->y[i]));
         }
     print_text(plot->to, "\"/>");
 }
@@ -260,7 +257,8 @@ static void draw_series(const struct plot *plot, int index)
         const bool alone = !is_drawn(plot, series, i - 1) && !is_drawn(plot, series, i + 1);
         if (!is_drawn(plot, series, i) || (looks[series->kind].radius == 0 && !alone))
             continue;
-        const double x = x_at(plot, series->x[i]), y = y_at(plot, side_of(series), series->y[i]);
+        const double x = place_of(plot, ACROSS, series->x[i]),
+                     y = place_of(plot, side_of(series), series->y[i]);
         draw_circle(plot, index, x, y);
         if (series->labels)
             print(plot->to,
