@@ -82,6 +82,7 @@ FOR_TESTS = {
     "files_read_forget": "a test writes and reads the same file several times",
     "option_at": "tests make command lines of each command's options",
     "sampling_make": "a test samples spectra that no scene has",
+    "text_open_string": "tests read words of texts that are no files",
     "program_file": "a system without a link to the running program is simulated",
 }
 

@@ -34,14 +34,11 @@ bool adaptation_read(const char *option, const char *text, struct adaptation *ou
             return true;
         }
     if (strncmp(text, prefix, strlen(prefix)) == 0 && text[strlen(prefix)] != '\0') {
-        struct text line;
+        const char *number = text + strlen(prefix);
+        const struct word word = {
+            .start = number, .length = strlen(number), .place = {option, 1, 1}};
         out->kind = ADAPTATION_FAIRCHILD;
-        const bool done =
-            text_open_string(&line, option, text + strlen(prefix), err) && text_next_line(&line) &&
-            text_number(&line, "luminance in cd/m2", 1e-6, 1e12, &out->luminance, err) &&
-            text_end(&line, "a luminance", err);
-        text_free(&line);
-        return done;
+        return word_number(&word, "luminance in cd/m2", 1e-6, 1e12, &out->luminance, err);
     }
     return error_usage(err,
                        "%s: expected none, von-kries, fairchild, fairchild:LUMINANCE, bradford or "

@@ -17,15 +17,13 @@ struct probe_own {
 /* Reads "X,Y", or takes the word as the name or number of an object. */
 static bool read_printed(const char *word, struct probe *out, struct error *err)
 {
-    char x[16];
-    const char *comma = strchr(word, ',');
-    if (!comma || comma[1 + strspn(comma + 1, "0123456789")] || comma - word >= (int)sizeof x) {
-        out->wanted = word;
-        return true;
-    }
-    snprintf(x, sizeof x, "%.*s", (int)(comma - word), word);
-    return option_count("X", x, 0, INT32_MAX, &out->at.x, err) &&
-           option_count("Y", comma + 1, 0, INT32_MAX, &out->at.y, err);
+    char x[16], y[16];
+    int end = 0;
+    if (sscanf(word, "%15[0-9],%15[0-9]%n", x, y, &end) == 2 && word[end] == '\0')
+        return option_count("X", x, 0, INT32_MAX, &out->at.x, err) &&
+               option_count("Y", y, 0, INT32_MAX, &out->at.y, err);
+    out->wanted = word;
+    return true;
 }
 
 static bool region_read(const struct options *options, struct probe *out, struct error *err)
