@@ -85,10 +85,6 @@ struct development {
     double *sums;    /* [channel][pixel]; owned */
     void *samples;   /* as picture_write takes them, or pages of raw values; owned */
 };
-/* channel_sums.c: makes room for chunks; finds the channels of the rows from y on, `most` at most.
- */
-bool rows_make_room(struct development *of, struct error *err);
-bool rows_sum(struct development *of, int y, struct error *err);
 /* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
  * has no XYZ, no Lab and no raw values. The channels of cameras and films are balanced: each is
  * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
