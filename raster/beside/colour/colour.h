@@ -9,10 +9,9 @@
 
 /* Computes x and y; 0, 0 for black. */
 void chromaticity(const double xyz[3], double out[2]);
-/* Compute L*, a*, b* and L*, u*, v* relative to a white (CIE 15:2018, 8.2.1 and 8.2.2). XYZ may be
- * negative. If X, Y or Z of the white is 0, that value of the colour counts as 0. */
+/* Computes L*, a*, b* relative to a white (CIE 15:2018, 8.2.1). XYZ may be negative. If X, Y or Z
+ * of the white is 0, that value of the colour counts as 0. `out` may be xyz. */
 void cielab(const double xyz[3], const double white[3], double out[3]);
-void cieluv(const double xyz[3], const double white[3], double out[3]);
 /* Return the difference of two colours in CIELAB. CIE 94 takes the first as the standard, with the
  * weights of graphic arts (kL = kC = kH = 1, K1 = 0.045, K2 = 0.015; CIE 116-1995). CIEDE2000 is
  * ISO/CIE 11664-6 with kL = kC = kH = 1. */

@@ -108,7 +108,7 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
 
 static void print_colour(const struct probe *probe, struct printed *to)
 {
-    double xy[2], luv[3];
+    double xy[2];
     const double *xyz = probe->xyz, *lab = probe->lab, *white = probe->of_white;
     chromaticity(xyz, xy);
     print_fact(to, "observer", probe->observer);
@@ -119,9 +119,7 @@ static void print_colour(const struct probe *probe, struct printed *to)
         print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
         return;
     }
-    cieluv(xyz, white, luv);
     print(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
-    print(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
     print(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
 }
 
