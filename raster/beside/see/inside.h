@@ -23,7 +23,7 @@ size_t picture_pixels(const struct picture *picture); /* decomposition.c */
 
 /* Make sights likewise, in cd m-2 where radiances are absolute: of a detector of three channels,
  * where a camera needs a white, by which it is balanced; and of any number of channels, without
- * responses, which a stack of a fixed sampling refuses. */
+ * responses. */
 bool sight_of_picture(const struct cube *cube, const char *detector,
                       const struct white_request *white, struct sight *out, struct error *err);
 bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,

@@ -335,11 +335,13 @@ static bool find_sights(struct measured *of, const struct options *options, stru
     const struct white_request white = {options->white, false};
     const struct cube *cube = &of->rows.cube;
     const char *name = options_detector(options);
-    struct detector read;
-    const bool done = channels_read(name, &read, err), observer = read.observer;
-    detector_free(&read);
-    return done && (observer || sight_of_channels(cube, name, &of->camera, err)) &&
-           sight_make(cube, observer ? name : "cie1931", &white, &of->colours, err);
+    if (!sight_of_channels(cube, name, &of->camera, err))
+        return false;
+    if (of->camera.detector.observer)
+        sight_free(&of->camera);
+    else
+        name = "cie1931";
+    return sight_make(cube, name, &white, &of->colours, err);
 }
 
 bool probe_objects(struct options *options, bool csv, bool edges, struct error *err)

@@ -231,12 +231,6 @@ bool sight_of_picture(const struct cube *cube, const char *detector,
 bool sight_of_channels(const struct cube *cube, const char *detector, struct sight *out,
                        struct error *err)
 {
-    const struct record *record = &cube->record;
-    if (record->response.n > 0)
-        return error_usage(err,
-                           "%s was sampled by %s for %s alone, and has no raw values; riemann, "
-                           "gauss:N, gauss:N,open, box and adaptive have",
-                           cube->image.path, record->sampling, record->sampling_detector);
     return channels_read(detector, &out->detector, err) && complete(cube, NULL, true, out, err);
 }
 

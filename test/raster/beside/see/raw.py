@@ -93,7 +93,7 @@ for sampling, tolerance in (("gauss:16", 0.015), ("gauss:16,open", 0.015), ("rie
 output_of("render", f"{TMP}/a.scene", "--sampling", "xyz", "-o", f"{TMP}/a.tif", "--quiet")
 check("radiances" in raw(six)[0].stderr, "components have no raw values", raw(six)[0].stderr)
 output_of("render", f"{TMP}/a.scene", "--sampling", "gauss:6,xyz", "-o", f"{TMP}/a.tif", "--quiet")
-check("for cie1931 alone" in raw(six)[0].stderr, "nor has a sampling for one observer", raw(six)[0].stderr)
+check("for cie1931 only" in raw(six)[0].stderr, "a sampling for one observer has them for no other detector", raw(six)[0].stderr)
 refused = run("render", f"{TMP}/a.scene", "--sampling", "box:6", "--detector", six, "-o", f"{TMP}/no.tif")
 check(refused.returncode == 2 and "needs three channels" in refused.stderr, "boxes need three channels", refused.stderr)
 
