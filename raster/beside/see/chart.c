@@ -111,17 +111,6 @@ static void stretch(struct axis *axis, double value)
     axis->high = fmax(axis->high, value);
 }
 
-static void stretch_axes(struct plot *plot, const struct chart_series *series)
-{
-    struct axis *x = &plot->axes[ACROSS], *y = &plot->axes[side_of(series)];
-    for (int i = 0; i < series->n; i++) {
-        if (!is_drawn(plot, series, i))
-            continue;
-        stretch(x, series->x[i]);
-        stretch(y, series->y[i]);
-    }
-}
-
 /* Linear axes of y contain 0. */
 static void fit_axes(struct plot *plot)
 {
@@ -131,8 +120,14 @@ static void fit_axes(struct plot *plot)
         plot->axes[side] =
             (struct axis){.logarithmic = logarithmic, .low = begin, .high = -begin, .stride = 1};
     }
-    for (int s = 0; s < plot->chart->n; s++)
-        stretch_axes(plot, &plot->chart->series[s]);
+    for (int s = 0; s < plot->chart->n; s++) {
+        const struct chart_series *series = &plot->chart->series[s];
+        for (int i = 0; i < series->n; i++)
+            if (is_drawn(plot, series, i)) {
+                stretch(&plot->axes[ACROSS], series->x[i]);
+                stretch(&plot->axes[side_of(series)], series->y[i]);
+            }
+    }
     for (int side = 0; side < SIDES; side++) {
         struct axis *axis = &plot->axes[side];
         if (axis->low > axis->high) /* there are no values */

@@ -140,14 +140,8 @@ static bool find_exposure(struct development *of, struct error *err)
 
 /* ---- pixels ---- */
 
-/* A value beyond the largest float becomes that float. */
-static float stored(double value)
-{
-    return (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
-}
-
-/* Stores a pixel on pages, as floats, or as counts of the full scale: none is below 0. Returns how
- * many values are below 0. */
+/* Stores a pixel on pages: as floats, where a value beyond the largest becomes that; or as counts
+ * of the full scale, of which none is below 0. Returns how many values are below 0. */
 static uint64_t store_channels(const struct development *of, size_t pixel, const double *values)
 {
     uint64_t below_0 = 0;
@@ -156,7 +150,8 @@ static uint64_t store_channels(const struct development *of, size_t pixel, const
         const size_t at = channel * of->n + pixel;
         below_0 += value < 0;
         if (of->bits == 32)
-            ((float *)of->samples)[at] = stored(value);
+            ((float *)of->samples)[at] =
+                (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
         else
             ((uint16_t *)of->samples)[at] = (uint16_t)fmax(0, fmin(count, 65535));
     }
@@ -283,7 +278,9 @@ static bool write_picture(struct development *of, const char *path, struct error
     if (of->values == DEVELOP_RAW) {
         if (!raw_open(of, path, &raw, err))
             return false;
-        done = write_rows(of, NULL, &raw, err) && raw_commit(of, &raw, err);
+        done = write_rows(of, NULL, &raw, err) &&
+               stack_finish(&raw, "raw values have no check of their own", err) &&
+               output_pass(&raw.pages.output, of->outputs, err);
         stack_discard(&raw);
     } else {
         if (!open_picture(of, path, &picture, err))

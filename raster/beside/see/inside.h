@@ -109,7 +109,6 @@ bool raw_open(const struct development *of, const char *path, struct stack_write
               struct error *err);
 /* Writes the rows at hand, which begin with row y. */
 bool raw_write(const struct development *of, int y, struct stack_writer *writer, struct error *err);
-bool raw_commit(const struct development *of, struct stack_writer *writer, struct error *err);
 void raw_print(const struct development *of, const char *output, struct printed *to);
 
 /* ---- compare.c: the differences of two stacks ---- */

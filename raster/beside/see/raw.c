@@ -12,22 +12,17 @@ static const char *unit_of(const struct development *of)
                                          : "W sr-1 m-2";
 }
 
-static char *provenance(const struct development *of, struct error *err)
-{
-    struct printed to = {.text = NULL};
-    print(&to, "program: " PROGRAM "\nraw values of: ");
-    print_printable(&to, of->cube.image.path);
-    print_text(&to, "\ndetector: ");
-    print_printable(&to, of->sight.detector.name);
-    print(&to, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure,
-          unit_of(of));
-    return printed_take(&to, err);
-}
-
 bool raw_open(const struct development *of, const char *path, struct stack_writer *out,
               struct error *err)
 {
-    char *text = provenance(of, err);
+    struct printed made = {.text = NULL};
+    print(&made, "program: " PROGRAM "\nraw values of: ");
+    print_printable(&made, of->cube.image.path);
+    print_text(&made, "\ndetector: ");
+    print_printable(&made, of->sight.detector.name);
+    print(&made, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure,
+          unit_of(of));
+    char *text = printed_take(&made, err);
     const struct stack_options options = {.width = of->cube.image.width,
                                           .height = of->cube.image.height,
                                           .n_wavelengths = of->sight.detector.n,
@@ -51,12 +46,6 @@ bool raw_write(const struct development *of, int y, struct stack_writer *writer,
         if (!pages_write(&writer->pages, &to, (char *)of->samples + (size_t)to.page * page, err))
             return false;
     return true;
-}
-
-bool raw_commit(const struct development *of, struct stack_writer *writer, struct error *err)
-{
-    return stack_finish(writer, "raw values have no check of their own", err) &&
-           output_pass(&writer->pages.output, of->outputs, err);
 }
 
 void raw_print(const struct development *of, const char *output, struct printed *to)

@@ -6,17 +6,6 @@
 
 /* ---- weights ---- */
 
-static bool is_for(const struct cube *cube, const struct detector *detector, struct error *err)
-{
-    const struct record *record = &cube->record;
-    return strcmp(record->sampling_detector, detector->name) == 0 ||
-           error_usage(err,
-                       "%s: was sampled by %s for %s only; expected --detector %s, or a stack that"
-                       " was rendered with --detector %s",
-                       cube->image.path, record->sampling, record->sampling_detector,
-                       record->sampling_detector, detector->name);
-}
-
 /* Weights and whites have this limit: no sum of them is infinite. */
 static const double largest_number = (double)FLT_MAX;
 
@@ -38,9 +27,14 @@ static bool find_weights(const struct cube *cube, const struct detector *detecto
 {
     const struct record *record = &cube->record;
     const struct image *image = &cube->image;
-    if (record->response.n > 0 && !is_for(cube, detector, err))
-        return false;
-    if (record->response.n > 0)
+    const bool fixed = record->response.n > 0;
+    if (fixed && strcmp(record->sampling_detector, detector->name) != 0)
+        return error_usage(err,
+                           "%s: was sampled by %s for %s only; expected --detector %s, or a stack "
+                           "that was rendered with --detector %s",
+                           image->path, record->sampling, record->sampling_detector,
+                           record->sampling_detector, detector->name);
+    if (fixed)
         memcpy(out, record->response.value, (size_t)record->response.n * sizeof *out);
     else if (record->segments.n > 0)
         sampling_weights(detector, image->wavelengths_nm, (double(*)[2])record->segments.value,
@@ -89,13 +83,6 @@ static bool find_equal(const struct cube *cube, struct sight *out, struct error 
 
 /* ---- the white ---- */
 
-/* Reads the spectrum that --white names. The whole value is one word, blanks and all. */
-static bool read_white(const char *value, struct spectrum *out, struct error *err)
-{
-    const struct word word = {.start = value, .length = strlen(value), .place = {"--white", 1, 1}};
-    return spectrum_read(&word, 0, HUGE_VAL, out, err);
-}
-
 /* Returns the mean over a box, by cells of 1 nm that begin at `origin`. */
 static double mean_within(const struct spectrum *spectrum, const double limits[2], double origin)
 {
@@ -107,15 +94,16 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
 }
 
 /* Finds the white that --white names: its radiance on each page, or, of a fixed stack, the response
- * of its detector. */
+ * of its detector. The whole value is one word, blanks and all. */
 static bool white_of_option(const struct cube *cube, const char *value,
                             const struct detector *fixed, double *out, struct error *err)
 {
     const struct record *record = &cube->record;
     const bool boxes = record->segments.n > 0 && sampling_takes_means(record->sampling);
     const double *segments = record->segments.value;
+    const struct word word = {.start = value, .length = strlen(value), .place = {"--white", 1, 1}};
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
-    const bool good = read_white(value, &spectrum, err) &&
+    const bool good = spectrum_read(&word, 0, HUGE_VAL, &spectrum, err) &&
                       (!fixed || respond_finely(record, fixed, &spectrum, out, err));
     for (int i = 0; good && !fixed && i < cube->image.n_pages; i++)
         out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])

@@ -69,18 +69,11 @@ static bool adapt(struct development *of, struct error *err)
     return true;
 }
 
-static void find_range(struct development *of)
-{
-    const struct image *image = &of->cube.image;
-    const double *cells = of->cube.record.range_nm.value, half_cell = 0.5;
-    const bool components = of->cube.components;
-    of->first_nm = components ? cells[0] + half_cell : image->wavelengths_nm[0];
-    of->last_nm = components ? cells[1] - half_cell : image->wavelengths_nm[image->n_pages - 1];
-}
-
 bool develop_weights(struct development *of, struct error *err)
 {
-    const bool raw = of->values == DEVELOP_RAW;
+    const bool raw = of->values == DEVELOP_RAW, components = of->cube.components;
+    const struct image *image = &of->cube.image;
+    const double *cells = of->cube.record.range_nm.value, half_cell = 0.5;
     /* The result reports a recorded white even where none is needed. */
     const struct white_request white = {of->white, of->adaptation.kind != ADAPTATION_NONE ||
                                                        of->values == DEVELOP_LAB};
@@ -88,7 +81,8 @@ bool develop_weights(struct development *of, struct error *err)
                   !sight_of_channels(&of->cube, of->detector_name, &of->sight, err)
             : !sight_of_picture(&of->cube, of->detector_name, &white, &of->sight, err))
         return false;
-    find_range(of);
+    of->first_nm = components ? cells[0] + half_cell : image->wavelengths_nm[0];
+    of->last_nm = components ? cells[1] - half_cell : image->wavelengths_nm[image->n_pages - 1];
     return check_detector(of, err) &&
            (raw || (of->sight.detector.observer ? adapt(of, err) : balance(of, err)));
 }
