@@ -82,15 +82,6 @@ static bool open_pair(struct pair *pair, const struct options *options, struct e
     return cube_white(&pair->cube, NULL, pair->white, err);
 }
 
-static void pair_free(struct pair *pair)
-{
-    for (int k = 0; k < 2; k++)
-        probe_free(&pair->probes[k]);
-    sight_free(&pair->sight);
-    cube_close(&pair->cube);
-    free(pair->white);
-}
-
 /* ---- out ---- */
 
 static void print_difference(const struct pair *pair, struct printed *to)
@@ -107,15 +98,6 @@ static void print_difference(const struct pair *pair, struct printed *to)
     print(to, "spectral angle    %.6g degrees\n",
           spectral_angle(pair->probes[0].columns[MEAN].values, pair->probes[1].columns[MEAN].values,
                          pair->n));
-}
-
-static void print_rows(const struct pair *pair, bool csv, struct printed *to)
-{
-    const struct column columns[] = {{"wavelength", "nm", pair->cube.image.wavelengths_nm},
-                                     {"first", NULL, pair->probes[0].columns[MEAN].values},
-                                     {"second", NULL, pair->probes[1].columns[MEAN].values},
-                                     {"difference", NULL, pair->difference}};
-    (csv ? columns_print_csv : columns_print)(columns, 4, pair->n, to);
 }
 
 /* Prints a line for each light that the command line names. */
@@ -158,9 +140,18 @@ bool probe_against(struct options *options, const struct probe *first, const str
         print_difference(&pair, &printed);
         done = print_lights(&pair, options, &printed, err);
     }
-    if (done)
-        print_rows(&pair, csv, &printed);
+    if (done) {
+        const struct column columns[] = {{"wavelength", "nm", pair.cube.image.wavelengths_nm},
+                                         {"first", NULL, pair.probes[0].columns[MEAN].values},
+                                         {"second", NULL, pair.probes[1].columns[MEAN].values},
+                                         {"difference", NULL, pair.difference}};
+        (csv ? columns_print_csv : columns_print)(columns, 4, pair.n, &printed);
+    }
     done = printed_write(&printed, options->output ? options->output : "-", &options->outputs, err);
-    pair_free(&pair);
+    for (int k = 0; k < 2; k++)
+        probe_free(&pair.probes[k]);
+    sight_free(&pair.sight);
+    cube_close(&pair.cube);
+    free(pair.white);
     return done;
 }

@@ -329,14 +329,6 @@ static bool allocate(struct comparison *of, struct error *err)
            MAKE_ARRAY(of->samples, 3 * of->a.stride, err, "rows of the map");
 }
 
-static bool prepare(struct comparison *of, struct error *err)
-{
-    const struct white_request white = {of->white, of->tolerance.unit >= TOLERANCE_CIE76};
-    return check_samplings(&of->a.cube, &of->b.cube, err) &&
-           check_sizes(&of->a.cube.image, &of->b.cube.image, err) &&
-           sight_make(&of->a.cube, of->observer, &white, &of->sight, err) && allocate(of, err);
-}
-
 static bool open_map(struct comparison *of, struct error *err)
 {
     const bool components = of->a.cube.components;
@@ -368,7 +360,11 @@ static bool open_map(struct comparison *of, struct error *err)
 
 bool compare(const char *a, const char *b, struct comparison *of, struct error *err)
 {
-    return cube_open(a, &of->a.cube, err) && cube_open(b, &of->b.cube, err) && prepare(of, err) &&
+    const struct white_request white = {of->white, of->tolerance.unit >= TOLERANCE_CIE76};
+    return cube_open(a, &of->a.cube, err) && cube_open(b, &of->b.cube, err) &&
+           check_samplings(&of->a.cube, &of->b.cube, err) &&
+           check_sizes(&of->a.cube.image, &of->b.cube.image, err) &&
+           sight_make(&of->a.cube, of->observer, &white, &of->sight, err) && allocate(of, err) &&
            (!of->map || open_map(of, err)) && compare_rows(of, err) &&
            (!of->map || picture_commit(&of->picture, of->outputs, err));
 }
