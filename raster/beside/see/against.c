@@ -18,7 +18,6 @@ struct match {
 struct pair {
     struct probe probes[2];
     struct cube cube;
-    struct sight sight;
     double *white, *light, *lit, *difference; /* of each page; the first owns all */
     int n;
 };
@@ -40,9 +39,9 @@ static void match_under(struct pair *pair, struct match *out)
         const double *mean = pair->probes[k].columns[MEAN].values;
         for (int i = 0; i < pair->n; i++)
             pair->lit[i] = pair->white[i] > 0 ? mean[i] / pair->white[i] * pair->light[i] : 0;
-        detector_response(pair->sight.weights, pair->lit, pair->n, out->xyz[k]);
+        detector_response(pair->probes[0].sight.weights, pair->lit, pair->n, out->xyz[k]);
     }
-    detector_response(pair->sight.weights, pair->light, pair->n, out->white);
+    detector_response(pair->probes[0].sight.weights, pair->light, pair->n, out->white);
     out->difference = difference(out->xyz[0], out->xyz[1], out->white);
 }
 
@@ -62,13 +61,11 @@ static void find_index(const struct match *recorded, struct match *out)
 
 static bool open_pair(struct pair *pair, const struct options *options, struct error *err)
 {
-    const struct white_request request = {NULL, true};
     const char *stack = options->operand;
     bool done = true;
     for (int k = 0; done && k < 2; k++)
         done = probe_stack(&pair->probes[k], stack, err);
-    if (!done || !cube_open(stack, &pair->cube, err) ||
-        !sight_make(&pair->cube, options_detector(options), &request, &pair->sight, err))
+    if (!done || !cube_open(stack, &pair->cube, err))
         return false;
     const int n = pair->n = pair->cube.image.n_pages;
     if (!MAKE_ARRAY(pair->white, 4 * n, err, "spectra of %d bands", n))
@@ -150,7 +147,6 @@ bool probe_against(struct options *options, const struct probe *first, const str
     done = printed_write(&printed, options->output ? options->output : "-", &options->outputs, err);
     for (int k = 0; k < 2; k++)
         probe_free(&pair.probes[k]);
-    sight_free(&pair.sight);
     cube_close(&pair.cube);
     free(pair.white);
     return done;

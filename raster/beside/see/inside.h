@@ -201,9 +201,9 @@ struct probe {
     int n;         /* wavelengths */
     char *object;  /* name of the only object in the region; owned; NULL: unknown, or several */
     bool absolute; /* radiances are in W sr-1 m-2 nm-1, and Y in cd m-2 */
-    bool has_white;
-    double xyz[3], lab[3], of_white[3]; /* of the mean; of_white: XYZ of the white */
-    struct column *columns;             /* owned, with their values */
+    struct sight sight;     /* of the observer */
+    double xyz[3], lab[3];  /* of the mean; lab: beside the white, if there is one */
+    struct column *columns; /* owned, with their values */
     int n_columns;
     struct moments *moments; /* of each band, while samples come; owned */
     struct region_object {

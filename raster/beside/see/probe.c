@@ -110,26 +110,22 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
     return true;
 }
 
-/* Ends the means and deviations. Computes XYZ of the mean and of the white. has_white is false if
- * neither the probe names a white nor the cube records one. Refuses a white that the probe names if
- * it cannot be used. */
+/* There is no white if neither the probe names one nor the cube records one. Refuses a white that
+ * the probe names if it cannot be used. */
 bool probe_end(struct probe *probe, const struct cube *cube, struct error *err)
 {
     const struct white_request white = {probe->white, false};
-    struct sight sight = {.weights = NULL};
+    const struct sight *sight = &probe->sight;
+    const double *mean = probe->columns[MEAN].values;
     for (int band = 0; band < probe->n; band++)
         moments_end(&probe->moments[band], &probe->columns[MEAN].values[band],
                     &probe->columns[SPREAD].values[band]);
-    const bool done = sight_make(cube, probe->observer, &white, &sight, err);
-    if (done) {
-        detector_response(sight.weights, probe->columns[MEAN].values, probe->n, probe->xyz);
-        memcpy(probe->of_white, sight.white, sizeof probe->of_white);
-        probe->has_white = sight.has_white;
-        if (sight.has_white)
-            cielab(probe->xyz, sight.white, probe->lab);
-    }
-    sight_free(&sight);
-    return done;
+    if (!sight_make(cube, probe->observer, &white, &probe->sight, err))
+        return false;
+    detector_response(sight->weights, mean, probe->n, probe->xyz);
+    if (sight->has_white)
+        cielab(probe->xyz, sight->white, probe->lab);
+    return true;
 }
 
 /* ---- a region of a scene ---- */
@@ -232,21 +228,16 @@ static bool add_curves(const struct region *region, struct error *err)
 
 /* ---- a whole scene ---- */
 
-static bool inspect(struct region *region, struct error *err)
-{
-    struct radiances radiances = {1, add_band, region}; /* sums have the order of pixels */
-    return lit_make(region->lit.plan, driver_of(NULL), &region->lit, err) &&
-           find_full_scale(&region->lit, err) &&
-           radiances_each(&region->lit, &region->probe->at, &radiances, err) &&
-           add_curves(region, err);
-}
-
 bool probe_scene(struct probe *probe, const struct plan *plan, struct error *err)
 {
     struct region region = {.lit = {.plan = plan}, .probe = probe};
+    struct radiances radiances = {1, add_band, &region}; /* sums have the order of pixels */
     struct cube cube;
     const bool done = scene_cube(plan->scene, &cube, err) && probe_begin(probe, &cube, err) &&
-                      inspect(&region, err) && probe_end(probe, &cube, err);
+                      lit_make(plan, driver_of(NULL), &region.lit, err) &&
+                      find_full_scale(&region.lit, err) &&
+                      radiances_each(&region.lit, &probe->at, &radiances, err) &&
+                      add_curves(&region, err) && probe_end(probe, &cube, err);
     free(cube.record.white.value);
     lit_free(&region.lit);
     return done;
@@ -256,5 +247,6 @@ void probe_free(struct probe *probe)
 {
     for (int column = 0; column < probe->n_columns; column++)
         free(probe->columns[column].values);
+    sight_free(&probe->sight);
     FREE_ALL(probe->columns, probe->source, probe->object, probe->moments);
 }

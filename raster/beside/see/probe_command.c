@@ -109,13 +109,13 @@ static bool probe_operand(const struct options *options, struct probe *probe, st
 static void print_colour(const struct probe *probe, struct printed *to)
 {
     double xy[2];
-    const double *xyz = probe->xyz, *lab = probe->lab, *white = probe->of_white;
+    const double *xyz = probe->xyz, *lab = probe->lab, *white = probe->sight.white;
     chromaticity(xyz, xy);
     print_fact(to, "observer", probe->observer);
     print(to, "XYZ               %.4f %.4f %.4f%s\n", xyz[0], xyz[1], xyz[2],
           probe->absolute ? ", Y in cd/m2" : "");
     print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
-    if (!probe->has_white) {
+    if (!probe->sight.has_white) {
         print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
         return;
     }
@@ -165,8 +165,8 @@ static void probe_json(const struct probe *probe, struct json *json)
     json_string(json, "observer", probe->observer);
     json_string(json, "unit", probe->absolute ? ABSOLUTE_UNIT : RELATIVE_UNIT);
     json_numbers(json, "XYZ", probe->xyz, 3);
-    json_numbers(json, "white_XYZ", probe->has_white ? probe->of_white : NULL, 3);
-    json_numbers(json, "Lab", probe->has_white ? probe->lab : NULL, 3);
+    json_numbers(json, "white_XYZ", probe->sight.has_white ? probe->sight.white : NULL, 3);
+    json_numbers(json, "Lab", probe->sight.has_white ? probe->lab : NULL, 3);
     for (int column = 0; column < CURVES; column++)
         json_numbers(json, names[column], probe->columns[column].values, probe->n);
     json_open(json, "curves", '[');
