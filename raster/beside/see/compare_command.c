@@ -142,21 +142,6 @@ static bool write_json(struct options *options, const struct comparison *of, str
 
 /* ---- the command ---- */
 
-/* Writes the differences as JSON, if that is wanted, and prints them. */
-static bool report(struct options *options, const struct comparison *of, struct error *err)
-{
-    const struct compare_own *own = options->own;
-    struct printed printed = {.text = NULL};
-    if (options->json && !write_json(options, of, err))
-        return false;
-    if (!options->quiet) {
-        print_comparison(of, own->tolerance ? own->tolerance : "0", &printed);
-        if (options->verbose)
-            print_bands(of, &printed);
-    }
-    return printed_show(&printed, options_table(options, own->map), err);
-}
-
 static bool run_compare(struct options *options, struct error *err)
 {
     const struct compare_own *own = options->own;
@@ -166,15 +151,23 @@ static bool run_compare(struct options *options, struct error *err)
                                     .map = own->map,
                                     .threads = options->threads,
                                     .outputs = &options->outputs};
+    struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
-    const bool done = (!own->tolerance ||
-                       tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
-                      (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
-                      scene_refuse(b, err) && output_can_open(options->json, err) &&
-                      compare(a, b, &comparison, err) && report(options, &comparison, err) &&
-                      (comparison_is_within(&comparison) ||
-                       error_different(err, "%s and %s differ by more than the tolerance", a, b));
+    bool done = (!own->tolerance ||
+                 tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
+                (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
+                scene_refuse(b, err) && output_can_open(options->json, err) &&
+                compare(a, b, &comparison, err) &&
+                (!options->json || write_json(options, &comparison, err));
+    if (done && !options->quiet) {
+        print_comparison(&comparison, own->tolerance ? own->tolerance : "0", &printed);
+        if (options->verbose)
+            print_bands(&comparison, &printed);
+    }
+    done = printed_show(&printed, options_table(options, own->map), err) && done &&
+           (comparison_is_within(&comparison) ||
+            error_different(err, "%s and %s differ by more than the tolerance", a, b));
     comparison_free(&comparison);
     return done;
 }

@@ -40,30 +40,24 @@ static void tell_page(const struct options *options, size_t bytes, struct tellin
     print(&to->words, "page              %s, %.2f MB\n", options->output, (double)bytes / 1e6);
 }
 
-static void tell_picture(const struct viewing *view, struct telling *to)
-{
-    const struct scene *scene = view->plan->scene;
-    const uint64_t n_pixels = (uint64_t)scene->width * (uint64_t)scene->height;
-    json_count(&to->json, "out_of_gamut_pixels", view->out_of_gamut);
-    print(&to->words,
-          "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
-          "picture           %s\n",
-          view->out_of_gamut, n_pixels, 100 * (double)view->out_of_gamut / (double)n_pixels,
-          view->options->output);
-}
-
 static void tell_scene(const struct viewing *view, enum output_kind kind, struct telling *to)
 {
     const struct view_options *own = view->options->own;
     const struct plan *plan = view->plan;
+    const uint64_t n_pixels = (uint64_t)plan->scene->width * (uint64_t)plan->scene->height;
     json_string(&to->json, "scene", options_scene(view->options));
     json_count(&to->json, "objects", (uint64_t)plan->n_instances);
     json_count(&to->json, "lights", (uint64_t)plan->n_lights);
     print(&to->words, "objects           %d\nlights            %d\n", plan->n_instances,
           plan->n_lights);
-    if (kind == PICTURE)
-        tell_picture(view, to);
-    else
+    if (kind == PICTURE) {
+        json_count(&to->json, "out_of_gamut_pixels", view->out_of_gamut);
+        print(&to->words,
+              "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
+              "picture           %s\n",
+              view->out_of_gamut, n_pixels, 100 * (double)view->out_of_gamut / (double)n_pixels,
+              view->options->output);
+    } else
         tell_page(view->options, view->bytes, to);
     if (kind != PICTURE && is_still(view->options) && !own->still)
         print_text(&to->words,
