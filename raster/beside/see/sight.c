@@ -153,12 +153,11 @@ static bool find_white_response(const struct cube *cube, const struct white_requ
     const bool needed = request->needed || request->spectrum != NULL;
     struct error ignored = {.status = EXIT_AGREED};
     double *white;
-    if (!MAKE_ARRAY(white, fixed ? 3 : n, err, "the white of %s", cube->image.path))
+    if (!MAKE_ARRAY(white, n, err, "the white of %s", cube->image.path))
         return false;
-    out->has_white = find_white(cube, request->spectrum, fixed, white, needed ? err : &ignored);
-    if (out->has_white && fixed)
-        memcpy(out->white, white, sizeof out->white);
-    else if (out->has_white)
+    out->has_white = find_white(cube, request->spectrum, fixed, fixed ? out->white : white,
+                                needed ? err : &ignored);
+    if (out->has_white && !fixed)
         detector_response(out->weights, white, n, out->white);
     free(white);
     for (int channel = 0; out->has_white && channel < 3; channel++)
