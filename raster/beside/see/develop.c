@@ -256,36 +256,75 @@ static bool open_picture(const struct development *of, const char *path, struct 
     return done;
 }
 
-static bool write_rows(struct development *of, struct picture_writer *picture,
-                       struct stack_writer *raw, struct error *err)
+/* ---- the pages of raw values ---- */
+
+const char *raw_unit(const struct development *of)
 {
-    bool done = true;
-    for (int y = 0; done && y < of->cube.image.height; y += of->most) {
-        done = sum_rows(of, y, err);
-        threads_blocks(of->threads, of->n, BLOCK_PIXELS, store_pixels, of);
-        done = done &&
-               (raw ? raw_write(of, y, raw, err)
-                    : picture_write(picture, of->samples, (int)of->n / of->cube.image.width, err));
-    }
+    return !of->cube.record.unit         ? "W sr-1 m-2 (relative)"
+           : of->sight.detector.observer ? "cd m-2"
+                                         : "W sr-1 m-2";
+}
+
+static bool open_raw(const struct development *of, const char *path, struct stack_writer *out,
+                     struct error *err)
+{
+    struct printed made = {.text = NULL};
+    print(&made, "program: " PROGRAM "\nraw values of: ");
+    print_printable(&made, of->cube.image.path);
+    print_text(&made, "\ndetector: ");
+    print_printable(&made, of->sight.detector.name);
+    print(&made, "\nexposure: %.*g\nunit: %s\n", exact_digits(of->exposure), of->exposure,
+          raw_unit(of));
+    char *text = printed_take(&made, err);
+    const struct stack_options options = {.width = of->cube.image.width,
+                                          .height = of->cube.image.height,
+                                          .n_wavelengths = of->sight.detector.n,
+                                          .names = (const char *const *)of->sight.detector.channel,
+                                          .unit = raw_unit(of),
+                                          .full_scale = of->full_scale,
+                                          .bits = of->bits,
+                                          .scene = of->cube.image.path,
+                                          .provenance = text};
+    const bool done = text && stack_open(out, path, &options, err);
+    free(text);
     return done;
 }
 
+/* Writes the rows at hand. */
+static bool put_raw(const struct development *of, struct stack_writer *writer, struct error *err)
+{
+    const int width = of->cube.image.width;
+    struct page_rectangle to = {0, 0, of->first, width, (int)of->n / width};
+    const size_t page = of->n * (size_t)of->bits / 8;
+    for (; to.page < of->sight.detector.n; to.page++)
+        if (!pages_write(&writer->pages, &to, (char *)of->samples + (size_t)to.page * page, err))
+            return false;
+    return true;
+}
+
+/* ---- the file ---- */
+
 static bool write_picture(struct development *of, const char *path, struct error *err)
 {
+    const bool is_raw = of->values == DEVELOP_RAW;
+    const int width = of->cube.image.width;
     struct picture_writer picture;
     struct stack_writer raw;
-    bool done;
-    if (of->values == DEVELOP_RAW) {
-        if (!raw_open(of, path, &raw, err))
-            return false;
-        done = write_rows(of, NULL, &raw, err) &&
-               stack_finish(&raw, "raw values have no check of their own", err) &&
+    bool done = is_raw ? open_raw(of, path, &raw, err) : open_picture(of, path, &picture, err);
+    if (!done)
+        return false;
+    for (int y = 0; done && y < of->cube.image.height; y += of->most) {
+        done = sum_rows(of, y, err);
+        threads_blocks(of->threads, of->n, BLOCK_PIXELS, store_pixels, of);
+        done = done && (is_raw ? put_raw(of, &raw, err)
+                               : picture_write(&picture, of->samples, (int)of->n / width, err));
+    }
+    if (is_raw) {
+        done = done && stack_finish(&raw, "raw values have no check of their own", err) &&
                output_pass(&raw.pages.output, of->outputs, err);
         stack_discard(&raw);
     } else {
-        if (!open_picture(of, path, &picture, err))
-            return false;
-        done = write_rows(of, &picture, NULL, err) && picture_commit(&picture, of->outputs, err);
+        done = done && picture_commit(&picture, of->outputs, err);
         picture_discard(&picture);
     }
     return done;

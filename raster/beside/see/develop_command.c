@@ -72,6 +72,25 @@ static void print_development(const struct development *of, const char *output, 
     print_fact(to, "picture", output);
 }
 
+static void print_raw(const struct development *of, const char *output, struct printed *to)
+{
+    const struct detector *detector = &of->sight.detector;
+    print(to, "detector          %s (%d channel%s)\n", detector->name, detector->n,
+          detector->n == 1 ? "" : "s");
+    print(to, "values            raw, %s, %s\n", of->bits == 32 ? "float" : "16-bit counts",
+          raw_unit(of));
+    if (of->bits == 16)
+        print(to, "full scale        %.10g\n", of->full_scale);
+    print(to, "exposure          %.10g%s\n", of->exposure, of->automatic ? " (auto)" : "");
+    for (int i = 0; i < detector->n; i++)
+        print(to, "channel %-9d %s: %.4g %% of its sensitivity lies outside\n", i + 1,
+              detector->channel[i], 100 * of->sight.lost[i]);
+    if (of->clipped.n > 0)
+        print(to, "below 0           %llu values%s\n", (unsigned long long)of->clipped.n,
+              of->bits == 32 ? "" : ", which become 0");
+    print_fact(to, "picture", output);
+}
+
 static bool write_json(struct options *options, const struct development *of, struct error *err)
 {
     static const char *const values[] = {"RGB", "XYZ", "Lab"};
@@ -144,7 +163,7 @@ static bool run_develop(struct options *options, struct error *err)
                       develop(&of, stack, options->output, err) &&
                       (!options->json || write_json(options, &of, err));
     if (done && !options->quiet)
-        (of.values == DEVELOP_RAW ? raw_print : print_development)(&of, options->output, &printed);
+        (of.values == DEVELOP_RAW ? print_raw : print_development)(&of, options->output, &printed);
     develop_free(&of);
     return printed_show(&printed, options_table(options, options->output), err) && done;
 }

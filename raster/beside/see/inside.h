@@ -50,6 +50,9 @@ bool radiances_each(const struct lit_scene *lit, const struct rectangle *pixels,
 
 /* ---- develop.c ---- */
 
+/* Raw values lie in a stack of one page a channel: linear, without balance, adaptation or display.
+ * The value is the sum over pages of radiance x sensitivity x width of the page in nm
+ * (detector_weights), times the exposure. */
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB, DEVELOP_RAW };
 /* A stack that is being developed. */
 struct development {
@@ -90,6 +93,7 @@ struct development {
  * divided by the white's. Refuses adaptation, XYZ and Lab for them. The caller frees *of, also
  * after a failure. */
 bool develop(struct development *of, const char *stack, const char *output, struct error *err);
+const char *raw_unit(const struct development *of); /* of raw values */
 /* Prints a white in a detector's channels, and where it comes from. */
 void print_white(struct printed *to, const double white[3], bool is_xyz, const char *source);
 /* Prints all that decides a developed picture, except the stack. */
@@ -99,17 +103,6 @@ void develop_free(struct development *of);
  * (also for CIELAB), or to raw values, at exposure 1. Fills in all that is found but what pixels
  * decide. Refuses a detector that sees none of the wavelengths of a stack. */
 bool develop_weights(struct development *of, struct error *err);
-
-/* ---- raw.c: raw values of a detector ---- */
-
-/* Raw values lie in a stack of one page a channel: linear, without balance, adaptation or display.
- * The value is the sum over pages of radiance x sensitivity x width of the page in nm
- * (detector_weights), times the exposure. */
-bool raw_open(const struct development *of, const char *path, struct stack_writer *out,
-              struct error *err);
-/* Writes the rows at hand, which begin with row y. */
-bool raw_write(const struct development *of, int y, struct stack_writer *writer, struct error *err);
-void raw_print(const struct development *of, const char *output, struct printed *to);
 
 /* ---- compare.c: the differences of two stacks ---- */
 
