@@ -254,7 +254,7 @@ static bool compare_rows(struct comparison *of, struct error *err)
     for (int y = 0; y < of->a.cube.image.height; y += of->a.most) {
         if (!rows_read(&of->a, y, err) || !rows_read(&of->b, y, err))
             return false;
-        threads_each(threads_count(of->threads), of->a.n, compare_row, of);
+        threads_each(threads_count(of->options->threads), of->a.n, compare_row, of);
         for (int row = 0; row < of->a.n; row++)
             add_row(of, row);
         if (of->map && !picture_write(&of->picture, of->samples, of->a.n, err))
@@ -358,15 +358,16 @@ static bool open_map(struct comparison *of, struct error *err)
 
 /* ---- the comparison ---- */
 
-bool compare(const char *a, const char *b, struct comparison *of, struct error *err)
+bool compare(struct comparison *of, struct error *err)
 {
-    const struct white_request white = {of->white, of->tolerance.unit >= TOLERANCE_CIE76};
-    return cube_open(a, &of->a.cube, err) && cube_open(b, &of->b.cube, err) &&
-           check_samplings(&of->a.cube, &of->b.cube, err) &&
-           check_sizes(&of->a.cube.image, &of->b.cube.image, err) &&
-           sight_make(&of->a.cube, of->observer, &white, &of->sight, err) && allocate(of, err) &&
+    struct options *options = of->options;
+    const struct white_request white = {options->white, of->tolerance.unit >= TOLERANCE_CIE76};
+    struct cube *a = &of->a.cube, *b = &of->b.cube;
+    return cube_open(options->operands[0], a, err) && cube_open(options->operands[1], b, err) &&
+           check_samplings(a, b, err) && check_sizes(&a->image, &b->image, err) &&
+           sight_make(a, options_detector(options), &white, &of->sight, err) && allocate(of, err) &&
            (!of->map || open_map(of, err)) && compare_rows(of, err) &&
-           (!of->map || picture_commit(&of->picture, of->outputs, err));
+           (!of->map || picture_commit(&of->picture, &options->outputs, err));
 }
 
 bool comparison_is_within(const struct comparison *of)

@@ -82,9 +82,9 @@ static void print_comparison(const struct comparison *of, const char *tolerance,
     print(to, "largest of A      %.6g%s%s\n", of->largest_radiance, blank, unit);
     print_pixels(of, to);
     if (of->sight.has_white) {
-        print_fact(to, "observer", of->observer);
+        print_fact(to, "observer", options_detector(of->options));
         print_white(to, of->sight.white, true,
-                    of->white ? of->white : "recorded by the first stack");
+                    of->options->white ? of->options->white : "recorded by the first stack");
     } else
         print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
     print_map(of, to);
@@ -127,7 +127,7 @@ static bool write_json(struct options *options, const struct comparison *of, str
                  image->n_pages);
     json_band(&json, &of->all);
     json_number(&json, "largest_of_A", of->largest_radiance);
-    json_string(&json, "observer", of->sight.has_white ? of->observer : NULL);
+    json_string(&json, "observer", of->sight.has_white ? options_detector(options) : NULL);
     for (int i = 0; i < (of->sight.has_white ? PIXEL_MEASURES : 1); i++)
         json_pixels(&json, measures[i], &of->pixels[i]);
     json_open(&json, "bands", '[');
@@ -146,11 +146,7 @@ static bool run_compare(struct options *options, struct error *err)
 {
     const struct compare_own *own = options->own;
     const char *a = options->operands[0], *b = options->operands[1];
-    struct comparison comparison = {.observer = options_detector(options),
-                                    .white = options->white,
-                                    .map = own->map,
-                                    .threads = options->threads,
-                                    .outputs = &options->outputs};
+    struct comparison comparison = {.options = options, .map = own->map};
     struct printed printed = {.text = NULL};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");
@@ -158,7 +154,7 @@ static bool run_compare(struct options *options, struct error *err)
                  tolerance_read("--tolerance", own->tolerance, &comparison.tolerance, err)) &&
                 (!own->map || picture_accepts(own->map, err)) && scene_refuse(a, err) &&
                 scene_refuse(b, err) && output_can_open(options->json, err) &&
-                compare(a, b, &comparison, err) &&
+                compare(&comparison, err) &&
                 (!options->json || write_json(options, &comparison, err));
     if (done && !options->quiet) {
         print_comparison(&comparison, own->tolerance ? own->tolerance : "0", &printed);

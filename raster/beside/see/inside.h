@@ -127,11 +127,9 @@ struct band_difference {
 enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
     /* The caller sets these, and zeroes all others. */
-    const char *observer, *white; /* white NULL: what A records */
-    const char *map;              /* PNG or TIFF to write; NULL: none */
+    struct options *options; /* its operands are the stacks, and its outputs get the map */
+    const char *map;         /* PNG or TIFF to write; NULL: none */
     struct tolerance tolerance;
-    int threads;
-    struct outputs *outputs; /* get the map; NULL: it appears at once */
     /* Two stacks, and how they differ. */
     struct stack_rows a, b;
     struct sight sight; /* of A; it holds for B too; without a white there are no colours */
@@ -157,7 +155,7 @@ struct comparison {
  * PNG map has the colours of scale_colour: for CIEDE2000 from 1/64 on, or without a white for the
  * largest |A - B| from 1/16384 on. The map is written even if the stacks differ. The caller frees
  * *of, also after a failure. */
-bool compare(const char *a, const char *b, struct comparison *of, struct error *err);
+bool compare(struct comparison *of, struct error *err);
 bool comparison_is_within(const struct comparison *of); /* the tolerance */
 /* Prints the meaning of the colours of a map that has some, in a line without its end. */
 void comparison_print_colours(const struct comparison *of, struct printed *to);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The spectrum of a pixel or a region, and its colour. Or explains that of a scene: the reference
- * draws the region as it draws the whole picture, and the spectra of the lights and of the material
- * are listed beside the region's radiance. */
+/* The spectrum of a pixel or a region, and its colour. Of a scene, the reference draws the region
+ * as it draws the whole picture, and the spectra of the lights and of the material are listed
+ * beside the region's radiance. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
