@@ -81,10 +81,10 @@ struct bin {
     double largest;
 };
 
-static void peak_add(struct peak *to, double value, int x, int y)
+static void peak_add(struct peak *to, struct peak peak)
 {
-    if (value > to->largest)
-        *to = (struct peak){value, x, y};
+    if (peak.largest > to->largest)
+        *to = peak;
 }
 
 static void measure_add(struct pixel_difference *to, struct bin *bins, double value, int x, int y)
@@ -96,7 +96,7 @@ static void measure_add(struct pixel_difference *to, struct bin *bins, double va
     bin->count++;
     bin->largest = fmax(bin->largest, value);
     to->mean += value;
-    peak_add(&to->peak, value, x, y);
+    peak_add(&to->peak, (struct peak){value, x, y});
 }
 
 /* Finds the mean, and the least value that at least 95 % of the pixels do not exceed. */
@@ -152,7 +152,7 @@ static double compare_bands(const double *a, const double *b, int n, int x, int 
         const double difference = fabs(a[band] - b[band]);
         bands[band].rms += difference * difference;
         largest = fmax(largest, difference);
-        peak_add(&bands[band].peak, difference, x, y);
+        peak_add(&bands[band].peak, (struct peak){difference, x, y});
     }
     return largest;
 }
@@ -218,8 +218,7 @@ static void add_row(struct comparison *of, int row)
     const int n = of->a.cube.image.n_pages, width = of->a.cube.image.width;
     const struct band_difference *bands = of->row_bands + (size_t)row * (size_t)n;
     for (int band = 0; band < n; band++) {
-        const struct peak *peak = &bands[band].peak;
-        peak_add(&of->bands[band].peak, peak->largest, peak->x, peak->y);
+        peak_add(&of->bands[band].peak, bands[band].peak);
         of->bands[band].rms += bands[band].rms;
     }
     of->largest_radiance = fmax(of->largest_radiance, of->largest_a[row]);
