@@ -122,8 +122,6 @@ static bool add_content(struct printed *to, const struct scene *scene, const cha
     }
     if (got < 0)
         error_system(err, "cannot read %s", path);
-    else if (to->failed)
-        memory_lacks(err, 2 * (double)to->length, "a page with %s", path);
     close(descriptor);
     return err->status == EXIT_AGREED;
 }
