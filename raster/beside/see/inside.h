@@ -197,11 +197,9 @@ struct probe {
     struct column *columns; /* owned, with their values */
     int n_columns;
     struct moments *moments; /* of each band, while samples come; owned */
-    struct region_object {
-        int number; /* of the object, or surface, at the pixel that came last */
-        bool begun, several;
-    } shown;
+    int shown; /* the object, or surface, that all pixels so far show; or a number below */
 };
+enum { NO_PIXEL = -3, SEVERAL = -2 };
 /* Mean and standard deviation of values. Zero it before use. The sums are of differences from the
  * first value, so that the mean of equal values is exact and their deviation is 0. */
 struct moments {

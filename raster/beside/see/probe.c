@@ -80,10 +80,10 @@ static struct column *add_column(struct probe *probe, const char *name, const ch
 
 void note_shown(struct probe *probe, int number)
 {
-    struct region_object *shown = &probe->shown;
-    shown->several = shown->several || (shown->begun && number != shown->number);
-    shown->number = number;
-    shown->begun = true;
+    if (probe->shown == NO_PIXEL)
+        probe->shown = number;
+    else if (number != probe->shown)
+        probe->shown = SEVERAL;
 }
 
 bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err)
@@ -91,6 +91,7 @@ bool probe_begin(struct probe *probe, const struct cube *cube, struct error *err
     const struct image *image = &cube->image;
     probe->absolute = cube->record.unit != NULL;
     probe->n = image->n_pages;
+    probe->shown = NO_PIXEL;
     if (!string_copy(image->path, &probe->source, err))
         return false;
     if (probe->at.x > image->width - probe->at.width ||
@@ -217,10 +218,10 @@ static bool add_material(struct probe *probe, const struct material *material, s
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
-    const int surface = probe->shown.number; /* -1: the background */
+    const int surface = probe->shown; /* -1: the background */
     const struct material *shown =
-        probe->shown.several || surface < 0 ? NULL : region->lit.bounds[surface].shaded->material;
-    return (probe->shown.several ||
+        surface < 0 ? NULL : region->lit.bounds[surface].shaded->material;
+    return (surface == SEVERAL ||
             string_copy(object_name(region->lit.plan, surface), &probe->object, err)) &&
            (!shown || add_material(probe, shown, err)) &&
            add_lights(probe, region->lit.plan->scene, shown, err);

@@ -189,15 +189,14 @@ bool probe_stack(struct probe *probe, const char *path, struct error *err)
 {
     struct measured of = {.edges = false};
     const struct cube *cube = &of.rows.cube;
-    const struct region_object *shown = &probe->shown;
     bool done = open_stack(&of, path, err) && probe_begin(probe, cube, err) &&
                 choose_pixels(&of, probe, err) && measure(&of, err);
     if (done && probe->moments->n == 0)
         done =
             error_usage(err, "%s: no pixel shows '%.100s' but at its edges", path, probe->wanted);
-    if (done && !shown->several && shown->number >= 0)
-        done = string_copy(shown->number > 0 ? cube->record.objects.text[shown->number - 1]
-                                             : "background",
+    if (done && probe->shown >= 0)
+        done = string_copy(probe->shown > 0 ? cube->record.objects.text[probe->shown - 1]
+                                            : "background",
                            &probe->object, err);
     done = done && probe_end(probe, cube, err);
     measured_free(&of);
