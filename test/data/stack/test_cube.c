@@ -129,7 +129,7 @@ static void test_mean(void)
     CHECK_TEXT(cube.record.ambients.text[0], "2*4", "the ambient light");
     check_no_white(&cube, "0", "the white is 0 at all of the stack's wavelengths");
     check_no_white(&cube, "an unknown light is refused", "--white:1:1: error: ");
-    check_no_white(&cube, "", "expected one line");
+    check_no_white(&cube, "", "must not be empty");
     check_no_white(&cube, "-1", "--white:1:1: error: ");
     cube_close(&cube);
     cube_close(&cube);
