@@ -140,8 +140,8 @@ static bool find_exposure(struct development *of, struct error *err)
 
 /* ---- pixels ---- */
 
-/* Stores a pixel on pages: as floats, where a value beyond the largest becomes that; or as counts
- * of the full scale, of which none is below 0. Returns how many values are below 0. */
+/* Stores a pixel on pages, as floats or as counts of the full scale. A value beyond the largest, or
+ * below the least, becomes that. Returns how many values are below 0. */
 static uint64_t store_channels(const struct development *of, size_t pixel, const double *values)
 {
     uint64_t below_0 = 0;

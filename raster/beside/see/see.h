@@ -108,7 +108,7 @@ struct sight {
     struct detector detector;   /* owned */
     double *weights;            /* [channel * n_pages + page]; owned */
     double lost[MOST_CHANNELS]; /* parts of sensitivities outside the range, as detector_lost */
-    /* Of a detector of three channels: its responses to the white, and to a radiance of 1. */
+    /* A detector of three channels has responses to the white, and to a radiance of 1. */
     bool has_white;
     double white[3], equal[3];
 };
